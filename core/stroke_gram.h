@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/symmetric_matrix.h"
+
+namespace hydroscope {
+
+/// What one stroke leaves behind: the sums of products from which every later fit, ranking and interval is
+/// computed. Columns are those of `models/regressor_set.h`: base regressors, output, library regressors.
+/// Sums of Grams over strokes are exact least squares over those strokes.
+struct StrokeGram {
+  std::int64_t blocks = 0;  ///< block means that entered `integral`
+  std::int64_t spans = 0;   ///< spans, each of which spent one intercept
+  std::int64_t windows = 0; ///< flow windows that entered `flow`
+  SymmetricMatrix integral; ///< m^3 units: volumes, block means, each span about its own mean
+  SymmetricMatrix noise;    ///< share of `integral` that is sensor noise, from odd minus even samples
+  SymmetricMatrix flow;     ///< m^3/s units: flows over the triangular window, not centred
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,102 @@
+#include "core/units.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace hydroscope {
+namespace {
+
+using Named = std::pair<std::string_view, Unit>;
+constexpr std::array<Named, 41> kUnits = {{
+    {"1", {1, 0, "1"}},
+    {"%", {0.01, 0, "1"}},
+    {"s", {1, 0, "s"}},
+    {"ms", {1e-3, 0, "s"}},
+    {"us", {1e-6, 0, "s"}},
+    {"ns", {1e-9, 0, "s"}},
+    {"min", {60, 0, "s"}},
+    {"h", {3600, 0, "s"}},
+    {"Pa", {1, 0, "Pa"}},
+    {"kPa", {1e3, 0, "Pa"}},
+    {"MPa", {1e6, 0, "Pa"}},
+    {"GPa", {1e9, 0, "Pa"}},
+    {"bar", {1e5, 0, "Pa"}},
+    {"mbar", {1e2, 0, "Pa"}},
+    {"psi", {6894.757293168, 0, "Pa"}},
+    {"m", {1, 0, "m"}},
+    {"cm", {1e-2, 0, "m"}},
+    {"mm", {1e-3, 0, "m"}},
+    {"um", {1e-6, 0, "m"}},
+    {"m/s", {1, 0, "m/s"}},
+    {"mm/s", {1e-3, 0, "m/s"}},
+    {"m2", {1, 0, "m2"}},
+    {"cm2", {1e-4, 0, "m2"}},
+    {"mm2", {1e-6, 0, "m2"}},
+    {"m3", {1, 0, "m3"}},
+    {"l", {1e-3, 0, "m3"}},
+    {"cm3", {1e-6, 0, "m3"}},
+    {"m3/s", {1, 0, "m3/s"}},
+    {"l/min", {1e-3 / 60, 0, "m3/s"}},
+    {"V", {1, 0, "V"}},
+    {"mV", {1e-3, 0, "V"}},
+    {"mA", {1e-3, 0, "A"}},
+    {"A", {1, 0, "A"}},
+    {"N", {1, 0, "N"}},
+    {"kN", {1e3, 0, "N"}},
+    {"K", {1, 0, "K"}},
+    {"degC", {1, 273.15, "K"}},
+    {"°C", {1, 273.15, "K"}},
+    {"Hz", {1, 0, "Hz"}},
+    {"rad/s", {1, 0, "rad/s"}},
+    {"m3/(s Pa)", {1, 0, "m3/(s Pa)"}},
+}};
+
+}  // namespace
+
+std::optional<Unit> FindUnit(std::string_view name) {
+  for (const auto& [key, unit] : kUnits)
+    if (key == name) return unit;
+  return std::nullopt;
+}
+
+std::vector<std::string> UnitNames() {
+  std::vector<std::string> names;
+  for (const auto& [key, unit] : kUnits) names.emplace_back(key);
+  return names;
+}
+
+DisplayUnit DisplayUnitFor(std::string_view si) {
+  if (si == "Pa") return {1e-5, 0, "bar"};
+  if (si == "m") return {1e3, 0, "mm"};
+  if (si == "m/s") return {1e3, 0, "mm/s"};
+  if (si == "m2") return {1e6, 0, "mm2"};
+  if (si == "m3") return {1e3, 0, "l"};
+  if (si == "m3/s") return {6e4, 0, "l/min"};
+  if (si == "K") return {1, -273.15, "°C"};
+  return {1, 0, si};
+}
+
+std::string Nearest(std::string_view name, const std::vector<std::string>& candidates) {
+  std::string best;
+  std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    std::vector<std::size_t> row(candidate.size() + 1);
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      std::size_t diagonal = row[0]++;
+      for (std::size_t j = 0; j < candidate.size(); ++j) {
+        const std::size_t substitute = diagonal + (name[i] != candidate[j]);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({row[j + 1] + 1, row[j] + 1, substitute});
+      }
+    }
+    if (row.back() < best_distance) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,26 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace hydroscope {
+
+/// Exit codes scripts rely on (docs/command_line.md).
+enum ExitCode { kDone = 0, kOwnFault = 1, kWrongUse = 2, kWrongInput = 3, kPartlyDone = 4 };
+
+/// Every command lives in service/commands/<name>.cc, adds itself to `app` and leaves its exit code in
+/// `exit_code` when it runs.
+void AddInitCommand(CLI::App& app, int& exit_code);
+void AddCheckCommand(CLI::App& app, int& exit_code);
+void AddSimulateCommand(CLI::App& app, int& exit_code);
+void AddFitCommand(CLI::App& app, int& exit_code);
+void AddFrfCommand(CLI::App& app, int& exit_code);
+void AddReplayCommand(CLI::App& app, int& exit_code);
+void AddTrendsCommand(CLI::App& app, int& exit_code);
+void AddBenchmarkCommand(CLI::App& app, int& exit_code);
+
+/// The whole command line; returns the exit code. main() and the tests call it.
+int RunCommandLine(int argc, const char* const* argv);
+
+}  // namespace hydroscope

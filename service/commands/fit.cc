@@ -1,0 +1,10 @@
+#include <CLI/CLI.hpp>
+
+#include "service/commands.h"
+#include "service/output.h"
+
+namespace hydroscope {
+
+void AddFitCommand(CLI::App&, int&) {}
+
+}  // namespace hydroscope

@@ -1,0 +1,3 @@
+#include "service/commands.h"
+
+int main(int argc, char** argv) { return hydroscope::RunCommandLine(argc, argv); }

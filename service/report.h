@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/records.h"
+#include "core/result.h"
+#include "models/machine.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+
+/// Measured and modelled flow of one stroke, for the overlay plot.
+struct StrokeOverlay {
+  std::int64_t sequence = 0;
+  std::vector<double> time;       ///< s
+  std::vector<double> measured;   ///< m^3/s
+  std::vector<double> modelled;   ///< m^3/s
+  double noise_floor = 0;         ///< m^3/s, rms that sensor noise alone would cause
+};
+
+/// What was left out and why: "values flagged stuck, p_A", 1234 rows.
+struct SkippedItem {
+  std::string what;
+  std::int64_t rows = 0;
+  std::string why;
+};
+
+struct ReportInput {
+  Machine machine;
+  std::vector<RunInfo> runs;
+  std::vector<StrokeSummary> strokes;             ///< in order; summary.index is the machine-wide sequence here
+  std::vector<TrendPoint> trends;                 ///< all parameters, in order of sequence
+  std::vector<StrokeOverlay> overlays;            ///< one or a few chosen strokes
+  std::vector<SkippedItem> skipped;
+  std::int64_t rows = 0;                          ///< rows read
+  double noise_floor = 0, rms_holdout = 0;        ///< m^3/s
+};
+
+/// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4): verdict first, trends
+/// over strokes and over oil temperature with 95 % bands, model against measurement, what was skipped and why.
+Status WriteReport(const std::string& path, const ReportInput& input);
+
+}  // namespace hydroscope

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "core/stroke_record.h"
+
+namespace hydroscope {
+
+/// A machine model as it stood when strokes were identified with it.
+struct ModelVersion {
+  int version = 1;
+  std::string definition;                ///< the machine file (TOML) in force
+  std::vector<std::string> columns;      ///< names of the Gram columns, in order
+};
+
+/// A replay of one log (or, later, one session of the live service).
+struct RunInfo {
+  std::int64_t id = 0;
+  std::string source;        ///< path of the log
+  std::string fingerprint;   ///< identifies log content, machine file and program settings; same = same run
+  std::int64_t strokes = 0;  ///< strokes stored so far
+  std::int64_t first_sequence = 0;  ///< machine-wide sequence number of the run's stroke 0
+  bool complete = false;
+  std::string summary_json;  ///< counters of the finished run (rows, flags, findings), "" while incomplete
+};
+
+struct TrendPoint {
+  std::int64_t run = 0;
+  std::int64_t stroke = 0;    ///< index within the run
+  std::int64_t sequence = 0;  ///< machine-wide stroke number
+  double time = 0;            ///< s, end of the stroke in the log's own time
+  double oil_temperature = 0; ///< K, NaN if not measured
+  Estimate estimate;
+};
+
+/// The trend database, docs/database.md. WAL, synchronous=NORMAL, one transaction per batch.
+/// A stroke is identified by (run, index) and is stored once, whatever is killed when.
+class Database {
+ public:
+  /// Creates the file or opens it; an older schema is migrated, a newer one is an error that says so.
+  static Result<Database> Open(const std::string& path);
+  /// For readers: never creates the file.
+  static Result<Database> OpenReadOnly(const std::string& path);
+  Database(Database&&) noexcept;
+  Database& operator=(Database&&) noexcept;
+  ~Database();
+
+  /// Id of the machine of this name, created if new.
+  Result<std::int64_t> MachineId(const std::string& name);
+  Result<std::vector<std::string>> MachineNames() const;
+  /// Stores the definition as a new version if it differs from the latest; returns its version number.
+  Result<int> PutModelVersion(std::int64_t machine, const ModelVersion& model);
+  Result<ModelVersion> GetModelVersion(std::int64_t machine, int version) const;
+
+  /// The run with this fingerprint, with the strokes it already has; created if new.
+  Result<RunInfo> BeginRun(std::int64_t machine, int model_version, const std::string& source,
+                           const std::string& fingerprint);
+  /// Appends strokes in one transaction. Strokes whose index is already stored are skipped, a hole is an error.
+  Status StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes);
+  /// Marks the run complete; `pipeline_state` lets the next run of the machine continue from here.
+  Status FinishRun(std::int64_t run, const std::string& summary_json, const std::vector<std::uint8_t>& pipeline_state);
+  /// State the machine's latest complete run before `run` left; nullopt for the first run.
+  Result<std::optional<std::vector<std::uint8_t>>> PipelineStateBefore(std::int64_t run) const;
+
+  Result<std::vector<RunInfo>> Runs(std::int64_t machine) const;
+  /// Trend of one parameter ("" = all), in order of sequence.
+  Result<std::vector<TrendPoint>> Trend(std::int64_t machine, const std::string& parameter) const;
+  Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;
+  /// Grams of strokes with first <= sequence < last.
+  Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
+
+  /// Raw window: consecutive samples as compressed blobs, the oldest dropped beyond `max_bytes`.
+  Status StoreRaw(std::int64_t run, const std::vector<std::string>& signals, const std::vector<double>& time,
+                  const std::vector<std::vector<double>>& values, std::int64_t max_bytes);
+
+ private:
+  struct Impl;
+  explicit Database(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hydroscope
