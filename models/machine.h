@@ -12,52 +12,64 @@ namespace hydroscope {
 /// One signal of the machine: where it comes from and how it becomes SI.
 /// SI value = (raw * scale + offset) converted from `unit`.
 struct SignalSpec {
-  std::string name;      ///< the model's name: p_A, p_B, p_0, z, y_v, U_v, T_oil, or the user's own
-  std::string column;    ///< column header in the log, or 1-based number ("3") for logs without header
+  std::string name;    ///< the model's name: p_A, p_B, p_0, z, y_v, U_v, T_oil, or the user's own
+  std::string column;  ///< column header in the log, or 1-based number ("3") for logs without header
   std::string unit = "1";
   double scale = 1.0;
   double offset = 0.0;
   std::optional<double> min, max;   ///< SI; values outside are flagged out of range
   std::optional<double> noise_std;  ///< SI; known sensor noise; estimated from the data if absent
   double stuck_time = 0.1;          ///< s; the very same reading for longer is flagged stuck; 0 = never
-  bool required = true;             ///< a log without the column is an error (true) or the signal is missing (false)
+  bool required = true;  ///< a log without the column is an error (true) or the signal is missing (false)
+
+  bool operator==(const SignalSpec&) const = default;
 };
 
 /// A number the machine file gives with its standard uncertainty, SI.
 struct KnownValue {
   double value = 0.0;
   double std = 0.0;
+
+  bool operator==(const KnownValue&) const = default;
 };
 
 /// How a text log is laid out; what is absent is found by looking at the file.
 struct LogFormat {
-  std::optional<char> separator;        ///< ',' ';' '\t' ' '
-  std::optional<char> decimal;          ///< '.' or ','
-  std::optional<int> skip_lines;        ///< lines before the header row
-  std::optional<bool> header;           ///< false: columns are named by number
-  std::optional<bool> unit_row;         ///< a row of units follows the header
-  std::string time_column = "t";        ///< "" = no time column: rows are `sample_period` apart
+  std::optional<char> separator;  ///< ',' ';' '\t' ' '
+  std::optional<char> decimal;    ///< '.' or ','
+  std::optional<int> skip_lines;  ///< lines before the header row
+  std::optional<bool> header;     ///< false: columns are named by number
+  std::optional<bool> unit_row;   ///< a row of units follows the header
+  std::string time_column = "t";  ///< "" = no time column: rows are `sample_period` apart
   std::string time_unit = "s";
   std::optional<double> sample_period;  ///< s; found from the time column if absent
+
+  bool operator==(const LogFormat&) const = default;
 };
 
 /// Bounds on one signal (block mean, SI) or on its rate of change, for the gate.
 struct GateBound {
-  std::string signal;         ///< signal name
-  bool rate = false;          ///< true: bounds are on d/dt (written as "ddt(z)" in the file)
+  std::string signal;              ///< signal name
+  bool rate = false;               ///< true: bounds are on d/dt (written as "ddt(z)" in the file)
   std::optional<double> min, max;  ///< SI
+
+  bool operator==(const GateBound&) const = default;
 };
 
 struct GateSpec {
-  std::vector<GateBound> bounds;   ///< all must hold
-  double stroke_gap = 0.25;        ///< s outside the gate that end a stroke
-  double min_stroke = 0.3;         ///< s inside the gate below which a stroke is too short
+  std::vector<GateBound> bounds;  ///< all must hold
+  double stroke_gap = 0.25;       ///< s outside the gate that end a stroke
+  double min_stroke = 0.3;        ///< s inside the gate below which a stroke is too short
+
+  bool operator==(const GateSpec&) const = default;
 };
 
 struct WindowSpec {
   double block = 0.02;       ///< s averaged into one equation
   double span = 0.4;         ///< s that share one intercept (integration constant)
   double half_width = 0.04;  ///< s, half width of the triangular window in which flows are shown and compared
+
+  bool operator==(const WindowSpec&) const = default;
 };
 
 enum class EstimatorForm { kDirectional, kExponential };
@@ -66,18 +78,20 @@ enum class EquationForm { kIntegral, kPublished };
 struct EstimatorSpec {
   EquationForm equation = EquationForm::kIntegral;
   EstimatorForm form = EstimatorForm::kDirectional;
-  double forgetting_factor = 0.998;                ///< exponential form, per update
-  double time_constant = 60.0;                     ///< s of excited data, directional form
-  std::map<std::string, double> time_constants;    ///< s, per regression parameter, overrides `time_constant`
-  double initial_covariance = 500.0;               ///< alpha of P(0) = alpha I, in scaled units
-  double initial_parameter = 1.0;                  ///< theta(0), in scaled units (as published) ...
-  bool initial_from_first_stroke = true;           ///< ... or start from the first stroke's least squares
-  double max_covariance = 1e6;                     ///< bound on the diagonal of P, scaled units
-  double dead_zone = 0.0;                          ///< innovations below this many noise std do not update
-  double clip = 4.0;                               ///< innovations beyond this many noise std are clipped; 0 = never
-  int moving_average = 31;                         ///< samples, published form
-  int symmetrical_derivative = 25;                 ///< samples, published form
-  double update_period = 0.01;                     ///< s, published form
+  double forgetting_factor = 0.998;              ///< exponential form, per update
+  double time_constant = 60.0;                   ///< s of excited data, directional form
+  std::map<std::string, double> time_constants;  ///< s, per regression parameter, overrides `time_constant`
+  double initial_covariance = 500.0;             ///< alpha of P(0) = alpha I, in scaled units
+  double initial_parameter = 1.0;                ///< theta(0), in scaled units (as published) ...
+  bool initial_from_first_stroke = true;         ///< ... or start from the first stroke's least squares
+  double max_covariance = 1e6;                   ///< bound on the diagonal of P, scaled units
+  double dead_zone = 0.0;                        ///< innovations below this many noise std do not update
+  double clip = 4.0;                ///< innovations beyond this many noise std are clipped; 0 = never
+  int moving_average = 31;          ///< samples, published form
+  int symmetrical_derivative = 25;  ///< samples, published form
+  double update_period = 0.01;      ///< s, published form
+
+  bool operator==(const EstimatorSpec&) const = default;
 };
 
 /// Limits of one monitored parameter, SI.
@@ -85,6 +99,8 @@ struct MonitorSpec {
   std::string parameter;
   std::optional<double> warn_low, warn_high, alarm_low, alarm_high;
   std::optional<double> reference;  ///< healthy value, if known
+
+  bool operator==(const MonitorSpec&) const = default;
 };
 
 /// What `frf` needs to know of the valve.
@@ -92,13 +108,17 @@ struct ValveSpec {
   std::string input = "U_v";   ///< command signal
   std::string output = "y_v";  ///< response signal
   double full_scale = 10.0;    ///< SI of the input at full command: gain = output / (input / full_scale)
+
+  bool operator==(const ValveSpec&) const = default;
 };
 
 /// A term the user wrote: parameter name -> expression over the machine's signals.
 struct TermSpec {
   std::string parameter;
   std::string expression;
-  std::string unit;      ///< optional
+  std::string unit;  ///< optional
+
+  bool operator==(const TermSpec&) const = default;
 };
 
 /// An effect the user wrote.
@@ -106,6 +126,8 @@ struct UserEffectSpec {
   std::string id;
   std::string description;
   std::vector<TermSpec> terms;
+
+  bool operator==(const UserEffectSpec&) const = default;
 };
 
 /// The balance of a machine of the user's own; empty output = built-in balance of `model`.
@@ -113,14 +135,17 @@ struct BalanceSpec {
   std::string output;
   std::string unit;
   std::vector<TermSpec> terms;
+
+  bool operator==(const BalanceSpec&) const = default;
 };
 
 /// One machine file (TOML). docs/machine_file.md documents every key.
 struct Machine {
   std::string name;
-  std::string model = "die_cushion";  ///< built-in balance, or "expressions"
+  std::string model =
+      "die_cushion";  ///< built-in balance, "valve" (command and response only) or "expressions"
   std::string description;
-  std::vector<SignalSpec> signals;    ///< index here = index in SampleBlock::signal
+  std::vector<SignalSpec> signals;             ///< index here = index in SampleBlock::signal
   std::map<std::string, KnownValue> geometry;  ///< A_A (m2), dp_nom (Pa), p_t (Pa), ... SI
   LogFormat log;
   GateSpec gate;
@@ -137,6 +162,8 @@ struct Machine {
   int SignalIndex(const std::string& signal_name) const;
   /// Geometry value or nullopt.
   std::optional<KnownValue> Geometry(const std::string& key) const;
+
+  bool operator==(const Machine&) const = default;
 };
 
 /// Reads a machine file. Errors name file, line, key, value and what was expected; an unknown key is an error

@@ -1,0 +1,69 @@
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "models/machine.h"
+#include "models/machine_keys.h"
+#include "models/machine_sections.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::uintmax_t kMaxBytes = 4u << 20;
+
+Result<toml::table> ParseToml(const std::string& text, const std::string& origin) {
+  try {
+    return toml::parse(text, origin);
+  } catch (const toml::parse_error& error) {
+    return BadInput("{}:{}: this is no valid TOML at column {}: {}", origin, error.source().begin.line,
+                    error.source().begin.column, error.description());
+  }
+}
+
+/// Defaults that depend on what the file says.
+void FillDefaults(const std::string& origin, Machine& machine) {
+  if (machine.name.empty()) machine.name = std::filesystem::path(origin).stem().string();
+  if (machine.model == "die_cushion") machine.geometry.try_emplace("p_t", KnownValue{0.0, 0.0});
+}
+
+}  // namespace
+
+Result<Machine> LoadMachine(const std::string& path) {
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(path, failure);
+  if (failure) return BadInput("{}: the machine file cannot be read: {}", path, failure.message());
+  if (size > kMaxBytes)
+    return BadInput("{}: {} bytes is too large for a machine file (expected some kilobytes); is it a log?",
+                    path, size);
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) return BadInput("{}: the machine file cannot be read", path);
+  return ParseMachine(text.str(), path);
+}
+
+Result<Machine> ParseMachine(const std::string& text, const std::string& origin) {
+  const Result<toml::table> root = ParseToml(text, origin);
+  if (!root) return tl::unexpected(root.error());
+  FileProblems problems(origin);
+  TableReader file(*root, "", problems);
+  file.AllowOnly(MachineFileKeys(""));
+  Machine machine;
+  ReadMachineSection(file, machine);
+  ReadLogSection(file, machine);
+  ReadSignals(file, machine);
+  ReadGeometry(file, machine);
+  ReadGate(file, machine);
+  ReadWindow(file, machine);
+  ReadEstimator(file, machine);
+  ReadMonitors(file, machine);
+  ReadValve(file, machine);
+  ReadBalance(file, machine);
+  ReadEffects(file, machine);
+  if (!problems.any()) CheckMachine(file, machine);
+  if (problems.any()) return tl::unexpected(problems.ToError());
+  FillDefaults(origin, machine);
+  return machine;
+}
+
+}  // namespace hydroscope

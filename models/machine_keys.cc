@@ -1,0 +1,84 @@
+#include "models/machine_keys.h"
+
+#include <array>
+
+namespace hydroscope {
+namespace {
+
+constexpr std::array<ModelInput, 8> kCushionSignals = {{
+    {"p_A", "Pa", true, "pressure in the cylinder chamber A"},
+    {"z", "m", true, "position of the cushion"},
+    {"y_v", "1", true, "spool position, -1 to 1"},
+    {"p_B", "Pa", false, "pressure in chamber B"},
+    {"p_0", "Pa", false, "supply pressure"},
+    {"p_t", "Pa", false, "tank pressure"},
+    {"U_v", "V", false, "valve command"},
+    {"T_oil", "K", false, "oil temperature"},
+}};
+constexpr std::array<ModelInput, 3> kCushionGeometry = {{
+    {"A_A", "m2", true, "piston area on side A"},
+    {"dp_nom", "Pa", true, "pressure drop at which the valve's nominal flow is stated"},
+    {"p_t", "Pa", false, "tank pressure where it is not measured"},
+}};
+constexpr std::array<ModelInput, 4> kCushionParameters = {{
+    {"K", "Pa", true, "effective bulk modulus"},
+    {"V0", "m3", true, "dead volume"},
+    {"Q_vn", "m3/s", true, "nominal flow of the valve"},
+    {"y_0", "1", true, "spool offset"},
+}};
+const std::array<ModelInputs, 3> kModels = {{
+    {"die_cushion", kCushionSignals, kCushionGeometry, kCushionParameters},
+    {"valve", {}, {}, {}},
+    {"expressions", {}, {}, {}},
+}};
+
+}  // namespace
+
+const std::vector<MachineSection>& MachineFileSections() {
+  static const std::vector<MachineSection> sections = {
+      {"",
+       {"machine", "log", "signals", "geometry", "gate", "window", "estimator", "monitor", "valve", "balance",
+        "effect"}},
+      {"machine", {"name", "model", "description", "model_version", "effects"}},
+      {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period"}},
+      {"log.time", {"column", "unit"}},
+      {"signals.<name>",
+       {"column", "unit", "scale", "offset", "min", "max", "noise", "stuck_time", "required"}},
+      {"geometry.<name>", {"value", "std", "unit"}},
+      {"gate", {"conditions", "stroke_gap", "min_stroke"}},
+      {"gate.conditions.<signal>", {"min", "max", "unit"}},
+      {"window", {"block", "span", "half_width"}},
+      {"estimator",
+       {"equation", "form", "forgetting_factor", "time_constant", "time_constants", "initial_covariance",
+        "initial_parameter", "initial_from_first_stroke", "max_covariance", "dead_zone", "clip",
+        "moving_average", "symmetrical_derivative", "update_period"}},
+      {"monitor.<parameter>", {"unit", "reference", "warn_low", "warn_high", "alarm_low", "alarm_high"}},
+      {"valve", {"input", "output", "full_scale"}},
+      {"balance", {"output", "unit", "terms"}},
+      {"effect", {"id", "description", "terms", "unit"}},
+      {"terms.<parameter>", {"expression", "unit"}},
+      {"<quantity>", {"value", "unit"}},
+  };
+  return sections;
+}
+
+const std::vector<std::string>& MachineFileKeys(std::string_view name) {
+  static const std::vector<std::string> none;
+  for (const MachineSection& section : MachineFileSections())
+    if (section.name == name) return section.keys;
+  return none;
+}
+
+const ModelInputs* FindModelInputs(std::string_view model) {
+  for (const ModelInputs& inputs : kModels)
+    if (inputs.model == model) return &inputs;
+  return nullptr;
+}
+
+std::vector<std::string> ModelNames() {
+  std::vector<std::string> names;
+  for (const ModelInputs& inputs : kModels) names.emplace_back(inputs.model);
+  return names;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <set>
+
+#include "models/machine_keys.h"
+#include "models/machine_sections.h"
+
+namespace hydroscope {
+namespace {
+
+std::string SiOf(const std::string& unit) { return FindFileUnit(unit).value_or(FileUnit{.si = "1"}).si; }
+
+std::vector<std::string> SignalNames(const Machine& machine) {
+  std::vector<std::string> names;
+  for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
+  return names;
+}
+
+/// terms = { F_c = "sign(ddt(x))" } or { F_c = { expression = "sign(ddt(x))", unit = "N" } }.
+std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& default_unit) {
+  std::vector<TermSpec> terms;
+  const toml::table* table = section.Table("terms");
+  if (table == nullptr || table->empty()) {
+    section.Problem("terms is missing; write e.g. terms = { F_c = \"sign(ddt(x))\" }");
+    return terms;
+  }
+  TableReader reader(*table, section.path() + ".terms", section.problems());
+  for (const TableReader::Entry& entry : reader.Entries()) {
+    TermSpec term{entry.key, "", default_unit};
+    if (const toml::table* details = entry.node->as_table()) {
+      TableReader inner(*details, reader.path() + "." + entry.key, section.problems());
+      inner.AllowOnly(MachineFileKeys("terms.<parameter>"));
+      inner.Text("expression", term.expression);
+      inner.Text("unit", term.unit);
+    } else {
+      reader.Text(entry.key, term.expression);
+    }
+    if (term.expression.empty())
+      reader.Wrong(entry.key, "an expression over the signals in quotes, e.g. \"p*sign(ddt(x))\"");
+    terms.push_back(std::move(term));
+  }
+  return terms;
+}
+
+void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machine) {
+  section.AllowOnly(MachineFileKeys("effect"));
+  UserEffectSpec effect;
+  section.Text("id", effect.id);
+  if (effect.id.empty()) section.Problem("id is missing; write e.g. id = \"coulomb_friction\"");
+  if (!effect.id.empty() && !ids.insert(effect.id).second)
+    section.Wrong("id", "an id that no other effect has");
+  section.Text("description", effect.description);
+  std::string unit;
+  section.Text("unit", unit);
+  effect.terms = ReadTerms(section, unit);
+  machine.user_effects.push_back(std::move(effect));
+}
+
+/// A signal that differs from one of the model's only in case is a slip of the pen.
+bool SameButCase(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+void CheckModelSignals(TableReader& file, const Machine& machine, const ModelInputs& model) {
+  const toml::table* table = file.Table("signals");
+  if (table == nullptr || table->empty()) {
+    file.Problem("section [signals] is missing: it says which column of the log is which signal");
+    return;
+  }
+  TableReader section(*table, "signals", file.problems());
+  for (const ModelInput& input : model.signals) {
+    const int index = machine.SignalIndex(std::string(input.name));
+    if (index >= 0) {
+      const std::string si = SiOf(machine.signals[index].unit);
+      if (si != input.si)
+        section.Wrong(input.name,
+                      fmt::format("a signal in {} or a unit of the same quantity ({}), found unit \"{}\"",
+                                  input.si, input.meaning, machine.signals[index].unit));
+      continue;
+    }
+    for (const SignalSpec& signal : machine.signals)
+      if (SameButCase(signal.name, input.name))
+        section.Wrong(signal.name, fmt::format("the spelling {} ({})", input.name, input.meaning));
+    if (input.required)
+      section.Problem(fmt::format(
+          "{} is missing: model \"{}\" needs the {}; {}write e.g. {} = {{ column = \"...\", unit = \"{}\" }}",
+          input.name, model.model, input.meaning, DidYouMean(input.name, SignalNames(machine)), input.name,
+          input.si));
+  }
+}
+
+void CheckModelGeometry(TableReader& file, const Machine& machine, const ModelInputs& model) {
+  const toml::table* table = file.Table("geometry");
+  for (const ModelInput& input : model.geometry) {
+    if (!input.required || machine.Geometry(std::string(input.name))) continue;
+    const std::string text = fmt::format(
+        "{} is missing: model \"{}\" needs the {}; write e.g. {} = {{ value = ..., unit = \"{}\" }}",
+        input.name, model.model, input.meaning, input.name, input.si);
+    if (table == nullptr)
+      file.Problem("[geometry] " + text);
+    else
+      TableReader(*table, "geometry", file.problems()).Problem(text);
+  }
+}
+
+void CheckValveSignals(TableReader& file, const Machine& machine) {
+  if (machine.model != "valve" && !file.Has("valve")) return;
+  for (const std::string& name : {machine.valve.input, machine.valve.output}) {
+    if (machine.SignalIndex(name) >= 0) continue;
+    file.Problem(fmt::format("[valve] signal {} is not in [signals]; {}signals: {}", name,
+                             DidYouMean(name, SignalNames(machine)), Listed(SignalNames(machine))));
+  }
+}
+
+}  // namespace
+
+void ReadMonitors(TableReader& file, Machine& machine) {
+  const toml::table* table = file.Table("monitor");
+  if (table == nullptr) return;
+  const ModelInputs& model = *FindModelInputs(machine.model);
+  TableReader section(*table, "monitor", file.problems());
+  for (const TableReader::Entry& entry : section.Entries()) {
+    const toml::table* limits = section.Table(entry.key);
+    if (limits == nullptr) continue;
+    TableReader reader(*limits, "monitor." + entry.key, file.problems());
+    reader.AllowOnly(MachineFileKeys("monitor.<parameter>"));
+    const auto parameter = std::find_if(model.parameters.begin(), model.parameters.end(),
+                                        [&](const ModelInput& i) { return i.name == entry.key; });
+    const std::string si(parameter == model.parameters.end() ? "" : parameter->si);
+    std::string unit = si;
+    reader.UnitName("unit", unit, si);
+    const Quantity quantity{.si = si, .default_unit = unit};
+    MonitorSpec spec;
+    spec.parameter = entry.key;
+    reader.Number("reference", spec.reference, quantity);
+    reader.Number("alarm_low", spec.alarm_low, quantity);
+    reader.Number("warn_low", spec.warn_low, quantity);
+    reader.Number("warn_high", spec.warn_high, quantity);
+    reader.Number("alarm_high", spec.alarm_high, quantity);
+    std::optional<double> below;
+    for (const auto& [key, limit] :
+         {std::pair("alarm_low", spec.alarm_low), std::pair("warn_low", spec.warn_low),
+          std::pair("warn_high", spec.warn_high), std::pair("alarm_high", spec.alarm_high)}) {
+      if (limit && below && *limit < *below)
+        reader.Wrong(key, "limits in the order alarm_low <= warn_low <= warn_high <= alarm_high");
+      if (limit) below = limit;
+    }
+    machine.monitors.push_back(std::move(spec));
+  }
+}
+
+void ReadValve(TableReader& file, Machine& machine) {
+  const toml::table* table = file.Table("valve");
+  if (table == nullptr) return;
+  TableReader section(*table, "valve", file.problems());
+  section.AllowOnly(MachineFileKeys("valve"));
+  section.Text("input", machine.valve.input);
+  section.Text("output", machine.valve.output);
+  const int input = machine.SignalIndex(machine.valve.input);
+  const std::string si = input < 0 ? "" : SiOf(machine.signals[input].unit);
+  section.Number("full_scale", machine.valve.full_scale, {.si = si, .low = 0, .above_low = true});
+}
+
+void ReadBalance(TableReader& file, Machine& machine) {
+  const toml::table* table = file.Table("balance");
+  if (table == nullptr) {
+    if (machine.model == "expressions")
+      file.Problem("model \"expressions\" needs a section [balance] with output and terms");
+    return;
+  }
+  TableReader section(*table, "balance", file.problems());
+  section.AllowOnly(MachineFileKeys("balance"));
+  section.Text("output", machine.balance.output);
+  if (machine.balance.output.empty()) section.Problem("output is missing; write e.g. output = \"F\"");
+  const int signal = machine.SignalIndex(machine.balance.output);
+  machine.balance.unit = signal < 0 ? "" : SiOf(machine.signals[signal].unit);
+  const std::string expected = machine.balance.unit;
+  section.Text("unit", machine.balance.unit);
+  if (const auto unit = FindFileUnit(machine.balance.unit);
+      unit && (unit->scale != 1.0 || unit->offset != 0.0))
+    section.Wrong("unit", fmt::format("the SI unit \"{}\": balances are computed in SI", unit->si));
+  else if (!expected.empty() && machine.balance.unit != expected)
+    section.Wrong("unit", fmt::format("\"{}\", the SI unit of {}", expected, machine.balance.output));
+  machine.balance.terms = ReadTerms(section, "");
+}
+
+void ReadEffects(TableReader& file, Machine& machine) {
+  if (!file.Has("effect")) return;
+  const toml::node* node = nullptr;
+  for (const TableReader::Entry& entry : file.Entries())
+    if (entry.key == "effect") node = entry.node;
+  const toml::array* list = node->as_array();
+  if (list == nullptr || !list->is_homogeneous<toml::table>()) {
+    file.Wrong("effect", "sections [[effect]] with two brackets");
+    return;
+  }
+  std::set<std::string> ids;
+  for (const toml::node& effect : *list) {
+    TableReader section(*effect.as_table(), "effect", file.problems());
+    ReadEffect(section, ids, machine);
+  }
+}
+
+void CheckMachine(TableReader& file, const Machine& machine) {
+  const ModelInputs& model = *FindModelInputs(machine.model);
+  CheckModelSignals(file, machine, model);
+  CheckModelGeometry(file, machine, model);
+  CheckValveSignals(file, machine);
+}
+
+}  // namespace hydroscope
