@@ -1,0 +1,246 @@
+#include "simulator/press.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulator/controller.h"
+#include "simulator/delay_line.h"
+#include "simulator/effects.h"
+#include "simulator/motion.h"
+#include "simulator/plant.h"
+#include "simulator/valve.h"
+
+namespace hydroscope {
+namespace {
+
+PressOptions WithSeeds(PressOptions options) {
+  if (options.control_seed == 0) options.control_seed = StreamSeed(options.seed, "control seed");
+  if (options.noise_seed == 0) options.noise_seed = StreamSeed(options.seed, "noise seed");
+  return options;
+}
+
+/// Whole numbers of controller cycles per sample and of integration steps per cycle.
+struct Grid {
+  std::int64_t cycles_per_sample, steps_per_cycle;
+  double cycle, step;  // s
+};
+Grid MakeGrid(const PressOptions& o, const PressEffectSizes& effects) {
+  Grid grid;
+  const auto parts = [](double whole, double part) {
+    return std::max<std::int64_t>(1, std::llround(std::ceil(whole / part - 1e-9)));
+  };
+  grid.cycles_per_sample = parts(o.sample_period, o.control_period);
+  grid.cycle = o.sample_period / static_cast<double>(grid.cycles_per_sample);
+  const double z_low = o.motion.z_bottom - o.motion.z_bottom_spread;
+  const double stable = 1 / PressPlant::StiffestRate(o.machine, effects, z_low);
+  grid.steps_per_cycle = parts(grid.cycle, std::min(o.max_step, stable));
+  grid.step = grid.cycle / static_cast<double>(grid.steps_per_cycle);
+  return grid;
+}
+
+/// A supply pressure that breathes slowly.
+double Breathing(double mean, double amplitude, double period, double t) {
+  return mean + amplitude * std::sin(2 * std::numbers::pi * t / period);
+}
+
+}  // namespace
+
+struct PressGenerator::State {
+  explicit State(const PressOptions& given)
+      : options(WithSeeds(given)),
+        effects(ResolveEffects(given.effects).value()),
+        grid(MakeGrid(options, effects)),
+        motion(options.motion, options.seed),
+        set_point(options.machine, options.motion, options.control_seed),
+        controller(options.machine, options.motion, grid.cycle, options.control_seed),
+        between_samples(StreamSeed(options.noise_seed, "controller readings")),
+        valve(options.machine.valve_f0, options.machine.valve_damping, options.machine.valve_gain,
+              options.machine.valve_dead_time, grid.step / 2),
+        plant(options.machine, effects, grid.step),
+        noise(options.noise, options.noise_seed),
+        faults(options.faults),
+        late_pressure(effects.pressure_delay, grid.step),
+        late_spool(effects.spool_delay, grid.step),
+        late_position(effects.position_delay, grid.step),
+        total_rows(std::llround(options.seconds / options.sample_period)) {
+    truth.options = options;
+    plant.Reset(options.motion.rest_pressure);
+    valve.Rest(options.machine.y_0);
+    edge = valve.position();
+    drive.ram[2] = motion.At(0);
+    drive.opening[2] = edge - options.machine.y_0;
+    PushSensors();
+  }
+
+  double OilTemperature(double t) const {
+    return options.oil_start + (options.oil_end - options.oil_start) * t / options.seconds;
+  }
+  void PushSensors() {
+    late_pressure.Push(plant.p_A());
+    late_spool.Push(valve.position());
+    late_position.Push(drive.ram[2].z);
+  }
+  PressRow CleanRow(double t) const;
+  void Control(double t, double pressure_noise);
+  void Integrate(double t);
+  void Track(double t);
+
+  PressOptions options;
+  PressEffectSizes effects;
+  Grid grid;
+  RamMotion motion;
+  SetPoint set_point;
+  PressureController controller;
+  RandomStream between_samples;  // noise of readings that only the controller takes
+  ServoValve valve;
+  PressPlant plant;
+  NoiseSource noise;
+  FaultInjector faults;
+  DelayLine late_pressure, late_spool, late_position;
+  PressPlant::Drive drive;
+  double edge = 0;     // position of the metering edge
+  double command = 0;  // V
+  std::int64_t row = 0, total_rows;
+  std::array<double, 7> draw{};  // noise of the latest row
+  PressTruth truth;
+  std::int64_t stroke_rows = 0;
+};
+
+PressRow PressGenerator::State::CleanRow(double t) const {
+  PressRow r;
+  r.t = t;
+  r.p_A = late_pressure.Read() + effects.pressure_offset;
+  r.p_B = drive.p_B;
+  r.p_0 = drive.p_0;
+  r.z = late_position.Read();
+  r.y_v = late_spool.Read();
+  r.U_v = command;
+  r.T_oil = OilTemperature(t);
+  return r;
+}
+
+void PressGenerator::State::Control(double t, double pressure_noise) {
+  drive.p_B = Breathing(options.machine.p_rod, 0.6e5, 17, t);
+  drive.p_0 = Breathing(options.machine.p_supply, 0.5e5, 23, t);
+  drive.gain = ViscosityGain(effects, OilTemperature(t));
+  const RamMotion::Point ram = motion.At(t);
+  const double wanted = set_point.At(t, grid.cycle, motion);
+  command =
+      controller.Command(plant.p_A() + effects.pressure_offset + pressure_noise, wanted, ram, motion.phase());
+}
+
+void PressGenerator::State::Integrate(double t) {
+  const double h = grid.step;
+  for (std::int64_t k = 0; k < grid.steps_per_cycle; ++k) {
+    const double begin = t + h * static_cast<double>(k);
+    drive.ram[0] = drive.ram[2];
+    drive.opening[0] = drive.opening[2];
+    for (int half = 1; half <= 2; ++half) {
+      drive.ram[half] = motion.At(begin + h / 2 * half);
+      edge = EdgeWithPlay(effects, valve.Step(command / 10), edge);
+      drive.opening[half] = edge - options.machine.y_0;
+    }
+    plant.Step(drive);
+    PushSensors();
+  }
+}
+
+void PressGenerator::State::Track(double t) {
+  if (motion.phase() != PressPhase::kDraw) return;
+  if (truth.strokes.empty() || truth.strokes.back().begin != motion.phase_begin()) {
+    truth.strokes.emplace_back();
+    StrokeTruth& stroke = truth.strokes.back();
+    stroke.begin = motion.phase_begin();
+    stroke.end = std::min(motion.phase_end(), options.seconds);
+    stroke.speed = std::abs(motion.cruise_speed());
+    stroke.z_begin = drive.ram[2].z;
+    stroke.oil_temperature = OilTemperature(t);
+    stroke_rows = 0;
+  }
+  StrokeTruth& stroke = truth.strokes.back();
+  stroke.z_end = drive.ram[2].z;
+  stroke.max_pressure = std::max(stroke.max_pressure, plant.p_A());
+  stroke.mean_pressure += (plant.p_A() - stroke.mean_pressure) / static_cast<double>(++stroke_rows);
+}
+
+PressGenerator::PressGenerator(const PressOptions& options) : state_(std::make_unique<State>(options)) {}
+PressGenerator::~PressGenerator() = default;
+PressGenerator::PressGenerator(PressGenerator&&) noexcept = default;
+PressGenerator& PressGenerator::operator=(PressGenerator&&) noexcept = default;
+
+bool PressGenerator::NextClean(PressRow& row) {
+  State& s = *state_;
+  if (s.row == s.total_rows) return false;
+  const double t = static_cast<double>(s.row) * s.options.sample_period;
+  s.draw = s.noise.Next();
+  s.Control(t, s.draw[0]);
+  s.Track(t);
+  row = s.CleanRow(t);
+  for (std::int64_t cycle = 0; cycle < s.grid.cycles_per_sample; ++cycle) {
+    const double begin = t + s.grid.cycle * static_cast<double>(cycle);
+    if (cycle > 0) s.Control(begin, s.options.noise.p_A * s.between_samples.Normal());
+    s.Integrate(begin);
+  }
+  ++s.row;
+  return true;
+}
+
+bool PressGenerator::Next(PressRow& row) {
+  State& s = *state_;
+  while (NextClean(row)) {
+    ReadSensors(s.options.noise, s.options.quantum, s.draw, row);
+    if (s.faults.Apply(row)) return true;
+  }
+  return false;
+}
+
+std::int64_t PressGenerator::total_rows() const { return state_->total_rows; }
+const PressTruth& PressGenerator::truth() const { return state_->truth; }
+
+void SimulatedLog::Append(const PressRow& row) {
+  t.push_back(row.t);
+  p_A.push_back(row.p_A);
+  p_B.push_back(row.p_B);
+  p_0.push_back(row.p_0);
+  z.push_back(row.z);
+  y_v.push_back(row.y_v);
+  U_v.push_back(row.U_v);
+  T_oil.push_back(row.T_oil);
+}
+
+PressRow SimulatedLog::Row(std::size_t k) const {
+  return {t[k], p_A[k], p_B[k], p_0[k], z[k], y_v[k], U_v[k], T_oil[k]};
+}
+
+SimulatedLog SimulatePress(const PressOptions& options) {
+  PressGenerator generator(options);
+  SimulatedLog log;
+  for (PressRow row; generator.Next(row);) log.Append(row);
+  log.truth = generator.truth();
+  return log;
+}
+
+SimulatedLog SimulateClean(const PressOptions& options) {
+  PressGenerator generator(options);
+  SimulatedLog log;
+  for (PressRow row; generator.NextClean(row);) log.Append(row);
+  log.truth = generator.truth();
+  return log;
+}
+
+SimulatedLog AddSensorNoise(const SimulatedLog& clean, const PressOptions& options,
+                            std::uint64_t noise_seed) {
+  NoiseSource noise(options.noise, noise_seed);
+  FaultInjector faults(options.faults);
+  SimulatedLog log;
+  log.truth = clean.truth;
+  for (std::size_t k = 0; k < clean.rows(); ++k) {
+    PressRow row = clean.Row(k);
+    ReadSensors(options.noise, options.quantum, noise.Next(), row);
+    if (faults.Apply(row)) log.Append(row);
+  }
+  return log;
+}
+
+}  // namespace hydroscope
