@@ -30,14 +30,26 @@ bool IsColumnNumber(const std::string& column) {
   return error == std::errc() && end == column.data() + column.size() && number >= 1;
 }
 
-/// A column by its name, or by its number (3 or "3").
-void ReadColumn(TableReader& reader, const toml::node& node, std::string_view key, std::string& column) {
-  if (node.is_string())
+/// A column by its name, or by its number (3 or "3"); false if it is neither.
+bool ReadColumn(TableReader& reader, const toml::node& node, std::string_view key, std::string& column) {
+  if (node.is_string()) {
     column = node.as_string()->get();
-  else if (node.is_integer() && node.as_integer()->get() >= 1)
+    return true;
+  }
+  if (node.is_integer() && node.as_integer()->get() >= 1) {
     column = std::to_string(node.as_integer()->get());
-  else
-    reader.Wrong(key, "a column name in quotes, or a column number from 1 up");
+    return true;
+  }
+  reader.Wrong(key, "a column name in quotes, or a column number from 1 up");
+  return false;
+}
+
+void ReadSignalColumn(TableReader& reader, const toml::node& node, std::string_view key, const LogFormat& log,
+                      std::string& column) {
+  if (!ReadColumn(reader, node, key, column)) return;
+  if (column.empty()) reader.Wrong(key, "the name of a column of the log");
+  if (!column.empty() && log.header == false && !IsColumnNumber(column))
+    reader.Wrong(key, "a column number from 1 up, because [log] header = false");
 }
 
 std::optional<char> ReadCharacter(TableReader& reader, std::string_view key,
@@ -49,9 +61,10 @@ std::optional<char> ReadCharacter(TableReader& reader, std::string_view key,
   return choices[*choice].second;
 }
 
-void ReadSignal(TableReader& signal, const toml::table& table, SignalSpec& spec) {
+void ReadSignal(TableReader& signal, const toml::table& table, const LogFormat& log, SignalSpec& spec) {
   signal.AllowOnly(MachineFileKeys("signals.<name>"));
-  if (const toml::node* column = table.get("column")) ReadColumn(signal, *column, "column", spec.column);
+  if (const toml::node* column = table.get("column"))
+    ReadSignalColumn(signal, *column, "column", log, spec.column);
   if (!signal.Has("column"))
     signal.Problem("column is missing; write e.g. { column = \"pressure_A\", unit = \"bar\" }");
   signal.UnitName("unit", spec.unit, "");
@@ -140,14 +153,10 @@ void ReadSignals(TableReader& file, Machine& machine) {
             fmt::format("\"{}\" is no signal name: letters, digits and _ only, no digit first", entry.key));
       if (const toml::table* table = entry.node->as_table()) {
         TableReader signal(*table, "signals." + entry.key, section.problems());
-        ReadSignal(signal, *table, spec);
+        ReadSignal(signal, *table, machine.log, spec);
       } else {
-        ReadColumn(section, *entry.node, entry.key, spec.column);
+        ReadSignalColumn(section, *entry.node, entry.key, machine.log, spec.column);
       }
-      if (spec.column.empty())
-        section.Wrong(entry.key, "the name of a column");
-      else if (machine.log.header == false && !IsColumnNumber(spec.column))
-        section.Wrong(entry.key, "a column number from 1 up, because [log] header = false");
       machine.signals.push_back(std::move(spec));
     }
   });

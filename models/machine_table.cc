@@ -15,7 +15,10 @@ std::string Shown(const toml::node& node) {
   if (node.is_table()) return "{...} (a table)";
   if (node.is_array()) return "[...] (a list)";
   std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
+  if (const auto* string = node.as_string())
+    text << string->get();
+  else
+    node.visit([&](const auto& value) { text << value; });
   std::string shown = text.str();
   if (shown.size() > 60) shown = shown.substr(0, 57) + "...";
   if (node.is_string()) return fmt::format("\"{}\" (text)", shown);
@@ -45,14 +48,18 @@ std::vector<std::string> UnitsOf(std::string_view si) {
 }  // namespace
 
 void FileProblems::Add(const toml::source_region& where, const std::string& text) {
-  ++count_;
-  if (texts_.size() < kReported) texts_.push_back(fmt::format("{}:{}: {}", origin_, where.begin.line, text));
+  const std::size_t end = text.find_last_not_of(' ') + 1;
+  problems_.emplace_back(where.begin.line, text.substr(0, end));
 }
 
 Error FileProblems::ToError() const {
+  auto problems = problems_;
+  std::stable_sort(problems.begin(), problems.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::string text;
-  for (const std::string& problem : texts_) text += (text.empty() ? "" : "\n") + problem;
-  if (count_ > texts_.size()) text += fmt::format("\n... and {} more", count_ - texts_.size());
+  for (std::size_t i = 0; i < std::min(problems.size(), kReported); ++i)
+    text += fmt::format("{}{}:{}: {}", i == 0 ? "" : "\n", origin_, problems[i].first, problems[i].second);
+  if (problems.size() > kReported) text += fmt::format("\n... and {} more", problems.size() - kReported);
   return Error{ErrorKind::kBadInput, text};
 }
 

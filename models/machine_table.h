@@ -20,14 +20,14 @@ class FileProblems {
 
   /// Notes "origin:line: text".
   void Add(const toml::source_region& where, const std::string& text);
-  bool any() const { return count_ > 0; }
+  bool any() const { return !problems_.empty(); }
+  /// The first ten, in the order of the file.
   Error ToError() const;
 
  private:
   static constexpr std::size_t kReported = 10;
   std::string origin_;
-  std::vector<std::string> texts_;
-  std::size_t count_ = 0;
+  std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line, text
 };
 
 /// What a number in a machine file must be. Limits are SI.

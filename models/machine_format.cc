@@ -1,0 +1,302 @@
+#include "models/machine_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "core/units.h"
+#include "models/machine_keys.h"
+#include "models/machine_table.h"
+
+namespace hydroscope {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      quoted += std::string("\\") + c;
+    else if (byte < 0x20 || byte == 0x7f)
+      quoted += fmt::format("\\u{:04X}", byte);
+    else
+      quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string Key(const std::string& key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-');
+  });
+  return bare ? key : Quoted(key);
+}
+
+std::string Comment(const std::string& text) {
+  std::string line = text;
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return line.empty() ? "#" : "# " + line;
+}
+
+std::string Plain(double value) { return fmt::format("{}", value); }
+std::string Plain(bool value) { return value ? "true" : "false"; }
+std::string Plain(int value) { return fmt::format("{}", value); }
+
+/// The shortest number in a unit that reads back to exactly `si`; nullopt if rounding forbids it.
+std::optional<std::string> InUnit(double si, const FileUnit& unit, bool difference) {
+  const double offset = difference ? 0.0 : unit.offset;
+  const double value = (si - offset) / unit.scale;
+  for (int digits = 1; digits <= 17; ++digits) {
+    const std::string text = Plain(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr));
+    if (std::strtod(text.c_str(), nullptr) * unit.scale + offset == si) return text;
+  }
+  return std::nullopt;
+}
+
+/// A number in the unit that the key stands in, or { value, unit } in SI where that would not read back
+/// exactly.
+std::string NumberIn(double si, const std::string& unit_name, bool difference = false) {
+  const FileUnit unit = FindFileUnit(unit_name).value_or(FileUnit{});
+  if (const auto text = InUnit(si, unit, difference)) return *text;
+  return fmt::format("{{ value = {}, unit = {} }}", Plain(si), Quoted(unit.si));
+}
+
+std::string Inline(const Pairs& pairs) {
+  std::string text = "{ ";
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", Key(pairs[i].first), pairs[i].second);
+  return pairs.empty() ? "{}" : text + " }";
+}
+
+/// "[name]" with a comment line before, the pairs one a line, the notes of that section, and an empty line.
+std::string Section(const std::string& header, const std::string& comment, const Pairs& pairs,
+                    const MachineNotes& notes, const std::string& name) {
+  std::string text = Comment(comment) + "\n" + header + "\n";
+  for (const auto& [key, value] : pairs) text += fmt::format("{} = {}\n", Key(key), value);
+  if (const auto found = notes.section.find(name); found != notes.section.end())
+    for (const std::string& line : found->second) text += Comment(line) + "\n";
+  return text + "\n";
+}
+
+std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
+  Pairs pairs = {{"name", Quoted(machine.name)}, {"model", Quoted(machine.model)}};
+  if (!machine.description.empty()) pairs.emplace_back("description", Quoted(machine.description));
+  pairs.emplace_back("model_version", Plain(machine.model_version));
+  if (!machine.added_effects.empty()) {
+    std::string list;
+    for (const std::string& effect : machine.added_effects)
+      list += (list.empty() ? "" : ", ") + Quoted(effect);
+    pairs.emplace_back("effects", "[" + list + "]");
+  }
+  return Section("[machine]", "Machine file; every key is explained in docs/machine_file.md.", pairs, notes,
+                 "machine");
+}
+
+std::string CharacterName(char c) {
+  if (c == '\t') return Quoted("tab");
+  if (c == ' ') return Quoted("space");
+  return Quoted(std::string(1, c));
+}
+
+std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
+  Pairs pairs;
+  if (log.separator) pairs.emplace_back("separator", CharacterName(*log.separator));
+  if (log.decimal) pairs.emplace_back("decimal", CharacterName(*log.decimal));
+  if (log.skip_lines) pairs.emplace_back("skip_lines", Plain(*log.skip_lines));
+  if (log.header) pairs.emplace_back("header", Plain(*log.header));
+  if (log.unit_row) pairs.emplace_back("unit_row", Plain(*log.unit_row));
+  pairs.emplace_back("time", Inline({{"column", Quoted(log.time_column)}, {"unit", Quoted(log.time_unit)}}));
+  if (log.sample_period) pairs.emplace_back("sample_period", Plain(*log.sample_period));
+  return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
+                 pairs, notes, "log");
+}
+
+std::string SignalValue(const SignalSpec& signal) {
+  const SignalSpec defaults;
+  Pairs pairs = {{"column", Quoted(signal.column)}, {"unit", Quoted(signal.unit)}};
+  if (signal.scale != defaults.scale) pairs.emplace_back("scale", Plain(signal.scale));
+  if (signal.offset != defaults.offset) pairs.emplace_back("offset", Plain(signal.offset));
+  if (signal.min) pairs.emplace_back("min", NumberIn(*signal.min, signal.unit));
+  if (signal.max) pairs.emplace_back("max", NumberIn(*signal.max, signal.unit));
+  if (signal.noise_std) pairs.emplace_back("noise", NumberIn(*signal.noise_std, signal.unit, true));
+  if (signal.stuck_time != defaults.stuck_time) pairs.emplace_back("stuck_time", Plain(signal.stuck_time));
+  if (!signal.required) pairs.emplace_back("required", Plain(signal.required));
+  return Inline(pairs);
+}
+
+std::string SignalsSection(const Machine& machine, const MachineNotes& notes) {
+  Pairs pairs;
+  for (const SignalSpec& signal : machine.signals) {
+    const auto note = notes.signals.find(signal.name);
+    pairs.emplace_back(
+        signal.name, SignalValue(signal) + (note == notes.signals.end() ? "" : "  " + Comment(note->second)));
+  }
+  return Section("[signals]",
+                 "Signal of the model = column of the log, with the unit of the numbers in the log.", pairs,
+                 notes, "signals");
+}
+
+std::string SiOfInput(std::span<const ModelInput> inputs, const std::string& name) {
+  for (const ModelInput& input : inputs)
+    if (input.name == name) return std::string(input.si);
+  return "";
+}
+
+/// The unit people read if all values can be written in it exactly, else the SI unit; "" stays "".
+std::string ReadableUnit(const std::string& si,
+                         const std::vector<std::pair<double, bool>>& values_and_differences) {
+  if (si.empty() || si == "1") return si;
+  const std::string shown(DisplayUnitFor(si).name);
+  const auto unit = FindFileUnit(shown);
+  if (!unit || unit->si != si) return si;
+  for (const auto& [value, difference] : values_and_differences)
+    if (!InUnit(value, *unit, difference)) return si;
+  return shown;
+}
+
+std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.geometry.empty() && !notes.section.contains("geometry")) return "";
+  Pairs pairs;
+  for (const auto& [name, known] : machine.geometry) {
+    const std::string si = SiOfInput(FindModelInputs(machine.model)->geometry, name);
+    const std::string unit = si == "m2" ? si : ReadableUnit(si, {{known.value, false}, {known.std, true}});
+    Pairs value = {{"value", NumberIn(known.value, unit)}};
+    if (known.std != 0.0) value.emplace_back("std", NumberIn(known.std, unit, true));
+    if (!unit.empty()) value.emplace_back("unit", Quoted(unit));
+    pairs.emplace_back(name, Inline(value));
+  }
+  return Section("[geometry]", "What data sheets say; std is the uncertainty.", pairs, notes, "geometry");
+}
+
+std::string GateSection(const Machine& machine, const MachineNotes& notes) {
+  Pairs conditions;
+  for (const GateBound& bound : machine.gate.bounds) {
+    const int index = machine.SignalIndex(bound.signal);
+    std::string si =
+        index < 0 ? "1" : FindFileUnit(machine.signals[index].unit).value_or(FileUnit{.si = "1"}).si;
+    if (bound.rate) si += "/s";
+    Pairs limits;
+    if (bound.min) limits.emplace_back("min", Plain(*bound.min));
+    if (bound.max) limits.emplace_back("max", Plain(*bound.max));
+    if (si != "1") limits.emplace_back("unit", Quoted(si));
+    conditions.emplace_back(bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal, Inline(limits));
+  }
+  Pairs pairs;
+  if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
+  pairs.emplace_back("stroke_gap", Plain(machine.gate.stroke_gap));
+  pairs.emplace_back("min_stroke", Plain(machine.gate.min_stroke));
+  return Section("[gate]", "When the model holds: all conditions at once; times in s.", pairs, notes, "gate");
+}
+
+std::string WindowSection(const WindowSpec& window, const MachineNotes& notes) {
+  return Section("[window]", "Averaging, s.",
+                 {{"block", Plain(window.block)},
+                  {"span", Plain(window.span)},
+                  {"half_width", Plain(window.half_width)}},
+                 notes, "window");
+}
+
+std::string EstimatorSection(const EstimatorSpec& spec, const MachineNotes& notes) {
+  if (spec == EstimatorSpec{}) return "";
+  Pairs pairs = {{"equation", Quoted(spec.equation == EquationForm::kIntegral ? "integral" : "published")},
+                 {"form", Quoted(spec.form == EstimatorForm::kDirectional ? "directional" : "exponential")},
+                 {"forgetting_factor", Plain(spec.forgetting_factor)},
+                 {"time_constant", Plain(spec.time_constant)},
+                 {"initial_covariance", Plain(spec.initial_covariance)},
+                 {"initial_parameter", Plain(spec.initial_parameter)},
+                 {"initial_from_first_stroke", Plain(spec.initial_from_first_stroke)},
+                 {"max_covariance", Plain(spec.max_covariance)},
+                 {"dead_zone", Plain(spec.dead_zone)},
+                 {"clip", Plain(spec.clip)},
+                 {"moving_average", Plain(spec.moving_average)},
+                 {"symmetrical_derivative", Plain(spec.symmetrical_derivative)},
+                 {"update_period", Plain(spec.update_period)}};
+  Pairs constants;
+  for (const auto& [parameter, seconds] : spec.time_constants)
+    constants.emplace_back(parameter, Plain(seconds));
+  if (!constants.empty()) pairs.emplace_back("time_constants", Inline(constants));
+  return Section("[estimator]", "Recursive least squares; times in s.", pairs, notes, "estimator");
+}
+
+std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const MonitorSpec& monitor : machine.monitors) {
+    const std::array<std::pair<const char*, std::optional<double>>, 5> limits = {
+        {{"reference", monitor.reference},
+         {"alarm_low", monitor.alarm_low},
+         {"warn_low", monitor.warn_low},
+         {"warn_high", monitor.warn_high},
+         {"alarm_high", monitor.alarm_high}}};
+    std::vector<std::pair<double, bool>> values;
+    for (const auto& [key, value] : limits)
+      if (value) values.emplace_back(*value, false);
+    const std::string unit =
+        ReadableUnit(SiOfInput(FindModelInputs(machine.model)->parameters, monitor.parameter), values);
+    Pairs pairs;
+    if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
+    for (const auto& [key, value] : limits)
+      if (value) pairs.emplace_back(key, NumberIn(*value, unit));
+    text += Section(fmt::format("[monitor.{}]", Key(monitor.parameter)), "Limits of a watched parameter.",
+                    pairs, notes, "monitor." + monitor.parameter);
+  }
+  return text;
+}
+
+std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.valve == ValveSpec{} && machine.model != "valve") return "";
+  // A file with this section must have both signals; a built-in default may lack them.
+  return Section("[valve]", "Frequency response: gain = output / (input / full_scale), full_scale in SI.",
+                 {{"input", Quoted(machine.valve.input)},
+                  {"output", Quoted(machine.valve.output)},
+                  {"full_scale", Plain(machine.valve.full_scale)}},
+                 notes, "valve");
+}
+
+std::string Terms(const std::vector<TermSpec>& terms) {
+  Pairs pairs;
+  for (const TermSpec& term : terms)
+    pairs.emplace_back(term.parameter, term.unit.empty() ? Quoted(term.expression)
+                                                         : Inline({{"expression", Quoted(term.expression)},
+                                                                   {"unit", Quoted(term.unit)}}));
+  return Inline(pairs);
+}
+
+std::string BalanceSection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.balance.output.empty()) return "";
+  Pairs pairs = {{"output", Quoted(machine.balance.output)}};
+  if (!machine.balance.unit.empty()) pairs.emplace_back("unit", Quoted(machine.balance.unit));
+  pairs.emplace_back("terms", Terms(machine.balance.terms));
+  return Section("[balance]", "output = sum of parameter * expression, in SI.", pairs, notes, "balance");
+}
+
+std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const UserEffectSpec& effect : machine.user_effects) {
+    Pairs pairs = {{"id", Quoted(effect.id)}};
+    if (!effect.description.empty()) pairs.emplace_back("description", Quoted(effect.description));
+    pairs.emplace_back("terms", Terms(effect.terms));
+    text += Section("[[effect]]", "An effect that may be missing in the balance.", pairs, notes, "effect");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const std::string& line : notes.head) text += Comment(line) + "\n";
+  text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
+          GeometrySection(machine, notes) + GateSection(machine, notes) +
+          WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
+          MonitorSections(machine, notes) + ValveSection(machine, notes) + BalanceSection(machine, notes) +
+          EffectSections(machine, notes);
+  text.pop_back();
+  return text;
+}
+
+std::string FormatMachine(const Machine& machine) { return FormatMachine(machine, MachineNotes{}); }
+
+}  // namespace hydroscope
