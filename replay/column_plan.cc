@@ -1,0 +1,136 @@
+#include "replay/column_plan.h"
+
+#include <bit>
+#include <utility>
+
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kMostFindings = 100;
+constexpr std::size_t kMostNamesListed = 60;
+
+std::string ListNames(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size() && i < kMostNamesListed; ++i)
+    list += fmt::format("{}'{}'", i > 0 ? ", " : "", names[i]);
+  if (names.size() > kMostNamesListed) list += fmt::format(" and {} more", names.size() - kMostNamesListed);
+  return list;
+}
+
+tl::unexpected<Error> MissingColumn(const LogLayout& layout, const std::string& column,
+                                    const std::string& purpose, const std::string& origin,
+                                    const std::string& advice) {
+  const std::string nearest = Nearest(column, layout.names);
+  const std::string question = nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest);
+  const std::string kind = layout.header ? "" : " (the log has no header, so columns are named by number)";
+  return BadInput("log '{}': no column '{}' for {}{}; columns found{}: {}{}", origin, column, purpose,
+                  question, kind, ListNames(layout.names), advice);
+}
+
+/// The unit a log states must mean the same as the machine file's; a unit the project does not know says
+/// nothing.
+Status CheckUnit(const LogLayout& layout, int column, const std::string& unit, const std::string& key,
+                 const std::string& origin) {
+  const auto index = static_cast<std::size_t>(column);
+  if (index >= layout.units.size() || layout.units[index].empty()) return {};
+  const auto stated = FindUnit(layout.units[index]);
+  const auto expected = FindUnit(unit);
+  if (!stated || !expected) return {};
+  if (stated->scale == expected->scale && stated->offset == expected->offset && stated->si == expected->si)
+    return {};
+  return BadInput(
+      "log '{}', column '{}': the log states the unit '{}', the machine file has {} = \"{}\"; write \"{}\" "
+      "there, or correct the log",
+      origin, layout.names[index], layout.units[index], key, unit, layout.units[index]);
+}
+
+Status PlanSignal(const LogLayout& layout, const SignalSpec& spec, const std::string& origin,
+                  ColumnPlan& plan, LogCounters& counters) {
+  const auto unit = FindUnit(spec.unit);
+  if (!unit)
+    return BadInput("signal '{}': unknown unit '{}'; known units: {}", spec.name, spec.unit,
+                    ListNames(UnitNames()));
+  plan.to_si.push_back({spec.scale * unit->scale, spec.offset * unit->scale + unit->offset});
+  const auto column = layout.Find(spec.column);
+  plan.column.push_back(column ? static_cast<int>(*column) : ColumnPlan::kAbsent);
+  if (!column) {
+    if (spec.required)
+      return MissingColumn(layout, spec.column, fmt::format("signal '{}'", spec.name), origin, "");
+    AddFinding(counters, {0, spec.column, "no such column",
+                          fmt::format("a column for the optional signal '{}'", spec.name)});
+    return {};
+  }
+  if (spec.scale != 1.0 || spec.offset != 0.0) return {};  // the log states the unit before scaling
+  return CheckUnit(layout, plan.column.back(), spec.unit, fmt::format("signals.{}.unit", spec.name), origin);
+}
+
+Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::string& origin,
+                ColumnPlan& plan) {
+  if (format.time_column.empty()) {
+    if (!format.sample_period || !(*format.sample_period > 0))
+      return BadInput(
+          "log '{}': the machine file has no time column (log.time_column = \"\"), so it must give "
+          "log.sample_period in s, greater than 0",
+          origin);
+    return {};
+  }
+  const auto unit = FindUnit(format.time_unit);
+  if (!unit || unit->si != "s")
+    return BadInput(
+        "log.time_unit = \"{}\" is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h'",
+        format.time_unit);
+  plan.time_scale = unit->scale;
+  const auto column = layout.Find(format.time_column);
+  if (!column)
+    return MissingColumn(
+        layout, format.time_column, "the time", origin,
+        "; set log.time_column to one of them, or to \"\" with log.sample_period in s if the rows are "
+        "equally spaced");
+  plan.time = static_cast<int>(*column);
+  return CheckUnit(layout, plan.time, format.time_unit, "log.time_unit", origin);
+}
+
+void ReportTwins(const LogLayout& layout, const ColumnPlan& plan, LogCounters& counters) {
+  for (const int column : plan.column) {
+    if (column == ColumnPlan::kAbsent) continue;
+    const auto index = static_cast<std::size_t>(column);
+    for (std::size_t twin = index + 1; twin < layout.names.size(); ++twin)
+      if (layout.names[twin] == layout.names[index])
+        AddFinding(counters, {layout.data_line - 1, layout.names[index],
+                              fmt::format("the name again, column {}", twin + 1),
+                              fmt::format("one column of that name; column {} is read", index + 1)});
+  }
+}
+
+}  // namespace
+
+Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
+                               LogCounters& counters) {
+  ColumnPlan plan;
+  if (const Status time = PlanTime(layout, machine.log, origin, plan); !time)
+    return tl::unexpected(time.error());
+  for (const SignalSpec& spec : machine.signals)
+    if (const Status signal = PlanSignal(layout, spec, origin, plan, counters); !signal)
+      return tl::unexpected(signal.error());
+  ReportTwins(layout, plan, counters);
+  return plan;
+}
+
+void ConvertToSi(const ColumnPlan& plan, std::size_t rows, SampleBlock& block) {
+  for (std::size_t s = 0; s < plan.to_si.size(); ++s) {
+    const Linear linear = plan.to_si[s];
+    if (linear.IsIdentity()) continue;
+    double* values = block.signal[s].data();
+    for (std::size_t row = 0; row < rows; ++row) values[row] = values[row] * linear.scale + linear.offset;
+  }
+}
+
+void AddFinding(LogCounters& counters, LogFinding finding) {
+  if (counters.findings.size() < kMostFindings) counters.findings.push_back(std::move(finding));
+}
+
+int FlagBit(Quality flag) { return std::countr_zero(flag); }
+
+}  // namespace hydroscope

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "core/sample_block.h"
+#include "models/machine.h"
+#include "replay/log_layout.h"
+#include "replay/log_reader.h"
+
+namespace hydroscope {
+
+/// SI value = raw * scale + offset.
+struct Linear {
+  double scale = 1.0;
+  double offset = 0.0;
+  bool IsIdentity() const { return scale == 1.0 && offset == 0.0; }
+};
+
+/// Which column of a log feeds which signal of a machine, and how it becomes SI.
+struct ColumnPlan {
+  static constexpr int kAbsent = -1;
+  std::vector<int>
+      column;  ///< per signal: column index, kAbsent for an optional signal the log does not have
+  std::vector<Linear> to_si;  ///< per signal
+  int time = kAbsent;         ///< column index; kAbsent: rows are equally spaced
+  double time_scale = 1.0;    ///< s per unit of the time column
+};
+
+/// Maps the machine's signals onto the columns of a log. Errors: a required column is missing (lists the
+/// columns found, suggests the nearest), an unknown unit, a unit row that contradicts the machine file, no
+/// time column and no sample period. Optional columns that are absent and names that occur twice become
+/// findings.
+Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
+                               LogCounters& counters);
+
+/// Converts rows [0, rows) of every signal to SI in place.
+void ConvertToSi(const ColumnPlan& plan, std::size_t rows, SampleBlock& block);
+
+/// Adds a finding while there are fewer than 100.
+void AddFinding(LogCounters& counters, LogFinding finding);
+
+/// Index of a flag in LogCounters::flagged.
+int FlagBit(Quality flag);
+
+}  // namespace hydroscope

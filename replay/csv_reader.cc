@@ -1,0 +1,271 @@
+#include "replay/csv_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "replay/date_time.h"
+#include "replay/decimal.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kRowsForPeriod = 1000;
+constexpr std::size_t kLongestQuote = 60;  // characters of the log quoted in a finding
+
+std::string_view LineAt(const char* text) {
+  const char* end = static_cast<const char*>(::rawmemchr(text, '\n'));
+  std::string_view line(text, static_cast<std::size_t>(end - text));
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CsvReader>> CsvReader::Open(std::unique_ptr<ByteSource> source, const Machine& machine,
+                                                   const std::string& origin) {
+  std::unique_ptr<CsvReader> reader(new CsvReader(std::move(source), machine, origin));
+  const auto first = reader->lines_.Fill();
+  if (!first) return tl::unexpected(first.error());
+  const std::string_view head(reader->lines_.cursor(),
+                              static_cast<std::size_t>(reader->lines_.limit() - reader->lines_.cursor()));
+  auto layout = DetectLayout(head.substr(0, kLayoutHead), machine.log, origin, head.size() <= kLayoutHead);
+  if (!layout) return tl::unexpected(layout.error());
+  reader->layout_ = std::move(*layout);
+  auto plan = PlanColumns(reader->layout_, machine, origin, reader->counters_);
+  if (!plan) return tl::unexpected(plan.error());
+  reader->plan_ = std::move(*plan);
+  if (const Status ready = reader->Prepare(machine.log); !ready) return tl::unexpected(ready.error());
+  return reader;
+}
+
+Status CsvReader::Prepare(const LogFormat& format) {
+  lines_.Advance(lines_.cursor() + layout_.data_offset);
+  line_ = layout_.data_line;
+  MakeColumns();
+  if (const Status period = FindSamplePeriod(format); !period) return period;
+  time_check_ = TimeChecker(sample_period_);
+  return {};
+}
+
+void CsvReader::MakeColumns() {
+  const auto column = [this](int index) -> Column& {
+    if (columns_.size() <= static_cast<std::size_t>(index))
+      columns_.resize(static_cast<std::size_t>(index) + 1);
+    return columns_[static_cast<std::size_t>(index)];
+  };
+  if (plan_.time != ColumnPlan::kAbsent) {
+    SplitFields(LineAt(lines_.cursor()), layout_.separator, fields_);
+    const auto index = static_cast<std::size_t>(plan_.time);
+    time_is_text_ = index < fields_.size() && !FieldNumber(fields_[index], layout_.decimal) &&
+                    ParseDateTime(fields_[index]).has_value();
+    column(plan_.time) = {time_is_text_ ? Use::kTimeText : Use::kNumber, kTime, nullptr};
+  }
+  for (std::size_t s = 0; s < plan_.column.size(); ++s) {
+    if (plan_.column[s] == ColumnPlan::kAbsent) continue;
+    Column& use = column(plan_.column[s]);
+    if (use.signal == kNone) use = {Use::kNumber, static_cast<int>(s), nullptr};
+  }
+}
+
+std::optional<double> CsvReader::TimeOf(std::string_view field) const {
+  if (time_is_text_) return ParseDateTime(field);
+  const auto number = FieldNumber(field, layout_.decimal);
+  if (!number || !std::isfinite(*number)) return std::nullopt;
+  return *number;
+}
+
+Status CsvReader::FindSamplePeriod(const LogFormat& format) {
+  if (format.sample_period) {
+    sample_period_ = *format.sample_period;
+    return {};
+  }
+  std::vector<double> times;
+  for (const char* at = lines_.cursor(); at < lines_.limit() && times.size() < kRowsForPeriod;) {
+    const std::string_view line = LineAt(at);
+    at = static_cast<const char*>(::rawmemchr(line.data() + line.size(), '\n')) + 1;
+    SplitFields(line, layout_.separator, fields_);
+    if (static_cast<std::size_t>(plan_.time) >= fields_.size()) continue;
+    if (const auto time = TimeOf(fields_[static_cast<std::size_t>(plan_.time)]))
+      times.push_back(time_is_text_ ? *time : *time * plan_.time_scale);
+  }
+  sample_period_ = SamplePeriodOf(times);
+  if (sample_period_ > 0) return {};
+  return BadInput(
+      "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
+      "'{}' (log.time_unit), or give log.sample_period in s",
+      origin_, layout_.names[static_cast<std::size_t>(plan_.time)], times.size(), format.time_unit);
+}
+
+void CsvReader::PointInto(SampleBlock& block) {
+  for (Column& column : columns_) {
+    if (column.use == Use::kSkip) continue;
+    column.out = column.signal == kTime ? block.time.data()
+                                        : block.signal[static_cast<std::size_t>(column.signal)].data();
+  }
+}
+
+Result<std::size_t> CsvReader::Read(SampleBlock& block, std::size_t max_rows) {
+  block.Resize(signals_.size(), max_rows);
+  for (auto& column : block.quality) std::fill(column.begin(), column.end(), quality::kGood);
+  PointInto(block);
+  std::size_t rows = 0;
+  while (rows < max_rows) {
+    const auto more = lines_.Fill();
+    if (!more) {
+      if (rows == 0) return tl::unexpected(more.error());
+      break;  // the next call meets the same error
+    }
+    if (!*more) break;
+    rows = ReadLines(block, rows, max_rows);
+  }
+  block.Resize(signals_.size(), rows);
+  FillDerived(block, rows);
+  ConvertToSi(plan_, rows, block);
+  time_check_.Check(block, counters_);
+  counters_.rows += static_cast<std::int64_t>(rows);
+  return rows;
+}
+
+std::size_t CsvReader::ReadLines(SampleBlock& block, std::size_t row, std::size_t max_rows) {
+  const char* at = lines_.cursor();
+  const char* const limit = lines_.limit();
+  const bool blanks = layout_.separator == ' ';
+  while (at < limit && row < max_rows) {
+    const char* next = blanks ? ReadPlainRow<true>(at, row) : ReadPlainRow<false>(at, row);
+    bool delivered = next != nullptr;
+    if (!delivered) {
+      const std::string_view line = LineAt(at);
+      delivered = ReadOddRow(line, row, block);
+      next = static_cast<const char*>(::rawmemchr(line.data() + line.size(), '\n')) + 1;
+    }
+    if (delivered) {
+      if (plan_.time == ColumnPlan::kAbsent)
+        block.time[row] = static_cast<double>(row_number_) * sample_period_;
+      ++row_number_;
+      ++row;
+    }
+    ++line_;
+    at = next;
+  }
+  lines_.Advance(at);
+  return row;
+}
+
+/// Start of the next line, or nullptr if the row is not plain; values already written are then overwritten.
+template <bool kBlankSeparated>
+const char* CsvReader::ReadPlainRow(const char* text, std::size_t row) const {
+  const char separator = layout_.separator;
+  const char point = layout_.decimal;
+  const char* p = text;
+  const std::size_t used = columns_.size();
+  for (std::size_t c = 0; c < used; ++c) {
+    if (c > 0) {
+      if (kBlankSeparated ? (*p != ' ' && *p != '\t') : *p != separator) return nullptr;
+      ++p;
+    }
+    while (*p == ' ' || (kBlankSeparated && *p == '\t')) ++p;
+    const Column& column = columns_[c];
+    if (column.use == Use::kNumber) {
+      const char* const start = p;
+      p = ParseDecimal(start, point, column.out[row]);
+      if (p == nullptr) return nullptr;
+      if (*p == 'e' || *p == 'E') {
+        p = ParseDecimalGeneral(start, point, column.out[row]);
+        if (!std::isfinite(column.out[row])) return nullptr;
+      }
+    } else {
+      const char* const start = p;
+      while (*p != separator && *p != '\n' && *p != '"' && !(kBlankSeparated && *p == '\t')) ++p;
+      if (*p == '"') return nullptr;
+      if (column.use == Use::kTimeText) {
+        const auto time = ParseDateTime({start, static_cast<std::size_t>(p - start)});
+        if (!time) return nullptr;
+        column.out[row] = *time;
+      }
+    }
+  }
+  for (std::size_t field = used; field < layout_.fields; ++field) {
+    if (*p != separator) return nullptr;
+    for (++p; *p != separator && *p != '\n'; ++p)
+      if (*p == '"') return nullptr;
+  }
+  if (layout_.ragged && *p == separator) p = static_cast<const char*>(::rawmemchr(p, '\n'));
+  p += *p == '\r';
+  return *p == '\n' ? p + 1 : nullptr;
+}
+
+bool CsvReader::FieldCountFits(std::size_t count) const {
+  if (layout_.ragged) return count >= layout_.fields;
+  if (count == layout_.fields + 1) return fields_.back().empty();
+  if (count + 1 == layout_.fields) return layout_.names.back().empty();
+  return count == layout_.fields;
+}
+
+/// A row that is not plain: false if it cannot be delivered.
+bool CsvReader::ReadOddRow(std::string_view line, std::size_t row, SampleBlock& block) {
+  if (Trimmed(line).empty()) return false;
+  SplitFields(line, layout_.separator, fields_);
+  if (!FieldCountFits(fields_.size())) {
+    Reject("", fmt::format("{} fields: {}", fields_.size(), line.substr(0, kLongestQuote)),
+           fmt::format("{}{} fields", layout_.ragged ? "at least " : "", layout_.fields));
+    return false;
+  }
+  if (plan_.time != ColumnPlan::kAbsent) {
+    const auto index = static_cast<std::size_t>(plan_.time);
+    const std::string_view field = index < fields_.size() ? fields_[index] : std::string_view();
+    const auto time = TimeOf(field);
+    if (!time) {
+      Reject(layout_.names[index], field, time_is_text_ ? "date and time" : "time as a number");
+      return false;
+    }
+    block.time[row] = *time;
+  }
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    if (columns_[c].signal >= 0)
+      ReadOddValue(c < fields_.size() ? fields_[c] : "", static_cast<std::size_t>(columns_[c].signal), row,
+                   block);
+  return true;
+}
+
+void CsvReader::ReadOddValue(std::string_view field, std::size_t signal, std::size_t row,
+                             SampleBlock& block) {
+  const auto number = FieldNumber(field, layout_.decimal);
+  const bool finite = number && std::isfinite(*number);
+  block.signal[signal][row] = finite ? *number : kNaN;
+  if (finite) return;
+  block.quality[signal][row] |= quality::kMissing;
+  ++counters_.flagged[static_cast<std::size_t>(FlagBit(quality::kMissing))];
+  if (number || IsMissingMark(field)) return;
+  AddFinding(counters_, {line_, layout_.names[static_cast<std::size_t>(plan_.column[signal])],
+                         std::string(field.substr(0, kLongestQuote)),
+                         fmt::format("number in {}", signals_[signal].unit)});
+}
+
+void CsvReader::Reject(const std::string& column, std::string_view found, const std::string& expected) {
+  ++counters_.rejected_rows;
+  ++row_number_;
+  AddFinding(counters_, {line_, column, std::string(found.substr(0, kLongestQuote)), expected});
+}
+
+/// Signals that share a column with another one or the time, and optional signals the log does not have.
+void CsvReader::FillDerived(SampleBlock& block, std::size_t rows) {
+  for (std::size_t s = 0; s < signals_.size(); ++s) {
+    const int column = plan_.column[s];
+    if (column == ColumnPlan::kAbsent) {
+      std::fill_n(block.signal[s].begin(), rows, kNaN);
+      std::fill_n(block.quality[s].begin(), rows, quality::kMissing);
+      continue;
+    }
+    const int writer = columns_[static_cast<std::size_t>(column)].signal;
+    if (writer == static_cast<int>(s)) continue;
+    block.signal[s] = writer == kTime ? block.time : block.signal[static_cast<std::size_t>(writer)];
+    if (writer != kTime) block.quality[s] = block.quality[static_cast<std::size_t>(writer)];
+  }
+  if (plan_.time != ColumnPlan::kAbsent && !time_is_text_ && plan_.time_scale != 1.0)
+    for (std::size_t row = 0; row < rows; ++row) block.time[row] *= plan_.time_scale;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,86 @@
+#include "replay/time_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "replay/column_plan.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kGapPeriods = 1.5;
+constexpr double kForwardJump = 10.0;  // s
+constexpr double kBackwardJump = 1.0;  // s
+
+}  // namespace
+
+double SamplePeriodOf(const std::vector<double>& times) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i)
+    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
+  if (steps.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double median = *middle;
+  double sum = 0;
+  int count = 0;
+  for (const double step : steps) {
+    if (step < 0.5 * median || step > 1.5 * median) continue;
+    sum += step;
+    ++count;
+  }
+  const double period = sum / count;
+  const double rate = std::round(1.0 / period);
+  return rate >= 1 && std::abs(rate * period - 1.0) < 1e-6 ? 1.0 / rate : period;
+}
+
+void TimeChecker::Check(SampleBlock& block, LogCounters& counters) {
+  const std::size_t rows = block.rows();
+  if (rows == 0) return;
+  if (!started_) {
+    started_ = true;
+    reference_ = block.time[0] - sample_period_;
+  }
+  if (AllRegular(block)) {
+    reference_ = block.time[rows - 1];
+    return;
+  }
+  for (std::size_t row = 0; row < rows; ++row) {
+    const Quality flags = FlagsOf(block.time[row]);
+    if (flags == quality::kGood) continue;
+    for (auto& column : block.quality) column[row] |= flags;
+    for (int bit = 0; bit < 16; ++bit)
+      if ((flags >> bit) & 1) counters.flagged[static_cast<std::size_t>(bit)] += std::ssize(block.quality);
+  }
+}
+
+bool TimeChecker::AllRegular(const SampleBlock& block) const {
+  const double* time = block.time.data();
+  const double longest = kGapPeriods * sample_period_;
+  const double first = time[0] - reference_;
+  bool regular = first > 0 && first <= longest;
+  for (std::size_t row = 1; row < block.rows(); ++row) {
+    const double step = time[row] - time[row - 1];
+    regular &= (step > 0) & (step <= longest);
+  }
+  return regular;
+}
+
+Quality TimeChecker::FlagsOf(double time) {
+  const double step = time - reference_;
+  Quality flags = quality::kGood;
+  if (step == 0) {
+    flags |= quality::kDuplicate;
+  } else if (step < 0) {
+    flags |= quality::kTimeBackwards;
+    if (step < -kBackwardJump) flags |= quality::kClockJump;
+  } else if (step > kGapPeriods * sample_period_) {
+    flags |= quality::kGap;
+    if (step > kForwardJump) flags |= quality::kClockJump;
+  }
+  if (step > 0 || (flags & quality::kClockJump) != 0) reference_ = time;
+  return flags;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "core/sample_block.h"
+#include "replay/log_reader.h"
+
+namespace hydroscope {
+
+/// Nominal time between rows: mean of the differences within 0.5...1.5 times their median, taken as 1/n s if
+/// it is that close (1e-6) to a whole number n of rows per second. NaN if no two times increase.
+double SamplePeriodOf(const std::vector<double>& times);
+
+/// Flags rows by their time stamps, on all channels of the row, independent of how rows are cut into blocks:
+///   kDuplicate      the time of the row before again
+///   kTimeBackwards  earlier than the row before; rows stay flagged until time has passed the latest one
+///   seen, unless
+///                   the step is a clock jump
+///   kGap            more than 1.5 sample periods after the row before
+///   kClockJump      forward step of more than 10 s, backward step of more than 1 s: a new time base from
+///   here on
+class TimeChecker {
+ public:
+  explicit TimeChecker(double sample_period) : sample_period_(sample_period) {}
+  /// Checks the rows of `block`; counts the values flagged.
+  void Check(SampleBlock& block, LogCounters& counters);
+
+ private:
+  bool AllRegular(const SampleBlock& block) const;
+  Quality FlagsOf(double time);
+
+  double sample_period_;  ///< s
+  bool started_ = false;
+  double reference_ = 0;  ///< s, latest time of the present time base
+};
+
+}  // namespace hydroscope
