@@ -1,0 +1,212 @@
+#include "service/report_statistics.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMostCorrelation = 0.99;
+
+double EffectiveCount(std::size_t n, double correlation) {
+  return static_cast<double>(n) * (1 - correlation) / (1 + correlation);
+}
+
+bool AllPositive(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
+}
+
+/// Weights about 1, from the stated standard deviations; one suspiciously certain value must not rule the
+/// fit.
+Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
+  if (std.size() != n || !AllPositive(std)) return weights;
+  const double typical = Median(std);
+  for (std::size_t i = 0; i < n; ++i)
+    weights(static_cast<Eigen::Index>(i)) = typical / std::max(std[i], typical / 2);
+  return weights;
+}
+
+/// Lag-one correlation of residuals of a fit with p columns, corrected for the bias -(p + (p + 2) phi)/n.
+double ResidualCorrelation(const Eigen::VectorXd& residuals, Eigen::Index p) {
+  const Eigen::Index n = residuals.size();
+  const double square = residuals.squaredNorm();
+  if (square <= 0) return 0;
+  const double raw = residuals.head(n - 1).dot(residuals.tail(n - 1)) / square;
+  const double share = 1.0 / static_cast<double>(n);
+  const double corrected =
+      (raw + static_cast<double>(p) * share) / std::max(0.2, 1 - static_cast<double>(p + 2) * share);
+  return std::clamp(corrected, 0.0, kMostCorrelation);
+}
+
+Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
+  Eigen::MatrixXd out = rows;
+  out.row(0) *= std::sqrt(1 - correlation * correlation);
+  out.bottomRows(rows.rows() - 1) -= correlation * rows.topRows(rows.rows() - 1);
+  return out;
+}
+
+/// Mean square of differences over `lag` values without the largest twentieth: a jump is no scatter.
+double DifferenceSquare(const std::vector<double>& y, std::size_t lag) {
+  std::vector<double> squares;
+  for (std::size_t i = lag; i < y.size(); ++i) squares.push_back((y[i] - y[i - lag]) * (y[i] - y[i - lag]));
+  std::sort(squares.begin(), squares.end());
+  const std::size_t kept = squares.size() - squares.size() / 20;
+  return std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
+         static_cast<double>(kept);
+}
+
+double WeightedMean(const double* y, const double* weight, std::size_t n) {
+  const double total = std::accumulate(weight, weight + n, 0.0);
+  return std::inner_product(y, y + n, weight, 0.0) / total;
+}
+
+}  // namespace
+
+TestedValue::TestedValue() : value(kNaN), std(kNaN) {}
+
+TestedValue::TestedValue(double value_in, double std_in, double degrees_in)
+    : value(value_in), std(std_in), degrees(degrees_in) {
+  if (!Known()) return;
+  if (std <= 0) {
+    p = value == 0 ? 1 : 0;
+    return;
+  }
+  const boost::math::students_t distribution(degrees);
+  p = 2 * boost::math::cdf(boost::math::complement(distribution, std::abs(value) / std));
+}
+
+bool TestedValue::Known() const { return std::isfinite(value) && std::isfinite(std) && degrees > 0; }
+
+double TestedValue::HalfWidth() const {
+  if (!Known()) return kNaN;
+  return std * boost::math::quantile(boost::math::students_t(degrees), 0.975);
+}
+
+Significance SignificanceOf(const TestedValue& tested) {
+  if (!tested.Known() || tested.p >= 0.05) return Significance::kNone;
+  return tested.p < 0.01 ? Significance::kClear : Significance::kHint;
+}
+
+double CorrelatedFit::StdAt(const std::vector<double>& x) const {
+  const std::size_t n = coefficients.size();
+  double variance = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) variance += x[i] * covariance[i * n + j] * x[j];
+  return std::sqrt(std::max(variance, 0.0));
+}
+
+CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std::vector<double>& y,
+                            const std::vector<double>& std, double least_correlation) {
+  const auto n = static_cast<Eigen::Index>(y.size()), p = static_cast<Eigen::Index>(x.size());
+  if (n < p + 3) return {};
+  Eigen::MatrixXd rows(n, p + 1);
+  for (Eigen::Index j = 0; j < p; ++j)
+    rows.col(j) = Eigen::Map<const Eigen::VectorXd>(x[static_cast<std::size_t>(j)].data(), n);
+  rows.col(p) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
+  rows = RowWeights(std, y.size()).asDiagonal() * rows;
+
+  double correlation = std::clamp(least_correlation, 0.0, kMostCorrelation);
+  Eigen::VectorXd beta;
+  Eigen::MatrixXd white;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  for (int pass = 0; pass < 12; ++pass) {
+    white = Whitened(rows, correlation);
+    qr.compute(white.leftCols(p));
+    qr.setThreshold(1e-10);
+    if (qr.rank() < p) return {};
+    beta = qr.solve(white.col(p));
+    const double found = ResidualCorrelation(rows.col(p) - rows.leftCols(p) * beta, p);
+    const double next = std::max(found, std::clamp(least_correlation, 0.0, kMostCorrelation));
+    if (std::abs(next - correlation) < 1e-6) break;
+    correlation = next;
+  }
+
+  const double variance =
+      (white.col(p) - white.leftCols(p) * beta).squaredNorm() / static_cast<double>(n - p);
+  const Eigen::MatrixXd covariance = variance * (white.leftCols(p).transpose() * white.leftCols(p)).inverse();
+  const double degrees = std::clamp(EffectiveCount(y.size(), correlation) - static_cast<double>(p), 2.0,
+                                    static_cast<double>(n - p));
+  CorrelatedFit fit;
+  fit.correlation = correlation;
+  fit.residual_std = std::sqrt(variance / (1 - correlation * correlation));
+  for (Eigen::Index j = 0; j < p; ++j)
+    fit.coefficients.emplace_back(beta(j), std::sqrt(covariance(j, j)), degrees);
+  for (Eigen::Index i = 0; i < p; ++i)
+    for (Eigen::Index j = 0; j < p; ++j) fit.covariance.push_back(covariance(i, j));
+  return fit;
+}
+
+namespace {
+
+/// Correlation of successive values about a step between the thirds and a straight line.
+double CorrelationAboutThirds(const std::vector<double>& y, const std::vector<double>& std, std::size_t third,
+                              double least_correlation) {
+  std::vector<std::vector<double>> x(4, std::vector<double>(y.size(), 0.0));
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    x[i < third ? 0 : i < y.size() - third ? 1 : 2][i] = 1;
+    x[3][i] = static_cast<double>(i) / static_cast<double>(y.size()) - 0.5;
+  }
+  return FitCorrelated(x, y, std, least_correlation).correlation;
+}
+
+}  // namespace
+
+ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<double>& std,
+                               double least_correlation) {
+  ThirdsComparison result;
+  if (y.size() < 6) return result;
+  result.count = y.size() / 3;
+  const Eigen::VectorXd row_weights = RowWeights(std, y.size());
+  const Eigen::VectorXd weights = row_weights.cwiseAbs2();
+  const std::size_t last = y.size() - result.count;
+  result.first = WeightedMean(y.data(), weights.data(), result.count);
+  result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
+
+  const double one = DifferenceSquare(y, 1), two = DifferenceSquare(y, 2);
+  const double found =
+      std::max(one > 0 ? two / one - 1 : 0, CorrelationAboutThirds(y, std, result.count, least_correlation));
+  result.correlation = std::clamp(std::max(found, least_correlation), 0.0, kMostCorrelation);
+  const double scatter = one / (2 * (1 - result.correlation));
+  const auto variance_of = [&](std::size_t begin) {
+    const double stated = std.size() == y.size()
+                              ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)})
+                              : 0;
+    const double one_value = std::max(scatter, std::isfinite(stated) ? stated * stated : 0);
+    return one_value / std::max(1.0, EffectiveCount(result.count, result.correlation));
+  };
+  const double degrees = std::max(2.0, 2 * EffectiveCount(result.count, result.correlation) - 2);
+  result.change =
+      TestedValue(result.last - result.first, std::sqrt(variance_of(0) + variance_of(last)), degrees);
+  return result;
+}
+
+double SquaredCorrelation(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto n = static_cast<double>(a.size());
+  const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / n,
+               mean_b = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab * ab / (aa * bb) : 0;
+}
+
+double Median(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return kNaN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+}  // namespace hydroscope
