@@ -37,7 +37,7 @@ struct PressMotion {
   double ramp_time = 0.10;                 ///< s, to accelerate and to brake
   double dwell_min = 0.20, dwell_max = 0.40;           ///< s, rest at the bottom and at the top
   double set_point_min = 40e5, set_point_max = 210e5;  ///< Pa, random steps while drawing
-  double step_time_min = 0.35, step_time_max = 1.1;    ///< s between steps
+  double step_time_min = 0.3, step_time_max = 0.9;     ///< s between steps
   double rest_pressure = 25e5;                         ///< Pa, while resting and returning
   double wander = 6e5;    ///< Pa, amplitude of the slow variation of the set point
   double dither = 0.010;  ///< 1, random switching added to the spool command
