@@ -15,10 +15,11 @@ constexpr std::array<ModelInput, 8> kCushionSignals = {{
     {"U_v", "V", false, "valve command"},
     {"T_oil", "K", false, "oil temperature"},
 }};
-constexpr std::array<ModelInput, 3> kCushionGeometry = {{
-    {"A_A", "m2", true, "piston area on side A"},
-    {"dp_nom", "Pa", true, "pressure drop at which the valve's nominal flow is stated"},
+constexpr std::array<ModelInput, 4> kCushionGeometry = {{
+    {"A_A", "m2", true, "piston area on side A", true},
+    {"dp_nom", "Pa", true, "pressure drop at which the valve's nominal flow is stated", true},
     {"p_t", "Pa", false, "tank pressure where it is not measured"},
+    {"stroke", "m", false, "working stroke of the cushion", true},
 }};
 constexpr std::array<ModelInput, 4> kCushionParameters = {{
     {"K", "Pa", true, "effective bulk modulus"},

@@ -26,6 +26,7 @@ struct ModelInput {
   std::string_view si;       ///< SI unit its value must have
   bool required;             ///< false: only some effects need it
   std::string_view meaning;  ///< for messages
+  bool positive = false;     ///< must be greater than 0
 };
 
 /// What a built-in model needs to know of the machine.

@@ -173,10 +173,12 @@ void ReadGeometry(TableReader& file, Machine& machine) {
                                       [&](const ModelInput& i) { return i.name == entry.key; });
       const bool is_known = input != model.geometry.end();
       const std::string si(is_known ? input->si : "");
-      const bool positive = is_known && input->required;
       KnownValue& value = machine.geometry[entry.key];
       Quantity quantity{.si = si};
-      if (positive) quantity.low = 0, quantity.above_low = true;
+      if (is_known && input->positive) {
+        quantity.low = 0;
+        quantity.above_low = true;
+      }
       const toml::table* table = entry.node->as_table();
       if (table == nullptr) {
         section.Number(entry.key, value.value, quantity);

@@ -61,6 +61,16 @@ bool SameButCase(std::string_view a, std::string_view b) {
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
+/// Signals that are none of the model's: one of them may be a misspelt one.
+std::vector<std::string> OwnSignalNames(const Machine& machine, const ModelInputs& model) {
+  std::vector<std::string> names;
+  for (const SignalSpec& signal : machine.signals)
+    if (std::none_of(model.signals.begin(), model.signals.end(),
+                     [&](const ModelInput& input) { return input.name == signal.name; }))
+      names.push_back(signal.name);
+  return names;
+}
+
 void CheckModelSignals(TableReader& file, const Machine& machine, const ModelInputs& model) {
   const toml::table* table = file.Table("signals");
   if (table == nullptr || table->empty()) {
@@ -84,8 +94,8 @@ void CheckModelSignals(TableReader& file, const Machine& machine, const ModelInp
     if (input.required)
       section.Problem(fmt::format(
           "{} is missing: model \"{}\" needs the {}; {}write e.g. {} = {{ column = \"...\", unit = \"{}\" }}",
-          input.name, model.model, input.meaning, DidYouMean(input.name, SignalNames(machine)), input.name,
-          input.si));
+          input.name, model.model, input.meaning, DidYouMean(input.name, OwnSignalNames(machine, model)),
+          input.name, input.si));
   }
 }
 

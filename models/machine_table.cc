@@ -186,7 +186,9 @@ std::optional<double> TableReader::Convert(std::string_view key, const toml::nod
       return std::nullopt;
     }
   }
-  const auto raw = number->is_number() ? number->value<double>() : std::nullopt;
+  std::optional<double> raw;
+  if (const auto* whole = number->as_integer()) raw = static_cast<double>(whole->get());
+  if (const auto* fraction = number->as_floating_point()) raw = fraction->get();
   if (!raw || !std::isfinite(*raw)) {
     Wrong(key, fmt::format("a finite number{}", unit.empty() || unit == "1" ? "" : " in " + unit));
     return std::nullopt;
