@@ -1,0 +1,311 @@
+#include "estimation/frequency_response.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "estimation/frequency_response_correlation.h"
+#include "estimation/frequency_response_model.h"
+#include "estimation/frequency_response_segments.h"
+#include "estimation/frequency_response_welch.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kShortestRecord = 64;
+constexpr double kHeldShare =
+    0.6;  // of the excitation that held sines must cover to be taken for a stepped sine
+
+struct HeldInRun {
+  std::size_t run = 0;
+  HeldSine held;
+};
+
+struct Search {
+  std::vector<HeldInRun> held;
+  std::size_t active = 0, covered = 0;
+  int unsteady = 0;
+};
+
+Search SearchHeldSines(const FrequencyRecord& record) {
+  Search search;
+  for (std::size_t r = 0; r < record.runs.size(); ++r) {
+    const HeldSines sines = FindHeldSines(record.runs[r].input);
+    for (const HeldSine& held : sines.found) search.held.push_back({r, held});
+    search.active += sines.active;
+    search.covered += sines.covered;
+    search.unsteady += sines.unsteady;
+  }
+  return search;
+}
+
+Status CheckRecord(const FrequencyRecord& record) {
+  std::size_t samples = 0;
+  double low = std::numeric_limits<double>::infinity(), high = -low, out_low = low, out_high = -low;
+  for (const SignalRun& run : record.runs) {
+    if (run.input.size() != run.output.size()) return InternalError("input and output differ in length");
+    samples += run.input.size();
+    for (double u : run.input) low = std::min(low, u), high = std::max(high, u);
+    for (double y : run.output) out_low = std::min(out_low, y), out_high = std::max(out_high, y);
+  }
+  if (samples < kShortestRecord) {
+    return BadInput("the record is too short: {} usable samples, at least {} are needed", samples,
+                    kShortestRecord);
+  }
+  if (!(record.sample_period > 0))
+    return BadInput("the sample period is {} s, a positive one is needed", record.sample_period);
+  if (!(high > low)) {
+    return BadInput("the command is constant ({:.6g}): excite the valve with stepped sines, a chirp or noise",
+                    low);
+  }
+  if (!(out_high > out_low)) {
+    return BadInput(
+        "the response is constant ({:.6g}) while the command moves: check that the right column is mapped, "
+        "the sensor is connected and the valve is enabled",
+        out_low);
+  }
+  return {};
+}
+
+SettleRule RuleFor(const FrequencyResponseOptions& options, const FrequencyRecord& record,
+                   const std::optional<ValveModel>& model) {
+  SettleRule rule;
+  if (!std::isnan(options.settle_time)) rule.fixed = options.settle_time / record.sample_period;
+  if (!model) return rule;
+  const double d = model->damping.value;
+  const double omega_0 = 2 * std::numbers::pi * model->natural_frequency.value * record.sample_period;
+  rule.time_constant = 1 / (omega_0 * (d < 1 ? d : d - std::sqrt(d * d - 1)));
+  rule.dead_time = model->dead_time.value / record.sample_period;
+  return rule;
+}
+
+std::vector<FrequencyPoint> CorrelateAll(const FrequencyRecord& record, const Search& search,
+                                         const SettleRule& rule) {
+  std::vector<CorrelatedPoint> correlated;
+  for (const HeldInRun& h : search.held) {
+    correlated.push_back(CorrelateHeldSine(record.runs[h.run], record.sample_period, h.held, rule));
+  }
+  PoolVariances(correlated);
+  std::vector<FrequencyPoint> points;
+  for (const CorrelatedPoint& c : correlated) points.push_back(c.point);
+  std::stable_sort(points.begin(), points.end(),
+                   [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
+  return points;
+}
+
+int CountReason(const std::vector<FrequencyPoint>& points, PointReason reason) {
+  return static_cast<int>(
+      std::count_if(points.begin(), points.end(), [reason](const auto& p) { return p.reason == reason; }));
+}
+
+void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
+  if (fitted) {
+    response.model = *fitted;
+  } else {
+    response.model.reset();
+    response.model_reason = fitted.error().text;
+  }
+  UnwrapPhases(response.points, response.model ? &*response.model : nullptr);
+}
+
+Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Search& search,
+                                         const FrequencyResponseOptions& options) {
+  if (search.held.empty()) {
+    return BadInput(
+        "no frequency is held steadily in the command ({} stretches drift); hold each for at least 5 periods "
+        "(2 more than the transient takes), or use --method welch for a chirp or noise",
+        search.unsteady);
+  }
+  FrequencyResponse response;
+  response.method = FrequencyResponseMethod::kSine;
+  for (int pass = 0; pass < 3; ++pass) {  // the transient's length comes from the model of the pass before
+    response.points = CorrelateAll(record, search, RuleFor(options, record, response.model));
+    TakeModel(FitValveModel(response.points), response);
+    if (!response.model) break;
+  }
+  const int total = static_cast<int>(response.points.size());
+  const int clipped = CountReason(response.points, PointReason::kClipped);
+  const int silent = CountReason(response.points, PointReason::kNoResponse);
+  const int brief = CountReason(response.points, PointReason::kTooShort);
+  if (CountReason(response.points, PointReason::kUsed) == 0) {
+    if (clipped > 0) {
+      return BadInput(
+          "command or response is clipped at {} of {} frequencies: lower the amplitude or check the sensor's "
+          "range",
+          clipped, total);
+    }
+    if (silent > 0) {
+      return BadInput(
+          "the response does not follow the command at any of {} frequencies (it is noise): check that the "
+          "right column is mapped and the valve is enabled",
+          total);
+    }
+    return BadInput(
+        "all {} held frequencies are too short: fewer than 2 whole periods are left after the transient; "
+        "hold each frequency longer",
+        total);
+  }
+  const auto warn = [&](int count, const char* what) {
+    if (count > 0)
+      response.warnings.push_back(fmt::format("{} of {} frequencies left out: {}", count, total, what));
+  };
+  warn(clipped, "command or response is clipped");
+  warn(silent, "the response does not stand out of its noise");
+  warn(brief, "fewer than 2 whole periods after the transient");
+  if (search.unsteady > 0) {
+    response.warnings.push_back(fmt::format(
+        "{} stretches of the command were left out: frequency or amplitude not steady", search.unsteady));
+  }
+  return response;
+}
+
+Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const FrequencyResponseOptions& options) {
+  auto spectra = EstimateByWelch(record, options);
+  if (!spectra) return tl::unexpected(spectra.error());
+  FrequencyResponse response;
+  response.method = FrequencyResponseMethod::kWelch;
+  response.segment_length = spectra->segment_length;
+  response.points = std::move(spectra->points);
+  const int used = CountReason(response.points, PointReason::kUsed);
+  if (used < 3) {
+    return BadInput(
+        "command and response are not related: coherence reaches the limit at {} of {} frequencies, at least "
+        "3 "
+        "are needed; check that the right columns are mapped, that the command moves and the valve is "
+        "enabled",
+        used, response.points.size());
+  }
+  for (const SignalRun& run : record.runs) {
+    if (LooksClipped(run.input) || LooksClipped(run.output)) {
+      response.warnings.push_back(
+          "command or response sits on its extreme for long: clipped or saturated, lower the amplitude");
+      break;
+    }
+  }
+  TakeModel(FitValveModel(response.points, kHannCorrelation), response);
+  return response;
+}
+
+/// What the fitted figures say about the check itself.
+void AddModelWarnings(FrequencyResponse& response) {
+  if (!response.model) return;
+  const ValveModel& m = *response.model;
+  if (m.gain.value < 0)
+    response.warnings.push_back(
+        "the response moves against the command: polarity of a sensor or of the valve is reversed");
+  if (m.dead_time.value + 3 * m.dead_time.std < 0) {
+    response.warnings.push_back(
+        "the dead time is negative: the command is recorded later than the response, or it is not the signal "
+        "the valve gets");
+  }
+  if (m.first_order) {
+    response.warnings.push_back(fmt::format(
+        "the response is of first order with dead time: only its corner frequency f0/(2 D) = {:.4g} Hz is "
+        "determined, D is held at {:.3g}",
+        m.natural_frequency.value / (2 * m.damping.value), m.damping.value));
+  } else if (m.natural_frequency.std > 0.2 * m.natural_frequency.value ||
+             m.phase_90.value > 1.5 * m.highest) {
+    response.warnings.push_back(
+        fmt::format("the frequencies (up to {:.4g} Hz) end well before the phase reaches -90 degrees: f0 and "
+                    "D are weakly determined, sweep higher",
+                    m.highest));
+  }
+  if (m.inflation > 1) {
+    response.warnings.push_back(
+        fmt::format("second order with dead time does not describe the points within their noise: misfit is "
+                    "{:.3g} times the noise, intervals are widened by that",
+                    m.inflation));
+  }
+}
+
+}  // namespace
+
+const char* MethodName(FrequencyResponseMethod method) {
+  switch (method) {
+    case FrequencyResponseMethod::kAuto:
+      return "auto";
+    case FrequencyResponseMethod::kSine:
+      return "sine";
+    case FrequencyResponseMethod::kWelch:
+      return "welch";
+  }
+  return "";
+}
+
+const char* PointReasonName(PointReason reason) {
+  switch (reason) {
+    case PointReason::kUsed:
+      return "used";
+    case PointReason::kTooShort:
+      return "too_short";
+    case PointReason::kNoResponse:
+      return "no_response";
+    case PointReason::kLowCoherence:
+      return "low_coherence";
+    case PointReason::kClipped:
+      return "clipped";
+  }
+  return "";
+}
+
+Status FrequencyResponseOptions::Validate() const {
+  if (segment_length != 0 && (segment_length < 32 || segment_length % 2 != 0)) {
+    return UsageError("segment length {} samples: an even number of at least 32 is needed (0 chooses it)",
+                      segment_length);
+  }
+  if (!(min_coherence > 0 && min_coherence < 1)) {
+    return UsageError("minimum coherence {}: a number between 0 and 1 is needed", min_coherence);
+  }
+  if (settle_time < 0) return UsageError("settle time {} s: a positive number is needed", settle_time);
+  return {};
+}
+
+Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,
+                                                   const FrequencyResponseOptions& options) {
+  if (auto valid = options.Validate(); !valid) return tl::unexpected(valid.error());
+  if (auto usable = CheckRecord(record); !usable) return tl::unexpected(usable.error());
+  FrequencyResponseMethod method = options.method;
+  Search search;
+  if (method != FrequencyResponseMethod::kWelch) search = SearchHeldSines(record);
+  if (method == FrequencyResponseMethod::kAuto) {
+    const bool held = !search.held.empty() &&
+                      static_cast<double>(search.covered) > kHeldShare * static_cast<double>(search.active);
+    method = held ? FrequencyResponseMethod::kSine : FrequencyResponseMethod::kWelch;
+  }
+  auto response = method == FrequencyResponseMethod::kSine ? BySteppedSines(record, search, options)
+                                                           : ByWelch(record, options);
+  if (response) AddModelWarnings(*response);
+  return response;
+}
+
+double WorstDistortion(const std::vector<FrequencyPoint>& points) {
+  double worst = 0;
+  for (const FrequencyPoint& p : points) {
+    if (std::isnan(p.output_distortion) || p.reason == PointReason::kNoResponse) continue;
+    const double own = p.output_distortion - std::max(0.0, p.input_distortion);
+    if (own > 4 * p.distortion_std) worst = std::max(worst, own);
+  }
+  return worst;
+}
+
+std::optional<ValveCheck> MakeValveCheck(const FrequencyResponse& response, double time,
+                                         double supply_pressure, double oil_temperature) {
+  if (!response.model) return std::nullopt;
+  const ValveModel& m = *response.model;
+  ValveCheck check{time, m.natural_frequency, m.damping, m.gain, m.dead_time, m.bandwidth, m.phase_90};
+  std::vector<double> amplitudes;
+  for (const FrequencyPoint& p : response.points) {
+    if (p.reason == PointReason::kUsed) amplitudes.push_back(p.amplitude);
+  }
+  std::nth_element(amplitudes.begin(),
+                   amplitudes.begin() + static_cast<std::ptrdiff_t>(amplitudes.size() / 2), amplitudes.end());
+  check.amplitude = amplitudes[amplitudes.size() / 2];
+  check.worst_distortion = WorstDistortion(response.points);
+  check.supply_pressure = supply_pressure;
+  check.oil_temperature = oil_temperature;
+  return check;
+}
+
+}  // namespace hydroscope

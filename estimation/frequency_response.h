@@ -1,0 +1,156 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+/// Frequency response of a valve (or any single-input single-output system) from a log of its command and its
+/// response, and the second-order model with dead time fitted to it (docs/frequency_response.md).
+///
+///   G(jw) = K_v exp(-jw T_dead) / (1 - (w/w0)^2 + 2 D j w/w0)
+///
+/// Stepped sines are evaluated by orthogonal correlation (Isermann and Muenchhof, Identification of Dynamic
+/// Systems, 2011, sec. 4.3), broadband signals by averaged cross spectra (Welch, 1967; Bendat and Piersol,
+/// Random Data, 4th ed. 2010, eq. 9.52 ff.). Zero-order hold of the command and delays between the sampling
+/// instants of the two channels are not modelled: they appear as dead time.
+
+enum class FrequencyResponseMethod {
+  kAuto,   ///< stepped sine if held frequencies cover most of the excitation, else Welch
+  kSine,   ///< stepped sines: orthogonal correlation per held frequency
+  kWelch,  ///< chirp or noise: averaged cross spectra
+};
+/// "auto", "sine", "welch".
+const char* MethodName(FrequencyResponseMethod method);
+
+/// Why a measured point does or does not take part in the model fit.
+enum class PointReason {
+  kUsed,
+  kTooShort,      ///< fewer than two whole periods are left after the transient
+  kNoResponse,    ///< the response at this frequency does not stand out of its noise
+  kLowCoherence,  ///< coherence below the limit: noise, nonlinearity or no excitation
+  kClipped,       ///< command or response sits on a rail for a part of each period
+};
+/// Short machine name ("used", "too_short", ...).
+const char* PointReasonName(PointReason reason);
+
+/// One frequency of the response.
+struct FrequencyPoint {
+  double frequency = 0;           ///< Hz
+  std::complex<double> response;  ///< output / input
+  double phase = 0;               ///< rad, unwrapped over frequency
+  double variance = 0;            ///< of real and of imaginary part, each
+  double dof = 1;                 ///< degrees of freedom behind `variance`; infinity if well known
+  double coherence = 1;           ///< 0...1 (stepped sine: share of the output's power that is the sine)
+  double amplitude = 0;  ///< input amplitude U0 in input units (Welch: rms in the bin's noise bandwidth)
+  double output_amplitude = 0;                                         ///< output units
+  double input_distortion = std::numeric_limits<double>::quiet_NaN();  ///< harmonics 2 and 3 over the first
+  double output_distortion =
+      std::numeric_limits<double>::quiet_NaN();                      ///< NaN if above the Nyquist frequency
+  double distortion_std = std::numeric_limits<double>::quiet_NaN();  ///< of output_distortion
+  double begin = 0, end = 0;  ///< s, evaluated part of the log (Welch: the whole log)
+  double periods = 0;         ///< evaluated whole periods, or effective number of averages
+  double dropped = 0;         ///< s of transient left out before `begin`
+  PointReason reason = PointReason::kUsed;
+
+  double gain() const { return std::abs(response); }
+  /// Standard deviation of the gain such that +-1.96 of it is the 95 % interval also with few degrees of
+  /// freedom.
+  double GainStd() const;
+  /// The same of the phase, rad.
+  double PhaseStd() const;
+};
+
+/// A value with a standard deviation: value +- 1.96 std is the 95 % interval.
+struct ValueWithStd {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double std = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Second-order model with dead time. SI.
+struct ValveModel {
+  ValueWithStd natural_frequency;  ///< f0, Hz
+  ValueWithStd damping;            ///< D, 1
+  ValueWithStd gain;               ///< K_v, output per input
+  ValueWithStd dead_time;          ///< s; may come out slightly negative where the truth is zero
+  ValueWithStd bandwidth;          ///< Hz, gain 3 dB (factor 1/sqrt 2) below K_v
+  ValueWithStd phase_90;           ///< Hz, phase -90 degrees, dead time included
+  ValueWithStd rise_time_90;  ///< s, step response first reaches 90 % of its final value, dead time included
+  double chi_squared = 0;     ///< weighted sum of squares of the misfit; expected about `degrees_of_freedom`
+  int degrees_of_freedom = 0;
+  double inflation = 1;      ///< factor on all std because the misfit exceeds the noise (1: it does not)
+  bool first_order = false;  ///< D ran to its limit of 5: only the corner frequency f0/(2 D) is determined
+  double lowest = 0, highest = 0;  ///< Hz, range of the points used
+
+  std::complex<double> Response(double frequency) const;
+  /// rad, continuous over frequency (second-order part -180...0 degrees, then dead time).
+  double Phase(double frequency) const;
+};
+
+/// Command and response without a gap, at equal steps.
+struct SignalRun {
+  double start = 0;           ///< s, time of the first sample
+  std::vector<double> input;  ///< share of full command, or SI
+  std::vector<double> output;
+};
+
+struct FrequencyRecord {
+  double sample_period = 0;     ///< s
+  std::vector<SignalRun> runs;  ///< the log, cut at gaps
+};
+
+struct FrequencyResponseOptions {
+  FrequencyResponseMethod method = FrequencyResponseMethod::kAuto;
+  std::size_t segment_length =
+      0;                       ///< samples per Welch segment; 0: largest power of two with 8 in the record
+  double min_coherence = 0.8;  ///< points below take no part in the fit
+  /// s left out at the start of every held frequency; NaN: found from the fitted model and the block scatter
+  double settle_time = std::numeric_limits<double>::quiet_NaN();
+
+  Status Validate() const;
+};
+
+struct FrequencyResponse {
+  FrequencyResponseMethod method = FrequencyResponseMethod::kSine;  ///< the one that was used
+  std::vector<FrequencyPoint> points;  ///< in order of frequency; `reason` says which take part in the fit
+  std::optional<ValveModel> model;     ///< absent: `model_reason` says why
+  std::string model_reason;
+  std::size_t segment_length = 0;     ///< Welch: samples per segment
+  std::vector<std::string> warnings;  ///< what the reader of the result should know, one sentence each
+};
+
+/// Response and model. Bad input (too short, constant input, no steady frequency, no coherence, everything
+/// clipped) is an error that says what was found and what to do; too few points for a model is not: see
+/// `model_reason`.
+Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,
+                                                   const FrequencyResponseOptions& options = {});
+
+/// What a valve check leaves for the trend database: the model's figures and the conditions they hold for.
+struct ValveCheck {
+  double time = 0;                 ///< s, start of the record
+  ValueWithStd natural_frequency;  ///< Hz
+  ValueWithStd damping;            ///< 1
+  ValueWithStd gain;               ///< output per share of full command
+  ValueWithStd dead_time;          ///< s
+  ValueWithStd bandwidth;          ///< Hz
+  ValueWithStd phase_90;           ///< Hz
+  double amplitude = 0;            ///< share of full command, median over the points used
+  double worst_distortion = 0;     ///< largest significant harmonic share of the response, 0...1
+  double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean; NaN if not measured
+  double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean; NaN if not measured
+};
+
+/// The record of a response that has a model; nullopt if it has none.
+std::optional<ValveCheck> MakeValveCheck(const FrequencyResponse& response, double time,
+                                         double supply_pressure, double oil_temperature);
+
+/// Largest distortion of the response that exceeds that of the command and its own noise (4 std); 0 if none.
+double WorstDistortion(const std::vector<FrequencyPoint>& points);
+
+}  // namespace hydroscope
