@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,20 @@ constexpr double kMostCorrelation = 0.99;
 
 double EffectiveCount(std::size_t n, double correlation) {
   return static_cast<double>(n) * (1 - correlation) / (1 + correlation);
+}
+
+/// Degrees of freedom of an error found from n values with p unknowns: all if the correlation was known
+/// beforehand, those of the effective count (at least 2) if it was found from the same values.
+double Degrees(double n, double effective, double p, bool correlation_found) {
+  return correlation_found ? std::clamp(effective - p, 2.0, n - p) : n - p;
+}
+
+/// The correlation to use: the one known beforehand unless the one found exceeds it by more than its own
+/// error.
+double Settle(double found, double known, std::size_t n) {
+  known = std::clamp(known, 0.0, kMostCorrelation);
+  const double tolerance = known > 0 ? 2 * std::sqrt((1 - known * known) / static_cast<double>(n)) : 0;
+  return found > known + tolerance ? std::min(found, kMostCorrelation) : known;
 }
 
 bool AllPositive(const std::vector<double>& values) {
@@ -51,14 +66,20 @@ Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
   return out;
 }
 
-/// Mean square of differences over `lag` values without the largest twentieth: a jump is no scatter.
-double DifferenceSquare(const std::vector<double>& y, std::size_t lag) {
+/// Mean square of successive differences without the largest twentieth (a jump is no scatter), raised
+/// by what the trimming takes from normal scatter: P(chi2_3 < q) / P(chi2_1 < q) at the trimming point q.
+double DifferenceSquare(const std::vector<double>& y) {
   std::vector<double> squares;
-  for (std::size_t i = lag; i < y.size(); ++i) squares.push_back((y[i] - y[i - lag]) * (y[i] - y[i - lag]));
+  for (std::size_t i = 1; i < y.size(); ++i) squares.push_back((y[i] - y[i - 1]) * (y[i] - y[i - 1]));
   std::sort(squares.begin(), squares.end());
   const std::size_t kept = squares.size() - squares.size() / 20;
-  return std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
-         static_cast<double>(kept);
+  const double share = static_cast<double>(kept) / static_cast<double>(squares.size());
+  using boost::math::chi_squared;
+  const double left =
+      kept == squares.size() ? 1 : cdf(chi_squared(3), quantile(chi_squared(1), share)) / share;
+  const double sum =
+      std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0);
+  return sum / static_cast<double>(kept) / left;
 }
 
 double WeightedMean(const double* y, const double* weight, std::size_t n) {
@@ -122,7 +143,7 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
     if (qr.rank() < p) return {};
     beta = qr.solve(white.col(p));
     const double found = ResidualCorrelation(rows.col(p) - rows.leftCols(p) * beta, p);
-    const double next = std::max(found, std::clamp(least_correlation, 0.0, kMostCorrelation));
+    const double next = Settle(found, least_correlation, y.size());
     if (std::abs(next - correlation) < 1e-6) break;
     correlation = next;
   }
@@ -130,8 +151,8 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   const double variance =
       (white.col(p) - white.leftCols(p) * beta).squaredNorm() / static_cast<double>(n - p);
   const Eigen::MatrixXd covariance = variance * (white.leftCols(p).transpose() * white.leftCols(p)).inverse();
-  const double degrees = std::clamp(EffectiveCount(y.size(), correlation) - static_cast<double>(p), 2.0,
-                                    static_cast<double>(n - p));
+  const double degrees = Degrees(static_cast<double>(n), EffectiveCount(y.size(), correlation),
+                                 static_cast<double>(p), correlation > least_correlation);
   CorrelatedFit fit;
   fit.correlation = correlation;
   fit.residual_std = std::sqrt(variance / (1 - correlation * correlation));
@@ -168,11 +189,8 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.first = WeightedMean(y.data(), weights.data(), result.count);
   result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
 
-  const double one = DifferenceSquare(y, 1), two = DifferenceSquare(y, 2);
-  const double found =
-      std::max(one > 0 ? two / one - 1 : 0, CorrelationAboutThirds(y, std, result.count, least_correlation));
-  result.correlation = std::clamp(std::max(found, least_correlation), 0.0, kMostCorrelation);
-  const double scatter = one / (2 * (1 - result.correlation));
+  result.correlation = CorrelationAboutThirds(y, std, result.count, least_correlation);
+  const double scatter = DifferenceSquare(y) / (2 * (1 - result.correlation));
   const auto variance_of = [&](std::size_t begin) {
     const double stated = std.size() == y.size()
                               ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -181,7 +199,9 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
     const double one_value = std::max(scatter, std::isfinite(stated) ? stated * stated : 0);
     return one_value / std::max(1.0, EffectiveCount(result.count, result.correlation));
   };
-  const double degrees = std::max(2.0, 2 * EffectiveCount(result.count, result.correlation) - 2);
+  const double effective = EffectiveCount(result.count, result.correlation);
+  const double degrees = Degrees(2 * static_cast<double>(result.count), 2 * effective, 2,
+                                 result.correlation > least_correlation);
   result.change =
       TestedValue(result.last - result.first, std::sqrt(variance_of(0) + variance_of(last)), degrees);
   return result;
