@@ -1,0 +1,178 @@
+#include "estimation/gram_fit.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+NormalEquations Extract(const SymmetricMatrix& gram, std::span<const int> columns, int output) {
+  const int k = static_cast<int>(columns.size());
+  NormalEquations e{Eigen::MatrixXd(k, k), Eigen::VectorXd(k), gram(output, output), 0.0};
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; j < k; ++j) e.h(i, j) = gram(columns[i], columns[j]);
+    e.g[i] = gram(columns[i], output);
+  }
+  return e;
+}
+
+std::vector<int> BaseColumns(const ModelStructure& model) {
+  std::vector<int> columns(model.base_count);
+  std::iota(columns.begin(), columns.end(), 0);
+  return columns;
+}
+
+/// Why a physical parameter with this value and std should not be trusted, if so.
+EstimateReason Judge(const DerivedParameter& parameter, double std) {
+  if (!parameter.admissible) return EstimateReason::kOutsidePhysics;
+  const double scale = parameter.unit == "1" ? 0.05 : 0.3 * std::abs(parameter.value);
+  return std > scale ? EstimateReason::kConfounded : EstimateReason::kUpdated;
+}
+
+}  // namespace
+
+NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
+  if (h.size() == 0) return *this = other;
+  h += other.h;
+  g += other.g;
+  yy += other.yy;
+  equations += other.equations;
+  return *this;
+}
+
+NormalEquations& NormalEquations::operator-=(const NormalEquations& other) {
+  h -= other.h;
+  g -= other.g;
+  yy -= other.yy;
+  equations -= other.equations;
+  return *this;
+}
+
+NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> columns, int output,
+                                  NoiseCorrection correction) {
+  NormalEquations e = Extract(gram.integral, columns, output);
+  if (correction == NoiseCorrection::kSubtract) {
+    const NormalEquations noise = Extract(gram.noise, columns, output);
+    e.h -= noise.h;
+    e.g -= noise.g;
+  }
+  e.equations = static_cast<double>(gram.blocks - gram.spans);
+  return e;
+}
+
+NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output) {
+  NormalEquations e = Extract(gram.flow, columns, output);
+  e.equations = static_cast<double>(gram.windows);
+  return e;
+}
+
+Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
+  const Eigen::VectorXd diagonal = equations.h.diagonal();
+  if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
+  const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * equations.h * scale.asDiagonal());
+  if (ldlt.info() != Eigen::Success || !ldlt.isPositive() || ldlt.rcond() < 1e-13) return {};
+  return scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * equations.g);
+}
+
+double MeanSquaredError(const NormalEquations& e, const Eigen::VectorXd& theta) {
+  return (theta.dot(e.h * theta) - 2 * theta.dot(e.g) + e.yy) / e.equations;
+}
+
+double StudentFactor(double degrees) {
+  if (!(degrees >= 1)) return kInfinity;
+  return boost::math::quantile(boost::math::students_t(degrees), 0.975) / 1.959963984540054;
+}
+
+Eigen::VectorXd Excitation(const Eigen::MatrixXd& h) {
+  const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd correlation = scale.asDiagonal() * h * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = correlation.completeOrthogonalDecomposition().pseudoInverse();
+  Eigen::VectorXd share(h.rows());
+  for (int i = 0; i < h.rows(); ++i) share[i] = inverse(i, i) > 0 ? std::min(1.0, 1.0 / inverse(i, i)) : 0.0;
+  return share;
+}
+
+double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
+                  const Eigen::VectorXd& theta, const WindowSamples& window) {
+  double noise = 0, equations = 0;
+  for (const StrokeGram& gram : strokes) {
+    NormalEquations e = Extract(gram.noise, columns, output);
+    noise += theta.dot(e.h * theta) - 2 * theta.dot(e.g) + e.yy;
+    equations += static_cast<double>(gram.blocks - gram.spans);
+  }
+  if (equations <= 0) return 0.0;
+  // A flow is the difference of two means of h block levels, h blocks apart: variance 2 N / (h^3 T_block^2).
+  const double block_time = window.block * window.period;
+  const double h = window.half_window;
+  return std::sqrt(noise / equations * 2.0 / (h * h * h * block_time * block_time));
+}
+
+Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                             const WindowSamples& window) {
+  const std::vector<int> columns = BaseColumns(model);
+  const int output = model.output_column();
+  std::vector<NormalEquations> integral, flow;
+  NormalEquations total;
+  for (const StrokeGram& gram : strokes) {
+    integral.push_back(IntegralEquations(gram, columns, output));
+    flow.push_back(FlowEquations(gram, columns, output));
+    total += integral.back();
+  }
+  GramFit fit;
+  fit.strokes = static_cast<int>(strokes.size());
+  if (fit.strokes == 0)
+    return BadInput("no drawing stroke found: check the [gate] of the machine file against the log with 'hydroscope check'");
+  fit.theta = SolveNormalEquations(total);
+  if (fit.theta.size() == 0)
+    return BadInput("the strokes do not excite all parameters of the base model: vary ram speed and pressure, or record longer");
+
+  // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
+  const std::vector<DerivedParameter> derived = model.derive(fit.theta);
+  const double count = fit.strokes;
+  Eigen::MatrixXd replicas(fit.theta.size(), fit.strokes);
+  Eigen::MatrixXd derived_replicas(derived.size(), fit.strokes);
+  double squared_error = 0;
+  for (int s = 0; s < fit.strokes; ++s) {
+    NormalEquations rest = total;
+    rest -= integral[s];
+    Eigen::VectorXd theta = SolveNormalEquations(rest);
+    if (theta.size() == 0) theta = fit.theta;
+    replicas.col(s) = theta;
+    const std::vector<DerivedParameter> values = model.derive(theta);
+    for (std::size_t i = 0; i < values.size(); ++i) derived_replicas(i, s) = values[i].value;
+    if (flow[s].equations > 0) squared_error += MeanSquaredError(flow[s], theta) * flow[s].equations;
+    fit.windows += strokes[s].windows;
+  }
+  fit.rms_holdout = fit.windows > 0 ? std::sqrt(std::max(0.0, squared_error / static_cast<double>(fit.windows))) : 0.0;
+  fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window);
+
+  const double jackknife = (count - 1) / count;
+  const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
+  fit.covariance = jackknife * centred * centred.transpose();
+  const Eigen::VectorXd spread =
+      (derived_replicas.colwise() - derived_replicas.rowwise().mean()).rowwise().squaredNorm() * jackknife;
+  const double factor = StudentFactor(count - 1);
+  const Eigen::VectorXd excitation = Excitation(total.h);
+  for (std::size_t i = 0; i < derived.size(); ++i) {
+    const double random = fit.strokes > 1 ? std::sqrt(spread[i]) * factor : kInfinity;
+    Estimate estimate;
+    estimate.parameter = derived[i].name;
+    estimate.value = derived[i].value;
+    estimate.unit = derived[i].unit;
+    estimate.std = std::hypot(random, derived[i].geometry_std);
+    const Eigen::VectorXd weight = derived[i].gradient.cwiseProduct(fit.theta).cwiseAbs();
+    int dominant = 0;
+    weight.maxCoeff(&dominant);
+    estimate.excitation = excitation[dominant];
+    estimate.reason = Judge(derived[i], estimate.std);
+    fit.parameters.push_back(estimate);
+  }
+  return fit;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "core/stroke_gram.h"
+#include "estimation/span_equations.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g + yy.
+struct NormalEquations {
+  Eigen::MatrixXd h;
+  Eigen::VectorXd g;
+  double yy = 0;
+  double equations = 0;
+
+  NormalEquations& operator+=(const NormalEquations& other);
+  NormalEquations& operator-=(const NormalEquations& other);
+};
+
+/// Sensor noise is taken out of the integral form's Gram (see SpanEquations); kKeep is for comparison only.
+enum class NoiseCorrection { kSubtract, kKeep };
+
+/// Integral form, regressors `columns` against `output`.
+NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> columns, int output,
+                                  NoiseCorrection correction = NoiseCorrection::kSubtract);
+/// Flow form, for errors in output units.
+NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output);
+
+/// Least squares with the regressors scaled to unit diagonal; empty if the regressors are not independent.
+Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations);
+
+/// Mean squared error of `theta` on these equations, output unit squared.
+double MeanSquaredError(const NormalEquations& equations, const Eigen::VectorXd& theta);
+
+/// Result of a batch fit of the base model over strokes.
+struct GramFit {
+  Eigen::VectorXd theta;                ///< regression parameters, SI
+  Eigen::MatrixXd covariance;           ///< clustered by stroke (delete-one jackknife), SI
+  std::vector<Estimate> parameters;     ///< physical parameters; value +- 1.96 std is the 95 % interval
+  double rms_holdout = 0;               ///< m^3/s, flow error on strokes the fit did not see
+  double noise_floor = 0;               ///< m^3/s, flow error that sensor noise alone would cause
+  int strokes = 0;
+  std::int64_t windows = 0;
+};
+
+/// Fits the base model to a set of strokes. The stroke is the independent unit: intervals come from deleting one
+/// stroke at a time (jackknife, Efron 1982; the CR3 estimator of MacKinnon and White 1985) with Student's t of
+/// strokes - 1 degrees of freedom. Needs at least two strokes for intervals; with fewer, std is infinite.
+Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
+                             const WindowSamples& window);
+
+/// Flow error that sensor noise alone would cause with these parameters, m^3/s rms.
+double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
+                  const Eigen::VectorXd& theta, const WindowSamples& window);
+
+/// Share of each regressor's information that the others do not explain, 0...1.
+Eigen::VectorXd Excitation(const Eigen::MatrixXd& h);
+
+/// Factor from a standard error with `degrees` of freedom to the std whose +-1.96 fold is the 95 % interval.
+double StudentFactor(double degrees);
+
+}  // namespace hydroscope

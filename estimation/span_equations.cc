@@ -1,0 +1,97 @@
+#include "estimation/span_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+
+WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
+  WindowSamples w;
+  w.period = period;
+  w.block = std::max(4, static_cast<int>(std::lround(spec.block / period)));
+  const double block = w.block * period;
+  w.span = std::max(w.min_span, static_cast<int>(std::lround(spec.span / block)));
+  w.half_window = std::max(1, static_cast<int>(std::lround(spec.half_width / block)));
+  return w;
+}
+
+SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
+    : model_(std::move(model)), window_(window) {
+  const int columns = model_->column_count();
+  increments_.resize(static_cast<std::size_t>(window_.span) * window_.block + 1);
+  column_state_.assign(columns, 0.0);
+  last_level_.assign(columns, 0.0);
+  level_.resize(columns, window_.span + 2 * window_.half_window);
+  out_.integral.resize(columns, window_.span);
+  out_.noise.resize(columns, window_.span);
+  out_.flow.resize(columns, window_.span);
+  out_.flow_time.reserve(window_.span);
+}
+
+const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) {
+  const int blocks = (stretch.samples - (stretch.continues ? 1 : 0)) / window_.block;
+  model_->derive_channels(stretch);
+  if (!stretch.continues) history_ = 0;
+  FillLevels(stretch, blocks);
+  FillContrasts(blocks);
+  FillFlows(blocks, stretch.continues, begin);
+  out_.blocks = blocks;
+  return out_;
+}
+
+void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
+  const int m = window_.block, lead = stretch.continues ? 1 : 0;
+  const int paired = m / 4 * 4;
+  const double mean = 1.0 / m;
+  const double contrast = 1.0 / std::sqrt(static_cast<double>(m) * paired);
+  const double intercept_share = std::sqrt((blocks - 1.0) / blocks);
+  const std::span<double> increments(increments_.data(), stretch.samples - 1);
+  for (int c = 0; c < model_->column_count(); ++c) {
+    model_->columns[c].fill(stretch, column_state_[c], increments);
+    double level = stretch.continues ? last_level_[c] : 0.0;
+    std::size_t next = 0;
+    if (lead == 1) level += increments[next++];
+    for (int b = 0; b < blocks; ++b) {
+      const double first = level;
+      double sum = 0, signs = 0;
+      for (int k = 0; k < m; ++k) {
+        const double x = level - first;
+        sum += x;
+        if (k < paired) signs += ((k & 3) == 0 || (k & 3) == 3) ? x : -x;
+        if (next < increments.size()) level += increments[next++];
+      }
+      level_(c, history_ + b) = first + sum * mean;
+      out_.noise(c, b) = signs * contrast * intercept_share;
+    }
+    // `level` has run one increment past the last sample only if there was one; whole blocks leave none over.
+    last_level_[c] = level;
+  }
+}
+
+void SpanEquationBuilder::FillContrasts(int blocks) {
+  // Helmert contrasts: block j against the mean of those before it, scaled to keep white noise white.
+  Eigen::VectorXd mean = level_.col(history_);
+  for (int j = 1; j < blocks; ++j) {
+    const auto block = level_.col(history_ + j);
+    out_.integral.col(j - 1) = std::sqrt(j / (j + 1.0)) * (block - mean);
+    mean += (block - mean) / (j + 1.0);
+  }
+}
+
+void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {
+  const int h = window_.half_window, total = history_ + blocks;
+  const double block_time = window_.block * window_.period;
+  const double scale = 1.0 / (h * h * block_time);
+  out_.flow_time.clear();
+  int windows = 0;
+  for (int last = continues ? std::max(history_, 2 * h - 1) : 2 * h - 1; last < total; ++last, ++windows) {
+    out_.flow.col(windows) =
+        scale * (level_.middleCols(last - h + 1, h).rowwise().sum() - level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
+    out_.flow_time.push_back(begin + (last - history_ - h + 1) * block_time);
+  }
+  const int keep = std::min(total, 2 * h - 1);
+  for (int k = 0; k < keep; ++k) level_.col(k) = level_.col(total - keep + k).eval();
+  history_ = keep;
+}
+
+}  // namespace hydroscope

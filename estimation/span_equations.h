@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <vector>
+
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// The equations one span of samples gives, one column of each matrix per equation, one row per model column.
+///
+/// Integral form. Integrated once, the balance reads: piston volume = sum theta_i * (integral of base_i) + constant.
+/// Sensor noise of the position then enters white and undifferentiated, and the small noise of the pressure meets its
+/// full signal, so the errors-in-variables bias that ruins the differenced form is nearly gone. Levels are averaged
+/// over blocks; the constant, one per span, is taken out by orthonormal (Helmert) contrasts, which keep white noise
+/// white. A short span keeps slow model errors from piling up in the integral.
+///
+/// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor noise: its
+/// outer product estimates what the noise adds to the regressors' Gram, for every column and every nonlinearity,
+/// without knowing any noise level. Subtracting it takes out the errors-in-variables bias that is left.
+///
+/// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
+struct SpanEquations {
+  Eigen::MatrixXd integral;       ///< columns x (blocks - 1), integrated output unit (m^3)
+  Eigen::MatrixXd noise;          ///< columns x blocks, same unit
+  Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
+  std::vector<double> flow_time;  ///< s, centre of each window
+  int blocks = 0;
+};
+
+/// How blocks, spans and windows count in samples.
+struct WindowSamples {
+  int block = 10;         ///< samples per block
+  int span = 20;          ///< blocks per span
+  int half_window = 2;    ///< blocks in each half of the flow window
+  int min_span = 5;       ///< blocks below which the rest of a segment is not used
+  double period = 0.002;  ///< s
+  static WindowSamples From(const WindowSpec& spec, double period);
+};
+
+class SpanEquationBuilder {
+ public:
+  SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window);
+
+  /// Equations of one span. `stretch` holds whole blocks, plus one leading sample if it continues a segment; its
+  /// derived channels are filled here. `begin` is the time of its first block's first sample, s.
+  /// The result stays valid until the next call.
+  const SpanEquations& Build(Stretch& stretch, double begin);
+
+  const WindowSamples& window() const { return window_; }
+
+ private:
+  void FillLevels(const Stretch& stretch, int blocks);
+  void FillContrasts(int blocks);
+  void FillFlows(int blocks, bool continues, double begin);
+
+  std::shared_ptr<const ModelStructure> model_;
+  WindowSamples window_;
+  std::vector<double> increments_;
+  std::vector<double> column_state_;
+  std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
+  Eigen::MatrixXd level_;           ///< columns x (history + blocks), block means
+  int history_ = 0;                 ///< block means kept from the stretch before
+  SpanEquations out_;
+};
+
+}  // namespace hydroscope

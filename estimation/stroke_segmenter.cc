@@ -1,0 +1,230 @@
+#include "estimation/stroke_segmenter.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace hydroscope {
+namespace {
+
+constexpr int kRingSize = 5;
+constexpr int kLookAhead = 2;
+/// Flags that say a row does not follow the one before at the sample period.
+constexpr Quality kTimeBroken = quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
+
+int ChannelIndex(const ModelStructure& model, const std::string& name) {
+  for (std::size_t c = 0; c < model.channel_source.size(); ++c)
+    if (model.channel_names[c] == name && model.channel_source[c] >= 0) return static_cast<int>(c);
+  return -1;
+}
+
+}  // namespace
+
+StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+                                 WindowSamples window, Sink sink)
+    : model_(std::move(model)), window_(window), gate_(machine.gate), sink_(std::move(sink)) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  needed_.assign(machine.signals.size(), false);
+  for (int signal : model_->needed_signals) needed_[signal] = true;
+  for (const GateBound& bound : gate_.bounds) {
+    const int signal = machine.SignalIndex(bound.signal);
+    if (signal < 0) continue;  // BuildModel and the loader refuse unknown signals
+    needed_[signal] = true;
+    auto slot = std::find(gate_signal_.begin(), gate_signal_.end(), signal);
+    if (slot == gate_signal_.end()) slot = gate_signal_.insert(slot, signal);
+    bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate, bound.min.value_or(-kInfinity),
+                       bound.max.value_or(kInfinity)});
+  }
+  const std::size_t channels = model_->channel_source.size();
+  Pending empty;
+  empty.sample.resize(channels * window_.block);
+  empty.mean.resize(gate_signal_.size());
+  ring_.assign(kRingSize, empty);
+  filling_ = empty;
+  held_.assign(channels, 0.0);
+  const int capacity = window_.span * window_.block + 1;
+  stretch_.period = window_.period;
+  stretch_.channel.assign(model_->channel_names.size(), std::vector<double>(capacity));
+  stretch_.samples = 0;
+  pressure_channel_ = ChannelIndex(*model_, "p_A");
+  position_channel_ = ChannelIndex(*model_, "z");
+  temperature_channel_ = ChannelIndex(*model_, "T_oil");
+}
+
+void StrokeSegmenter::Process(const SampleBlock& block) {
+  for (std::size_t row = 0; row < block.rows(); ++row) TakeRow(block, row);
+}
+
+void StrokeSegmenter::TakeRow(const SampleBlock& block, std::size_t row) {
+  ++since_stroke_.samples;
+  bool broken = false, bad = false;
+  for (std::size_t s = 0; s < block.signal.size(); ++s) {
+    const Quality flags = block.quality[s][row];
+    if (flags == quality::kGood) continue;
+    for (Quality rest = flags; rest != 0; rest &= rest - 1) ++since_stroke_.flagged[std::countr_zero(rest)];
+    broken = broken || (flags & kTimeBroken) != 0;
+    bad = bad || (needed_[s] && (flags & ~kTimeBroken) != 0);
+  }
+  if (broken || bad) Break();
+  if (bad) {
+    CountOutside(block.time[row]);
+    return;
+  }
+  if (rows_in_block_ == 0) {
+    filling_.begin = block.time[row];
+    std::fill(filling_.mean.begin(), filling_.mean.end(), 0.0);
+  }
+  for (std::size_t c = 0; c < model_->channel_source.size(); ++c) {
+    const int signal = model_->channel_source[c];
+    if (signal < 0) continue;
+    if (block.quality[signal][row] == quality::kGood || needed_[signal]) held_[c] = block.signal[signal][row];
+    filling_.sample[c * window_.block + rows_in_block_] = held_[c];
+  }
+  for (std::size_t g = 0; g < gate_signal_.size(); ++g) filling_.mean[g] += block.signal[gate_signal_[g]][row];
+  if (++rows_in_block_ == window_.block) CompleteBlock();
+}
+
+void StrokeSegmenter::CompleteBlock() {
+  for (double& mean : filling_.mean) mean /= window_.block;
+  rows_in_block_ = 0;
+  if (pending_ == kRingSize) {
+    std::rotate(ring_.begin(), ring_.begin() + 1, ring_.end());
+    --pending_;
+  }
+  std::swap(ring_[pending_++], filling_);
+  ++undecided_;
+  if (undecided_ > kLookAhead) Decide(pending_ - undecided_);
+}
+
+void StrokeSegmenter::Decide(int index) {
+  --undecided_;
+  if (GateOpen(index)) {
+    Append(ring_[index]);
+  } else {
+    EndSegment();
+    CountOutside(ring_[index].begin + window_.block * window_.period);
+  }
+}
+
+bool StrokeSegmenter::GateOpen(int index) const {
+  for (const Bound& bound : bounds_) {
+    double x = ring_[index].mean[bound.slot];
+    if (bound.rate) {
+      // Mean of the blocks after minus mean of those before; one-sided at the border of a segment.
+      const int first = std::max(0, index - 2), last = std::min(pending_ - 1, index + 2);
+      const int before = std::max(1, index - first), after = std::max(1, last - index);
+      if (last - first < 2) return false;
+      double sum_after = 0, sum_before = 0;
+      for (int b = last - after + 1; b <= last; ++b) sum_after += ring_[b].mean[bound.slot];
+      for (int b = first; b < first + before; ++b) sum_before += ring_[b].mean[bound.slot];
+      const double distance = (last - 0.5 * (after - 1)) - (first + 0.5 * (before - 1));
+      x = (sum_after / after - sum_before / before) / (distance * window_.block * window_.period);
+    }
+    if (!(x >= bound.min && x <= bound.max)) return false;
+  }
+  return true;
+}
+
+void StrokeSegmenter::Break() {
+  while (undecided_ > 0) Decide(pending_ - undecided_);
+  EndSegment();
+  pending_ = 0;
+  rows_in_block_ = 0;
+}
+
+void StrokeSegmenter::Append(const Pending& block) {
+  CountOutside(block.begin);  // the gap before this block may have ended the stroke
+  if (!in_stroke_) {
+    in_stroke_ = true;
+    summary_ = StrokeSummary{};
+    summary_.begin = block.begin;
+    sum_pressure_ = sum_temperature_ = sum_blocks_ = travel_ = 0;
+    last_position_ = std::numeric_limits<double>::quiet_NaN();
+  }
+  last_gated_ = block.begin + window_.block * window_.period;
+  if (stretch_blocks_ == 0) stretch_begin_ = block.begin;
+  const int m = window_.block;
+  for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
+    std::copy_n(&block.sample[c * m], m, &stretch_.channel[c][stretch_.samples]);
+  stretch_.samples += m;
+  since_stroke_.gated += m;
+
+  const auto mean_of = [&](int channel) {
+    double sum = 0;
+    for (int k = 0; k < m; ++k) sum += block.sample[channel * m + k];
+    return sum / m;
+  };
+  if (pressure_channel_ >= 0) {
+    const double p = mean_of(pressure_channel_);
+    sum_pressure_ += p;
+    summary_.max_pressure = std::max(summary_.max_pressure, p);
+  }
+  if (temperature_channel_ >= 0) sum_temperature_ += mean_of(temperature_channel_);
+  if (position_channel_ >= 0) {
+    const double z = mean_of(position_channel_);
+    if (!std::isnan(last_position_)) travel_ += std::abs(z - last_position_);
+    last_position_ = z;
+  }
+  sum_blocks_ += 1;
+  if (++stretch_blocks_ == window_.span) Emit();
+}
+
+void StrokeSegmenter::Emit() {
+  since_stroke_.used += static_cast<std::int64_t>(stretch_blocks_) * window_.block;
+  sink_.on_stretch(stretch_, stretch_begin_);
+  for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
+    stretch_.channel[c][0] = stretch_.channel[c][stretch_.samples - 1];
+  stretch_.continues = true;
+  stretch_.samples = 1;
+  stretch_blocks_ = 0;
+}
+
+void StrokeSegmenter::EndSegment() {
+  if (stretch_blocks_ >= window_.min_span) Emit();
+  stretch_.continues = false;
+  stretch_.samples = 0;
+  stretch_blocks_ = 0;
+  last_position_ = std::numeric_limits<double>::quiet_NaN();
+}
+
+void StrokeSegmenter::CountOutside(double time) {
+  if (in_stroke_ && (time - last_gated_ > gate_.stroke_gap || time < last_gated_ - gate_.stroke_gap)) EndStroke();
+}
+
+void StrokeSegmenter::EndStroke() {
+  EndSegment();
+  in_stroke_ = false;
+  const double gated_time = sum_blocks_ * window_.block * window_.period;
+  if (gated_time < gate_.min_stroke) {
+    since_stroke_.used = 0;
+    ++discarded_;
+    sink_.on_discard();
+    return;
+  }
+  summary_.index = next_index_++;
+  summary_.end = last_gated_;
+  summary_.counters = since_stroke_;
+  summary_.mean_speed = gated_time > 0 ? travel_ / gated_time : 0.0;
+  summary_.mean_pressure = sum_blocks_ > 0 ? sum_pressure_ / sum_blocks_ : 0.0;
+  summary_.oil_temperature = temperature_channel_ >= 0 && sum_blocks_ > 0 ? sum_temperature_ / sum_blocks_
+                                                                           : std::numeric_limits<double>::quiet_NaN();
+  AddToTotals();
+  sink_.on_stroke(summary_);
+}
+
+void StrokeSegmenter::AddToTotals() {
+  totals_.samples += since_stroke_.samples;
+  totals_.gated += since_stroke_.gated;
+  totals_.used += since_stroke_.used;
+  for (std::size_t f = 0; f < totals_.flagged.size(); ++f) totals_.flagged[f] += since_stroke_.flagged[f];
+  since_stroke_ = StrokeCounters{};
+}
+
+void StrokeSegmenter::Finish() {
+  Break();
+  if (in_stroke_) EndStroke();
+  AddToTotals();
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,143 @@
+#include "models/die_cushion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace hydroscope {
+namespace {
+
+/// Variance of white noise on a smooth signal, from third differences (their noise gain is 1 + 9 + 9 + 1 = 20).
+double WhiteNoiseVariance(const std::vector<double>& x) {
+  double sum = 0;
+  for (std::size_t k = 3; k < x.size(); ++k) {
+    const double third = x[k] - 3 * x[k - 1] + 3 * x[k - 2] - x[k - 3];
+    sum += third * third;
+  }
+  return x.size() > 3 ? sum / (20.0 * static_cast<double>(x.size() - 3)) : 0.0;
+}
+
+/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put back.
+double NoiseCorrectedRoot(double dp, double variance) {
+  const double magnitude = std::abs(dp);
+  const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
+  return std::copysign(std::sqrt(magnitude) * correction, dp);
+}
+
+/// Derivative by a triangular window of +-`half` samples (shorter at the ends): mean of the half before and after.
+void SmoothRate(const std::vector<double>& x, int half, double period, std::vector<double>& rate) {
+  const int n = static_cast<int>(x.size());
+  std::vector<double> sum(x.size() + 1, 0.0);
+  for (int k = 0; k < n; ++k) sum[k + 1] = sum[k] + x[k];
+  for (int k = 0; k < n; ++k) {
+    const int m = std::min({half, k, n - 1 - k});
+    if (m < 1) {
+      const int a = k == 0 ? 0 : k - 1;
+      rate[k] = n > 1 ? (x[a + 1] - x[a]) / period : 0.0;
+      continue;
+    }
+    const double after = sum[k + m + 1] - sum[k + 1], before = sum[k] - sum[k - m];
+    rate[k] = (after - before) / (m * (m + 1) * period);
+  }
+}
+
+void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
+  const auto& p = s.channel[kPressureA];
+  const double variance = WhiteNoiseVariance(p);
+  auto& root = s.channel[kFlowRoot];
+  for (int k = 0; k < s.samples; ++k) {
+    const bool to_tank = s.channel[kSpool][k] >= 0.0 || !has_supply;
+    const double dp = to_tank ? p[k] - tank_pressure : s.channel[kSupplyPressure][k] - p[k];
+    root[k] = NoiseCorrectedRoot(dp, variance);
+  }
+  const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
+  SmoothRate(s.channel[kPosition], half, s.period, s.channel[kSpeed]);
+  SmoothRate(p, half, s.period, s.channel[kPressureRate]);
+}
+
+std::vector<Column> BaseColumns(double area) {
+  return {
+      {"flow_area",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double *root = s[kFlowRoot], *y = s[kSpool];
+         IntegrateOverTime(s, [=](int k) { return root[k] * y[k]; }, out);
+       }},
+      {"dead_volume",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double* p = s[kPressureA];
+         Differences(s, [=](int k) { return p[k]; }, out);
+       }},
+      {"stroke_volume",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double *p = s[kPressureA], *z = s[kPosition];
+         IntegrateOver(s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
+       }},
+      {"flow_null",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double* root = s[kFlowRoot];
+         IntegrateOverTime(s, [=](int k) { return root[k]; }, out);
+       }},
+      {"piston_volume",
+       [area](const Stretch& s, double&, std::span<double> out) {
+         const double* z = s[kPosition];
+         Differences(s, [=](int k) { return area * z[k]; }, out);
+       }},
+  };
+}
+
+DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient, bool admissible,
+                         double geometry_std) {
+  return {name, unit, value, gradient, admissible && std::isfinite(value), geometry_std};
+}
+
+/// Eq. 13-16 of the press paper with their gradients.
+std::vector<DerivedParameter> Derive(double area, double area_std, double root_dp_nom, const Eigen::VectorXd& t) {
+  const double bulk = -area / t[2], dead = area * t[1] / t[2];
+  const double flow = -root_dp_nom * t[0], null = -t[3] / t[0];
+  const double relative_area = area > 0 ? area_std / area : 0.0;
+  return {
+      Derived("K", "Pa", bulk, {0, 0, area / (t[2] * t[2]), 0}, bulk > 1e7 && bulk < 5e9, 0.0),
+      Derived("V0", "m3", dead, {0, area / t[2], -area * t[1] / (t[2] * t[2]), 0}, dead > 0 && dead < 1.0,
+              std::abs(dead) * relative_area),
+      Derived("Q_vn", "m3/s", flow, {-root_dp_nom, 0, 0, 0}, flow > 0, std::abs(flow) * relative_area),
+      Derived("y_0", "1", null, {t[3] / (t[0] * t[0]), 0, 0, -1 / t[0]}, std::abs(null) < 0.3, 0.0),
+  };
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& machine) {
+  const auto area = machine.Geometry("A_A");
+  const auto dp_nom = machine.Geometry("dp_nom");
+  if (!area || !dp_nom || area->value <= 0 || dp_nom->value <= 0)
+    return BadInput("machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom (nominal pressure drop of the valve), both > 0",
+                    machine.name);
+  auto model = std::make_shared<ModelStructure>();
+  model->name = "die_cushion";
+  model->parameters = {"theta1", "theta2", "theta3", "theta4"};
+  model->base_count = 4;
+  model->output_unit = "m3/s";
+  model->channel_names = {"p_A", "z", "y_v", "p_B", "p_0", "T_oil", "flow_root", "speed", "pressure_rate"};
+  for (int c = 0; c < kMeasuredChannels; ++c) model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
+  for (int c : {kPressureA, kPosition, kSpool}) {
+    if (model->channel_source[c] < 0)
+      return BadInput("machine '{}': model die_cushion needs signal {} in [signals]", machine.name, model->channel_names[c]);
+    model->needed_signals.push_back(model->channel_source[c]);
+  }
+  model->columns = BaseColumns(area->value);
+
+  CushionGeometry geometry;
+  geometry.piston_area = area->value;
+  geometry.tank_pressure = machine.Geometry("p_t").value_or(KnownValue{}).value;
+  geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{0.2, 0}).value;
+  static_assert(kDieCushionChannels == 9);
+  const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
+  model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) { DeriveChannels(tank, has_supply, s); };
+  model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](const Eigen::VectorXd& theta) {
+    return Derive(a, a_std, root, theta);
+  };
+  AddLibrary(DieCushionEffects(geometry), *model);
+  return model;
+}
+
+}  // namespace hydroscope

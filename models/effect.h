@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/machine.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// What the weights of a composite effect may depend on: the base regression parameters (SI, in the order of
+/// ModelStructure::parameters) and the present estimate of the effect's own linear parameter (0 at first).
+struct ShapeContext {
+  Eigen::VectorXd theta;
+  double size = 0.0;
+};
+
+/// A number of the effect that does not enter linearly: threshold, dead band, exponent, width.
+struct NonlinearParameter {
+  std::string name;
+  std::string unit;       ///< SI
+  double min = 0, max = 0;  ///< SI, admissible
+};
+
+/// One way the effect can look in the stacked columns: its regressor is sum_j weight_j * column_j, with weights that
+/// may depend on the base parameters; `nonlinear` are the values of the nonlinear parameters this shape stands for.
+struct EffectShape {
+  std::vector<int> columns;  ///< offsets into the effect's own columns
+  std::function<std::vector<double>(const ShapeContext&)> weights;  ///< one per column
+  std::vector<double> nonlinear;
+};
+
+/// A physical effect that the base model may be missing. One law, one file in models/effects/.
+struct Effect {
+  std::string id;            ///< fixed, see docs/effects.md
+  std::string title;         ///< "Internal leakage past the piston seal"
+  std::string law;           ///< formula
+  std::string source;        ///< author, year, equation
+  std::string parameter;     ///< name of the linear parameter
+  std::string unit;          ///< its SI unit
+  double min = 0, max = 0;   ///< admissible range of the linear parameter, SI
+  double typical = 0;        ///< a size that is worth knowing about
+  std::vector<NonlinearParameter> nonlinear;
+  std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
+  std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
+  std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
+  std::vector<int> channels; ///< DieCushionChannel needed beyond the base model's
+  std::vector<Column> columns;
+  std::vector<EffectShape> shapes;
+};
+
+/// Geometry the effects need.
+struct CushionGeometry {
+  double piston_area = 0.0;   ///< m^2
+  double tank_pressure = 0.0; ///< Pa
+  double stroke = 0.2;        ///< m, working stroke, positions run 0 ... stroke
+};
+
+/// A shape that is one column with weight 1, the common case.
+EffectShape PlainShape(int column, std::vector<double> nonlinear = {});
+
+/// Appends the columns of every effect whose channels the machine measures.
+void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model);
+
+/// All effects of the die cushion, built for one machine, in fixed order.
+std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry);
+
+}  // namespace hydroscope

@@ -1,0 +1,49 @@
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "models/effects/effects.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kExponent = 1.3;  // polytropic, between isothermal 1.0 and adiabatic nitrogen 1.4
+
+/// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n).
+double TakenUp(double p, double precharge) {
+  return p > precharge ? 1.0 - std::exp(std::log(precharge / p) / kExponent) : 0.0;
+}
+
+}  // namespace
+
+/// A gas-charged volume at the chamber: takes up V_g (1 - (p_pre/p)^(1/n)) above its pre-charge (Murrenhoff 2012,
+/// gas accumulators).
+Effect Accumulator(const CushionGeometry&) {
+  Effect e;
+  e.id = "accumulator";
+  e.title = "Gas-charged volume at chamber A";
+  e.law = "V = V_g (1 - (p_pre/p)^(1/n)) for p > p_pre, n = 1.3";
+  e.source = "Murrenhoff 2012, Grundlagen der Fluidtechnik, gas accumulators";
+  e.parameter = "V_g";
+  e.unit = "m3";
+  e.max = 1e-2;
+  e.typical = 2e-5;
+  e.nonlinear = {{"p_pre", "Pa", 10e5, 250e5}};
+  e.confused_with = {"entrained_air"};
+  e.hidden_in = "K, V0";
+  e.plain =
+      "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left open, a "
+      "trapped air pocket, a soft hose.";
+  for (double precharge : {40e5, 80e5, 120e5, 160e5}) {
+    e.shapes.push_back(PlainShape(static_cast<int>(e.columns.size()), {precharge}));
+    e.columns.push_back({fmt::format("accumulator_{:.0f}bar", precharge / 1e5),
+                         [precharge](const Stretch& s, double&, std::span<double> out) {
+                           const double* p = s[kPressureA];
+                           Differences(s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
+                         }});
+  }
+  return e;
+}
+
+}  // namespace hydroscope::effects

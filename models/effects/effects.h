@@ -1,0 +1,32 @@
+#pragma once
+
+#include "models/die_cushion.h"
+#include "models/effect.h"
+
+/// The die cushion's library: one law, one file. To add an effect, write its file and add it here and in
+/// effect_library.cc; the conformance suite picks it up by itself.
+///
+/// Signs: the balance is A_A dz/dt = ... with flow out of chamber A counted negative, so a leak's column is
+/// -integral of its flow per unit parameter and its parameter is positive.
+namespace hydroscope::effects {
+
+Effect InternalLeakage(const CushionGeometry&);
+Effect ExternalLeakage(const CushionGeometry&);
+Effect OrificeLeakage(const CushionGeometry&);
+Effect EntrainedAir(const CushionGeometry&);
+Effect Accumulator(const CushionGeometry&);
+Effect ReliefValve(const CushionGeometry&);
+Effect TankBackPressure(const CushionGeometry&);
+Effect ValveFlowCurvature(const CushionGeometry&);
+Effect ValveFlowAsymmetry(const CushionGeometry&);
+Effect SpoolOverlap(const CushionGeometry&);
+Effect SpoolHysteresis(const CushionGeometry&);
+Effect OilViscosity(const CushionGeometry&);
+Effect PressureOffset(const CushionGeometry&);
+Effect SpoolSignalDelay(const CushionGeometry&);
+Effect PressureSignalDelay(const CushionGeometry&);
+Effect PositionSignalDelay(const CushionGeometry&);
+Effect PositionDependentLeakage(const CushionGeometry&);
+Effect LineInertance(const CushionGeometry&);
+
+}  // namespace hydroscope::effects

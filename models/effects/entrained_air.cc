@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <cmath>
+
+#include "models/effects/effects.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kAtmosphere = 1.013e5;  // Pa; chamber pressures are gauge pressures
+
+/// Share of its volume at 1 atm that free air has given up at gauge pressure p: 1 - (p_atm / p_abs)^(1/n).
+double Compressed(double gauge, double exponent) {
+  const double ratio = kAtmosphere / std::max(gauge + kAtmosphere, kAtmosphere);
+  return 1.0 - (exponent == 1.0 ? ratio : std::pow(ratio, 1.0 / exponent));
+}
+
+Column DeadVolume(double exponent, const char* name) {
+  return {name, [exponent](const Stretch& s, double&, std::span<double> out) {
+            const double* p = s[kPressureA];
+            Differences(s, [=](int k) { return -Compressed(p[k], exponent); }, out);
+          }};
+}
+
+Column StrokeVolume(double exponent, const char* name) {
+  return {name, [exponent](const Stretch& s, double&, std::span<double> out) {
+            const double *p = s[kPressureA], *z = s[kPosition];
+            IntegrateOver(s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], exponent); }, out);
+          }};
+}
+
+}  // namespace
+
+/// Free air in the oil column: volume (V0 + A z) a compressed with p, so the bulk modulus falls at low pressure
+/// (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
+Effect EntrainedAir(const CushionGeometry& geometry) {
+  Effect e;
+  e.id = "entrained_air";
+  e.title = "Entrained air in the oil";
+  e.law = "dV/dp = a (V0 + A z) (p_atm/p)^(1/n) / (n p)";
+  e.source = "Nykanen, Esque, Ellman 2000 (free-air model of effective bulk modulus)";
+  e.parameter = "a";
+  e.unit = "1";
+  e.max = 0.5;
+  e.typical = 0.01;
+  e.nonlinear = {{"n", "1", 1.0, 1.4}};
+  e.confused_with = {"accumulator"};
+  e.hidden_in = "K, V0";
+  e.plain =
+      "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, a leaking "
+      "suction line, a column not bled after repair.";
+  e.columns = {DeadVolume(1.0, "entrained_air_dead_n1"), StrokeVolume(1.0, "entrained_air_stroke_n1"),
+               DeadVolume(1.4, "entrained_air_dead_n1.4"), StrokeVolume(1.4, "entrained_air_stroke_n1.4")};
+  const auto weights = [area = geometry.piston_area](const ShapeContext& c) {
+    return std::vector<double>{area * c.theta[1] / c.theta[2], area};
+  };
+  e.shapes = {{{0, 1}, weights, {1.0}}, {{2, 3}, weights, {1.4}}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,41 @@
+#include "models/effects/effects.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kReferenceTemperature = 313.15;  // K, 40 degC
+
+}  // namespace
+
+/// Flow gain changes with oil temperature through viscosity and density: Q_vn (1 + c (T - 40 degC)) (press paper,
+/// fig. 18: nominal flow follows the oil from 26 to 32 degC).
+Effect OilViscosity(const CushionGeometry&) {
+  Effect e;
+  e.id = "oil_viscosity";
+  e.title = "Flow gain follows the oil temperature";
+  e.law = "Q = (1 + c (T_oil - 40 degC)) Q";
+  e.source = "press paper, fig. 18";
+  e.parameter = "c";
+  e.unit = "1/K";
+  e.min = -0.05;
+  e.max = 0.05;
+  e.typical = 0.002;
+  e.hidden_in = "Q_vn";
+  e.plain =
+      "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out of order, the "
+      "wrong oil grade.";
+  e.channels = {kOilTemperature};
+  e.columns = {{"oil_viscosity_flow",
+                [](const Stretch& s, double&, std::span<double> out) {
+                  const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
+                  IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
+                }},
+               {"oil_viscosity_null", [](const Stretch& s, double&, std::span<double> out) {
+                  const double *root = s[kFlowRoot], *t = s[kOilTemperature];
+                  IntegrateOverTime(s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
+                }}};
+  e.shapes = {{{0, 1}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0], c.theta[3]}; }, {}}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,32 @@
+#include <algorithm>
+
+#include "models/effects/effects.h"
+
+namespace hydroscope::effects {
+
+/// The edge used for y_v < 0 has another gain: flow (1 + a) there (Jelali and Kroll 2003, sec. 4.3). Needs strokes
+/// that use both edges.
+Effect ValveFlowAsymmetry(const CushionGeometry&) {
+  Effect e;
+  e.id = "valve_flow_asymmetry";
+  e.title = "Different gain of the two metering edges";
+  e.law = "Q = (1 + a) Q for y_v < 0";
+  e.source = "Jelali and Kroll 2003, sec. 4.3";
+  e.parameter = "a";
+  e.unit = "1";
+  e.min = -0.8;
+  e.max = 2.0;
+  e.typical = 0.05;
+  e.confused_with = {"spool_overlap"};
+  e.hidden_in = "Q_vn";
+  e.plain = "One control edge lets through more than the other; look for: one-sided wear or dirt of the valve.";
+  e.channels = {kSupplyPressure};
+  e.columns = {{"valve_flow_asymmetry", [](const Stretch& s, double&, std::span<double> out) {
+                  const double *root = s[kFlowRoot], *y = s[kSpool];
+                  IntegrateOverTime(s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
+                }}};
+  e.shapes = {{{0}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }, {}}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,19 @@
+#include "models/model_structure.h"
+
+#include "models/die_cushion.h"
+
+namespace hydroscope {
+
+std::vector<std::string> ModelStructure::ColumnNames() const {
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(column.name);
+  return names;
+}
+
+Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
+  if (machine.model == "die_cushion") return BuildDieCushion(machine);
+  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known model: die_cushion", machine.name,
+                  machine.model);
+}
+
+}  // namespace hydroscope

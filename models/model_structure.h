@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "core/result.h"
+#include "models/machine.h"
+#include "models/stretch.h"
+
+namespace hydroscope {
+
+struct Effect;
+
+/// One column of the stacked balance: fills `increments` (samples - 1 entries, output unit per unit parameter, times s).
+/// `state` is one number the column may keep from stretch to stretch (play of a hysteresis); 0 at the start.
+struct Column {
+  std::string name;
+  std::function<void(const Stretch&, double& state, std::span<double> increments)> fill;
+};
+
+/// A physical parameter computed from the regression parameters, with its gradient for the propagated interval.
+struct DerivedParameter {
+  std::string name;
+  std::string unit;  ///< SI
+  double value = 0.0;
+  Eigen::VectorXd gradient;  ///< d value / d theta, SI
+  bool admissible = true;    ///< sign and size that physics allows
+  double geometry_std = 0.0; ///< standard uncertainty from the machine file's geometry alone
+};
+
+/// The model of a machine, linear in its regression parameters:
+///   output = sum_i theta_i base_i + (effects).
+/// Columns are stacked base first, then the output, then the library of effects that may be missing.
+struct ModelStructure {
+  std::string name;
+  std::vector<Column> columns;
+  int base_count = 0;                     ///< base columns 0 ... base_count - 1; the output is column base_count
+  std::vector<std::string> parameters;    ///< names of the base regression parameters
+  std::vector<std::string> channel_names; ///< channels of Stretch, measured ones first
+  std::vector<int> channel_source;        ///< machine signal index of each measured channel, -1 = not measured
+  std::vector<std::shared_ptr<const Effect>> effects;  ///< library effects whose columns are in `columns`
+  std::vector<int> effect_first_column;   ///< first column of each of `effects`
+  std::string output_unit;                ///< SI unit of the flow form, "m3/s"
+
+  /// Fills the derived channels of a stretch whose measured channels are there.
+  std::function<void(Stretch&)> derive_channels;
+  /// Physical parameters of a regression result; all of them, admissible or not.
+  std::function<std::vector<DerivedParameter>(const Eigen::VectorXd& theta)> derive;
+
+  int output_column() const { return base_count; }
+  int column_count() const { return static_cast<int>(columns.size()); }
+  /// Machine signals the base model reads; a bad value in one of them ends a window.
+  std::vector<int> needed_signals;
+  std::vector<std::string> ColumnNames() const;
+};
+
+/// Builds the structure a machine file describes. Errors: a signal or geometry the model needs is missing.
+Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine);
+
+}  // namespace hydroscope

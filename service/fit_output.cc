@@ -1,0 +1,69 @@
+#include "service/fit_output.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNormal95 = 1.96;
+constexpr double kLitresPerMinute = 6e4;
+
+const char* Meaning(const std::string& parameter) {
+  if (parameter == "K") return "effective bulk modulus";
+  if (parameter == "V0") return "dead volume";
+  if (parameter == "Q_vn") return "nominal valve flow";
+  if (parameter == "y_0") return "spool null";
+  return "";
+}
+
+}  // namespace
+
+std::string FitText(const FitResult& result) {
+  std::string text = fmt::format("{:<6} {:>12} {:>26}  {:<6} {}\n", "", "value", "95 % interval", "unit", "");
+  for (const Estimate& e : result.fit.parameters) {
+    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    const bool trusted = e.reason == EstimateReason::kUpdated;
+    text += fmt::format("{:<6} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, shown(e.value),
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
+                        unit.name == "1" ? "-" : unit.name, Meaning(e.parameter),
+                        trusted ? "" : fmt::format("; NOT IDENTIFIABLE: {}", ReasonText(e.reason)));
+  }
+  text += fmt::format(
+      "\nmodel error on strokes left out {:.3g} l/min, sensor noise alone would cause {:.3g} l/min\n"
+      "{} strokes, {} of {} rows used\n",
+      result.fit.rms_holdout * kLitresPerMinute, result.fit.noise_floor * kLitresPerMinute, result.fit.strokes,
+      result.log.totals.used, result.log.totals.samples);
+  if (result.fit.rms_holdout > 1.15 * result.fit.noise_floor)
+    text += "The error is above the noise: the model misses something, and the parameters above absorb part of it.\n";
+  return text;
+}
+
+nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const Estimate& e : parameters)
+    out[e.parameter] = {{"value", e.value},
+                        {"std", e.std},
+                        {"unit", e.unit},
+                        {"interval95", {e.value - kNormal95 * e.std, e.value + kNormal95 * e.std}},
+                        {"excitation", e.excitation},
+                        {"identifiable", e.reason == EstimateReason::kUpdated},
+                        {"reason", ReasonName(e.reason)}};
+  return out;
+}
+
+nlohmann::json FitJson(const FitResult& result) {
+  return {{"parameters", ParametersJson(result.fit.parameters)},
+          {"strokes", result.fit.strokes},
+          {"samples", result.log.totals.used},
+          {"rows", result.log.totals.samples},
+          {"rms_holdout", result.fit.rms_holdout * kLitresPerMinute},
+          {"noise_floor", result.fit.noise_floor * kLitresPerMinute},
+          {"unit", "l/min"}};
+}
+
+}  // namespace hydroscope

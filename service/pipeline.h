@@ -1,0 +1,58 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/result.h"
+#include "core/sample_block.h"
+#include "core/stroke_record.h"
+#include "estimation/stroke_accumulator.h"
+#include "estimation/stroke_estimator.h"
+#include "estimation/stroke_segmenter.h"
+#include "models/machine.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// The way of one sample, for live service and replay alike: samples -> strokes -> equations -> recursive estimator
+/// and Gram -> StrokeRecord. Pure: no clock, no files; the same rows give the same bytes however they are cut into
+/// blocks. Blocks come in with their quality flags set (acquisition/quality_monitor.h).
+class Pipeline {
+ public:
+  using RecordSink = std::function<void(StrokeRecord&&)>;
+  /// Sees every stretch with its equations, for overlays and for locating errors.
+  using EquationTap = std::function<void(const Stretch&, const SpanEquations&)>;
+
+  static Result<std::unique_ptr<Pipeline>> Create(const Machine& machine, double sample_period, RecordSink sink);
+
+  void set_tap(EquationTap tap) { tap_ = std::move(tap); }
+  void Process(const SampleBlock& block) { segmenter_.Process(block); }
+  void Finish() { segmenter_.Finish(); }
+
+  /// State between logs: what the estimator learned. Restore refuses a state of another model or version.
+  std::vector<std::uint8_t> SaveState() const;
+  Status RestoreState(const std::vector<std::uint8_t>& state);
+
+  const ModelStructure& model() const { return *model_; }
+  std::shared_ptr<const ModelStructure> shared_model() const { return model_; }
+  const WindowSamples& window() const { return window_; }
+  const StrokeCounters& totals() const { return segmenter_.totals(); }
+  std::int64_t discarded_strokes() const { return segmenter_.discarded_strokes(); }
+
+ private:
+  Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window, RecordSink sink);
+  void OnStretch(Stretch& stretch, double begin);
+  void OnStroke(const StrokeSummary& summary);
+
+  std::shared_ptr<const ModelStructure> model_;
+  WindowSamples window_;
+  RecordSink sink_;
+  EquationTap tap_;
+  SpanEquationBuilder equations_;
+  StrokeAccumulator accumulator_;
+  std::unique_ptr<StrokeEstimator> estimator_;
+  StrokeSegmenter segmenter_;
+};
+
+}  // namespace hydroscope
