@@ -34,7 +34,7 @@ const std::vector<Slot>& Slots() {
        {&Sizes::air_exponent}},
       {{"accumulator",
         "m3",
-        3e-4,
+        5e-5,
         "gas volume at its pre-charge, V_gas ~ p^(-1/n)",
         {{"precharge", 80e5, "Pa"}, {"exponent", 1.3, "1"}}},
        &Sizes::accumulator,
@@ -77,7 +77,7 @@ const std::vector<Slot>& Slots() {
         {{"centre", 0.11, "m"}, {"width", 0.02, "m"}}},
        &Sizes::worn_leakage,
        {&Sizes::worn_centre, &Sizes::worn_width}},
-      {{"line_inertance", "kg/m4", 2e7, "p_A - p_valve = size dQ/dt of the oil column before the valve", {}},
+      {{"line_inertance", "kg/m4", 3e7, "p_A - p_valve = size dQ/dt of the oil column before the valve", {}},
        &Sizes::inertance,
        {}},
   };
