@@ -263,6 +263,11 @@ TEST(MachineFileDamage, WithoutHeaderColumnsAreNumbers) {
               AllOf(StartsWith("press.toml:2: [signals.p_A] column = \"pA\""), HasSubstr("column number")));
 }
 
+TEST(MachineFileDamage, WithoutHeaderTheTimeColumnIsANumberToo) {
+  EXPECT_THAT(Refusal("[log]\nheader = false\n[signals]\np_A = 2\nz = 3\ny_v = 4\n"),
+              AllOf(StartsWith("press.toml:1: [log] time"), HasSubstr("column number")));
+}
+
 TEST(MachineFileDamage, SeparatorAndDecimalSignMustDiffer) {
   EXPECT_THAT(Refusal(CushionWith("[log]\nseparator = \",\"\ndecimal = \",\"\n")),
               AllOf(StartsWith("press.toml:11: [log] decimal"), HasSubstr("separator")));

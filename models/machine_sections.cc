@@ -52,6 +52,18 @@ void ReadSignalColumn(TableReader& reader, const toml::node& node, std::string_v
     reader.Wrong(key, "a column number from 1 up, because [log] header = false");
 }
 
+void ReadTimeColumn(TableReader& section, const toml::table& table, LogFormat& log) {
+  const toml::table* time = table.get_as<toml::table>("time");
+  if (time == nullptr) {
+    ReadColumn(section, *table.get("time"), "time", log.time_column);
+    return;
+  }
+  TableReader reader(*time, "log.time", section.problems());
+  reader.AllowOnly(MachineFileKeys("log.time"));
+  if (const toml::node* column = time->get("column")) ReadColumn(reader, *column, "column", log.time_column);
+  reader.UnitName("unit", log.time_unit, "s");
+}
+
 std::optional<char> ReadCharacter(TableReader& reader, std::string_view key,
                                   const std::vector<std::pair<std::string, char>>& choices) {
   std::vector<std::string> names;
@@ -123,18 +135,7 @@ void ReadLogSection(TableReader& file, Machine& machine) {
     if (section.Has("header")) section.Flag("header", log.header.emplace(true));
     if (section.Has("unit_row")) section.Flag("unit_row", log.unit_row.emplace(false));
     section.Number("sample_period", log.sample_period, kSecondsAboveZero);
-    if (!section.Has("time")) return;
-    const toml::table& table = *file.Table("log");
-    const toml::table* time = table.get_as<toml::table>("time");
-    if (time == nullptr) {
-      ReadColumn(section, *table.get("time"), "time", log.time_column);
-    } else {
-      TableReader reader(*time, "log.time", section.problems());
-      reader.AllowOnly(MachineFileKeys("log.time"));
-      if (const toml::node* column = time->get("column"))
-        ReadColumn(reader, *column, "column", log.time_column);
-      reader.UnitName("unit", log.time_unit, "s");
-    }
+    if (section.Has("time")) ReadTimeColumn(section, *file.Table("log"), log);
     if (log.time_column.empty() && !log.sample_period)
       section.Wrong("time", "a column, or sample_period = <seconds between rows> beside it");
     if (log.header == false && !log.time_column.empty() && !IsColumnNumber(log.time_column))
