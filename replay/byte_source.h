@@ -27,7 +27,7 @@ std::unique_ptr<ByteSource> MakeMemorySource(std::string bytes);
 /// Cuts a byte source into complete lines inside one buffer that grows only for long lines.
 class LineBuffer {
  public:
-  static constexpr std::size_t kChunk = std::size_t{1} << 20;        ///< bytes read at once
+  static constexpr std::size_t kChunk = std::size_t{1} << 18;        ///< bytes read at once
   static constexpr std::size_t kLongestLine = std::size_t{1} << 24;  ///< bytes; a longer line is an error
 
   explicit LineBuffer(std::unique_ptr<ByteSource> source, std::string origin);

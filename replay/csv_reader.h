@@ -33,8 +33,9 @@ class CsvReader : public LogReader {
   enum class Use : unsigned char { kSkip, kNumber, kTimeText };
   struct Column {
     Use use = Use::kSkip;
-    int signal = kNone;     ///< index of the signal it is written to; kTime for the time
-    double* out = nullptr;  ///< where the present block keeps it
+    int signal = kNone;        ///< index of the signal it is written to; kTime for the time
+    double* out = nullptr;     ///< where the present block keeps it
+    std::ptrdiff_t width = 0;  ///< of the field last read, with its separator
   };
   static constexpr int kTime = -1;
   static constexpr int kNone = -2;
@@ -48,8 +49,13 @@ class CsvReader : public LogReader {
   std::optional<double> TimeOf(std::string_view field) const;
 
   void PointInto(SampleBlock& block);
-  template <bool kBlankSeparated>
-  const char* ReadPlainRow(const char* text, std::size_t row) const;
+  template <bool kBlanks>
+  const char* ReadPlainRow(const char* text, std::size_t row);
+  template <bool kBlanks>
+  const char* ReadPlainField(const char* p, const Column& column, std::size_t row) const;
+  static const char* NextStart(const char* start, const char* next, const char* guess, Column& column);
+  template <bool kBlanks>
+  const char* SkipRest(const char* p) const;
   std::size_t ReadLines(SampleBlock& block, std::size_t row, std::size_t max_rows);
   bool ReadOddRow(std::string_view line, std::size_t row, SampleBlock& block);
   bool FieldCountFits(std::size_t count) const;

@@ -92,7 +92,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
       magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole << (64 - whole_bits))));
     }
   }
-  value = negative ? -magnitude : magnitude;
+  value = std::bit_cast<double>(std::bit_cast<std::uint64_t>(magnitude) | (std::uint64_t{negative} << 63));
   return p;
 }
 
