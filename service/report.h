@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,10 +15,10 @@ namespace hydroscope {
 /// Measured and modelled flow of one stroke, for the overlay plot.
 struct StrokeOverlay {
   std::int64_t sequence = 0;
-  std::vector<double> time;       ///< s
-  std::vector<double> measured;   ///< m^3/s
-  std::vector<double> modelled;   ///< m^3/s
-  double noise_floor = 0;         ///< m^3/s, rms that sensor noise alone would cause
+  std::vector<double> time;      ///< s
+  std::vector<double> measured;  ///< m^3/s
+  std::vector<double> modelled;  ///< m^3/s
+  double noise_floor = 0;        ///< m^3/s, rms that sensor noise alone would cause
 };
 
 /// What was left out and why: "values flagged stuck, p_A", 1234 rows.
@@ -30,16 +31,24 @@ struct SkippedItem {
 struct ReportInput {
   Machine machine;
   std::vector<RunInfo> runs;
-  std::vector<StrokeSummary> strokes;             ///< in order; summary.index is the machine-wide sequence here
-  std::vector<TrendPoint> trends;                 ///< all parameters, in order of sequence
-  std::vector<StrokeOverlay> overlays;            ///< one or a few chosen strokes
+  std::vector<StrokeSummary> strokes;   ///< in order; summary.index is the machine-wide sequence here
+  std::vector<TrendPoint> trends;       ///< all parameters, in order of sequence
+  std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
-  std::int64_t rows = 0;                          ///< rows read
-  double noise_floor = 0, rms_holdout = 0;        ///< m^3/s
+  std::int64_t rows = 0;                    ///< rows read
+  double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
+  std::string program_version;              ///< "" = not shown
+  std::string created;                      ///< date and time as text, "" = not shown
+  /// One sentence about a parameter the report does not know by itself, shown in the glossary.
+  std::map<std::string, std::string> parameter_notes;
 };
 
-/// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4): verdict first, trends
-/// over strokes and over oil temperature with 95 % bands, model against measurement, what was skipped and why.
+/// The page as text; the same input gives the same bytes.
+std::string FormatReport(const ReportInput& input);
+
+/// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4): verdict first,
+/// trends over strokes and over oil temperature with 95 % bands, model against measurement, what was skipped
+/// and why. Fails if the file cannot be written.
 Status WriteReport(const std::string& path, const ReportInput& input);
 
 }  // namespace hydroscope

@@ -42,8 +42,10 @@ class SvgPlot {
     std::string x_label, y_label;      ///< with unit: "oil temperature (°C)"
     bool whole_x = false;              ///< the x axis counts (stroke numbers)
     bool x_tick_labels = true;
-    std::optional<AxisRange> x_range, y_range;  ///< instead of the range of the data
-    double left_margin = 58;                    ///< px; the same for plots that stand above each other
+    std::optional<AxisRange> x_range;  ///< instead of the range of the data
+    std::optional<AxisRange>
+        y_range;              ///< the same; a margin is added and levels may widen it; the rest is clipped
+    double left_margin = 58;  ///< px; the same for plots that stand above each other
   };
 
   explicit SvgPlot(Options options);

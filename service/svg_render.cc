@@ -94,7 +94,10 @@ class Renderer {
   std::string Draw() {
     Begin();
     Grid();
+    OpenClip();
     for (const SvgPlot::Layer& layer : layers_) std::visit([this](const auto& l) { DrawLayer(l); }, layer);
+    svg_ += "</svg>";
+    if (heat_ != nullptr) svg_ += HeatScale(*heat_);
     Frame();
     for (const SvgPlot::Layer& layer : layers_)
       if (const auto* level = std::get_if<SvgPlot::LevelLayer>(&layer)) LevelNote(*level);
@@ -116,10 +119,11 @@ class Renderer {
                  layer);
     }
     empty_ = x.Empty() || y.Empty();
+    if (options_.y_range) y = {options_.y_range->low, options_.y_range->high};
     AdmitLevels(y);
     const double margin = heat_ != nullptr ? 0 : 0.06;
     x_ = options_.x_range.value_or(x.Empty() ? AxisRange{0, 1} : PaddedRange(x.low, x.high, margin / 2));
-    y_ = options_.y_range.value_or(y.Empty() ? AxisRange{0, 1} : PaddedRange(y.low, y.high, margin));
+    y_ = y.Empty() ? AxisRange{0, 1} : PaddedRange(y.low, y.high, margin);
   }
 
   /// Levels widen the range, the nearest first, as long as the data keep two fifths of it.
@@ -213,6 +217,12 @@ class Renderer {
   void Text(double x, double y, const char* anchor, const std::string& classes, const std::string& text) {
     svg_ += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\" class=\"{}\">{}</text>", Px(x), Px(y),
                         anchor, classes, SvgSymbol(text));
+  }
+
+  /// A nested <svg> clips what lies outside the axes and needs no identifier.
+  void OpenClip() {
+    svg_ += fmt::format("<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">",
+                        Px(left_), Px(top_), Px(right_ - left_), Px(bottom_ - top_));
   }
 
   void Grid() {
@@ -383,7 +393,7 @@ class Renderer {
     if (!path.empty()) svg_ += fmt::format("<path class=\"p-border\" d=\"{}\"/>", path);
   }
 
-  void DrawLayer(const SvgPlot::HeatLayer& layer) { svg_ += HeatCells(layer) + HeatScale(layer); }
+  void DrawLayer(const SvgPlot::HeatLayer& layer) { svg_ += HeatCells(layer); }
 
   static AxisRange HeatRange(const SvgPlot::HeatLayer& layer) {
     Extent values;

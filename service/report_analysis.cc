@@ -1,0 +1,299 @@
+#include "service/report_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kLeastStrokesForOil = 8;
+constexpr double kLeastOilRange = 1.5;  // K
+constexpr double kMostShared = 0.9;
+
+/// Seconds of data that one stroke gave the estimator.
+double UsedTime(const StrokeSummary& stroke) {
+  const double length = std::max(stroke.end - stroke.begin, 0.0);
+  const auto& counters = stroke.counters;
+  if (counters.samples <= 0) return length;
+  return length * static_cast<double>(counters.used) / static_cast<double>(counters.samples);
+}
+
+std::map<std::int64_t, double> UsedTimes(const ReportInput& input) {
+  std::map<std::int64_t, double> used;
+  for (const StrokeSummary& stroke : input.strokes) used[stroke.index] = UsedTime(stroke);
+  return used;
+}
+
+TrendSample ToSample(const TrendPoint& point) {
+  TrendSample sample;
+  sample.sequence = point.sequence;
+  sample.value = point.estimate.value;
+  sample.std = point.estimate.std;
+  sample.temperature = point.oil_temperature;
+  sample.reason = point.estimate.reason;
+  sample.updated = point.estimate.reason == EstimateReason::kUpdated && std::isfinite(point.estimate.std);
+  return sample;
+}
+
+/// Fills in remembered temperatures: the exponential mean over strokes that the estimate itself is.
+void RememberTemperatures(std::vector<TrendSample>& samples, const std::map<std::int64_t, double>& used,
+                          const Machine& machine, const std::string& parameter) {
+  double mean = kNaN;
+  for (TrendSample& sample : samples) {
+    const auto time = used.find(sample.sequence);
+    const double kept = MemoryCorrelation(machine, parameter, time == used.end() ? 0 : time->second);
+    if (std::isfinite(sample.temperature)) {
+      if (!std::isfinite(mean))
+        mean = sample.temperature;
+      else if (sample.updated)
+        mean = kept * mean + (1 - kept) * sample.temperature;
+    }
+    sample.remembered_temperature = std::isfinite(sample.temperature) ? mean : kNaN;
+  }
+}
+
+/// Columns of the samples that enter statistics.
+struct Series {
+  std::vector<double> value, std, temperature, progress;
+};
+
+Series UpdatedSeries(const std::vector<TrendSample>& samples, bool with_temperature) {
+  Series series;
+  for (const TrendSample& sample : samples) {
+    if (!sample.updated || (with_temperature && !std::isfinite(sample.remembered_temperature))) continue;
+    series.value.push_back(sample.value);
+    series.std.push_back(sample.std);
+    series.temperature.push_back(sample.remembered_temperature);
+    series.progress.push_back(static_cast<double>(sample.sequence));
+  }
+  return series;
+}
+
+double ThirdsDifference(const std::vector<double>& values) {
+  const auto third = static_cast<std::ptrdiff_t>(values.size() / 3);
+  const double first = std::accumulate(values.begin(), values.begin() + third, 0.0);
+  const double last = std::accumulate(values.end() - third, values.end(), 0.0);
+  return (last - first) / static_cast<double>(std::max<std::ptrdiff_t>(third, 1));
+}
+
+/// The change at equal oil temperature: progress is scaled to rise by 1 from the first to the last third.
+TestedValue ChangeBeyondOil(const Series& series, const std::vector<double>& one,
+                            const std::vector<double>& warmth, double memory) {
+  std::vector<double> progress = series.progress;
+  const double span = ThirdsDifference(progress);
+  for (double& p : progress) p = (p - series.progress.front()) / span;
+  const CorrelatedFit fit = FitCorrelated({one, warmth, progress}, series.value, series.std, memory);
+  return fit.coefficients.empty() ? TestedValue() : fit.coefficients[2];
+}
+
+OilOutcome OutcomeOf(const TestedValue& slope) {
+  switch (SignificanceOf(slope)) {
+    case Significance::kClear:
+      return OilOutcome::kFollows;
+    case Significance::kHint:
+      return OilOutcome::kHint;
+    case Significance::kNone:
+      return OilOutcome::kNotSeen;
+  }
+  return OilOutcome::kNotSeen;
+}
+
+OilDependence AnalyseOil(const std::vector<TrendSample>& samples, double memory) {
+  const Series series = UpdatedSeries(samples, true);
+  OilDependence oil;
+  if (series.value.empty()) return oil;
+  const auto [coldest, warmest] = std::minmax_element(series.temperature.begin(), series.temperature.end());
+  oil.coldest = *coldest;
+  oil.warmest = *warmest;
+  oil.warming = ThirdsDifference(series.temperature);
+  oil.outcome = OilOutcome::kTooFewStrokes;
+  if (series.value.size() < kLeastStrokesForOil) return oil;
+  oil.outcome = OilOutcome::kOilHardlyMoved;
+  if (oil.warmest - oil.coldest < kLeastOilRange) return oil;
+
+  const auto n = static_cast<double>(series.value.size());
+  oil.mean_temperature = std::accumulate(series.temperature.begin(), series.temperature.end(), 0.0) / n;
+  const std::vector<double> one(series.value.size(), 1.0);
+  std::vector<double> warmth = series.temperature;
+  for (double& t : warmth) t -= oil.mean_temperature;
+  oil.line = FitCorrelated({one, warmth}, series.value, series.std, memory);
+  if (oil.line.coefficients.empty()) return oil;
+  oil.value_at_mean = oil.line.coefficients[0].value;
+  oil.slope = oil.line.coefficients[1];
+  oil.outcome = OutcomeOf(oil.slope);
+  oil.explained = oil.slope.value * oil.warming;
+  oil.shared_with_time = SquaredCorrelation(series.temperature, series.progress);
+  oil.separable = oil.shared_with_time < kMostShared;
+  if (oil.separable) oil.beyond = ChangeBeyondOil(series, one, warmth, memory);
+  return oil;
+}
+
+/// How far `value` lies beyond the pair of limits; negative inside.
+double Beyond(double value, const std::optional<double>& low, const std::optional<double>& high) {
+  double beyond = -std::numeric_limits<double>::infinity();
+  if (low) beyond = std::max(beyond, *low - value);
+  if (high) beyond = std::max(beyond, value - *high);
+  return beyond;
+}
+
+double NearerLimit(double value, const std::optional<double>& low, const std::optional<double>& high) {
+  if (low && high) return std::abs(value - *low) < std::abs(value - *high) ? *low : *high;
+  return low ? *low : high.value_or(kNaN);
+}
+
+LimitCheck CheckPair(const std::vector<TrendSample>& samples, const std::optional<double>& low,
+                     const std::optional<double>& high, LimitOutcome touched) {
+  LimitCheck check;
+  if (!low && !high) return check;
+  check.outcome = LimitOutcome::kWithin;
+  const TrendSample* latest = nullptr;
+  for (const TrendSample& sample : samples) {
+    if (!sample.updated) continue;
+    latest = &sample;
+    check.over_now = Beyond(sample.value, low, high) >= 0;
+    if (!check.over_now) continue;
+    if (check.strokes++ == 0) {
+      check.first_sequence = sample.sequence;
+      check.limit = NearerLimit(sample.value, low, high);
+    }
+    check.outcome = touched;
+  }
+  if (latest != nullptr && check.outcome == LimitOutcome::kWithin &&
+      Beyond(latest->value, low, high) + 1.96 * latest->std >= 0) {
+    check.outcome = LimitOutcome::kIntervalReaches;
+    check.limit = NearerLimit(latest->value, low, high);
+  }
+  return check;
+}
+
+LimitCheck CheckLimits(const std::vector<TrendSample>& samples, const Machine& machine,
+                       const std::string& parameter) {
+  const auto spec = std::find_if(machine.monitors.begin(), machine.monitors.end(),
+                                 [&](const MonitorSpec& m) { return m.parameter == parameter; });
+  if (spec == machine.monitors.end()) return {};
+  const LimitCheck alarm = CheckPair(samples, spec->alarm_low, spec->alarm_high, LimitOutcome::kAlarmed);
+  const LimitCheck warn = CheckPair(samples, spec->warn_low, spec->warn_high, LimitOutcome::kWarned);
+  return alarm.outcome >= warn.outcome ? alarm : warn;
+}
+
+Significance Unexplained(const ParameterAnalysis& analysis) {
+  const Significance change = SignificanceOf(analysis.change.change);
+  const OilDependence& oil = analysis.oil;
+  const bool oil_acts = oil.outcome == OilOutcome::kFollows || oil.outcome == OilOutcome::kHint;
+  if (!oil_acts) return change;
+  return oil.separable ? SignificanceOf(oil.beyond) : Significance::kNone;
+}
+
+std::optional<EstimateReason> WhyNot(const ParameterAnalysis& analysis) {
+  if (analysis.samples.empty()) return std::nullopt;
+  if (analysis.updated > 0)
+    return analysis.samples.back().updated ? std::nullopt : std::optional(analysis.samples.back().reason);
+  const auto most = std::max_element(analysis.not_updated.begin(), analysis.not_updated.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == analysis.not_updated.end() ? std::nullopt : std::optional(most->first);
+}
+
+void Analyse(ParameterAnalysis& analysis, const ReportInput& input,
+             const std::map<std::int64_t, double>& used) {
+  std::vector<double> times;
+  for (const TrendSample& sample : analysis.samples) {
+    if (sample.updated) {
+      ++analysis.updated;
+      analysis.latest = sample;
+      if (const auto time = used.find(sample.sequence); time != used.end()) times.push_back(time->second);
+    } else {
+      ++analysis.not_updated[sample.reason];
+    }
+  }
+  const double typical = Median(times);
+  analysis.memory_correlation =
+      MemoryCorrelation(input.machine, analysis.parameter, std::isfinite(typical) ? typical : 0);
+  RememberTemperatures(analysis.samples, used, input.machine, analysis.parameter);
+  const Series series = UpdatedSeries(analysis.samples, false);
+  analysis.change = CompareThirds(series.value, series.std, times.empty() ? 0 : analysis.memory_correlation);
+  analysis.oil = AnalyseOil(analysis.samples, times.empty() ? 0 : analysis.memory_correlation);
+  analysis.limits = CheckLimits(analysis.samples, input.machine, analysis.parameter);
+  analysis.unexplained = Unexplained(analysis);
+  analysis.why_not = WhyNot(analysis);
+}
+
+ModelErrorAnalysis AnalyseError(const ReportInput& input) {
+  std::vector<double> ratios;
+  for (const StrokeSummary& stroke : input.strokes)
+    if (stroke.noise_floor > 0 && std::isfinite(stroke.rms_error))
+      ratios.push_back(stroke.rms_error / stroke.noise_floor);
+  ModelErrorAnalysis error;
+  error.median_ratio = Median(ratios);
+  error.ratio = CompareThirds(ratios, {}, 0);
+  return error;
+}
+
+/// Runs have clocks of their own: each counts from its first to its last stroke.
+double Duration(const ReportInput& input) {
+  double duration = 0, begin = kNaN, end = kNaN;
+  const auto close = [&] {
+    if (std::isfinite(begin) && end > begin) duration += end - begin;
+    begin = kNaN;
+  };
+  std::vector<std::int64_t> starts;
+  for (const RunInfo& run : input.runs) starts.push_back(run.first_sequence);
+  for (const StrokeSummary& stroke : input.strokes) {
+    if (std::find(starts.begin(), starts.end(), stroke.index) != starts.end()) close();
+    if (!std::isfinite(begin)) begin = stroke.begin;
+    end = stroke.end;
+  }
+  close();
+  return duration;
+}
+
+}  // namespace
+
+double MemoryCorrelation(const Machine& machine, const std::string& parameter, double used) {
+  if (!(used > 0)) return 0;
+  const EstimatorSpec& estimator = machine.estimator;
+  const bool published = estimator.equation == EquationForm::kPublished;
+  double kept = 0;
+  if (published || estimator.form == EstimatorForm::kExponential) {
+    const double period = published ? estimator.update_period : machine.window.block;
+    kept = period > 0 ? std::pow(estimator.forgetting_factor, used / period) : 0;
+  } else {
+    const auto own = estimator.time_constants.find(parameter);
+    const double constant = own == estimator.time_constants.end() ? estimator.time_constant : own->second;
+    kept = constant > 0 ? std::exp(-used / constant) : 0;
+  }
+  return std::isfinite(kept) ? std::clamp(kept, 0.0, 0.99) : 0;
+}
+
+ReportAnalysis AnalyseReport(const ReportInput& input) {
+  ReportAnalysis analysis;
+  std::map<std::string, std::size_t> index;
+  for (const TrendPoint& point : input.trends) {
+    const auto [entry, added] = index.try_emplace(point.estimate.parameter, analysis.parameters.size());
+    if (added) {
+      ParameterAnalysis parameter;
+      parameter.parameter = point.estimate.parameter;
+      parameter.unit = point.estimate.unit;
+      analysis.parameters.push_back(std::move(parameter));
+    }
+    ParameterAnalysis& parameter = analysis.parameters[entry->second];
+    if (std::isfinite(point.estimate.value))
+      parameter.samples.push_back(ToSample(point));
+    else
+      ++parameter.not_updated[point.estimate.reason];
+  }
+  const std::map<std::int64_t, double> used = UsedTimes(input);
+  for (ParameterAnalysis& parameter : analysis.parameters) Analyse(parameter, input, used);
+  analysis.error = AnalyseError(input);
+  analysis.duration = Duration(input);
+  analysis.coldest = analysis.warmest = kNaN;
+  for (const StrokeSummary& stroke : input.strokes) {
+    analysis.coldest = std::fmin(analysis.coldest, stroke.oil_temperature);
+    analysis.warmest = std::fmax(analysis.warmest, stroke.oil_temperature);
+  }
+  return analysis;
+}
+
+}  // namespace hydroscope

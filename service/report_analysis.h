@@ -1,0 +1,96 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/report.h"
+#include "service/report_statistics.h"
+
+namespace hydroscope {
+
+/// What the record says about a parameter and the oil temperature.
+enum class OilOutcome {
+  kNotMeasured,     ///< no oil temperature in the record
+  kTooFewStrokes,   ///< fewer than 8 strokes with both
+  kOilHardlyMoved,  ///< the oil temperature stayed within 1.5 K
+  kNotSeen,  ///< no dependence beyond what chance gives; the interval of the slope says how large one may be
+  kHint,     ///< 0.01 <= p < 0.05
+  kFollows,  ///< p < 0.01
+};
+
+struct OilDependence {
+  OilOutcome outcome = OilOutcome::kNotMeasured;
+  TestedValue slope;                ///< SI of the parameter per K
+  double coldest = 0, warmest = 0;  ///< K, of the averaged temperatures
+  double mean_temperature = 0;  ///< K; the regression line is value_at_mean + slope (T - mean_temperature)
+  double value_at_mean = 0;     ///< SI
+  CorrelatedFit line;           ///< coefficients of 1 and T - mean_temperature
+  double explained = 0;         ///< SI, slope times the warming from the first to the last third
+  double warming = 0;           ///< K, last third minus first third
+  /// Squared correlation of oil temperature and stroke number: near 1, a slow change of the machine and the
+  /// warming oil cannot be told apart in this record.
+  double shared_with_time = 0;
+  bool separable = false;  ///< shared_with_time is below 0.9
+  TestedValue beyond;  ///< SI, change from first to last third at equal oil temperature; only if separable
+};
+
+enum class LimitOutcome { kNone, kWithin, kIntervalReaches, kWarned, kAlarmed };
+
+/// The limits of the machine file against every updated estimate.
+struct LimitCheck {
+  LimitOutcome outcome = LimitOutcome::kNone;
+  std::int64_t strokes = 0;         ///< beyond the limit of `outcome`
+  std::int64_t first_sequence = 0;  ///< first of them
+  double limit = 0;                 ///< SI, the limit touched, or reached by the interval
+  bool over_now = false;            ///< the latest estimate is beyond it
+};
+
+/// One estimate as plotted. Estimates that were not updated repeat older knowledge and enter no statistics.
+struct TrendSample {
+  std::int64_t sequence = 0;
+  double value = 0, std = 0;          ///< SI
+  double temperature = 0;             ///< K, of this stroke
+  double remembered_temperature = 0;  ///< K, averaged over the estimator's memory as the estimate is
+  bool updated = false;
+  EstimateReason reason = EstimateReason::kUpdated;
+};
+
+struct ParameterAnalysis {
+  std::string parameter, unit;       ///< unit: SI
+  std::vector<TrendSample> samples;  ///< in order of sequence; finite values only
+  std::size_t updated = 0;           ///< samples that were updated
+  std::map<EstimateReason, std::size_t> not_updated;
+  std::optional<TrendSample> latest;      ///< last updated sample
+  std::optional<EstimateReason> why_not;  ///< most frequent reason if the parameter was never identified, or
+                                          ///< the reason of the last stroke if that did not update it
+  double memory_correlation = 0;          ///< of successive estimates, from the estimator's settings
+  ThirdsComparison change;
+  OilDependence oil;
+  LimitCheck limits;
+  /// A change that oil temperature does not explain: clear, and clear at equal oil temperature where that can
+  /// be asked.
+  Significance unexplained = Significance::kNone;
+};
+
+struct ModelErrorAnalysis {
+  double median_ratio = 0;  ///< of the strokes' rms error over their noise floor; NaN without strokes
+  ThirdsComparison ratio;   ///< of that ratio
+};
+
+struct ReportAnalysis {
+  std::vector<ParameterAnalysis> parameters;  ///< in the order in which they first appear in the trends
+  ModelErrorAnalysis error;
+  double duration = 0;              ///< s from the first to the last stroke of every run, added up
+  double coldest = 0, warmest = 0;  ///< K, NaN if not measured
+};
+
+ReportAnalysis AnalyseReport(const ReportInput& input);
+
+/// What an estimate still knows of the one before it after a stroke with `used` seconds of data, from the
+/// estimator's settings: exp(-used / time constant), or lambda^(used / update period) for exponential
+/// forgetting. 0...0.99.
+double MemoryCorrelation(const Machine& machine, const std::string& parameter, double used);
+
+}  // namespace hydroscope
