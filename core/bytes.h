@@ -14,8 +14,9 @@ class ByteWriter {
   template <typename T>
     requires std::is_trivially_copyable_v<T>
   void Put(const T& value) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof(T));
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof(T));
+    std::memcpy(bytes_.data() + at, &value, sizeof(T));
   }
   std::vector<std::uint8_t> Take() { return std::move(bytes_); }
 

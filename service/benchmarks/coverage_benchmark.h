@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstdint>
+
+namespace hydroscope {
+
+/// Simulates `cases` logs of `seconds` of varied machines, identifies each and prints, per parameter, how often the
+/// 95 % interval holds the truth, the mean error and the spread, for the batch fit and for the recursive estimator.
+/// Returns 0 if every coverage of the batch fit lies within 92 ... 98 %, else 1.
+int RunCoverageBenchmark(int cases, std::uint64_t seed, double seconds);
+
+}  // namespace hydroscope

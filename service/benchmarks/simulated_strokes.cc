@@ -1,0 +1,61 @@
+#include "service/benchmarks/simulated_strokes.h"
+
+#include "acquisition/quality_monitor.h"
+
+namespace hydroscope {
+
+Machine MachineFor(const PressOptions& options) {
+  Machine machine;
+  machine.name = "simulated_cushion";
+  const auto signal = [&](const char* name, const char* unit, double stuck_time, bool required) {
+    SignalSpec spec;
+    spec.name = spec.column = name;
+    spec.unit = unit;
+    spec.stuck_time = stuck_time;
+    spec.required = required;
+    machine.signals.push_back(spec);
+  };
+  signal("p_A", "Pa", 0.1, true);
+  signal("p_B", "Pa", 0.1, false);
+  signal("p_0", "Pa", 0.1, false);
+  signal("z", "m", 0.1, true);
+  signal("y_v", "1", 0.1, true);
+  signal("U_v", "V", 0, false);
+  signal("T_oil", "K", 0, false);
+  machine.geometry["A_A"] = {options.machine.A_A, 0};
+  machine.geometry["dp_nom"] = {options.machine.dp_nom, 0};
+  machine.geometry["p_t"] = {options.machine.p_tank, 0};
+  machine.geometry["stroke"] = {options.motion.z_top, 0};
+  machine.gate.bounds = {{"y_v", false, 0.02, std::nullopt}, {"z", true, std::nullopt, -0.004}};
+  return machine;
+}
+
+SampleBlock RowsOf(const SimulatedLog& log, const Machine& machine) {
+  SampleBlock rows;
+  rows.Resize(machine.signals.size(), log.rows());
+  rows.time = log.t;
+  const std::vector<double>* columns[] = {&log.p_A, &log.p_B, &log.p_0, &log.z, &log.y_v, &log.U_v, &log.T_oil};
+  for (std::size_t s = 0; s < machine.signals.size(); ++s) rows.signal[s] = *columns[s];
+  return rows;
+}
+
+Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, const Pipeline::EquationTap& tap) {
+  LogStrokes out;
+  out.machine = machine;
+  const double period = log.truth.options.sample_period;
+  auto pipeline =
+      Pipeline::Create(machine, period, [&](StrokeRecord&& record) { out.strokes.push_back(std::move(record)); });
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  (*pipeline)->set_tap(tap);
+  SampleBlock rows = RowsOf(log, machine);
+  QualityMonitor(machine, period).Inspect(rows);
+  (*pipeline)->Process(rows);
+  (*pipeline)->Finish();
+  out.totals = (*pipeline)->totals();
+  out.discarded_strokes = (*pipeline)->discarded_strokes();
+  out.window = (*pipeline)->window();
+  out.model = (*pipeline)->shared_model();
+  return out;
+}
+
+}  // namespace hydroscope
