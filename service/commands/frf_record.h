@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "core/result.h"
+#include "estimation/frequency_response.h"
+#include "models/machine.h"
+
+namespace hydroscope {
+
+/// Command and response of a valve check as read from a log, with the conditions during the check.
+struct FrfRecord {
+  FrequencyRecord record;     ///< input as share of full command
+  std::int64_t rows = 0;      ///< rows read
+  std::int64_t left_out = 0;  ///< rows without a usable pair of values
+  std::string left_out_why;   ///< "missing 3, out_of_range 12"; "" if none
+  double supply_pressure = std::numeric_limits<double>::quiet_NaN();  ///< Pa, mean of p_0; NaN if not logged
+  double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean of T_oil; NaN if not logged
+};
+
+/// Reads the machine's valve input and output from `path`; the machine's other signals need not be in the
+/// log. The record is cut at gaps, clock jumps and values that are missing or out of range; nothing is
+/// interpolated. Flags for standing still and spikes are not heeded: a command may pause, a fast sine jumps
+/// by nature.
+Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine);
+
+}  // namespace hydroscope
