@@ -33,32 +33,34 @@ struct ChannelQuality {
 ///                25 times longer than on average, which a coarsely quantised channel does not exceed by
 ///                chance. A command that rests at one value between noisy phases needs `stuck_time = 0`.
 ///   kSpike       one value off the mean of its neighbours by more than 12 standard deviations of that
-///   distance, by
-///                3 times the distance between the neighbours, and by 3 times the step before it (the peak of
-///                an oscillation is none of these). Values beside a gap or a missing value are not judged.
+///   distance and by
+///                3 times each of the steps around it: between its neighbours, into the one before, out of
+///                the one after (peaks of oscillations and corners of commands are not). Values beside a gap
+///                or a missing value are not judged.
 ///
 /// Noise scale: median of the third differences other than zero (they cancel parabolic motion), followed in
 /// frames of 64 rows; sigma = median / (0.6745 sqrt(20)) for white noise.
 ///
-/// A spike can only be told one row later, so the monitor holds back one row: Inspect gives out the row it
-/// held back and all rows but the last. At the end of a log, Flush gives out the last one.
+/// A spike can only be told two rows later, so the monitor holds back two rows: Inspect gives out the rows it
+/// held back and all new rows but the last two. At the end of a log, Flush gives out the last ones.
 class QualityMonitor {
  public:
   /// `sample_period` in s.
   QualityMonitor(const Machine& machine, double sample_period);
 
   /// Adds flags to `block.quality`. Afterwards `block` holds the rows to be processed: those of this block
-  /// delayed by one row, one less at the very first call.
+  /// delayed by two rows, two less at the beginning (perhaps none).
   void Inspect(SampleBlock& block);
-  /// Fills `block` with the row held back: one row, or none.
+  /// Fills `block` with the rows held back, at most two.
   void Flush(SampleBlock& block);
 
   /// One per signal of the machine, over the rows given out so far.
   const std::vector<ChannelQuality>& channels() const { return channels_; }
 
  private:
-  static constexpr int kFrame = 64;   ///< rows between two updates of the noise scale
-  static constexpr int kHistory = 2;  ///< rows kept before the first one to be given out
+  static constexpr std::size_t kFrame = 64;   ///< rows between two updates of the noise scale
+  static constexpr std::size_t kHistory = 2;  ///< rows remembered before the first one to be given out
+  static constexpr std::size_t kHeld = 2;     ///< rows held back
 
   /// What is remembered of a channel.
   struct Track {
@@ -66,8 +68,8 @@ class QualityMonitor {
     double known_noise = 0;                 ///< SI, std from the machine file; 0 if not given
     std::int64_t stuck_rows = 0;            ///< identical readings allowed; 0: any number
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first
-    double held = 0;
-    Quality held_quality = 0;
+    std::array<double, kHeld> held{};
+    std::array<Quality, kHeld> held_quality{};
     std::int64_t run = 0;  ///< identical readings up to the last row given out
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
@@ -77,12 +79,15 @@ class QualityMonitor {
     double scale = 0;                    ///< median of |third difference|; 0 until known
     bool settled = false;                ///< the scale fitted the frame before
     std::array<double, kFrame> first{};  ///< third differences until the scale is known
-    int first_count = 0;
+    std::size_t first_count = 0;
   };
   struct Counts;
 
-  void InspectRows(SampleBlock& block, std::size_t rows, bool last_row_known);
-  void TakeColumn(SampleBlock& block, std::size_t channel, std::size_t rows);
+  void Reserve(std::size_t rows);
+  void LineUp(const SampleBlock& block, std::size_t channel);
+  void Judge(std::size_t rows, Track& track);
+  void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
+  void DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block);
   Counts Count(const double* x, std::size_t rows, const Track& track) const;
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
@@ -91,14 +96,13 @@ class QualityMonitor {
   void BeginFrame(Track& track);
   void CountFlags(const SampleBlock& block, std::size_t rows);
 
-  double sample_period_;  ///< s
   std::vector<Track> tracks_;
   std::vector<ChannelQuality> channels_;
-  std::vector<double> column_;  ///< history, rows to give out, the row after them
-  std::vector<Quality> flags_;  ///< of the rows to give out and the row after them
-  std::int64_t frame_row_ = 0;  ///< rows given out in the present frame
-  bool holding_ = false;
-  double held_time_ = 0;  ///< s
+  std::vector<double> column_;             ///< history, rows held back, new rows of the channel being judged
+  std::vector<Quality> flags_;             ///< of the same rows without history
+  std::size_t frame_row_ = 0;              ///< rows given out in the present frame
+  std::size_t held_ = 0;                   ///< rows held back at present
+  std::array<double, kHeld> held_time_{};  ///< s
 };
 
 }  // namespace hydroscope
