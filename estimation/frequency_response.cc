@@ -18,6 +18,8 @@ constexpr std::size_t kShortestRecord = 64;
 constexpr double kHeldShare =
     0.6;  // of the excitation that held sines must cover to be taken for a stepped sine
 
+constexpr double kFewestHeld = 0.2;  // below, the few held stretches are accidents of a chirp or of noise
+
 struct HeldInRun {
   std::size_t run = 0;
   HeldSine held;
@@ -112,7 +114,7 @@ void TakeModel(Result<ValveModel> fitted, FrequencyResponse& response) {
 
 Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Search& search,
                                          const FrequencyResponseOptions& options) {
-  if (search.held.empty()) {
+  if (static_cast<double>(search.covered) <= kFewestHeld * static_cast<double>(search.active)) {
     return BadInput(
         "no frequency is held steadily in the command ({} stretches drift); hold each for at least 5 periods "
         "(2 more than the transient takes), or use --method welch for a chirp or noise",
@@ -122,7 +124,7 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   response.method = FrequencyResponseMethod::kSine;
   for (int pass = 0; pass < 3; ++pass) {  // the transient's length comes from the model of the pass before
     response.points = CorrelateAll(record, search, RuleFor(options, record, response.model));
-    TakeModel(FitValveModel(response.points), response);
+    TakeModel(FitValveModel(response.points, 1, record.sample_period), response);
     if (!response.model) break;
   }
   const int total = static_cast<int>(response.points.size());
@@ -184,7 +186,7 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
       break;
     }
   }
-  TakeModel(FitValveModel(response.points, kHannCorrelation), response);
+  TakeModel(FitValveModel(response.points, kHannCorrelation, record.sample_period), response);
   return response;
 }
 
@@ -211,6 +213,13 @@ void AddModelWarnings(FrequencyResponse& response) {
         fmt::format("the frequencies (up to {:.4g} Hz) end well before the phase reaches -90 degrees: f0 and "
                     "D are weakly determined, sweep higher",
                     m.highest));
+  }
+  if (m.command_hold > 0) {
+    response.warnings.push_back(
+        fmt::format("the response fits a command that is held between samples ({:.4g} ms): the hold is taken "
+                    "into account and is not "
+                    "part of the dead time",
+                    1e3 * m.command_hold));
   }
   if (m.inflation > 1) {
     response.warnings.push_back(

@@ -18,8 +18,9 @@ namespace hydroscope {
 ///
 /// Stepped sines are evaluated by orthogonal correlation (Isermann and Muenchhof, Identification of Dynamic
 /// Systems, 2011, sec. 4.3), broadband signals by averaged cross spectra (Welch, 1967; Bendat and Piersol,
-/// Random Data, 4th ed. 2010, eq. 9.52 ff.). Zero-order hold of the command and delays between the sampling
-/// instants of the two channels are not modelled: they appear as dead time.
+/// Random Data, 4th ed. 2010, eq. 9.52 ff.). A command that is held from sample to sample is recognised by
+/// its effect on the fit; any other delay between the sampling instants of the two channels appears as dead
+/// time.
 
 enum class FrequencyResponseMethod {
   kAuto,   ///< stepped sine if held frequencies cover most of the excitation, else Welch
@@ -86,6 +87,8 @@ struct ValveModel {
   int degrees_of_freedom = 0;
   double inflation = 1;      ///< factor on all std because the misfit exceeds the noise (1: it does not)
   bool first_order = false;  ///< D ran to its limit of 5: only the corner frequency f0/(2 D) is determined
+  double command_hold = 0;   ///< s the command is held between samples; 0: continuous. Part of Response(),
+                             ///< not of the figures above
   double lowest = 0, highest = 0;  ///< Hz, range of the points used
 
   std::complex<double> Response(double frequency) const;

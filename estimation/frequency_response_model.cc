@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "estimation/frequency_response_figures.h"
+
 namespace hydroscope {
 namespace {
 
@@ -33,9 +35,27 @@ Complex SecondOrder(double omega, double omega_0, double damping) {
   return 1.0 / Complex(1 - r * r, 2 * damping * r);
 }
 
+/// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
+/// or for a command held from sample to sample also its images w_m = w + m 2 pi / hold, each through the hold
+/// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997,
+/// sec. 7.6).
+template <typename Visit>
+void ForEachImage(double omega, double hold, Visit visit) {
+  if (hold <= 0) {
+    visit(omega, Complex(1));
+    return;
+  }
+  constexpr int kImages = 16;
+  const Complex numerator = 1.0 - std::polar(1.0, -omega * hold);
+  for (int m = -kImages; m <= kImages; ++m) {
+    const double image = omega + m * kTwoPi / hold;
+    visit(image, numerator / Complex(0, image * hold));
+  }
+}
+
 class Problem {
  public:
-  explicit Problem(const std::vector<FrequencyPoint>& points) {
+  explicit Problem(const std::vector<FrequencyPoint>& points, double hold = 0) : hold_(hold) {
     for (const FrequencyPoint& point : points) {
       if (point.reason == PointReason::kUsed && point.variance > 0) points_.push_back(point);
     }
@@ -60,15 +80,19 @@ class Problem {
     gradient.setZero();
     const double omega_0 = std::exp(p(kLogOmega)), damping = std::exp(p(kLogDamping));
     for (const FrequencyPoint& point : points_) {
-      const double omega = kTwoPi * point.frequency, r = omega / omega_0;
-      const Complex shape = SecondOrder(omega, omega_0, damping);
-      const Complex delayed = shape * std::polar(1.0, -omega / time_scale_ * p(kDeadTime));
-      const Complex model = p(kGain) * delayed;
-      Eigen::Vector4cd slope;
-      slope(kLogOmega) = model * shape * Complex(-2 * r * r, 2 * damping * r);
-      slope(kLogDamping) = -model * shape * Complex(0, 2 * damping * r);
-      slope(kGain) = delayed;
-      slope(kDeadTime) = model * Complex(0, -omega / time_scale_);
+      Complex model = 0;
+      Eigen::Vector4cd slope = Eigen::Vector4cd::Zero();
+      ForEachImage(kTwoPi * point.frequency, hold_, [&](double omega, Complex factor) {
+        const double r = omega / omega_0;
+        const Complex shape = SecondOrder(omega, omega_0, damping);
+        const Complex delayed = factor * shape * std::polar(1.0, -omega / time_scale_ * p(kDeadTime));
+        const Complex term = p(kGain) * delayed;
+        model += term;
+        slope(kLogOmega) += term * shape * Complex(-2 * r * r, 2 * damping * r);
+        slope(kLogDamping) -= term * shape * Complex(0, 2 * damping * r);
+        slope(kGain) += delayed;
+        slope(kDeadTime) += term * Complex(0, -omega / time_scale_);
+      });
       const Complex residual = point.response - model;
       normal += (slope.conjugate() * slope.transpose()).real() / point.variance;
       gradient += (slope.conjugate() * residual).real() / point.variance;
@@ -109,10 +133,16 @@ class Problem {
 
  private:
   Complex Model(const Vector4& p, double omega) const {
-    return p(kGain) * SecondOrder(omega, std::exp(p(kLogOmega)), std::exp(p(kLogDamping))) *
-           std::polar(1.0, -omega / time_scale_ * p(kDeadTime));
+    const double omega_0 = std::exp(p(kLogOmega)), damping = std::exp(p(kLogDamping));
+    Complex sum = 0;
+    ForEachImage(omega, hold_, [&](double image, Complex factor) {
+      sum += factor * SecondOrder(image, omega_0, damping) *
+             std::polar(1.0, -image / time_scale_ * p(kDeadTime));
+    });
+    return p(kGain) * sum;
   }
 
+  double hold_;
   std::vector<FrequencyPoint> points_;
   double time_scale_ = 1;
 };
@@ -231,47 +261,6 @@ bool Covariance(const Problem& problem, const Vector4& p, Matrix4& covariance) {
   return true;
 }
 
-double Bandwidth(double f0, double damping) {
-  const double b = 1 - 2 * damping * damping;
-  return f0 * std::sqrt(b + std::sqrt(b * b + 1));
-}
-
-/// Frequency at which second-order part and dead time together reach -90 degrees.
-double Phase90(double f0, double damping, double dead_time) {
-  const auto excess = [&](double f) {
-    const double r = f / f0;
-    return std::atan2(2 * damping * r, 1 - r * r) + kTwoPi * f * dead_time - std::numbers::pi / 2;
-  };
-  double low = 0, high = f0;
-  while (excess(high) < 0 && high < 1000 * f0) high *= 1.1;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = (low + high) / 2;
-    (excess(middle) < 0 ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
-/// Time the unit step response of the second-order part first reaches 0.9, plus the dead time.
-double RiseTime90(double f0, double damping, double dead_time) {
-  const auto step = [damping](double x) {  // x = w0 t
-    if (std::abs(damping - 1) < 1e-6) return 1 - std::exp(-x) * (1 + x);
-    if (damping < 1) {
-      const double d = std::sqrt(1 - damping * damping);
-      return 1 - std::exp(-damping * x) * (std::cos(d * x) + damping / d * std::sin(d * x));
-    }
-    const double root = std::sqrt(damping * damping - 1), fast = damping + root, slow = 1 / fast;
-    return 1 - (fast * std::exp(-slow * x) - slow * std::exp(-fast * x)) / (fast - slow);
-  };
-  double high = 0;
-  while (step(high) < 0.9) high += 0.05 * std::max(1.0, damping);
-  double low = std::max(0.0, high - 0.05 * std::max(1.0, damping));
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    (step(middle) < 0.9 ? low : high) = middle;
-  }
-  return high / (kTwoPi * f0) + dead_time;
-}
-
 /// Factor on every std: misfit beyond the noise, and Student's t where degrees of freedom are few.
 double WidenIntervals(const Problem& problem, double correlation, ValveModel& model) {
   double from_points = 0, expected = 0;
@@ -311,10 +300,10 @@ ValveModel Describe(const Problem& problem, const Vector4& p, Matrix4 covariance
   model.damping = with_std(damping);
   model.gain = with_std([](const Vector4& q) { return q(kGain); });
   model.dead_time = with_std(dead_time);
-  model.bandwidth = with_std([&](const Vector4& q) { return Bandwidth(f0(q), damping(q)); });
-  model.phase_90 = with_std([&](const Vector4& q) { return Phase90(f0(q), damping(q), dead_time(q)); });
+  model.bandwidth = with_std([&](const Vector4& q) { return BandwidthOf(f0(q), damping(q)); });
+  model.phase_90 = with_std([&](const Vector4& q) { return Phase90Of(f0(q), damping(q), dead_time(q)); });
   model.rise_time_90 =
-      with_std([&](const Vector4& q) { return RiseTime90(f0(q), damping(q), dead_time(q)); });
+      with_std([&](const Vector4& q) { return RiseTime90Of(f0(q), damping(q), dead_time(q)); });
   return model;
 }
 
@@ -326,14 +315,22 @@ double FrequencyPoint::PhaseStd() const {
 }
 
 std::complex<double> ValveModel::Response(double frequency) const {
-  return gain.value * SecondOrder(frequency, natural_frequency.value, damping.value) *
-         std::polar(1.0, -kTwoPi * frequency * dead_time.value);
+  Complex sum = 0;
+  ForEachImage(kTwoPi * frequency, command_hold, [&](double omega, Complex factor) {
+    sum += factor * SecondOrder(omega, kTwoPi * natural_frequency.value, damping.value) *
+           std::polar(1.0, -omega * dead_time.value);
+  });
+  return gain.value * sum;
 }
 
 double ValveModel::Phase(double frequency) const {
   const double r = frequency / natural_frequency.value;
-  return -std::atan2(2 * damping.value * r, 1 - r * r) - kTwoPi * frequency * dead_time.value -
-         (gain.value < 0 ? std::numbers::pi : 0);
+  const double without_images = -std::atan2(2 * damping.value * r, 1 - r * r) -
+                                kTwoPi * frequency * (dead_time.value + command_hold / 2) -
+                                (gain.value < 0 ? std::numbers::pi : 0);
+  if (command_hold <= 0) return without_images;
+  const double exact = std::arg(Response(frequency));
+  return exact + kTwoPi * std::round((without_images - exact) / kTwoPi);
 }
 
 void UnwrapPhases(std::vector<FrequencyPoint>& points, const ValveModel* model) {
@@ -346,30 +343,53 @@ void UnwrapPhases(std::vector<FrequencyPoint>& points, const ValveModel* model) 
   }
 }
 
-Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation) {
-  const Problem problem(points);
-  const std::size_t count = problem.points().size();
-  if (count < 3) {
-    return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
-                    count);
-  }
-  const Search found = FindMinimum(problem);
+namespace {
+
+Result<ValveModel> Fit(const Problem& problem, const Search& found, double correlation) {
+  const auto& points = problem.points();
   Matrix4 covariance;
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
     return BadInput(
         "the {} frequencies from {:.4g} to {:.4g} Hz do not determine f0 and D; sweep up to the frequency at "
         "which the "
         "phase passes -90 degrees",
-        count, problem.points().front().frequency, problem.points().back().frequency);
+        points.size(), points.front().frequency, points.back().frequency);
   }
   ValveModel model;
   model.chi_squared = found.cost;
   model.first_order = found.first_order;
-  model.degrees_of_freedom = 2 * static_cast<int>(count) - 4;
-  model.lowest = problem.points().front().frequency;
-  model.highest = problem.points().back().frequency;
+  model.degrees_of_freedom = 2 * static_cast<int>(points.size()) - 4;
+  model.lowest = points.front().frequency;
+  model.highest = points.back().frequency;
   const double factor = WidenIntervals(problem, correlation, model);
   return Describe(problem, found.p, covariance, model, factor);
+}
+
+}  // namespace
+
+Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation,
+                                 double sample_period) {
+  const Problem continuous(points);
+  if (continuous.points().size() < 3) {
+    return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
+                    continuous.points().size());
+  }
+  const Search found = FindMinimum(continuous);
+  Result<ValveModel> model = Fit(continuous, found, correlation);
+  const bool try_hold = sample_period > 0 && model && model->inflation > 1 && !model->first_order &&
+                        2 * model->highest * sample_period < 1;
+  if (!try_hold) return model;
+
+  // Half a sample of the delay found is the hold's own.
+  const Problem held(points, sample_period);
+  Search search = found;
+  search.p(kDeadTime) -= sample_period / 2 * held.time_scale();
+  search.cost = Polish(held, search.p);
+  if (!(search.cost < found.cost / 4) || search.p(kLogDamping) > std::log(kLargestDamping)) return model;
+  Result<ValveModel> with_hold = Fit(held, search, correlation);
+  if (!with_hold) return model;
+  with_hold->command_hold = sample_period;
+  return with_hold;
 }
 
 }  // namespace hydroscope

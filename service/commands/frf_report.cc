@@ -219,6 +219,7 @@ nlohmann::json FrfJson(const FrequencyResponse& response, const FrfRecord& log, 
     json["t90_s"] = m.rise_time_90.value;
     json["t90_std_s"] = m.rise_time_90.std;
     json["first_order"] = m.first_order;
+    json["command_hold_s"] = m.command_hold;
     json["chi_squared"] = m.chi_squared;
     json["degrees_of_freedom"] = m.degrees_of_freedom;
     json["inflation"] = m.inflation;
