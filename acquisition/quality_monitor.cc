@@ -46,7 +46,6 @@ struct QualityMonitor::Counts {
   std::int64_t equal = 0;       ///< readings equal to the one before
   std::int64_t changes = 0;     ///< readings different from the one before
   std::int64_t reversals = 0;   ///< changes of direction
-  std::int64_t outside = 0;     ///< readings outside the limits
 };
 
 QualityMonitor::QualityMonitor(const Machine& machine, double sample_period) {
@@ -54,6 +53,7 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period) {
     Track track;
     track.low = spec.min.value_or(-kInfinity);
     track.high = spec.max.value_or(kInfinity);
+    track.limited = spec.min || spec.max;
     track.known_noise = spec.noise_std.value_or(0.0);
     if (spec.stuck_time > 0)
       track.stuck_rows =
@@ -135,7 +135,7 @@ void QualityMonitor::Judge(std::size_t rows, Track& track) {
     track.reversals += counts.reversals;
     track.different += counts.different;
     track.above += counts.above;
-    if (counts.outside > 0) FlagRange(x, piece, track, flags);
+    if (track.limited) FlagRange(x, piece, track, flags);
     if (counts.candidates > 0) FlagSpikes(x, piece, track, flags);
     if (counts.equal > 0) {
       FlagStuck(x, piece, track, flags);
@@ -184,33 +184,32 @@ void QualityMonitor::DelayTimes(std::size_t rows, std::size_t kept, SampleBlock&
 
 /// NaN makes every comparison false, so missing values count nowhere.
 QualityMonitor::Counts QualityMonitor::Count(const double* x, std::size_t rows, const Track& track) const {
-  const double scale = track.scale;
-  const double sigma = std::max(scale / kMedianThirdDifference, track.known_noise);
+  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
   const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
-  const double low = track.low;
-  const double high = track.high;
-  Integers different = {}, above = {}, candidates = {}, equal = {}, changes = {}, reversals = {},
-           outside = {};
-  const auto add = [&](const Doubles& second_before, const Doubles& before, const Doubles& at,
-                       const Doubles& after) {
+  const Doubles square_of_scale = Doubles{} + track.scale * track.scale;
+  const Doubles square_of_far = Doubles{} + far * far;
+  const Doubles zero = {};
+  Integers different = {}, above = {}, candidates = {}, equal = {}, changes = {}, reversals = {};
+  const auto add = [&](Doubles second_before, Doubles before, Doubles at, Doubles after) {
     const Doubles step = at - before;
     const Doubles third = (after - second_before) - 3.0 * step;
     const Doubles bend = (after - at) - step;
-    // A comparison gives -1 where it is true.
-    different -= (third < 0.0) | (third > 0.0);
-    above -= (third < -scale) | (third > scale);
-    candidates -= (bend < -far) | (bend > far);
-    equal -= step == 0.0;
-    changes -= (step < 0.0) | (step > 0.0);
-    reversals -= step * (before - second_before) < 0.0;
-    outside -= (at < low) | (at > high);
+    // A comparison gives -1 where it is true. Squares spare the absolute values.
+    different -= third * third > zero;
+    above -= third * third > square_of_scale;
+    candidates -= bend * bend > square_of_far;
+    equal -= step == zero;
+    changes -= step * step > zero;
+    reversals -= step * (before - second_before) < zero;
   };
-  const double* const end = x + rows - rows % 2;
-  for (; x < end; x += 2) add(Load(x - 2), Load(x - 1), Load(x), Load(x + 1));
-  if (rows % 2 != 0)
-    add(Doubles{x[-2], kNaN}, Doubles{x[-1], kNaN}, Doubles{x[0], kNaN}, Doubles{x[1], kNaN});
-  return {Sum(different), Sum(above),     Sum(candidates), Sum(equal),
-          Sum(changes),   Sum(reversals), Sum(outside)};
+  const std::size_t even = rows - rows % 2;
+  for (std::size_t i = 0; i < even; i += 2)
+    add(Load(x + i - 2), Load(x + i - 1), Load(x + i), Load(x + i + 1));
+  if (rows > even) {
+    const double* last = x + even;
+    add(Doubles{last[-2], kNaN}, Doubles{last[-1], kNaN}, Doubles{last[0], kNaN}, Doubles{last[1], kNaN});
+  }
+  return {Sum(different), Sum(above), Sum(candidates), Sum(equal), Sum(changes), Sum(reversals)};
 }
 
 /// The scale starts as the median of the first 64 third differences other than zero.
@@ -223,6 +222,11 @@ void QualityMonitor::CollectFirst(const double* x, std::size_t rows, Track& trac
 }
 
 void QualityMonitor::FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags) {
+  const Doubles low = Doubles{} + track.low;
+  const Doubles high = Doubles{} + track.high;
+  Integers outside = {};
+  for (std::size_t i = 0; i + 2 <= rows; i += 2) outside |= (Load(x + i) < low) | (Load(x + i) > high);
+  if (Sum(outside) == 0 && rows % 2 == 0) return;
   for (std::size_t i = 0; i < rows; ++i)
     if (x[i] < track.low || x[i] > track.high) flags[i] |= quality::kOutOfRange;
 }

@@ -65,6 +65,7 @@ class QualityMonitor {
   /// What is remembered of a channel.
   struct Track {
     double low = 0, high = 0;               ///< SI, limits
+    bool limited = false;                   ///< there are limits
     double known_noise = 0;                 ///< SI, std from the machine file; 0 if not given
     std::int64_t stuck_rows = 0;            ///< identical readings allowed; 0: any number
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first

@@ -23,9 +23,9 @@ tl::unexpected<Error> MissingColumn(const LogLayout& layout, const std::string& 
                                     const std::string& purpose, const std::string& origin,
                                     const std::string& advice) {
   const std::string nearest = Nearest(column, layout.names);
-  const std::string question = nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest);
+  const std::string question = nearest.empty() ? "." : fmt::format("; did you mean '{}'?", nearest);
   const std::string kind = layout.header ? "" : " (the log has no header, so columns are named by number)";
-  return BadInput("log '{}': no column '{}' for {}{}; columns found{}: {}{}", origin, column, purpose,
+  return BadInput("log '{}': no column '{}' for {}{} Columns found{}: {}{}", origin, column, purpose,
                   question, kind, ListNames(layout.names), advice);
 }
 
