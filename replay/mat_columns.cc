@@ -1,0 +1,164 @@
+#include <matio.h>
+
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "replay/mat_reader.h"
+
+namespace hydroscope {
+namespace {
+
+template <typename T>
+void Widen(const unsigned char* bytes, std::int64_t count, std::int64_t stride, double* out) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    T value;
+    std::memcpy(&value, bytes + static_cast<std::size_t>(i * stride) * sizeof(T), sizeof(T));
+    out[i] = static_cast<double>(value);
+  }
+}
+
+/// Numbers of a MATLAB class as doubles; false if the class holds no numbers.
+bool ToDoubles(matio_classes kind, const unsigned char* bytes, std::int64_t count, std::int64_t stride,
+               double* out) {
+  switch (kind) {
+    case MAT_C_DOUBLE:
+      Widen<double>(bytes, count, stride, out);
+      return true;
+    case MAT_C_SINGLE:
+      Widen<float>(bytes, count, stride, out);
+      return true;
+    case MAT_C_INT8:
+      Widen<std::int8_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_UINT8:
+      Widen<std::uint8_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_INT16:
+      Widen<std::int16_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_UINT16:
+      Widen<std::uint16_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_INT32:
+      Widen<std::int32_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_UINT32:
+      Widen<std::uint32_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_INT64:
+      Widen<std::int64_t>(bytes, count, stride, out);
+      return true;
+    case MAT_C_UINT64:
+      Widen<std::uint64_t>(bytes, count, stride, out);
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool HoldsNumbers(const matvar_t& variable) {
+  double none;
+  return variable.isComplex == 0 && variable.rank == 2 &&
+         ToDoubles(variable.class_type, nullptr, 0, 1, &none);
+}
+
+}  // namespace
+
+bool IsMatFile(const std::string& path) {
+  char head[10] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof head);
+  const std::string_view text(head, sizeof head);
+  return text == "MATLAB 5.0" || text == "MATLAB 7.3";
+}
+
+Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
+  std::unique_ptr<MatColumns> columns(new MatColumns(path));
+  columns->file_ = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
+  if (columns->file_ == nullptr)
+    return BadInput("log '{}': the MAT file cannot be opened; expected version 5 to 7.3", path);
+  while (matvar_t* variable = Mat_VarReadNextInfo(columns->file_)) columns->variables_.push_back(variable);
+  for (matvar_t*& variable : columns->variables_) {
+    if (variable->name == nullptr) continue;
+    const bool whole = variable->class_type == MAT_C_STRUCT;
+    if (whole) {
+      matvar_t* read = Mat_VarRead(columns->file_, variable->name);
+      if (read == nullptr) continue;
+      Mat_VarFree(variable);
+      variable = read;
+    }
+    columns->AddVariable(variable, variable->name, whole);
+  }
+  if (columns->columns_.empty())
+    return BadInput(
+        "log '{}': no vectors or matrices of numbers found among the {} variables of the MAT file", path,
+        columns->variables_.size());
+  return columns;
+}
+
+MatColumns::~MatColumns() {
+  for (matvar_t* variable : variables_) Mat_VarFree(variable);
+  if (file_ != nullptr) Mat_Close(file_);
+}
+
+void MatColumns::AddVariable(matvar_t* variable, const std::string& name, bool held) {
+  if (variable->class_type == MAT_C_STRUCT) {
+    const unsigned fields = Mat_VarGetNumberOfFields(variable);
+    char* const* field_names = Mat_VarGetStructFieldnames(variable);
+    for (unsigned i = 0; i < fields; ++i)
+      if (matvar_t* field = Mat_VarGetStructFieldByIndex(variable, i, 0))
+        AddVariable(field, field_names[i], held);
+    return;
+  }
+  if (!HoldsNumbers(*variable) || (held && variable->data == nullptr)) return;
+  const auto down = static_cast<std::int64_t>(variable->dims[0]);
+  const auto across = static_cast<std::int64_t>(variable->dims[1]);
+  if (down * across < 2) return;
+  const bool upright = down >= across;
+  const std::int64_t count = upright ? across : down;
+  for (std::int64_t i = 0; i < count; ++i) {
+    Column column{variable, held, upright ? i * down : i, upright ? 1 : down, upright ? down : across};
+    columns_.push_back(column);
+    names_.push_back(count == 1 ? name : fmt::format("{}({})", name, i + 1));
+  }
+}
+
+/// Reads the whole variable of a column into memory.
+Status MatColumns::Hold(Column& column) {
+  if (Mat_VarReadDataAll(file_, column.variable) != 0 || column.variable->data == nullptr)
+    return BadInput("log '{}': variable '{}' of the MAT file is damaged or too big for the memory", path_,
+                    column.variable->name);
+  for (Column& other : columns_)
+    if (other.variable == column.variable) other.held = true;
+  return {};
+}
+
+Status MatColumns::Read(std::size_t index, std::int64_t first, std::int64_t count, double* out) {
+  Column& column = columns_[index];
+  matvar_t* variable = column.variable;
+  // Every slice of compressed data would be unpacked from the beginning.
+  if (!column.held && variable->compression == MAT_COMPRESSION_ZLIB && Mat_GetVersion(file_) != MAT_FT_MAT73)
+    if (const Status held = Hold(column); !held) return held;
+  const std::int64_t start = column.start + first * column.stride;
+  const std::size_t size = Mat_SizeOfClass(variable->class_type);
+  if (column.held) {
+    const auto* bytes =
+        static_cast<const unsigned char*>(variable->data) + static_cast<std::size_t>(start) * size;
+    ToDoubles(variable->class_type, bytes, count, column.stride, out);
+    return {};
+  }
+  if (start + count * column.stride > std::numeric_limits<int>::max())
+    return BadInput(
+        "log '{}': variable '{}' has more than {} numbers, more than matio reads; save every signal as a "
+        "vector of its own, or split the log",
+        path_, names_[index], std::numeric_limits<int>::max());
+  slice_.resize(static_cast<std::size_t>(count) * size);
+  if (Mat_VarReadDataLinear(file_, variable, slice_.data(), static_cast<int>(start),
+                            static_cast<int>(column.stride), static_cast<int>(count)) != 0)
+    return BadInput("log '{}': variable '{}' of the MAT file is damaged near row {}", path_, names_[index],
+                    first + 1);
+  ToDoubles(variable->class_type, slice_.data(), count, 1, out);
+  return {};
+}
+
+}  // namespace hydroscope
