@@ -293,7 +293,8 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + BalanceSection(machine, notes) +
           EffectSections(machine, notes);
-  text.pop_back();
+  for (const std::string& line : notes.tail) text += Comment(line) + "\n";
+  if (notes.tail.empty()) text.pop_back();
   return text;
 }
 

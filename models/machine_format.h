@@ -13,6 +13,7 @@ struct MachineNotes {
   std::vector<std::string> head;                            ///< comment lines at the top of the file
   std::map<std::string, std::string> signals;               ///< signal name -> comment behind its line
   std::map<std::string, std::vector<std::string>> section;  ///< section name -> comment lines at its end
+  std::vector<std::string> tail;                            ///< comment lines at the end of the file
 };
 
 /// FormatMachine with `notes` as comments; without notes the comments are general ones.

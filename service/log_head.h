@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "replay/log_layout.h"
+
+namespace hydroscope {
+
+/// One column of the beginning of a log as numbers, and what they look like.
+struct HeadColumn {
+  std::string name;           ///< header text, or the number of the column
+  std::string reference;      ///< what a machine file writes to mean this column: its name, or its number
+  std::string unit;           ///< unit text of the header, "" if none
+  std::vector<double> value;  ///< raw, one per row; NaN where there is no number
+  bool date = false;          ///< dates or times of day, read as s
+  double low = 0, high = 0;   ///< 1 % and 99 % quantile; NaN without numbers
+  double step = 0;            ///< median difference between rows
+  bool rising = false;        ///< every row above the one before
+  double roughness = 0;  ///< standard deviation of the difference between rows / of the values; 0 = constant
+  double repeated = 0;   ///< share of rows with the very same value as the row before
+
+  bool numeric() const { return low == low; }
+  double span() const { return high - low; }
+};
+
+/// The beginning of a text log.
+struct LogHead {
+  std::string path;
+  LogLayout layout;
+  std::vector<HeadColumn> columns;
+  std::size_t rows = 0;
+};
+
+/// Reads the first 8 MB of a text log (plain or gzip). Errors as DetectLayout; MAT files are refused with
+/// advice.
+Result<LogHead> ReadLogHead(const std::string& path);
+/// The same from text in memory.
+Result<LogHead> ParseLogHead(const std::string& text, const std::string& path, bool complete);
+
+}  // namespace hydroscope
