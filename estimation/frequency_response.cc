@@ -29,6 +29,7 @@ struct Search {
   std::vector<HeldInRun> held;
   std::size_t active = 0, covered = 0;
   int unsteady = 0;
+  bool stairs = false;  // the command is refreshed every few samples and held between
 };
 
 Search SearchHeldSines(const FrequencyRecord& record) {
@@ -39,6 +40,7 @@ Search SearchHeldSines(const FrequencyRecord& record) {
     search.active += sines.active;
     search.covered += sines.covered;
     search.unsteady += sines.unsteady;
+    search.stairs = search.stairs || sines.stair_length > 1;
   }
   return search;
 }
@@ -124,7 +126,7 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   response.method = FrequencyResponseMethod::kSine;
   for (int pass = 0; pass < 3; ++pass) {  // the transient's length comes from the model of the pass before
     response.points = CorrelateAll(record, search, RuleFor(options, record, response.model));
-    TakeModel(FitValveModel(response.points, 1, record.sample_period), response);
+    TakeModel(FitValveModel(response.points, 1, record.sample_period, search.stairs), response);
     if (!response.model) break;
   }
   const int total = static_cast<int>(response.points.size());

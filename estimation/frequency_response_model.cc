@@ -368,7 +368,7 @@ Result<ValveModel> Fit(const Problem& problem, const Search& found, double corre
 }  // namespace
 
 Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation,
-                                 double sample_period) {
+                                 double sample_period, bool surely_held) {
   const Problem continuous(points);
   if (continuous.points().size() < 3) {
     return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
@@ -376,8 +376,8 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
   }
   const Search found = FindMinimum(continuous);
   Result<ValveModel> model = Fit(continuous, found, correlation);
-  const bool try_hold = sample_period > 0 && model && model->inflation > 1 && !model->first_order &&
-                        2 * model->highest * sample_period < 1;
+  const bool try_hold = sample_period > 0 && model && (surely_held || model->inflation > 1) &&
+                        !model->first_order && 2 * model->highest * sample_period < 1;
   if (!try_hold) return model;
 
   // Half a sample of the delay found is the hold's own.
@@ -385,7 +385,8 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
   Search search = found;
   search.p(kDeadTime) -= sample_period / 2 * held.time_scale();
   search.cost = Polish(held, search.p);
-  if (!(search.cost < found.cost / 4) || search.p(kLogDamping) > std::log(kLargestDamping)) return model;
+  const bool better = surely_held ? std::isfinite(search.cost) : search.cost < found.cost / 4;
+  if (!better || search.p(kLogDamping) > std::log(kLargestDamping)) return model;
   Result<ValveModel> with_hold = Fit(held, search, correlation);
   if (!with_hold) return model;
   with_hold->command_hold = sample_period;

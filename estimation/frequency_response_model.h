@@ -23,11 +23,12 @@ namespace hydroscope {
 /// With a `sample_period` (s) a misfit beyond the noise is tried once more with a command that is held from
 /// sample to sample, as a controller that logs its own output does; it is taken if chi^2 falls below a
 /// quarter
-/// (`command_hold`). Without it the hold would pass for half a sample of dead time and a lower f0.
+/// (`command_hold`), and always if the command is `surely_held`. Without it the hold would pass for half a
+/// sample of dead time and a lower f0.
 ///
 /// Error (kBadInput): fewer than three points, or the points do not determine the model.
 Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation = 1,
-                                 double sample_period = 0);
+                                 double sample_period = 0, bool surely_held = false);
 
 /// Adds multiples of 2 pi to the points' phases: continuous over frequency, starting within +-pi; nearest to
 /// the model's phase if there is one. Points must be in order of frequency.

@@ -250,9 +250,33 @@ void PartOverlaps(std::vector<HeldSine>& found) {
   for (std::size_t i = 1; i < found.size(); ++i) found[i].begin = std::max(found[i].begin, found[i - 1].end);
 }
 
-}  // namespace
+/// A command that its controller refreshes every few samples only: crossings of the stairs scatter, those of
+/// one sample per stair do not.
+struct Stairs {
+  std::size_t length = 1;  // samples per stair; 1: none
+  std::size_t first = 0;   // sample at which a stair begins
+};
 
-HeldSines FindHeldSines(std::span<const double> command) {
+Stairs FindStairs(std::span<const double> command) {
+  constexpr std::size_t kLongest = 64;
+  std::vector<std::size_t> distances(kLongest + 1, 0);
+  std::size_t last = 0, changes = 0;
+  for (std::size_t n = 1; n < command.size(); ++n) {
+    if (command[n] == command[n - 1]) continue;
+    if (changes++ > 0 && n - last <= kLongest) ++distances[n - last];
+    last = n;
+  }
+  Stairs stairs;
+  stairs.length =
+      static_cast<std::size_t>(std::max_element(distances.begin(), distances.end()) - distances.begin());
+  if (stairs.length < 2) return {};
+  std::vector<std::size_t> at(stairs.length, 0);
+  for (std::size_t n = 1; n < command.size(); ++n) at[n % stairs.length] += command[n] != command[n - 1];
+  stairs.first = static_cast<std::size_t>(std::max_element(at.begin(), at.end()) - at.begin());
+  return 10 * at[stairs.first] >= 9 * changes ? stairs : Stairs{};
+}
+
+HeldSines FindInSmooth(std::span<const double> command) {
   HeldSines result;
   if (command.size() < 8) return result;
   const double centre = Quantile({command.begin(), command.end()}, 0.5);
@@ -270,6 +294,25 @@ HeldSines FindHeldSines(std::span<const double> command) {
   }
   PartOverlaps(result.found);
   for (const HeldSine& held : result.found) result.covered += held.end - held.begin;
+  return result;
+}
+
+}  // namespace
+
+HeldSines FindHeldSines(std::span<const double> command) {
+  const Stairs stairs = FindStairs(command);
+  if (stairs.length == 1) return FindInSmooth(command);
+  std::vector<double> one_each;
+  for (std::size_t n = stairs.first; n < command.size(); n += stairs.length) one_each.push_back(command[n]);
+  HeldSines result = FindInSmooth(one_each);
+  for (HeldSine& held : result.found) {
+    held.begin = stairs.first + held.begin * stairs.length;
+    held.end = std::min(command.size(), stairs.first + held.end * stairs.length);
+    held.omega /= static_cast<double>(stairs.length);
+  }
+  result.stair_length = stairs.length;
+  result.active *= stairs.length;
+  result.covered *= stairs.length;
   return result;
 }
 

@@ -17,9 +17,10 @@ struct HeldSine {
 
 struct HeldSines {
   std::vector<HeldSine> found;
-  std::size_t active = 0;   ///< samples in which the command moves at all
-  std::size_t covered = 0;  ///< samples inside `found`
-  int unsteady = 0;         ///< stretches of regular crossings whose frequency or amplitude drifts
+  std::size_t active = 0;        ///< samples in which the command moves at all
+  std::size_t covered = 0;       ///< samples inside `found`
+  std::size_t stair_length = 1;  ///< samples between refreshes of the command; 1: no stairs seen
+  int unsteady = 0;              ///< stretches of regular crossings whose frequency or amplitude drifts
 };
 
 /// Finds the held frequencies of a command by itself:
@@ -29,6 +30,7 @@ struct HeldSines {
 /// 4. the block phasors must agree (2 %, or what the command's noise explains); a stretch that falls into two
 ///    steady halves (amplitude or phase jump) is cut there, one that drifts is counted as unsteady;
 /// 5. the edges are moved out sample by sample as long as the sine predicts the command.
+/// A command in regular stairs (refreshed every few samples) is searched with one sample per stair.
 /// Needs three periods per frequency and more than 2.5 samples per period.
 HeldSines FindHeldSines(std::span<const double> command);
 

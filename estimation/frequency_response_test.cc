@@ -102,19 +102,29 @@ TEST(FrequencyResponse, IntervalsHoldWithANoisyCommand) {
   ExpectHonest(CoverageOver(sweep, 400, "noisy command"), 400);
 }
 
-TEST(FrequencyResponse, ACommandHeldBetweenSamplesIsTakenIntoAccount) {
+void ExpectHeldCommandUnderstood(double update_rate, double sample_rate) {
   ValveSweepOptions options;
-  options.update_rate = 1000;
+  options.update_rate = update_rate;
+  options.sample_rate = sample_rate;
   options.dead_time = 0.3e-3;
   ValveSweepLog log = SimulateValveSweep(options);
   for (double& u : log.U_v) u /= 10;
-  const FrequencyRecord record{1e-3, {{0, log.U_v, log.y_v}}};
+  const FrequencyRecord record{1 / sample_rate, {{0, log.U_v, log.y_v}}};
   const auto response = MeasureFrequencyResponse(record);
   ASSERT_TRUE(response && response->model);
-  EXPECT_EQ(response->model->command_hold, 1e-3);
+  EXPECT_EQ(response->points.size(), 16u);
+  EXPECT_EQ(response->model->command_hold, 1 / sample_rate);
   EXPECT_NEAR(response->model->natural_frequency.value, 183.9, 0.5);
   EXPECT_NEAR(response->model->damping.value, 0.6735, 0.002);
   EXPECT_NEAR(response->model->dead_time.value, 0.3e-3, 5e-6);
+}
+
+TEST(FrequencyResponse, ACommandHeldBetweenSamplesIsTakenIntoAccount) {
+  ExpectHeldCommandUnderstood(1000, 1000);
+}
+
+TEST(FrequencyResponse, ACommandInStairsOfSeveralSamplesIsUnderstood) {
+  ExpectHeldCommandUnderstood(1000, 5000);
 }
 
 TEST(FrequencyResponse, EveryPointOfTheSweepIsFoundWithItsFrequencyGainAndPhase) {

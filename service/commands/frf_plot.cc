@@ -156,11 +156,11 @@ std::string FrfBodePlot(const FrequencyResponse& response, const std::string& ti
       "<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n<text class=\"head\" x=\"{}\" "
       "y=\"26\">{}</text>\n",
       kWidth, kHeight, kLeft, EscapeText(title));
-  std::string legend = "points: measured, bars: 95 % interval; dashed: -3 dB, -90°";
+  std::string legend = "points: measured with 95 % bars";
   if (response.model) {
-    legend += fmt::format("; curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3g} ms",
+    legend += fmt::format(" — curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3f} ms",
                           response.model->natural_frequency.value, response.model->damping.value,
-                          1e3 * response.model->dead_time.value);
+                          1e3 * response.model->dead_time.value + 0.0);
   }
   svg += fmt::format("<text class=\"soft\" x=\"{}\" y=\"48\">{}</text>\n", kLeft, legend);
   svg += Draw(top, gain, model_gain, level, "gain (dB)", 0.5, false);
