@@ -19,6 +19,7 @@ constexpr double kSpikeOverNeighbours = 3.0;
 
 constexpr std::int64_t kChangesToJudge = 100;
 constexpr double kReversalsOfNoise = 0.3;
+constexpr double kLongestMeanRun = 1.5;
 constexpr double kRunsToBeStuck = 25.0;
 
 constexpr Quality kBreaks =
@@ -257,14 +258,13 @@ void QualityMonitor::FlagSpikes(const double* x, std::size_t rows, const Track& 
 /// Follows the median: half of the third differences should lie above it. Steps are bounded, so a transient
 /// moves it little; a frame almost entirely above it means that the scale is far too small.
 void QualityMonitor::BeginFrame(Track& track) {
-  const bool noisy =
-      track.changes >= kChangesToJudge &&
-      static_cast<double>(track.reversals) >= kReversalsOfNoise * static_cast<double>(track.changes);
+  const auto changes = static_cast<double>(track.changes);
+  const double mean_run = static_cast<double>(track.readings) / changes;
+  const bool noisy = track.changes >= kChangesToJudge && mean_run <= kLongestMeanRun &&
+                     static_cast<double>(track.reversals) >= kReversalsOfNoise * changes;
   track.stuck_limit = 0;
-  if (noisy && track.stuck_rows > 0) {
-    const double mean_run = static_cast<double>(track.readings) / static_cast<double>(track.changes);
+  if (noisy && track.stuck_rows > 0)
     track.stuck_limit = std::max(track.stuck_rows, static_cast<std::int64_t>(kRunsToBeStuck * mean_run));
-  }
   if (track.first_count < kFrame) return;
   if (track.scale == 0) {
     auto first = track.first;

@@ -26,12 +26,12 @@ struct ChannelQuality {
 /// row and does not depend on how rows are cut into blocks.
 ///
 ///   kOutOfRange  outside min/max of the machine file.
-///   kStuck       the very same reading for longer than `stuck_time`, from that moment on. Only on a channel
-///   that is
-///                noisy: at least 100 changes of reading seen, three in ten of them back in the direction
-///                they came from (white noise: two in three; smooth motion: none), and the reading has stayed
-///                25 times longer than on average, which a coarsely quantised channel does not exceed by
-///                chance. A command that rests at one value between noisy phases needs `stuck_time = 0`.
+///   kStuck       the very same reading for longer than `stuck_time` (and 25 times longer than on average),
+///   from that
+///                moment on. Only on a channel whose noise its resolution does not hide: at least 100 changes
+///                of reading seen, two in three readings different from the one before, and three in ten
+///                changes back in the direction they came from (white noise: two in three; smooth motion:
+///                none). A command that rests at one value between noisy phases needs `stuck_time = 0`.
 ///   kSpike       one value off the mean of its neighbours by more than 12 standard deviations of that
 ///   distance and by
 ///                3 times each of the steps around it: between its neighbours, into the one before, out of

@@ -75,6 +75,7 @@ void CsvReader::MakeColumns() {
     Column& use = column(plan_.column[s]);
     if (use.signal == kNone) use = {Use::kNumber, static_cast<int>(s), nullptr, 0};
   }
+  if (columns_.empty()) columns_.resize(1);  // nothing is used: rows are only counted
 }
 
 std::optional<double> CsvReader::TimeOf(std::string_view field) const {

@@ -69,11 +69,15 @@ std::vector<bool> NumberColumns(const std::vector<std::vector<FieldKind>>& rows,
 }
 
 RowShape LearnShape(const std::vector<Line>& lines, Dialect dialect) {
-  constexpr std::size_t kLinesLookedAt = 60;
+  constexpr std::size_t kMostLines = 60;
+  // The second half: whatever stands above the data, most of these lines are data.
+  const auto filled = static_cast<std::size_t>(std::count_if(
+      lines.begin(), lines.end(), [](const Line& line) { return !Trimmed(line.text).empty(); }));
+  const std::size_t looked_at = std::clamp<std::size_t>(filled / 2, 1, kMostLines);
   std::vector<std::vector<FieldKind>> rows;
   std::vector<std::string_view> fields;
   double score = 0;
-  for (std::size_t i = lines.size(); i > 0 && rows.size() < kLinesLookedAt; --i) {
+  for (std::size_t i = lines.size(); i > 0 && rows.size() < looked_at; --i) {
     if (Trimmed(lines[i - 1].text).empty()) continue;
     SplitFields(lines[i - 1].text, dialect.separator, fields);
     std::vector<FieldKind> kinds;
@@ -241,7 +245,7 @@ void SetUnits(std::string_view unit_row, LogLayout& layout) {
   SplitFields(WithoutCommentSign(unit_row), layout.separator, fields);
   for (std::size_t i = 0; i < std::min(fields.size(), layout.units.size()); ++i) {
     const auto inside = BracketedUnit(fields[i]);
-    layout.units[i] = inside.size() + 2 == fields[i].size() ? inside : fields[i];
+    layout.units[i] = !inside.empty() && inside.size() + 2 == fields[i].size() ? inside : fields[i];
   }
 }
 
@@ -269,7 +273,7 @@ Status CheckText(std::string_view head, const std::string& origin) {
     return BadInput("log '{}' is empty; expected a header and rows of numbers", origin);
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
     return BadInput("log '{}' is UTF-16 text; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", origin);
-  if (head.substr(0, 512).find('\0') != std::string_view::npos)
+  if (head.substr(0, 64).find('\0') != std::string_view::npos)
     return BadInput("log '{}' is binary; expected text (CSV), gzip-compressed text or a MAT file", origin);
   return {};
 }
