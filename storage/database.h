@@ -14,8 +14,8 @@ namespace hydroscope {
 /// A machine model as it stood when strokes were identified with it.
 struct ModelVersion {
   int version = 1;
-  std::string definition;                ///< the machine file (TOML) in force
-  std::vector<std::string> columns;      ///< names of the Gram columns, in order
+  std::string definition;            ///< the machine file (TOML) in force
+  std::vector<std::string> columns;  ///< names of the Gram columns, in order
 };
 
 /// A replay of one log (or, later, one session of the live service).
@@ -27,19 +27,32 @@ struct RunInfo {
   std::int64_t first_sequence = 0;  ///< machine-wide sequence number of the run's stroke 0
   bool complete = false;
   std::string summary_json;  ///< counters of the finished run (rows, flags, findings), "" while incomplete
+  bool abandoned = false;  ///< stopped halfway and overtaken by a later run: keeps its strokes, takes no more
+  int model_version = 0;   ///< model its strokes were identified with
 };
 
 struct TrendPoint {
   std::int64_t run = 0;
-  std::int64_t stroke = 0;    ///< index within the run
-  std::int64_t sequence = 0;  ///< machine-wide stroke number
-  double time = 0;            ///< s, end of the stroke in the log's own time
-  double oil_temperature = 0; ///< K, NaN if not measured
+  std::int64_t stroke = 0;     ///< index within the run
+  std::int64_t sequence = 0;   ///< machine-wide stroke number
+  double time = 0;             ///< s, end of the stroke in the log's own time
+  double oil_temperature = 0;  ///< K, NaN if not measured
   Estimate estimate;
 };
 
+/// Raw samples of one run, column-wise, as StoreRaw took them.
+struct RawWindow {
+  std::vector<std::string> signals;
+  std::vector<double> time;                 ///< s
+  std::vector<std::vector<double>> values;  ///< [signal][row], SI
+};
+
 /// The trend database, docs/database.md. WAL, synchronous=NORMAL, one transaction per batch.
-/// A stroke is identified by (run, index) and is stored once, whatever is killed when.
+/// A stroke is identified by (run, index) and is stored once, whatever is killed when. The same calls give
+/// the same content to the byte: no clock, no random number enters the file. Errors: kBadInput for a file of
+/// another program, a newer version or damage, and for content that contradicts what is stored; kInternal for
+/// a full disk or a lock that is not released; a failed call leaves the file as it was before the call and
+/// may be repeated. One object belongs to one thread; several processes may read while one writes.
 class Database {
  public:
   /// Creates the file or opens it; an older schema is migrated, a newer one is an error that says so.
@@ -57,13 +70,18 @@ class Database {
   Result<int> PutModelVersion(std::int64_t machine, const ModelVersion& model);
   Result<ModelVersion> GetModelVersion(std::int64_t machine, int version) const;
 
-  /// The run with this fingerprint, with the strokes it already has; created if new.
+  /// The run with this fingerprint, with the strokes it already has; created if new. A machine has one open
+  /// run at a time: beginning another closes an incomplete one as `abandoned` (without strokes: removes it),
+  /// so that machine-wide sequence numbers stay unique, without gaps and increasing. Beginning an abandoned
+  /// run again is an error: its remaining strokes would come out of order.
   Result<RunInfo> BeginRun(std::int64_t machine, int model_version, const std::string& source,
                            const std::string& fingerprint);
-  /// Appends strokes in one transaction. Strokes whose index is already stored are skipped, a hole is an error.
+  /// Appends strokes in one transaction. Strokes whose index is already stored are skipped, a hole is an
+  /// error, and so is a stored stroke offered with other content: then nothing of the batch is stored.
   Status StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes);
   /// Marks the run complete; `pipeline_state` lets the next run of the machine continue from here.
-  Status FinishRun(std::int64_t run, const std::string& summary_json, const std::vector<std::uint8_t>& pipeline_state);
+  Status FinishRun(std::int64_t run, const std::string& summary_json,
+                   const std::vector<std::uint8_t>& pipeline_state);
   /// State the machine's latest complete run before `run` left; nullopt for the first run.
   Result<std::optional<std::vector<std::uint8_t>>> PipelineStateBefore(std::int64_t run) const;
 
@@ -73,13 +91,29 @@ class Database {
   Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;
   /// Grams of strokes with first <= sequence < last.
   Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
+  /// Their sum, from stored sums of 64 and 4096 strokes where these lie inside: single strokes in order of
+  /// sequence inside each 64, the 64s in order inside each 4096. Equal to adding Grams() up to rounding.
+  /// Strokes of different Gram columns do not add: an error that names where they change. Without strokes: an
+  /// empty Gram (dimension 0).
+  Result<StrokeGram> SumGrams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
 
-  /// Raw window: consecutive samples as compressed blobs, the oldest dropped beyond `max_bytes`.
+  /// Raw window: consecutive samples as compressed blobs, the machine's oldest dropped beyond `max_bytes`.
+  /// Time increases strictly; rows not after the run's newest stored row are skipped (a resumed replay offers
+  /// them again).
   Status StoreRaw(std::int64_t run, const std::vector<std::string>& signals, const std::vector<double>& time,
                   const std::vector<std::vector<double>>& values, std::int64_t max_bytes);
+  /// Rows of the raw window with from <= time < to; empty if none is kept.
+  Result<RawWindow> LoadRaw(std::int64_t run, double from, double to) const;
+
+  /// FNV-1a hash (16 hex digits) over every value of every table in order of keys: equal content, equal
+  /// digest.
+  Result<std::string> ContentDigest() const;
+  /// Checks pages and indices (SQLite's integrity_check), stroke counts, holes and Gram checksums of the
+  /// whole file.
+  Status CheckIntegrity() const;
 
  private:
-  struct Impl;
+  struct Impl;  // storage/connection.h
   explicit Database(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

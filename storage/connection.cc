@@ -1,0 +1,123 @@
+#include "storage/connection.h"
+
+#include <sqlite3.h>
+
+#include <cerrno>
+#include <cmath>
+#include <limits>
+
+namespace hydroscope {
+namespace {
+
+/// SQLite says "disk full" itself, or reports an I/O error while the system says so.
+bool DiskFull(const SQLite::Database* db, int code) {
+  if (code == SQLITE_FULL) return true;
+  if (code != SQLITE_IOERR || db == nullptr) return false;
+  const int system_error = sqlite3_system_errno(db->getHandle());
+  return system_error == ENOSPC || system_error == EDQUOT;
+}
+
+}  // namespace
+
+SQLite::Statement& Connection::Prepared(const char* sql) {
+  const auto found = statements_.find(std::string_view(sql));
+  if (found != statements_.end()) return found->second;
+  return statements_.emplace(sql, SQLite::Statement(db, sql)).first->second;
+}
+
+Result<RunRow> Connection::FindRun(std::int64_t run) {
+  Query query(*this,
+              "SELECT machine, first_sequence, strokes, model_version, state, source FROM run WHERE id = ?",
+              run);
+  if (!query.Step()) return BadInput("{} has no run {}", path, run);
+  return RunRow{run,           query.Int(0), query.Int(1), query.Int(2), static_cast<int>(query.Int(3)),
+                query.Text(4), query.Text(5)};
+}
+
+std::vector<RunRow> Connection::RunsOf(std::int64_t machine) {
+  Query query(*this,
+              "SELECT id, first_sequence, strokes, model_version, state, source FROM run WHERE machine = ? "
+              "ORDER BY id",
+              machine);
+  std::vector<RunRow> runs;
+  while (query.Step())
+    runs.push_back({query.Int(0), machine, query.Int(1), query.Int(2), static_cast<int>(query.Int(3)),
+                    query.Text(4), query.Text(5)});
+  return runs;
+}
+
+std::vector<std::string> Connection::Columns(std::int64_t machine, int version) {
+  Query query(*this, "SELECT name FROM model_column WHERE machine = ? AND version = ? ORDER BY position",
+              machine, version);
+  std::vector<std::string> names;
+  while (query.Step()) names.push_back(query.Text(0));
+  return names;
+}
+
+Query::~Query() {
+  statement_.tryReset();  // ends the read transaction the statement may hold
+}
+
+double Query::Real(int column) const {
+  const SQLite::Column value = statement_.getColumn(column);
+  return value.isNull() ? std::numeric_limits<double>::quiet_NaN() : value.getDouble();
+}
+
+std::span<const std::uint8_t> Query::Blob(int column) const {
+  const SQLite::Column value = statement_.getColumn(column);
+  const auto* bytes = static_cast<const std::uint8_t*>(value.getBlob());
+  return {bytes, static_cast<std::size_t>(value.getBytes())};
+}
+
+void Query::Bind(double value) {
+  if (std::isnan(value))
+    statement_.bind(++bound_);
+  else
+    statement_.bind(++bound_, value);
+}
+
+void Query::Bind(const std::vector<std::uint8_t>& blob) {
+  // A null pointer would bind NULL instead of an empty blob.
+  static constexpr std::uint8_t kNothing = 0;
+  statement_.bindNoCopy(++bound_, blob.empty() ? &kNothing : blob.data(), static_cast<int>(blob.size()));
+}
+
+Error DatabaseError(const std::string& path, const SQLite::Database* db, const SQLite::Exception& exception) {
+  const int code = exception.getErrorCode() & 0xff;
+  if (DiskFull(db, code))
+    return {
+        ErrorKind::kInternal,
+        fmt::format(
+            "{}: the disk is full. What was stored before is safe; free some space on that disk and run the "
+            "same command again, it continues where it stopped",
+            path)};
+  switch (code) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {ErrorKind::kInternal, fmt::format("{}: another process has been writing for more than {} s; "
+                                                "wait until it is done, or use another "
+                                                "database",
+                                                path, kBusyTimeout / 1000)};
+    case SQLITE_NOTADB:
+      return {ErrorKind::kBadInput,
+              fmt::format("{} is no hydroscope database (not an SQLite file); it was left as it is", path)};
+    case SQLITE_CORRUPT:
+      return {
+          ErrorKind::kBadInput,
+          fmt::format("{} is damaged ({}). Restore it from a copy, or replay the logs into a new database",
+                      path, exception.what())};
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return {ErrorKind::kBadInput,
+              fmt::format("{} cannot be written ({}); check the permissions of the file and its folder", path,
+                          exception.what())};
+    case SQLITE_CANTOPEN:
+      return {ErrorKind::kBadInput,
+              fmt::format("cannot open {}; check that the folder exists and may be written", path)};
+    default:
+      return {ErrorKind::kInternal, fmt::format("{}: {} (SQLite error {})", path, exception.what(),
+                                                exception.getExtendedErrorCode())};
+  }
+}
+
+}  // namespace hydroscope

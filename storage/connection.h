@@ -1,0 +1,106 @@
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/database.h"
+
+namespace hydroscope {
+
+/// ms to wait for another process that writes.
+inline constexpr int kBusyTimeout = 10'000;
+
+/// A row of table `run`.
+struct RunRow {
+  std::int64_t id = 0, machine = 0, first_sequence = 0, strokes = 0;
+  int model_version = 0;
+  std::string state, source;
+};
+
+/// An open database file with its prepared statements and the look-ups that several parts need. Throws
+/// SQLite::Exception; only storage/*.cc include this.
+class Connection {
+ public:
+  /// `name` is what SQLite opens, `file` what messages call it.
+  Connection(const std::string& file, const std::string& name, int flags)
+      : path(file), db(name, flags, kBusyTimeout) {}
+
+  SQLite::Statement& Prepared(const char* sql);
+  /// An error naming the run if it does not exist.
+  Result<RunRow> FindRun(std::int64_t run);
+  /// All runs of a machine in order of sequence.
+  std::vector<RunRow> RunsOf(std::int64_t machine);
+  /// Names of the Gram columns of a model version, in order.
+  std::vector<std::string> Columns(std::int64_t machine, int version);
+
+  std::string path;
+  SQLite::Database db;
+
+ private:
+  /// Prepared once per text; a statement belongs to one Query at a time.
+  std::map<std::string, SQLite::Statement, std::less<>> statements_;
+};
+
+struct Database::Impl : Connection {
+  using Connection::Connection;
+};
+
+/// One use of a prepared statement: binds in order, steps, and resets at the end of its scope. NaN is stored
+/// as NULL and read back as NaN. Blobs are not copied: they must live until the last Step.
+class Query {
+ public:
+  template <typename... Values>
+  Query(Connection& connection, const char* sql, const Values&... values)
+      : statement_(connection.Prepared(sql)) {
+    (Bind(values), ...);
+  }
+  ~Query();
+  Query(const Query&) = delete;
+  Query& operator=(const Query&) = delete;
+
+  /// Moves to the next row; false at the end.
+  bool Step() { return statement_.executeStep(); }
+  /// Runs a statement without rows.
+  void Run() { statement_.exec(); }
+
+  std::int64_t Int(int column) const { return statement_.getColumn(column).getInt64(); }
+  double Real(int column) const;
+  std::string Text(int column) const { return statement_.getColumn(column).getString(); }
+  bool IsNull(int column) const { return statement_.getColumn(column).isNull(); }
+  /// Valid until the next Step.
+  std::span<const std::uint8_t> Blob(int column) const;
+
+ private:
+  void Bind(std::int64_t value) { statement_.bind(++bound_, value); }
+  void Bind(int value) { statement_.bind(++bound_, value); }
+  void Bind(double value);
+  void Bind(const std::string& value) { statement_.bind(++bound_, value); }
+  void Bind(const char* value) { statement_.bind(++bound_, value); }
+  void Bind(const std::vector<std::uint8_t>& blob);
+
+  SQLite::Statement& statement_;
+  int bound_ = 0;
+};
+
+/// An exception of SQLite as a value: full disk, lock, damage, read-only file each with what to do.
+Error DatabaseError(const std::string& path, const SQLite::Database* db, const SQLite::Exception& exception);
+
+/// Runs `body` and turns exceptions into errors; a transaction opened inside has then been rolled back.
+template <typename Body>
+auto Guarded(const std::string& path, const SQLite::Database* db, Body&& body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const SQLite::Exception& exception) {
+    return tl::unexpected(DatabaseError(path, db, exception));
+  } catch (const std::exception& exception) {
+    return InternalError("{}: {}", path, exception.what());
+  }
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,130 @@
+#include "storage/database.h"
+
+#include <filesystem>
+
+#include "storage/connection.h"
+#include "storage/schema.h"
+
+namespace hydroscope {
+namespace {
+
+std::int64_t FindMachine(Connection& connection, const std::string& name) {
+  Query query(connection, "SELECT id FROM machine WHERE name = ?", name);
+  return query.Step() ? query.Int(0) : 0;
+}
+
+/// Version number of the machine's latest model, 0 if there is none.
+int LatestVersion(Connection& connection, std::int64_t machine) {
+  Query query(connection, "SELECT coalesce(max(version), 0) FROM model_version WHERE machine = ?", machine);
+  query.Step();
+  return static_cast<int>(query.Int(0));
+}
+
+std::string Definition(Connection& connection, std::int64_t machine, int version) {
+  Query query(connection, "SELECT definition FROM model_version WHERE machine = ? AND version = ?", machine,
+              version);
+  return query.Step() ? query.Text(0) : std::string();
+}
+
+bool MachineExists(Connection& connection, std::int64_t machine) {
+  Query query(connection, "SELECT 1 FROM machine WHERE id = ?", machine);
+  return query.Step();
+}
+
+Status CheckPath(const std::string& path) {
+  std::error_code ignored;
+  if (path.empty() || path == ":memory:")
+    return UsageError("the database needs a file name, for example press.db");
+  if (std::filesystem::is_directory(path, ignored))
+    return BadInput("{} is a folder; give the name of a database file, for example {}/press.db", path, path);
+  return {};
+}
+
+}  // namespace
+
+Database::Database(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Database::Database(Database&&) noexcept = default;
+Database& Database::operator=(Database&&) noexcept = default;
+Database::~Database() = default;
+
+Result<Database> Database::Open(const std::string& path) {
+  if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
+  std::unique_ptr<Impl> impl;
+  const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+    impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    return PrepareForWriting(impl->db, path);
+  });
+  if (!prepared) return tl::unexpected(prepared.error());
+  return Database(std::move(impl));
+}
+
+Result<Database> Database::OpenReadOnly(const std::string& path) {
+  if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return BadInput("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
+                    path, path);
+  std::unique_ptr<Impl> impl;
+  const Status checked = Guarded(path, nullptr, [&]() -> Status {
+    impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READONLY);
+    return CheckForReading(impl->db, path);
+  });
+  if (!checked) return tl::unexpected(checked.error());
+  return Database(std::move(impl));
+}
+
+Result<std::int64_t> Database::MachineId(const std::string& name) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::int64_t> {
+    if (const std::int64_t id = FindMachine(*impl_, name); id != 0) return id;
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    std::int64_t id = FindMachine(*impl_, name);
+    if (id == 0) {
+      Query(*impl_, "INSERT INTO machine(name) VALUES(?)", name).Run();
+      id = FindMachine(*impl_, name);
+    }
+    transaction.commit();
+    return id;
+  });
+}
+
+Result<std::vector<std::string>> Database::MachineNames() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
+    Query query(*impl_, "SELECT name FROM machine ORDER BY id");
+    std::vector<std::string> names;
+    while (query.Step()) names.push_back(query.Text(0));
+    return names;
+  });
+}
+
+Result<int> Database::PutModelVersion(std::int64_t machine, const ModelVersion& model) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<int> {
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    if (!MachineExists(*impl_, machine)) return BadInput("{} has no machine {}", impl_->path, machine);
+    const int latest = LatestVersion(*impl_, machine);
+    if (latest > 0 && Definition(*impl_, machine, latest) == model.definition &&
+        impl_->Columns(machine, latest) == model.columns)
+      return latest;
+    const int version = latest + 1;
+    Query(*impl_, "INSERT INTO model_version(machine, version, definition) VALUES(?, ?, ?)", machine, version,
+          model.definition)
+        .Run();
+    for (std::size_t i = 0; i < model.columns.size(); ++i)
+      Query(*impl_, "INSERT INTO model_column(machine, version, position, name) VALUES(?, ?, ?, ?)", machine,
+            version, static_cast<std::int64_t>(i), model.columns[i])
+          .Run();
+    transaction.commit();
+    return version;
+  });
+}
+
+Result<ModelVersion> Database::GetModelVersion(std::int64_t machine, int version) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<ModelVersion> {
+    const int latest = LatestVersion(*impl_, machine);
+    if (version < 1 || version > latest)
+      return BadInput("{} has no model version {} of machine {}; versions 1 to {} are stored", impl_->path,
+                      version, machine, latest);
+    return ModelVersion{version, Definition(*impl_, machine, version), impl_->Columns(machine, version)};
+  });
+}
+
+}  // namespace hydroscope

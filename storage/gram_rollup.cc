@@ -1,0 +1,139 @@
+#include "storage/gram_rollup.h"
+
+#include <algorithm>
+
+#include "storage/gram_codec.h"
+
+namespace hydroscope {
+namespace {
+
+void AddMatrix(SymmetricMatrix& sum, const SymmetricMatrix& matrix) {
+  if (sum.dimension() == 0)
+    sum = matrix;
+  else if (matrix.dimension() > 0)
+    sum += matrix;
+}
+
+bool Fits(const SymmetricMatrix& sum, const SymmetricMatrix& matrix) {
+  return sum.dimension() == 0 || matrix.dimension() == 0 || sum.dimension() == matrix.dimension();
+}
+
+/// Sum of a group's single strokes; nullopt if they are of more than one model version.
+Result<std::optional<Rollup>> SumOfStrokes(Connection& connection, std::int64_t machine, std::int64_t first,
+                                           std::int64_t last) {
+  Rollup sum;
+  bool uniform = true;
+  const Status read =
+      ForEachGram(connection, machine, first, last, [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
+        if (sum.model_version == 0) sum.model_version = run.model_version;
+        uniform = uniform && sum.model_version == run.model_version && AddGram(sum.gram, gram);
+        return Status();
+      });
+  if (!read) return tl::unexpected(read.error());
+  return uniform ? std::optional<Rollup>(std::move(sum)) : std::nullopt;
+}
+
+/// Sum of a group's smaller groups; nullopt if one is missing or of another model version.
+Result<std::optional<Rollup>> SumOfGroups(Connection& connection, std::int64_t machine, std::int64_t first,
+                                          std::int64_t last, std::int64_t group) {
+  Rollup sum;
+  for (std::int64_t at = first; at < last; at += group) {
+    const auto part = FindRollup(connection, machine, group, at);
+    if (!part) return tl::unexpected(part.error());
+    if (!*part) return std::optional<Rollup>();
+    if (sum.model_version == 0) sum.model_version = (*part)->model_version;
+    if (sum.model_version != (*part)->model_version || !AddGram(sum.gram, (*part)->gram))
+      return std::optional<Rollup>();
+  }
+  return std::optional<Rollup>(std::move(sum));
+}
+
+}  // namespace
+
+Result<std::optional<Rollup>> FindRollup(Connection& connection, std::int64_t machine, std::int64_t strokes,
+                                         std::int64_t first) {
+  using Found = std::optional<Rollup>;
+  Query query(
+      connection,
+      "SELECT model_version, gram FROM gram_rollup WHERE machine = ? AND strokes = ? AND first_sequence = ?",
+      machine, strokes, first);
+  if (!query.Step()) return Found();
+  auto gram = DecodeGram(query.Blob(1));
+  if (!gram)
+    return BadInput("{}: stored sum of strokes {} to {}: {}", connection.path, first, first + strokes - 1,
+                    gram.error().text);
+  return Found(Rollup{std::move(*gram), static_cast<int>(query.Int(0))});
+}
+
+bool AddGram(StrokeGram& sum, const StrokeGram& gram) {
+  if (!Fits(sum.integral, gram.integral) || !Fits(sum.noise, gram.noise) || !Fits(sum.flow, gram.flow))
+    return false;
+  sum.blocks += gram.blocks;
+  sum.spans += gram.spans;
+  sum.windows += gram.windows;
+  AddMatrix(sum.integral, gram.integral);
+  AddMatrix(sum.noise, gram.noise);
+  AddMatrix(sum.flow, gram.flow);
+  return true;
+}
+
+Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t first, std::int64_t last,
+                   const GramVisitor& visit) {
+  for (const RunRow& run : connection.RunsOf(machine)) {
+    const std::int64_t from = std::max<std::int64_t>(first - run.first_sequence, 0);
+    const std::int64_t to = std::min(last - run.first_sequence, run.strokes);
+    if (from >= to) continue;
+    Query query(connection,
+                "SELECT stroke, gram FROM gram WHERE run = ? AND stroke >= ? AND stroke < ? ORDER BY stroke",
+                run.id, from, to);
+    for (std::int64_t stroke = from; stroke < to; ++stroke) {
+      if (!query.Step() || query.Int(0) != stroke)
+        return BadInput("{}: run {} ({}), stroke {}: its Gram is missing; the file is damaged",
+                        connection.path, run.id, run.source, stroke);
+      auto gram = DecodeGram(query.Blob(1));
+      if (!gram)
+        return BadInput("{}: run {} ({}), stroke {}: Gram {}", connection.path, run.id, run.source, stroke,
+                        gram.error().text);
+      if (const Status visited = visit(run, run.first_sequence + stroke, std::move(*gram)); !visited)
+        return visited;
+    }
+  }
+  return {};
+}
+
+Status UpdateRollups(Connection& connection, std::int64_t machine, std::int64_t sequence) {
+  std::int64_t smaller = 1;
+  for (const std::int64_t group : kRollupStrokes) {
+    const std::int64_t last = sequence + 1;
+    if (last % group != 0) return {};
+    const std::int64_t first = last - group;
+    const auto sum = smaller == 1 ? SumOfStrokes(connection, machine, first, last)
+                                  : SumOfGroups(connection, machine, first, last, smaller);
+    if (!sum) return tl::unexpected(sum.error());
+    if (!*sum) return {};
+    const auto bytes = EncodeGram((*sum)->gram, NoisePrecision::kDouble);
+    Query(connection,
+          "INSERT INTO gram_rollup(machine, strokes, first_sequence, model_version, gram) VALUES(?, ?, ?, ?, "
+          "?)",
+          machine, group, first, (*sum)->model_version, bytes)
+        .Run();
+    smaller = group;
+  }
+  return {};
+}
+
+Result<std::vector<StrokeGram>> Database::Grams(std::int64_t machine, std::int64_t first,
+                                                std::int64_t last) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<StrokeGram>> {
+    std::vector<StrokeGram> grams;
+    const Status read =
+        ForEachGram(*impl_, machine, first, last, [&](const RunRow&, std::int64_t, StrokeGram&& gram) {
+          grams.push_back(std::move(gram));
+          return Status();
+        });
+    if (!read) return tl::unexpected(read.error());
+    return grams;
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "core/result.h"
+#include "core/stroke_gram.h"
+#include "storage/connection.h"
+
+namespace hydroscope {
+
+/// Sums are kept of every full group of so many strokes, by machine-wide sequence and starting at multiples
+/// of it.
+inline constexpr std::array<std::int64_t, 2> kRollupStrokes = {64, 4096};
+
+/// To be called after the stroke of this sequence was stored, in the same transaction: stores the sums that
+/// it completes. Groups with more than one model version get none.
+Status UpdateRollups(Connection& connection, std::int64_t machine, std::int64_t sequence);
+
+/// Calls `visit` with every stored Gram of first <= sequence < last in order, until it returns an error. A
+/// torn or foreign blob is an error that names run and stroke.
+using GramVisitor = std::function<Status(const RunRow& run, std::int64_t sequence, StrokeGram&& gram)>;
+Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t first, std::int64_t last,
+                   const GramVisitor& visit);
+
+/// A stored sum with the model version of its strokes.
+struct Rollup {
+  StrokeGram gram;
+  int model_version = 0;
+};
+/// The stored sum of `strokes` strokes from sequence `first` on; nullopt if there is none.
+Result<std::optional<Rollup>> FindRollup(Connection& connection, std::int64_t machine, std::int64_t strokes,
+                                         std::int64_t first);
+
+/// Adds counts and matrices; an empty Gram adds nothing. Returns false, leaving `sum` as it was, if
+/// dimensions differ.
+bool AddGram(StrokeGram& sum, const StrokeGram& gram);
+
+}  // namespace hydroscope

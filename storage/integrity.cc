@@ -1,0 +1,100 @@
+#include <array>
+#include <limits>
+
+#include "storage/connection.h"
+#include "storage/content_hash.h"
+#include "storage/database.h"
+#include "storage/gram_rollup.h"
+
+namespace hydroscope {
+namespace {
+
+/// Every table in order of its key.
+constexpr std::array<const char*, 11> kTables = {
+    "SELECT * FROM machine ORDER BY id",
+    "SELECT * FROM model_version ORDER BY machine, version",
+    "SELECT * FROM model_column ORDER BY machine, version, position",
+    "SELECT * FROM run ORDER BY id",
+    "SELECT * FROM stroke ORDER BY run, stroke",
+    "SELECT * FROM stroke_flag ORDER BY run, stroke, flag",
+    "SELECT * FROM parameter ORDER BY id",
+    "SELECT * FROM estimate ORDER BY parameter, run, stroke",
+    "SELECT * FROM gram ORDER BY run, stroke",
+    "SELECT * FROM gram_rollup ORDER BY machine, strokes, first_sequence",
+    "SELECT * FROM raw_chunk ORDER BY id",
+};
+
+void AddValue(Fnv1a& hash, const SQLite::Column& value) {
+  hash.Add(static_cast<std::int64_t>(value.getType()));
+  if (value.isInteger()) return hash.Add(value.getInt64());
+  if (value.isFloat()) return hash.Add(value.getDouble());
+  if (value.isNull()) return;
+  const auto* bytes = static_cast<const std::uint8_t*>(value.getBlob());
+  hash.Add(std::span(bytes, static_cast<std::size_t>(value.getBytes())));
+}
+
+Status CheckPages(Connection& connection) {
+  Query query(connection, "PRAGMA integrity_check(1)");
+  query.Step();
+  if (query.Text(0) == "ok") return {};
+  return BadInput("{} is damaged: {}", connection.path, query.Text(0));
+}
+
+/// Strokes are numbered 0 ... n-1 and runs follow one another.
+Status CheckCounts(Connection& connection, std::int64_t machine) {
+  std::int64_t next = 0;
+  for (const RunRow& run : connection.RunsOf(machine)) {
+    Query query(
+        connection,
+        "SELECT count(*), coalesce(min(stroke), 0), coalesce(max(stroke), -1) FROM stroke WHERE run = ?",
+        run.id);
+    query.Step();
+    if (query.Int(0) != run.strokes || query.Int(1) != 0 || query.Int(2) != run.strokes - 1)
+      return BadInput("{}: run {} ({}) counts {} strokes, but {} from {} to {} are stored", connection.path,
+                      run.id, run.source, run.strokes, query.Int(0), query.Int(1), query.Int(2));
+    if (run.first_sequence != next)
+      return BadInput("{}: run {} ({}) begins at machine stroke {}, expected {}", connection.path, run.id,
+                      run.source, run.first_sequence, next);
+    next += run.strokes;
+  }
+  return {};
+}
+
+std::vector<std::int64_t> MachineIds(Connection& connection) {
+  Query query(connection, "SELECT id FROM machine ORDER BY id");
+  std::vector<std::int64_t> ids;
+  while (query.Step()) ids.push_back(query.Int(0));
+  return ids;
+}
+
+}  // namespace
+
+Result<std::string> Database::ContentDigest() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {
+    SQLite::Transaction one_snapshot(impl_->db);
+    Fnv1a hash;
+    for (const char* table : kTables) {
+      SQLite::Statement rows(impl_->db, table);
+      hash.Add(std::string_view(table));
+      while (rows.executeStep())
+        for (int column = 0; column < rows.getColumnCount(); ++column) AddValue(hash, rows.getColumn(column));
+    }
+    return fmt::format("{:016x}", hash.value());
+  });
+}
+
+Status Database::CheckIntegrity() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction one_snapshot(impl_->db);
+    if (const Status pages = CheckPages(*impl_); !pages) return pages;
+    for (const std::int64_t machine : MachineIds(*impl_)) {
+      if (const Status counts = CheckCounts(*impl_, machine); !counts) return counts;
+      const Status grams = ForEachGram(*impl_, machine, 0, std::numeric_limits<std::int64_t>::max(),
+                                       [](const RunRow&, std::int64_t, StrokeGram&&) { return Status(); });
+      if (!grams) return grams;
+    }
+    return {};
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,198 @@
+#include "storage/schema.h"
+
+#include <array>
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kVersion1 = R"sql(
+CREATE TABLE machine(
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE,
+  raw_bytes INTEGER NOT NULL DEFAULT 0
+) STRICT;
+
+CREATE TABLE model_version(
+  machine INTEGER NOT NULL REFERENCES machine(id),
+  version INTEGER NOT NULL,
+  definition TEXT NOT NULL,
+  PRIMARY KEY(machine, version)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE model_column(
+  machine INTEGER NOT NULL,
+  version INTEGER NOT NULL,
+  position INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  PRIMARY KEY(machine, version, position),
+  FOREIGN KEY(machine, version) REFERENCES model_version(machine, version)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE run(
+  id INTEGER PRIMARY KEY,
+  machine INTEGER NOT NULL,
+  model_version INTEGER NOT NULL,
+  source TEXT NOT NULL,
+  fingerprint TEXT NOT NULL,
+  first_sequence INTEGER NOT NULL,
+  strokes INTEGER NOT NULL DEFAULT 0,
+  state TEXT NOT NULL DEFAULT 'open' CHECK(state IN ('open', 'complete', 'abandoned')),
+  summary TEXT NOT NULL DEFAULT '',
+  pipeline_state BLOB,
+  raw_until_s REAL,
+  UNIQUE(machine, fingerprint),
+  FOREIGN KEY(machine, model_version) REFERENCES model_version(machine, version)
+) STRICT;
+
+CREATE TABLE stroke(
+  run INTEGER NOT NULL REFERENCES run(id),
+  stroke INTEGER NOT NULL,
+  begin_s REAL,
+  end_s REAL,
+  oil_temperature_K REAL,
+  mean_speed_m_s REAL,
+  mean_pressure_Pa REAL,
+  max_pressure_Pa REAL,
+  rms_error_m3_s REAL,
+  noise_floor_m3_s REAL,
+  rows_seen INTEGER NOT NULL,
+  rows_gated INTEGER NOT NULL,
+  rows_used INTEGER NOT NULL,
+  content_hash INTEGER NOT NULL,
+  PRIMARY KEY(run, stroke)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE stroke_flag(
+  run INTEGER NOT NULL,
+  stroke INTEGER NOT NULL,
+  flag TEXT NOT NULL,
+  rows INTEGER NOT NULL,
+  PRIMARY KEY(run, stroke, flag),
+  FOREIGN KEY(run, stroke) REFERENCES stroke(run, stroke)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE parameter(
+  id INTEGER PRIMARY KEY,
+  machine INTEGER NOT NULL REFERENCES machine(id),
+  name TEXT NOT NULL,
+  unit TEXT NOT NULL,
+  UNIQUE(machine, name, unit)
+) STRICT;
+
+CREATE TABLE estimate(
+  parameter INTEGER NOT NULL REFERENCES parameter(id),
+  run INTEGER NOT NULL,
+  stroke INTEGER NOT NULL,
+  value REAL,
+  std REAL,
+  excitation REAL,
+  last_excited_s REAL,
+  reason TEXT NOT NULL,
+  PRIMARY KEY(parameter, run, stroke),
+  FOREIGN KEY(run, stroke) REFERENCES stroke(run, stroke)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE gram(
+  run INTEGER NOT NULL,
+  stroke INTEGER NOT NULL,
+  gram BLOB NOT NULL,
+  PRIMARY KEY(run, stroke),
+  FOREIGN KEY(run, stroke) REFERENCES stroke(run, stroke)
+) STRICT;
+
+CREATE TABLE gram_rollup(
+  machine INTEGER NOT NULL REFERENCES machine(id),
+  strokes INTEGER NOT NULL,
+  first_sequence INTEGER NOT NULL,
+  model_version INTEGER NOT NULL,
+  gram BLOB NOT NULL,
+  PRIMARY KEY(machine, strokes, first_sequence)
+) STRICT;
+
+CREATE TABLE raw_chunk(
+  id INTEGER PRIMARY KEY,
+  run INTEGER NOT NULL REFERENCES run(id),
+  first_s REAL NOT NULL,
+  last_s REAL NOT NULL,
+  rows INTEGER NOT NULL,
+  signals TEXT NOT NULL,
+  samples BLOB NOT NULL
+) STRICT;
+CREATE INDEX raw_chunk_by_time ON raw_chunk(run, first_s);
+
+CREATE VIEW trend AS
+  SELECT m.name AS machine, r.id AS run, r.source AS source, e.stroke AS stroke,
+         r.first_sequence + e.stroke AS sequence, s.end_s AS time_s, p.name AS parameter, e.value AS value,
+         e.std AS std, p.unit AS unit, s.oil_temperature_K AS oil_temperature_K, e.reason AS reason,
+         e.excitation AS excitation, e.last_excited_s AS last_excited_s
+  FROM estimate e JOIN parameter p ON p.id = e.parameter JOIN run r ON r.id = e.run
+  JOIN machine m ON m.id = r.machine JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke;
+)sql";
+
+/// Element i brings version i to version i + 1; version 0 is an empty file.
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1};
+
+struct FileKind {
+  int application = 0;
+  int version = 0;
+  bool empty = false;
+};
+
+FileKind Inspect(SQLite::Database& db) {
+  FileKind kind;
+  kind.application = db.execAndGet("PRAGMA application_id").getInt();
+  kind.version = db.execAndGet("PRAGMA user_version").getInt();
+  kind.empty = kind.application == 0 && kind.version == 0 &&
+               db.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+  return kind;
+}
+
+Status CheckOurs(const FileKind& kind, const std::string& path) {
+  if (!kind.empty && kind.application != kApplicationId)
+    return BadInput(
+        "{} is a database of another program (application id {:#x}, expected {:#x}); it was left as it "
+        "is. Give the file that `hydroscope replay --db` wrote, or a new name",
+        path, static_cast<unsigned>(kind.application), static_cast<unsigned>(kApplicationId));
+  if (kind.version > kFormatVersion)
+    return BadInput(
+        "{} has database format {}, this program knows formats up to {}; it was left as it is. Use the "
+        "newer hydroscope that wrote it, or replay the logs into a new database",
+        path, kind.version, kFormatVersion);
+  return {};
+}
+
+}  // namespace
+
+Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
+  FileKind kind = Inspect(db);
+  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  if (kind.empty) db.exec("PRAGMA page_size = 8192");
+  db.exec("PRAGMA journal_mode = WAL");
+  db.exec("PRAGMA synchronous = NORMAL");
+  db.exec("PRAGMA journal_size_limit = 67108864");
+  db.exec("PRAGMA foreign_keys = ON");
+  if (kind.version == kFormatVersion) return {};
+
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  kind = Inspect(db);  // another process may have been faster
+  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  for (int version = kind.version; version < kFormatVersion; ++version) db.exec(kMigrations[version]);
+  db.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
+  db.exec(fmt::format("PRAGMA user_version = {}", kFormatVersion));
+  transaction.commit();
+  return {};
+}
+
+Status CheckForReading(SQLite::Database& db, const std::string& path) {
+  const FileKind kind = Inspect(db);
+  if (kind.empty)
+    return BadInput("{} is an empty database; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
+                    path, path);
+  if (const Status ours = CheckOurs(kind, path); !ours) return ours;
+  if (kind.version < kFormatVersion)
+    return BadInput("{} has the older database format {}; replaying any log into it brings it to format {}",
+                    path, kind.version, kFormatVersion);
+  return {};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,133 @@
+#include <bit>
+
+#include "core/quality.h"
+#include "storage/connection.h"
+#include "storage/content_hash.h"
+#include "storage/database.h"
+#include "storage/gram_codec.h"
+#include "storage/gram_rollup.h"
+
+namespace hydroscope {
+namespace {
+
+/// Hash over everything that is stored of a stroke.
+std::int64_t ContentHash(const StrokeRecord& record, const std::vector<std::uint8_t>& gram) {
+  Fnv1a hash;
+  const StrokeSummary& s = record.summary;
+  hash.Add(s.index);
+  for (const double value : {s.begin, s.end, s.oil_temperature, s.mean_speed, s.mean_pressure, s.max_pressure,
+                             s.rms_error, s.noise_floor})
+    hash.Add(value);
+  for (const std::int64_t count : {s.counters.samples, s.counters.gated, s.counters.used}) hash.Add(count);
+  for (const std::int64_t count : s.counters.flagged) hash.Add(count);
+  for (const Estimate& e : record.estimates) {
+    hash.Add(e.parameter);
+    hash.Add(e.unit);
+    for (const double value : {e.value, e.std, e.excitation, e.last_excited}) hash.Add(value);
+    hash.Add(std::string_view(ReasonName(e.reason)));
+  }
+  hash.Add(std::span<const std::uint8_t>(gram));
+  return std::bit_cast<std::int64_t>(hash.value());
+}
+
+std::string FlagText(std::size_t bit) {
+  for (const auto& [flag, name] : quality::kFlagNames)
+    if (flag == 1u << bit) return std::string(name);
+  return fmt::format("bit_{}", bit);
+}
+
+std::int64_t ParameterId(Connection& connection, std::int64_t machine, const Estimate& estimate) {
+  for (const bool retry : {true, false}) {
+    Query query(connection, "SELECT id FROM parameter WHERE machine = ? AND name = ? AND unit = ?", machine,
+                estimate.parameter, estimate.unit);
+    if (query.Step()) return query.Int(0);
+    if (retry)
+      Query(connection, "INSERT INTO parameter(machine, name, unit) VALUES(?, ?, ?)", machine,
+            estimate.parameter, estimate.unit)
+          .Run();
+  }
+  return 0;
+}
+
+void InsertSummary(Connection& connection, std::int64_t run, const StrokeSummary& s,
+                   std::int64_t content_hash) {
+  Query(connection, "INSERT INTO stroke VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", run, s.index,
+        s.begin, s.end, s.oil_temperature, s.mean_speed, s.mean_pressure, s.max_pressure, s.rms_error,
+        s.noise_floor, s.counters.samples, s.counters.gated, s.counters.used, content_hash)
+      .Run();
+  for (std::size_t bit = 0; bit < s.counters.flagged.size(); ++bit)
+    if (s.counters.flagged[bit] != 0)
+      Query(connection, "INSERT INTO stroke_flag VALUES(?, ?, ?, ?)", run, s.index, FlagText(bit),
+            s.counters.flagged[bit])
+          .Run();
+}
+
+void InsertEstimates(Connection& connection, const RunRow& run, const StrokeRecord& record) {
+  for (const Estimate& e : record.estimates)
+    Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+          ParameterId(connection, run.machine, e), run.id, record.summary.index, e.value, e.std, e.excitation,
+          e.last_excited, ReasonName(e.reason))
+        .Run();
+}
+
+Status CheckRecord(const StrokeRecord& record, std::size_t columns) {
+  const auto fits = [&](const SymmetricMatrix& matrix) {
+    return matrix.dimension() == 0 || static_cast<std::size_t>(matrix.dimension()) == columns;
+  };
+  const StrokeGram& gram = record.gram;
+  if (!fits(gram.integral) || !fits(gram.noise) || !fits(gram.flow))
+    return InternalError("its Gram has dimension {} (noise {}, flow {}), the model version has {} columns",
+                         gram.integral.dimension(), gram.noise.dimension(), gram.flow.dimension(), columns);
+  for (std::size_t i = 0; i < record.estimates.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (record.estimates[i].parameter == record.estimates[j].parameter)
+        return InternalError("it estimates parameter {} twice", record.estimates[i].parameter);
+  return {};
+}
+
+/// A stroke that is stored already must be the same one.
+Status CheckSame(Connection& connection, std::int64_t run, std::int64_t stroke, std::int64_t content_hash) {
+  Query query(connection, "SELECT content_hash FROM stroke WHERE run = ? AND stroke = ?", run, stroke);
+  if (!query.Step()) return InternalError("it should be stored but is missing: the file is damaged");
+  if (query.Int(0) == content_hash) return {};
+  return BadInput(
+      "it is stored with other content. The same log, machine file and program give the same strokes; one "
+      "of them changed. Replay into a new database");
+}
+
+Status StoreOne(Connection& connection, RunRow& run, const StrokeRecord& record, std::size_t columns) {
+  const std::int64_t index = record.summary.index;
+  if (index < 0 || index > run.strokes)
+    return InternalError("strokes up to {} are stored: {} would leave a hole", run.strokes - 1, index);
+  if (const Status valid = CheckRecord(record, columns); !valid) return valid;
+  const std::vector<std::uint8_t> gram = EncodeGram(record.gram, NoisePrecision::kFloat);
+  const std::int64_t content_hash = ContentHash(record, gram);
+  if (index < run.strokes) return CheckSame(connection, run.id, index, content_hash);
+  if (run.state != "open") return InternalError("the run is {} and takes no more strokes", run.state);
+  InsertSummary(connection, run.id, record.summary, content_hash);
+  InsertEstimates(connection, run, record);
+  Query(connection, "INSERT INTO gram(run, stroke, gram) VALUES(?, ?, ?)", run.id, index, gram).Run();
+  ++run.strokes;
+  Query(connection, "UPDATE run SET strokes = ? WHERE id = ?", run.strokes, run.id).Run();
+  return UpdateRollups(connection, run.machine, run.first_sequence + index);
+}
+
+}  // namespace
+
+Status Database::StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    auto row = impl_->FindRun(run);
+    if (!row) return tl::unexpected(row.error());
+    const std::size_t columns = impl_->Columns(row->machine, row->model_version).size();
+    for (const StrokeRecord& record : strokes)
+      if (const Status stored = StoreOne(*impl_, *row, record, columns); !stored)
+        return tl::unexpected(
+            Error{stored.error().kind, fmt::format("{}: run {} ({}), stroke {}: {}", impl_->path, run,
+                                                   row->source, record.summary.index, stored.error().text)});
+    transaction.commit();
+    return {};
+  });
+}
+
+}  // namespace hydroscope
