@@ -206,8 +206,8 @@ const char* CsvReader::ReadPlainField(const char* p, const Column& column, std::
   const char separator = layout_.separator;
   while (*p == ' ' || (kBlanks && *p == '\t')) ++p;
   if (column.use == Use::kNumber) {
-    p = ParseDecimalGeneral(p, layout_.decimal, column.out[row]);
-    if (p == nullptr || !std::isfinite(column.out[row])) return nullptr;
+    p = ParseDecimalFinite(p, layout_.decimal, column.out[row]);
+    if (p == nullptr) return nullptr;
     while (!kBlanks && *p == ' ') ++p;
     return p;
   }

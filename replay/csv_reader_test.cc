@@ -188,6 +188,11 @@ TEST_F(CsvReaderTest, EmptyNanAndInfinityAreMissingWithoutFinding) {
   EXPECT_TRUE(counters_.findings.empty());
 }
 
+TEST_F(CsvReaderTest, NumbersTooLargeForADoubleAreMissing) {
+  Read("t,p,z\n1,123456789e999,-1e999\n2,1.2345678901e999,3\n3,30,300\n");
+  EXPECT_EQ(Flagged(quality::kMissing), 3);
+}
+
 TEST_F(CsvReaderTest, TornLastLineIsRejected) {
   Read("t,p,z\n" + Rows(1, 20) + "21,2");
   EXPECT_EQ(counters_.rows, 20);

@@ -2,6 +2,8 @@
 
 #include <fast_float/fast_float.h>
 
+#include <cmath>
+
 namespace hydroscope {
 namespace {
 
@@ -65,6 +67,11 @@ const char* ParseDecimalGeneral(const char* text, char point, double& value) {
   }
   value = negative ? -magnitude : magnitude;
   return p;
+}
+
+const char* ParseDecimalFinite(const char* text, char point, double& value) {
+  const char* end = ParseDecimalGeneral(text, point, value);
+  return end != nullptr && std::isfinite(value) ? end : nullptr;
 }
 
 }  // namespace hydroscope

@@ -16,6 +16,9 @@ inline constexpr int kDecimalPadding = 16;
 /// separator or a line end) and be followed by kDecimalPadding readable bytes.
 const char* ParseDecimalGeneral(const char* text, char point, double& value);
 
+/// As ParseDecimalGeneral; nullptr also if the number is too large for a double.
+const char* ParseDecimalFinite(const char* text, char point, double& value);
+
 namespace decimal_detail {
 
 static_assert(std::endian::native == std::endian::little, "eight digits at a time need little-endian loads");
@@ -49,8 +52,8 @@ inline std::uint64_t EightDigits(std::uint64_t digits) {
 
 /// As ParseDecimalGeneral, quick for numbers of up to eight digits on either side of the point (together at
 /// most 15): an integer mantissa below 2^53 divided by an exact power of ten is correctly rounded (Clinger
-/// 1990). Does not read exponents: it stops at the 'e', where the caller finds no separator and calls
-/// ParseDecimalGeneral.
+/// 1990). May stop at an 'e', where the caller finds no separator and calls ParseDecimalFinite. nullptr if no
+/// number starts there, or one too large for a double.
 inline const char* ParseDecimal(const char* text, char point, double& value) {
   using namespace decimal_detail;
   const char* p = text;
@@ -62,7 +65,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
   if (whole_end == 0) {
     p += 8;
     if (*p == point || static_cast<unsigned char>(*p - '0') < 10)
-      return ParseDecimalGeneral(text, point, value);
+      return ParseDecimalFinite(text, point, value);
     magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole)));
   } else {
     const int whole_bits = std::countr_zero(whole_end) & ~7;  // 8 x number of digits before the point
@@ -71,7 +74,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
       ++p;
       const std::uint64_t fraction = LoadDigits(p);
       const std::uint64_t fraction_end = NonDigits(fraction);
-      if (fraction_end == 0) return ParseDecimalGeneral(text, point, value);
+      if (fraction_end == 0) return ParseDecimalFinite(text, point, value);
       const int fraction_bits = std::countr_zero(fraction_end) & ~7;
       p += fraction_bits >> 3;
       const int bits = whole_bits + fraction_bits;
@@ -88,7 +91,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
       }
       magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowersOfTen[fraction_bits >> 3];
     } else {
-      if (whole_bits == 0) return ParseDecimalGeneral(text, point, value);
+      if (whole_bits == 0) return ParseDecimalFinite(text, point, value);
       magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole << (64 - whole_bits))));
     }
   }
