@@ -51,7 +51,7 @@ std::string KnownSpelling(const std::string& unit) {
   return "";
 }
 
-std::string Size(const HeadColumn& column) {
+std::string Size(const LogColumn& column) {
   return fmt::format("values {:.4g} ... {:.4g}", column.low, column.high);
 }
 
@@ -64,7 +64,7 @@ UnitGuess PressureBySize(double largest) {
   return {"bar", 1, 0, seen + "; taken as bar, it may be MPa or volts", false};
 }
 
-UnitGuess TimeBySize(const HeadColumn& column) {
+UnitGuess TimeBySize(const LogColumn& column) {
   const std::string seen = fmt::format("steps of {:.4g}", column.step);
   if (column.date) return {"s", 1, 0, "date or time of day"};
   if (column.step >= 200) return {"us", 1, 0, seen + ", which fits us", false};
@@ -72,7 +72,7 @@ UnitGuess TimeBySize(const HeadColumn& column) {
   return {"s", 1, 0, seen + ", which fits s"};
 }
 
-UnitGuess SpoolBySize(const HeadColumn& column, const std::string& header) {
+UnitGuess SpoolBySize(const LogColumn& column, const std::string& header) {
   const double largest = std::max(std::abs(column.low), std::abs(column.high));
   if (header == "V") return {"1", 0.1, 0, "volts in the header, 10 V taken as fully open", false};
   if (header == "mA") return {"1", 0.125, -1.5, "mA in the header, 4 ... 20 mA taken as -1 ... 1", false};
@@ -83,17 +83,21 @@ UnitGuess SpoolBySize(const HeadColumn& column, const std::string& header) {
   return {"%", 1, 0, Size(column) + " fit %", largest <= 130};
 }
 
-UnitGuess CommandBySize(const HeadColumn& column, const std::string& header) {
+/// The spool tells volts from per cent and from -1 ... 1: full command opens it fully.
+UnitGuess CommandBySize(const LogColumn& column, const std::string& header, double spool_span) {
   const double largest = std::max(std::abs(column.low), std::abs(column.high));
+  const double ratio = spool_span > 0 ? column.span() / spool_span : 0;
   if (header == "mA") return {"V", 0.625, -7.5, "mA in the header, 4 ... 20 mA taken as -10 ... 10 V", false};
-  if (header == "%" || (header.empty() && largest > 15))
-    return {"V", 0.1, 0, "taken as %, 100 % = 10 V", false};
-  if (header == "1" || (header.empty() && largest <= 1.05 && column.span() > 0.3))
-    return {"V", 10, 0, Size(column) + " taken as -1 ... 1 of 10 V; if it is volts, leave scale out", false};
-  return {"V", 1, 0, Size(column) + " fit +-10 V", largest <= 15};
+  if (header == "%") return {"V", 0.1, 0, "% in the header, 100 % = 10 V"};
+  const std::string seen = fmt::format("{}, {:.3g} times the spool's, ", Size(column), ratio);
+  if (ratio > 40) return {"V", 0.1, 0, seen + "taken as %, 100 % = 10 V", false};
+  if (ratio > 4) return {"V", 1, 0, seen + "fit V", largest <= 15};
+  if (ratio > 0) return {"V", 10, 0, seen + "taken as -1 ... 1 of 10 V", false};
+  if (largest > 15) return {"V", 0.1, 0, Size(column) + " taken as %, 100 % = 10 V", false};
+  return {"V", 1, 0, Size(column) + " taken as V", largest > 1.05};
 }
 
-UnitGuess PositionBySize(const HeadColumn& column) {
+UnitGuess PositionBySize(const LogColumn& column) {
   const double largest = std::max(std::abs(column.low), std::abs(column.high));
   if (largest > 6) return {"mm", 1, 0, Size(column) + " fit mm"};
   return {"m", 1, 0, Size(column) + " fit m", largest <= 2.5 && column.span() < 2.5};
@@ -106,9 +110,9 @@ bool Used(const std::vector<ColumnRole>& roles, std::size_t column) {
   return std::any_of(roles.begin(), roles.end(), [&](const ColumnRole& r) { return r.column == column; });
 }
 
-void ByName(const LogHead& head, std::vector<ColumnRole>& roles) {
+void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
   for (std::size_t i = 0; i < head.columns.size(); ++i) {
-    const HeadColumn& column = head.columns[i];
+    const LogColumn& column = head.columns[i];
     if (!column.numeric() || !head.layout.header) continue;
     const auto role = RoleByName(column.name);
     if (!role || Taken(roles, *role)) continue;
@@ -125,18 +129,18 @@ void ByName(const LogHead& head, std::vector<ColumnRole>& roles) {
 
 /// A time column without a telling name rises in every row with nearly constant steps; a row counter does too
 /// and is only taken if there is nothing better.
-void TimeByBehaviour(const LogHead& head, std::vector<ColumnRole>& roles) {
+void TimeByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   if (Taken(roles, Role::kTime)) return;
   for (const bool counter : {false, true})
     for (std::size_t i = 0; i < head.columns.size(); ++i) {
-      const HeadColumn& column = head.columns[i];
+      const LogColumn& column = head.columns[i];
       if (Used(roles, i) || !column.rising || (column.step == 1) != counter) continue;
       roles.push_back({i, Role::kTime, fmt::format("rises in every row, by {:.4g}", column.step), !counter});
       return;
     }
 }
 
-double Correlation(const HeadColumn& a, const HeadColumn& b) {
+double Correlation(const LogColumn& a, const LogColumn& b) {
   double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
   for (std::size_t i = 0; i < std::min(a.value.size(), b.value.size()); ++i) {
     const double x = a.value[i] - a.low, y = b.value[i] - b.low;
@@ -148,7 +152,7 @@ double Correlation(const HeadColumn& a, const HeadColumn& b) {
 }
 
 /// Columns of Pa size: the steadiest and highest is the supply, the liveliest chamber A.
-void PressuresByBehaviour(const LogHead& head, std::vector<ColumnRole>& roles) {
+void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < head.columns.size(); ++i)
     if (!Used(roles, i) && head.columns[i].numeric() && head.columns[i].high > 5e5 &&
@@ -172,14 +176,14 @@ void PressuresByBehaviour(const LogHead& head, std::vector<ColumnRole>& roles) {
 
 /// Spool and command run together, within -1.2 ... 1.2 and within +-12; what is left and smooth is the
 /// position.
-void ValveAndPositionByBehaviour(const LogHead& head, std::vector<ColumnRole>& roles) {
+void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   const auto free = [&](std::size_t i) {
     return !Used(roles, i) && head.columns[i].numeric() && head.columns[i].span() > 0 &&
            head.columns[i].step != 1;
   };
   for (std::size_t i = 0; i < head.columns.size() && !Taken(roles, Role::kSpool); ++i)
     for (std::size_t k = 0; k < head.columns.size(); ++k) {
-      const HeadColumn &spool = head.columns[i], &command = head.columns[k];
+      const LogColumn &spool = head.columns[i], &command = head.columns[k];
       if (i == k || !free(i) || !free(k) || Taken(roles, Role::kValveCommand)) continue;
       const bool sizes = std::abs(spool.high) < 1.2 && std::abs(spool.low) < 1.2 &&
                          std::abs(command.high) < 12 && std::abs(command.low) < 12 &&
@@ -203,18 +207,18 @@ void ValveAndPositionByBehaviour(const LogHead& head, std::vector<ColumnRole>& r
 
 }  // namespace
 
-UnitGuess GuessUnit(Role role, const HeadColumn& column, double largest_pressure) {
+UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
   const std::string header = KnownSpelling(column.unit);
   if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date)
     return {header, 1, 0, "unit in the header", true};
-  if (IsPressure(role)) return PressureBySize(largest_pressure);
+  if (IsPressure(role)) return PressureBySize(sizes.largest_pressure);
   switch (role) {
     case Role::kTime:
       return TimeBySize(column);
     case Role::kSpool:
       return SpoolBySize(column, header);
     case Role::kValveCommand:
-      return CommandBySize(column, header);
+      return CommandBySize(column, header, sizes.spool_span);
     case Role::kPosition:
     case Role::kPositionCommand:
       return PositionBySize(column);
@@ -226,7 +230,19 @@ UnitGuess GuessUnit(Role role, const HeadColumn& column, double largest_pressure
   }
 }
 
-std::vector<ColumnRole> AssignRoles(const LogHead& head) {
+SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles) {
+  SharedSizes sizes;
+  for (const ColumnRole& found : roles) {
+    const LogColumn& column = head.columns[found.column];
+    if (IsPressure(found.role)) sizes.largest_pressure = std::max(sizes.largest_pressure, column.high);
+    if (found.role != Role::kSpool) continue;
+    const UnitGuess guess = GuessUnit(found.role, column, {});
+    sizes.spool_span = column.span() * guess.scale * FindUnit(guess.unit).value_or(Unit{}).scale;
+  }
+  return sizes;
+}
+
+std::vector<ColumnRole> AssignRoles(const LogColumns& head) {
   std::vector<ColumnRole> roles;
   ByName(head, roles);
   TimeByBehaviour(head, roles);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "service/log_head.h"
+#include "service/log_columns.h"
 
 namespace hydroscope {
 
@@ -38,9 +38,13 @@ struct UnitGuess {
   std::string why;   ///< "unit in the header", "values up to 2.1e+07 can only be Pa", ...
   bool sure = true;  ///< false: have a look
 };
-/// Unit of a column in its role, from the header or by the size of its numbers. `largest_pressure` is the
-/// largest reading of all pressure columns: they share one unit.
-UnitGuess GuessUnit(Role role, const HeadColumn& column, double largest_pressure);
+/// Sizes that help with other columns' units.
+struct SharedSizes {
+  double largest_pressure = 0;  ///< largest raw reading of all pressure columns: they share one unit
+  double spool_span = 0;        ///< how far the spool moves, 1 = from null to fully open; 0 = no spool
+};
+/// Unit of a column in its role, from the header or by the size of its numbers.
+UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);
 
 /// A column with its role.
 struct ColumnRole {
@@ -50,6 +54,8 @@ struct ColumnRole {
   bool sure = true;
 };
 /// Roles of the columns: by name first, what is left by behaviour. No role is given twice.
-std::vector<ColumnRole> AssignRoles(const LogHead& head);
+std::vector<ColumnRole> AssignRoles(const LogColumns& head);
+/// Sizes of the columns that have these roles.
+SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles);
 
 }  // namespace hydroscope

@@ -15,7 +15,7 @@ constexpr double kLag = 0.05;      ///< s over which the speed is taken
 constexpr int kRowsToDecide = 50;
 
 /// A signal of the machine in SI, as the machine file describes it now.
-std::vector<double> InSi(const LogHead& head, const Machine& machine, const std::string& name) {
+std::vector<double> InSi(const LogColumns& head, const Machine& machine, const std::string& name) {
   const SignalSpec& spec = machine.signals[static_cast<std::size_t>(machine.SignalIndex(name))];
   const Unit unit = FindUnit(spec.unit).value_or(Unit{});
   std::vector<double> values = head.columns[head.layout.Find(spec.column).value_or(0)].value;
@@ -29,7 +29,7 @@ struct Strokes {
   double spool_falling = 0, spool_rising = 0;  ///< sum of y_v
 };
 
-Strokes Watch(const LogHead& head, double seconds, const Machine& machine) {
+Strokes Watch(const LogColumns& head, double seconds, const Machine& machine) {
   const std::vector<double> p = InSi(head, machine, "p_A"), z = InSi(head, machine, "z"),
                             y = InSi(head, machine, "y_v");
   std::vector<double> sorted;
@@ -51,7 +51,7 @@ Strokes Watch(const LogHead& head, double seconds, const Machine& machine) {
 
 }  // namespace
 
-std::vector<std::string> TurnCushionSignals(const LogHead& head, double seconds, Machine& machine) {
+std::vector<std::string> TurnCushionSignals(const LogColumns& head, double seconds, Machine& machine) {
   if (!(seconds > 0)) return {"directions of z and y_v were not checked: no time between rows is known"};
   const Strokes strokes = Watch(head, seconds, machine);
   if (strokes.falling + strokes.rising < kRowsToDecide)

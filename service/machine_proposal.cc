@@ -20,7 +20,7 @@ constexpr double kSlowestPeriod = 0.02;  ///< s, rows farther apart are too slow
 
 class Proposer {
  public:
-  Proposer(const LogHead& head, const ProposalOptions& options) : head_(head), options_(options) {}
+  Proposer(const LogColumns& head, const ProposalOptions& options) : head_(head), options_(options) {}
 
   MachineProposal Propose() {
     roles_ = AssignRoles(head_);
@@ -57,8 +57,8 @@ class Proposer {
           "<-- FILL IN sample_period: the log has no time column, 0.001 s is a guess");
       return;
     }
-    const HeadColumn& column = head_.columns[time->column];
-    const UnitGuess guess = GuessUnit(Role::kTime, column, 0);
+    const LogColumn& column = head_.columns[time->column];
+    const UnitGuess guess = GuessUnit(Role::kTime, column, {});
     machine().log.time_column = column.reference;
     machine().log.time_unit = guess.unit;
     seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
@@ -93,14 +93,6 @@ class Proposer {
     result_.decided.push_back(fmt::format("model {}: {}", model, why));
   }
 
-  double LargestPressure() const {
-    double largest = 0;
-    for (const ColumnRole& found : roles_)
-      if (std::string_view(SignalNameOf(found.role)).starts_with("p"))
-        largest = std::max(largest, head_.columns[found.column].high);
-    return largest;
-  }
-
   bool Required(const std::string& name) {
     if (machine().model == "valve") return name == machine().valve.input || name == machine().valve.output;
     for (const ModelInput& input : FindModelInputs(machine().model)->signals)
@@ -109,15 +101,16 @@ class Proposer {
   }
 
   void AddSignals() {
+    const SharedSizes sizes = FindSharedSizes(head_, roles_);
     for (const ColumnRole& found : roles_) {
       if (found.role == Role::kTime) continue;
-      const HeadColumn& column = head_.columns[found.column];
-      const UnitGuess guess = GuessUnit(found.role, column, LargestPressure());
+      const LogColumn& column = head_.columns[found.column];
+      const UnitGuess guess = GuessUnit(found.role, column, sizes);
       AddSignal(SignalNameOf(found.role), column, guess, found.why + "; " + guess.why,
                 found.sure && guess.sure);
     }
   }
-  void AddSignal(const std::string& name, const HeadColumn& column, const UnitGuess& guess, std::string why,
+  void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, std::string why,
                  bool sure) {
     SignalSpec spec;
     spec.name = name;
@@ -138,7 +131,7 @@ class Proposer {
   void CompleteCushion() {
     for (const std::string& line : TurnCushionSignals(head_, seconds_, machine()))
       result_.decided.push_back(line);
-    machine().gate.bounds = {{"y_v", false, 0.02, {}}, {"z", true, {}, -0.004}};
+    machine().gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
     machine().geometry["dp_nom"] = {35e5, 0};
     machine().geometry["p_t"] = {0, 0};
     result_.decided.emplace_back(
@@ -184,7 +177,7 @@ class Proposer {
   /// expressions.
   void AddOtherColumns() {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
-      const HeadColumn& column = head_.columns[i];
+      const LogColumn& column = head_.columns[i];
       const bool row_counter = column.rising && column.step == 1;
       if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
       const bool known = FindUnit(column.unit).has_value();
@@ -224,7 +217,7 @@ class Proposer {
     notes_.head.emplace_back();
   }
 
-  const LogHead& head_;
+  const LogColumns& head_;
   const ProposalOptions& options_;
   std::vector<ColumnRole> roles_;
   std::vector<std::size_t> others_;
@@ -235,7 +228,7 @@ class Proposer {
 
 }  // namespace
 
-MachineProposal ProposeMachine(const LogHead& head, const ProposalOptions& options) {
+MachineProposal ProposeMachine(const LogColumns& head, const ProposalOptions& options) {
   return Proposer(head, options).Propose();
 }
 

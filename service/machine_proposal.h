@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "models/machine.h"
-#include "service/log_head.h"
+#include "service/log_columns.h"
 
 namespace hydroscope {
 
@@ -36,6 +36,6 @@ struct MachineProposal {
 /// Proposes a machine file: time, pressures, position, spool, command and temperature by name and by
 /// behaviour; the model by what is there (die cushion; valve; else a balance of expressions). Never fails:
 /// what cannot be inferred is in `open` and marked in the file.
-MachineProposal ProposeMachine(const LogHead& head, const ProposalOptions& options);
+MachineProposal ProposeMachine(const LogColumns& head, const ProposalOptions& options);
 
 }  // namespace hydroscope

@@ -65,7 +65,7 @@ Status WriteFile(const InitArguments& arguments, const std::string& text) {
 }
 
 int RunInit(const InitArguments& arguments) {
-  const auto head = ReadLogHead(arguments.log);
+  const auto head = ReadLogColumns(arguments.log);
   if (!head) return ReportError(head.error());
   ProposalOptions options;
   if (arguments.area_cm2 > 0) options.piston_area = arguments.area_cm2 * 1e-4;
@@ -89,7 +89,7 @@ int RunInit(const InitArguments& arguments) {
 void AddInitCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<InitArguments>();
   CLI::App* command = app.add_subcommand("init", "Propose a machine file from a log: columns, units, model");
-  command->add_option("LOG", arguments->log, "Text log (CSV, plain or .gz)")->required();
+  command->add_option("LOG", arguments->log, "Log: CSV (plain or .gz) or MAT")->required();
   command->add_option("--out", arguments->out, "Machine file to write; without it, it goes to stdout");
   command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
       ->check(CLI::PositiveNumber);

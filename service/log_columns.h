@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "core/result.h"
-#include "replay/log_layout.h"
+#include "replay/log_head.h"
 
 namespace hydroscope {
 
 /// One column of the beginning of a log as numbers, and what they look like.
-struct HeadColumn {
+struct LogColumn {
   std::string name;           ///< header text, or the number of the column
   std::string reference;      ///< what a machine file writes to mean this column: its name, or its number
   std::string unit;           ///< unit text of the header, "" if none
@@ -26,18 +26,18 @@ struct HeadColumn {
   double span() const { return high - low; }
 };
 
-/// The beginning of a text log.
-struct LogHead {
+/// The beginning of a log, described column by column.
+struct LogColumns {
   std::string path;
   LogLayout layout;
-  std::vector<HeadColumn> columns;
+  std::vector<LogColumn> columns;
   std::size_t rows = 0;
 };
 
-/// Reads the first 8 MB of a text log (plain or gzip). Errors as DetectLayout; MAT files are refused with
-/// advice.
-Result<LogHead> ReadLogHead(const std::string& path);
-/// The same from text in memory.
-Result<LogHead> ParseLogHead(const std::string& text, const std::string& path, bool complete);
+/// Rows that are looked at.
+inline constexpr std::size_t kRowsLookedAt = 60'000;
+
+/// Describes the columns of the first rows of a log. Errors as ReadLogHead.
+Result<LogColumns> ReadLogColumns(const std::string& path);
 
 }  // namespace hydroscope
