@@ -23,7 +23,8 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
   last_level_.assign(columns, 0.0);
   level_.resize(columns, window_.span + 2 * window_.half_window);
   out_.integral.resize(columns, window_.span);
-  out_.noise.resize(columns, window_.span);
+  out_.noise = Eigen::MatrixXd::Zero(columns, 2 * window_.span);
+  rate_noise_.resize(model_->base_count);
   out_.flow.resize(columns, window_.span);
   out_.flow_time.reserve(window_.span);
 }
@@ -34,6 +35,7 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   if (!stretch.continues) history_ = 0;
   FillLevels(stretch, blocks);
   FillContrasts(blocks);
+  FillIntegratedNoise(stretch, blocks);
   FillFlows(blocks, stretch.continues, begin);
   out_.blocks = blocks;
   return out_;
@@ -75,6 +77,17 @@ void SpanEquationBuilder::FillContrasts(int blocks) {
     const auto block = level_.col(history_ + j);
     out_.integral.col(j - 1) = std::sqrt(j / (j + 1.0)) * (block - mean);
     mean += (block - mean) / (j + 1.0);
+  }
+}
+
+void SpanEquationBuilder::FillIntegratedNoise(const Stretch& stretch, int blocks) {
+  const double walk = std::sqrt(window_.block * (blocks * blocks - 1.0) / (6.0 * blocks)) * stretch.period;
+  const int lead = stretch.continues ? 1 : 0;
+  for (int b = 0; b < blocks; ++b) {
+    rate_noise_.setZero();
+    model_->integrated_noise(stretch, lead + b * window_.block + window_.block / 2, rate_noise_);
+    out_.noise.col(blocks + b).head(model_->base_count) = walk * rate_noise_;
+    out_.noise.col(blocks + b).tail(model_->column_count() - model_->base_count).setZero();
   }
 }
 

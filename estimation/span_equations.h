@@ -18,12 +18,14 @@ namespace hydroscope {
 ///
 /// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor noise: its
 /// outer product estimates what the noise adds to the regressors' Gram, for every column and every nonlinearity,
-/// without knowing any noise level. Subtracting it takes out the errors-in-variables bias that is left.
+/// without knowing any noise level. Subtracting it takes out the errors-in-variables bias that is left. Noise that
+/// is integrated (pressure noise in the valve flow) walks away from the level at random; the model says how much of
+/// it there is, and a random walk over B blocks of M samples has the centred energy M (B^2 - 1) / 6 per sample variance.
 ///
 /// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
 struct SpanEquations {
   Eigen::MatrixXd integral;       ///< columns x (blocks - 1), integrated output unit (m^3)
-  Eigen::MatrixXd noise;          ///< columns x blocks, same unit
+  Eigen::MatrixXd noise;          ///< columns x (2 blocks): white part, then integrated part; same unit
   Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
@@ -53,6 +55,7 @@ class SpanEquationBuilder {
  private:
   void FillLevels(const Stretch& stretch, int blocks);
   void FillContrasts(int blocks);
+  void FillIntegratedNoise(const Stretch& stretch, int blocks);
   void FillFlows(int blocks, bool continues, double begin);
 
   std::shared_ptr<const ModelStructure> model_;
@@ -61,6 +64,7 @@ class SpanEquationBuilder {
   std::vector<double> column_state_;
   std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
   Eigen::MatrixXd level_;           ///< columns x (history + blocks), block means
+  Eigen::VectorXd rate_noise_;
   int history_ = 0;                 ///< block means kept from the stretch before
   SpanEquations out_;
 };

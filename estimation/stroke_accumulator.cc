@@ -22,7 +22,7 @@ StrokeAccumulator::StrokeAccumulator(int columns)
 void StrokeAccumulator::Add(const SpanEquations& span) {
   const int windows = static_cast<int>(span.flow_time.size());
   AddOuter(span.integral, span.blocks - 1, integral_);
-  AddOuter(span.noise, span.blocks, noise_);
+  AddOuter(span.noise, 2 * span.blocks, noise_);
   AddOuter(span.flow, windows, flow_);
   blocks_ += span.blocks;
   spans_ += 1;

@@ -8,13 +8,13 @@ namespace hydroscope {
 namespace {
 
 /// Variance of white noise on a smooth signal, from third differences (their noise gain is 1 + 9 + 9 + 1 = 20).
-double WhiteNoiseVariance(const std::vector<double>& x) {
+double WhiteNoiseVariance(const double* x, int n) {
   double sum = 0;
-  for (std::size_t k = 3; k < x.size(); ++k) {
+  for (int k = 3; k < n; ++k) {
     const double third = x[k] - 3 * x[k - 1] + 3 * x[k - 2] - x[k - 3];
     sum += third * third;
   }
-  return x.size() > 3 ? sum / (20.0 * static_cast<double>(x.size() - 3)) : 0.0;
+  return n > 3 ? sum / (20.0 * (n - 3)) : 0.0;
 }
 
 /// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put back.
@@ -24,26 +24,34 @@ double NoiseCorrectedRoot(double dp, double variance) {
   return std::copysign(std::sqrt(magnitude) * correction, dp);
 }
 
-/// Derivative by a triangular window of +-`half` samples (shorter at the ends): mean of the half before and after.
-void SmoothRate(const std::vector<double>& x, int half, double period, std::vector<double>& rate) {
-  const int n = static_cast<int>(x.size());
-  std::vector<double> sum(x.size() + 1, 0.0);
-  for (int k = 0; k < n; ++k) sum[k + 1] = sum[k] + x[k];
-  for (int k = 0; k < n; ++k) {
-    const int m = std::min({half, k, n - 1 - k});
-    if (m < 1) {
-      const int a = k == 0 ? 0 : k - 1;
-      rate[k] = n > 1 ? (x[a + 1] - x[a]) / period : 0.0;
-      continue;
-    }
-    const double after = sum[k + m + 1] - sum[k + 1], before = sum[k] - sum[k - m];
-    rate[k] = (after - before) / (m * (m + 1) * period);
+/// Derivative by a triangular window of +-`half` samples: mean of the samples after minus mean of those before. The
+/// first and last `half` samples repeat the nearest full window; a shorter one would be mostly noise.
+void SmoothRate(const std::vector<double>& x, int n, int half, double period, std::vector<double>& rate) {
+  const int m = std::clamp((n - 1) / 2, 1, half);
+  if (n < 3) {
+    std::fill_n(rate.begin(), n, 0.0);
+    return;
   }
+  double before = 0, after = 0;
+  for (int k = 0; k < m; ++k) {
+    before += x[k];
+    after += x[m + 1 + k];
+  }
+  const double scale = 1.0 / (m * (m + 1) * period);
+  for (int k = m; k + m < n; ++k) {
+    rate[k] = scale * (after - before);
+    if (k + m + 1 < n) {
+      before += x[k] - x[k - m];
+      after += x[k + m + 1] - x[k + 1];
+    }
+  }
+  std::fill_n(rate.begin(), m, rate[m]);
+  std::fill(rate.begin() + (n - m), rate.begin() + n, rate[n - m - 1]);
 }
 
 void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   const auto& p = s.channel[kPressureA];
-  const double variance = WhiteNoiseVariance(p);
+  const double variance = WhiteNoiseVariance(p.data(), s.samples);
   auto& root = s.channel[kFlowRoot];
   for (int k = 0; k < s.samples; ++k) {
     const bool to_tank = s.channel[kSpool][k] >= 0.0 || !has_supply;
@@ -51,8 +59,8 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
   const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
-  SmoothRate(s.channel[kPosition], half, s.period, s.channel[kSpeed]);
-  SmoothRate(p, half, s.period, s.channel[kPressureRate]);
+  SmoothRate(s.channel[kPosition], s.samples, half, s.period, s.channel[kSpeed]);
+  SmoothRate(p, s.samples, half, s.period, s.channel[kPressureRate]);
 }
 
 std::vector<Column> BaseColumns(double area) {
@@ -83,6 +91,14 @@ std::vector<Column> BaseColumns(double area) {
          Differences(s, [=](int k) { return area * z[k]; }, out);
        }},
   };
+}
+
+/// Pressure noise in the flow through the valve: d(root y)/dp = y / (2 root), d(root)/dp = 1 / (2 root).
+void IntegratedNoise(const Stretch& s, int sample, Eigen::VectorXd& rate_noise) {
+  const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
+  const double slope = 0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
+  rate_noise[0] = slope * s[kSpool][sample];
+  rate_noise[3] = slope;
 }
 
 DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient, bool admissible,
@@ -133,6 +149,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   static_assert(kDieCushionChannels == 9);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) { DeriveChannels(tank, has_supply, s); };
+  model->integrated_noise = IntegratedNoise;
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](const Eigen::VectorXd& theta) {
     return Derive(a, a_std, root, theta);
   };

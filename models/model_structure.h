@@ -49,6 +49,9 @@ struct ModelStructure {
 
   /// Fills the derived channels of a stretch whose measured channels are there.
   std::function<void(Stretch&)> derive_channels;
+  /// Standard deviation that sensor noise gives the rates of the base columns that are integrated over time, all from
+  /// one common source, at a sample; `rate_noise` comes in as zeros. Integrated, it is a random walk.
+  std::function<void(const Stretch&, int sample, Eigen::VectorXd& rate_noise)> integrated_noise;
   /// Physical parameters of a regression result; all of them, admissible or not.
   std::function<std::vector<DerivedParameter>(const Eigen::VectorXd& theta)> derive;
 

@@ -26,7 +26,7 @@ Machine MachineFor(const PressOptions& options) {
   machine.geometry["dp_nom"] = {options.machine.dp_nom, 0};
   machine.geometry["p_t"] = {options.machine.p_tank, 0};
   machine.geometry["stroke"] = {options.motion.z_top, 0};
-  machine.gate.bounds = {{"y_v", false, 0.02, std::nullopt}, {"z", true, std::nullopt, -0.004}};
+  machine.gate.bounds = {{"y_v", false, 0.04, std::nullopt}, {"z", true, std::nullopt, -0.004}};
   return machine;
 }
 

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/extended_fit.h"
+
+namespace hydroscope {
+
+/// What the data say of the model. Never a bare ranking.
+enum class Verdict {
+  kAdequate,   ///< nothing significant above the noise floor
+  kNamed,      ///< one effect (or one of each hidden at once) explains the error
+  kAmbiguous,  ///< several effects explain it equally well
+  kUnknown,    ///< an error is there and no known effect explains it
+};
+const char* VerdictName(Verdict verdict);
+
+/// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
+struct ExplainOptions {
+  double min_gain = 20.0;        ///< held-out error energy an effect must remove, in units of the noise variance
+  double min_t = 4.0;            ///< size over its stroke-clustered standard error
+  double min_independent = 2e-3; ///< share of a regressor the model must not be able to mimic to call it testable
+  double floor_excess = 0.12;    ///< model error energy over noise energy that still counts as at the floor
+  double removed_share = 0.9;    ///< ... or this share of the base model's excess removed
+  double rival_gain = 12.0;      ///< rivals within this of the best, in noise variances, stay in the set
+  double rival_t = 2.5;          ///< ... and those whose stroke-wise loss is not worse by this many standard errors
+  int max_effects = 2;           ///< effects hidden at once that are looked for
+  std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
+};
+
+/// One effect tried on top of a model.
+struct RankedEffect {
+  int effect = 0;                ///< index into ModelStructure::effects
+  std::string id;
+  bool testable = false;
+  std::string why_not;           ///< why it cannot be tested with these data
+  bool significant = false;
+  double gain = 0;               ///< held-out error energy removed, in noise variances
+  double p_value = 1;            ///< of the size against 0, clustered by stroke
+  ExtendedFit fit;
+};
+
+struct ExplainStep {
+  std::string added;             ///< "" for the base model
+  double rms_holdout = 0;        ///< m^3/s
+  double excess_ratio = 0;
+};
+
+struct Explanation {
+  Verdict verdict = Verdict::kUnknown;
+  std::vector<std::string> set;                  ///< best first, [] if adequate or unknown
+  std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it, best first
+  bool partial = false;                          ///< unknown, but the first of `ranking` explains part of it
+  ExtendedFit base, final;
+  std::vector<RankedEffect> ranking;             ///< on the base model, best first
+  std::vector<ExplainStep> steps;
+};
+
+/// Finds which effects of the library explain what the base model leaves, from Grams alone.
+/// Chain: score on held-out strokes, significance by stroke, rivals (model confidence set after Hansen, Lunde, Nason
+/// 2011, by paired stroke-wise losses), adequacy gate against the noise floor.
+Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});
+
+}  // namespace hydroscope

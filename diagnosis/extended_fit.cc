@@ -1,0 +1,170 @@
+#include "diagnosis/extended_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
+
+constexpr int kRelinearisations = 6;
+
+Eigen::MatrixXd Unpack(const SymmetricMatrix& packed) {
+  Eigen::MatrixXd full(packed.dimension(), packed.dimension());
+  for (int j = 0; j < packed.dimension(); ++j)
+    for (int i = 0; i <= j; ++i) full(i, j) = full(j, i) = packed(i, j);
+  return full;
+}
+
+/// W' G W with the columns of W sparse; the last column is the output.
+Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {
+  const int size = static_cast<int>(columns.size());
+  Eigen::MatrixXd out(size, size);
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i <= j; ++i) {
+      double sum = 0;
+      for (const auto& [a, wa] : columns[i])
+        for (const auto& [b, wb] : columns[j]) sum += wa * wb * gram(a, b);
+      out(i, j) = out(j, i) = sum;
+    }
+  return out;
+}
+
+double Energy(const Eigen::MatrixXd& augmented, const Eigen::VectorXd& theta) {
+  const int n = static_cast<int>(theta.size());
+  return theta.dot(augmented.topLeftCorner(n, n) * theta) - 2 * theta.dot(augmented.col(n).head(n)) + augmented(n, n);
+}
+
+NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
+  const int n = static_cast<int>(augmented.rows()) - 1;
+  return {augmented.topLeftCorner(n, n), augmented.col(n).head(n), augmented(n, n), count};
+}
+
+}  // namespace
+
+/// Augmented matrices: regressors first, output last.
+struct StrokeSet::Reduced {
+  Eigen::MatrixXd clean, noise, flow;
+  double count = 0, windows = 0;
+};
+
+StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
+                     const WindowSamples& window)
+    : model_(std::move(model)), window_(window) {
+  for (const StrokeGram& gram : strokes) {
+    noise_.push_back(Unpack(gram.noise));
+    clean_.push_back(Unpack(gram.integral) - noise_.back());
+    flow_.push_back(Unpack(gram.flow));
+    count_.push_back(static_cast<double>(gram.blocks - gram.spans));
+    windows_.push_back(static_cast<double>(gram.windows));
+    equations_ += count_.back();
+  }
+}
+
+bool StrokeSet::Measured(const EffectChoice& choice) const {
+  const Effect& effect = *model_->effects[choice.effect];
+  const int first = model_->effect_first_column[choice.effect];
+  for (int offset : effect.shapes[choice.shape].columns)
+    for (const Eigen::MatrixXd& gram : clean_)
+      if (gram(first + offset, first + offset) != 0.0) return true;
+  return false;
+}
+
+SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices, const Eigen::VectorXd& theta) const {
+  SparseColumns columns;
+  for (int c = 0; c < model_->base_count; ++c) columns.push_back({{c, 1.0}});
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    const EffectShape& shape = model_->effects[choices[k].effect]->shapes[choices[k].shape];
+    const int first = model_->effect_first_column[choices[k].effect];
+    const double size = theta.size() > model_->base_count ? theta[model_->base_count + k] : 0.0;
+    const std::vector<double> weights = shape.weights({theta.head(model_->base_count), size});
+    std::vector<std::pair<int, double>> column;
+    for (std::size_t j = 0; j < weights.size(); ++j) column.emplace_back(first + shape.columns[j], weights[j]);
+    columns.push_back(std::move(column));
+  }
+  columns.push_back({{model_->output_column(), 1.0}});
+  return columns;
+}
+
+std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns) const {
+  std::vector<Reduced> out;
+  for (std::size_t s = 0; s < clean_.size(); ++s)
+    out.push_back({Congruence(clean_[s], columns), Congruence(noise_[s], columns), Congruence(flow_[s], columns),
+                   count_[s], windows_[s]});
+  return out;
+}
+
+ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
+  ExtendedFit fit;
+  std::vector<Reduced> reduced = Reduce(Composite({}, Eigen::VectorXd::Zero(model_->base_count)));
+  const auto solve = [&](const std::vector<Reduced>& strokes) {
+    NormalEquations total;
+    for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
+    return SolveNormalEquations(total);
+  };
+  fit.theta = solve(reduced);
+  if (fit.theta.size() == 0) return fit;
+  for (int pass = 0; !choices.empty() && pass < kRelinearisations; ++pass) {
+    reduced = Reduce(Composite(choices, fit.theta));
+    const Eigen::VectorXd theta = solve(reduced);
+    if (theta.size() == 0 || !theta.allFinite()) return fit;
+    const bool settled = theta.size() == fit.theta.size() &&
+                         ((theta - fit.theta).cwiseAbs().array() <= 1e-4 * theta.cwiseAbs().array()).all();
+    fit.theta = theta;
+    if (settled) break;
+  }
+  fit.solved = true;
+  Judge(reduced, choices, fit);
+  return fit;
+}
+
+void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit) const {
+  const int n = static_cast<int>(fit.theta.size());
+  NormalEquations total;
+  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
+
+  // Leave one stroke out: spread of the parameters and error on the stroke left out.
+  Eigen::MatrixXd replicas(n, strokes.size());
+  fit.excess.resize(strokes.size());
+  double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
+  for (std::size_t s = 0; s < strokes.size(); ++s) {
+    NormalEquations rest = total;
+    rest -= AsEquations(strokes[s].clean, strokes[s].count);
+    Eigen::VectorXd theta = SolveNormalEquations(rest);
+    if (theta.size() == 0) theta = fit.theta;
+    replicas.col(s) = theta;
+    fit.excess[s] = Energy(strokes[s].clean, theta);
+    fit_excess += Energy(strokes[s].clean, fit.theta);
+    noise += Energy(strokes[s].noise, fit.theta);
+    flow_error += Energy(strokes[s].flow, theta);
+    windows += strokes[s].windows;
+  }
+  fit.excess_ratio = fit.excess.sum() / noise;
+  fit.fit_excess_ratio = fit_excess / noise;
+  fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
+  const double h = window_.half_window, block_time = window_.block * window_.period;
+  fit.noise_floor = std::sqrt(std::max(0.0, noise / equations_ * 2.0 / (h * h * h * block_time * block_time)));
+
+  const double count = static_cast<double>(strokes.size());
+  const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
+  fit.covariance = (count - 1) / count * centred * centred.transpose();
+  const double student = StudentFactor(count - 1);
+  const Eigen::VectorXd scale = total.h.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inverse =
+      scale.asDiagonal() * (scale.asDiagonal() * total.h * scale.asDiagonal()).inverse() * scale.asDiagonal();
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    const int i = model_->base_count + static_cast<int>(k);
+    const Effect& effect = *model_->effects[choices[k].effect];
+    EffectEstimate estimate;
+    estimate.choice = choices[k];
+    estimate.size = fit.theta[i];
+    estimate.std = std::sqrt(fit.covariance(i, i)) * student;
+    estimate.model_std = std::sqrt(std::max(0.0, inverse(i, i)) * noise / equations_);
+    estimate.independent = std::clamp(1.0 / (inverse(i, i) * total.h(i, i)), 0.0, 1.0);
+    estimate.admissible = estimate.size >= effect.min && estimate.size <= effect.max;
+    fit.effects.push_back(estimate);
+  }
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+#include "core/stroke_gram.h"
+#include "estimation/gram_fit.h"
+#include "estimation/span_equations.h"
+#include "models/effect.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// An effect of the model's library in one of its shapes.
+struct EffectChoice {
+  int effect = 0;  ///< index into ModelStructure::effects
+  int shape = 0;   ///< index into Effect::shapes
+  bool operator==(const EffectChoice&) const = default;
+};
+
+/// One added effect as fitted.
+struct EffectEstimate {
+  EffectChoice choice;
+  double size = 0;       ///< linear parameter, SI
+  double std = 0;        ///< clustered by stroke; +-1.96 std is the 95 % interval
+  double model_std = 0;  ///< what the sensor noise alone promises
+  bool admissible = true;  ///< sign and size within Effect::min ... max
+  double independent = 0;  ///< share of its regressor the base model cannot mimic, 0...1 (1 - R^2)
+};
+
+/// A model = base + effects, fitted to a set of strokes and judged on strokes it did not see.
+struct ExtendedFit {
+  bool solved = false;                 ///< false: the strokes cannot separate its parameters
+  Eigen::VectorXd theta;               ///< base regression parameters, then the effects' sizes
+  Eigen::MatrixXd covariance;          ///< of theta, clustered by stroke
+  std::vector<EffectEstimate> effects;
+  Eigen::VectorXd excess;              ///< per stroke, held out: model error energy sum, output unit squared (noise taken out)
+  double excess_ratio = 0;             ///< mean held-out model error energy over noise energy; 0 = perfect model
+  double fit_excess_ratio = 0;         ///< the same on the strokes it was fitted to
+  double rms_holdout = 0;              ///< m^3/s, flow form
+  double noise_floor = 0;              ///< m^3/s, flow form, sensor noise alone
+};
+
+/// Strokes prepared for many fits: Grams with the noise share taken out, and the shares themselves.
+class StrokeSet {
+ public:
+  StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes, const WindowSamples& window);
+
+  /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.
+  ExtendedFit Fit(std::span<const EffectChoice> choices) const;
+
+  const ModelStructure& model() const { return *model_; }
+  int strokes() const { return static_cast<int>(clean_.size()); }
+  double equations() const { return equations_; }
+  /// Whether the effect's columns were measured (not all zero) in these strokes.
+  bool Measured(const EffectChoice& choice) const;
+
+ private:
+  struct Reduced;  ///< normal equations of one stroke over base + composite columns
+  std::vector<std::vector<std::pair<int, double>>> Composite(std::span<const EffectChoice> choices,
+                                                             const Eigen::VectorXd& theta) const;
+  std::vector<Reduced> Reduce(const std::vector<std::vector<std::pair<int, double>>>& columns) const;
+  void Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit) const;
+
+  std::shared_ptr<const ModelStructure> model_;
+  WindowSamples window_;
+  std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
+  std::vector<double> count_, windows_;
+  double equations_ = 0;
+};
+
+}  // namespace hydroscope
