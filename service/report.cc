@@ -112,7 +112,7 @@ std::string Term(const std::string& name, const std::string& text) {
 
 std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, const ParameterWords& words) {
   std::string out = fmt::format(
-      "<article class=\"card {}\"><h3>{} <span class=\"name\">{}</span><span class=\"pill\">{} "
+      "<article class=\"card {}\"><h3><span>{}</span> <span class=\"name\">{}</span><span class=\"pill\">{} "
       "{}</span></h3>",
       ClassOf(words.standing), HtmlSymbol(info.symbol), EscapeText(info.name), ShapeOf(words.standing),
       words.pill);
@@ -167,33 +167,44 @@ std::string Tiles(const Report& report) {
   return out + "</div>\n";
 }
 
-std::string Figure(const std::string& svg, const std::string& caption, const char* classes = "") {
-  return fmt::format("<figure{}>{}{}</figure>\n", *classes ? fmt::format(" class=\"{}\"", classes) : "", svg,
-                     caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>");
+std::string Figure(const std::string& svg, const std::string& caption) {
+  return "<figure>" + svg + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") +
+         "</figure>\n";
 }
 
-std::string Trends(const Report& report) {
-  std::string out =
-      "<h2>Parameters over strokes and over oil temperature</h2><p class=\"note\">Left: every stroke's "
-      "estimate with its 95 % interval";
+std::string TrendsNote(const Report& report, bool with_oil) {
+  std::string out = "<p class=\"note\">";
+  out += with_oil ? "Left: every stroke's estimate with its 95 % interval"
+                  : "Every stroke's estimate with its 95 % interval";
   out += report.input.runs.size() > 1 && report.input.runs.size() <= 60
-             ? "; dotted uprights: a new log begins. "
-             : ". ";
-  out +=
-      "Right: the same estimates over the oil temperature, averaged over the estimator's memory as the "
-      "estimates are, with the straight line through them and its "
-      "95 % interval.</p>\n";
-  bool any = false;
+             ? "; dotted uprights: a new log begins."
+             : ".";
+  if (with_oil)
+    out +=
+        " Right: the same estimates over the oil temperature, averaged over the estimator's memory as the "
+        "estimates are, with the straight line "
+        "through them and its 95 % interval.";
+  return out + "</p>\n";
+}
+
+/// With oil temperatures a pair of plots per parameter, else the trends in two columns.
+std::string Trends(const Report& report) {
+  std::string pairs, trends;
   for (std::size_t i = 0; i < report.infos.size(); ++i) {
     const ParameterAnalysis& analysis = report.analysis.parameters[i];
     if (analysis.samples.empty()) continue;
-    any = true;
+    const std::string trend = Figure(TrendPlot(report.input, analysis, report.infos[i]), "");
     const std::string oil = OilPlot(report.input, analysis, report.infos[i]);
-    const std::string trend = TrendPlot(report.input, analysis, report.infos[i]);
-    out += oil.empty() ? Figure(trend, "", "alone")
-                       : "<div class=\"pair\">" + Figure(trend, "") + Figure(oil, "") + "</div>\n";
+    if (oil.empty())
+      trends += trend;
+    else
+      pairs += "<div class=\"pair\">" + trend + Figure(oil, "") + "</div>\n";
   }
-  if (!any) return out + "<p>No parameter was identified, so there is nothing to draw.</p>\n";
+  std::string out = "<h2>Parameters over strokes and over oil temperature</h2>";
+  if (pairs.empty() && trends.empty())
+    return out + "<p>No parameter was identified, so there is nothing to draw.</p>\n";
+  out += TrendsNote(report, !pairs.empty()) + pairs;
+  if (!trends.empty()) out += "<div class=\"trends\">" + trends + "</div>\n";
   const std::string temperature = TemperaturePlot(report.input);
   return temperature.empty() ? out : out + Figure(temperature, "");
 }

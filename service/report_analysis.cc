@@ -11,7 +11,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastStrokesForOil = 8;
 constexpr double kLeastOilRange = 1.5;  // K
-constexpr double kMostShared = 0.9;
+constexpr double kMostShared = 0.9, kMostCurved = 0.25;
 
 /// Seconds of data that one stroke gave the estimator.
 double UsedTime(const StrokeSummary& stroke) {
@@ -89,6 +89,37 @@ TestedValue ChangeBeyondOil(const Series& series, const std::vector<double>& one
   return fit.coefficients.empty() ? TestedValue() : fit.coefficients[2];
 }
 
+/// Spread (maximum minus minimum over the samples) of a weighted sum of columns.
+double Spread(const std::vector<double>& a, double factor_a, const std::vector<double>& b, double factor_b) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double value = factor_a * a[i] + factor_b * b[i];
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return high - low;
+}
+
+/// Share of the curved part in a cubic over temperature; 0 unless the curvature is clear. Legendre
+/// polynomials over the range keep straight and curved part apart.
+double CurvedShare(const Series& series, const std::vector<double>& one, const OilDependence& oil,
+                   double memory) {
+  std::vector<double> p1, p2, p3;
+  for (const double t : series.temperature) {
+    const double u = 2 * (t - oil.coldest) / (oil.warmest - oil.coldest) - 1;
+    p1.push_back(u);
+    p2.push_back((3 * u * u - 1) / 2);
+    p3.push_back((5 * u * u * u - 3 * u) / 2);
+  }
+  const CorrelatedFit fit = FitCorrelated({one, p1, p2, p3}, series.value, series.std, memory);
+  if (fit.coefficients.empty()) return 0;
+  const bool clear = SignificanceOf(fit.coefficients[2]) == Significance::kClear ||
+                     SignificanceOf(fit.coefficients[3]) == Significance::kClear;
+  if (!clear) return 0;
+  const double straight = 2 * std::abs(fit.coefficients[1].value);
+  return Spread(p2, fit.coefficients[2].value, p3, fit.coefficients[3].value) / std::max(straight, 1e-300);
+}
+
 OilOutcome OutcomeOf(const TestedValue& slope) {
   switch (SignificanceOf(slope)) {
     case Significance::kClear:
@@ -125,6 +156,8 @@ OilDependence AnalyseOil(const std::vector<TrendSample>& samples, double memory)
   oil.slope = oil.line.coefficients[1];
   oil.outcome = OutcomeOf(oil.slope);
   oil.explained = oil.slope.value * oil.warming;
+  oil.curved_share = CurvedShare(series, one, oil, memory);
+  if (oil.curved_share >= kMostCurved) oil.outcome = OilOutcome::kNotInStep;
   oil.shared_with_time = SquaredCorrelation(series.temperature, series.progress);
   oil.separable = oil.shared_with_time < kMostShared;
   if (oil.separable) oil.beyond = ChangeBeyondOil(series, one, warmth, memory);
@@ -183,6 +216,7 @@ Significance Unexplained(const ParameterAnalysis& analysis) {
   const Significance change = SignificanceOf(analysis.change.change);
   const OilDependence& oil = analysis.oil;
   const bool oil_acts = oil.outcome == OilOutcome::kFollows || oil.outcome == OilOutcome::kHint;
+  if (oil.outcome == OilOutcome::kNotInStep) return std::max(change, Significance::kHint);
   if (!oil_acts) return change;
   return oil.separable ? SignificanceOf(oil.beyond) : Significance::kNone;
 }

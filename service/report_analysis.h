@@ -18,6 +18,7 @@ enum class OilOutcome {
   kNotSeen,  ///< no dependence beyond what chance gives; the interval of the slope says how large one may be
   kHint,     ///< 0.01 <= p < 0.05
   kFollows,  ///< p < 0.01
+  kNotInStep,  ///< it moved while the oil warmed or cooled, but clearly not along a straight line
 };
 
 struct OilDependence {
@@ -27,8 +28,12 @@ struct OilDependence {
   double mean_temperature = 0;  ///< K; the regression line is value_at_mean + slope (T - mean_temperature)
   double value_at_mean = 0;     ///< SI
   CorrelatedFit line;           ///< coefficients of 1 and T - mean_temperature
-  double explained = 0;         ///< SI, slope times the warming from the first to the last third
-  double warming = 0;           ///< K, last third minus first third
+  /// Size of the curved part over the straight part of a cubic through the estimates; at least a quarter and
+  /// clear (p < 0.01) makes kNotInStep. Viscosity alone bends the line by less over the temperatures of a
+  /// press.
+  double curved_share = 0;
+  double explained = 0;  ///< SI, slope times the warming from the first to the last third
+  double warming = 0;    ///< K, last third minus first third
   /// Squared correlation of oil temperature and stroke number: near 1, a slow change of the machine and the
   /// warming oil cannot be told apart in this record.
   double shared_with_time = 0;

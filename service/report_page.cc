@@ -32,16 +32,17 @@ button:focus-visible{outline:2px solid var(--oil)}
 .verdict h2{border:0;margin:0 0 6px;padding:0;font-size:22px;line-height:1.3}
 .verdict ul{margin:6px 0 8px;padding-left:20px}
 .verdict li{margin:4px 0}
-.cards{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:14px}
+.cards,.trends{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:14px}
+.trends{gap:2px 14px}
 .card{border-top:4px solid var(--tone);padding:13px 18px 12px}
 .card h3{display:flex;flex-wrap:wrap;gap:4px 10px;align-items:baseline}
 .card h3 .name{font-weight:500;color:var(--soft)}
 .pill{margin-left:auto;font-size:13px;font-weight:600;color:var(--tone);border:1.5px solid var(--tone);border-radius:99px;
 padding:1px 10px;white-space:nowrap}
 .value{font-size:21px;font-weight:600;margin:4px 0 2px;font-variant-numeric:tabular-nums}
-.value span{font-size:13.5px;font-weight:400;color:var(--soft)}
+.value span{display:inline-block;font-size:13.5px;font-weight:400;color:var(--soft)}
 .reading{margin:4px 0 8px}
-dl{display:grid;grid-template-columns:7.2em minmax(0,1fr);gap:3px 10px;margin:8px 0 0;font-size:14px;line-height:1.42}
+dl{display:grid;grid-template-columns:8.6em minmax(0,1fr);gap:3px 10px;margin:8px 0 0;font-size:14px;line-height:1.42}
 dt{color:var(--soft)}dd{margin:0}
 .steady{--tone:var(--ok)}.oil{--tone:var(--oil)}.hint{--tone:var(--hint)}.changed,.warned{--tone:var(--bad)}
 .alarmed{--tone:var(--alarm)}.unknown{--tone:var(--none)}
@@ -51,8 +52,7 @@ dt{color:var(--soft)}dd{margin:0}
 .tile span{color:var(--soft);font-size:13.5px}
 figure{margin:12px 0 0;padding:12px 14px 8px}
 figcaption{margin:2px 4px 4px}
-.pair{display:grid;grid-template-columns:560fr 350fr;gap:14px}
-.alone{max-width:760px}
+.pair{display:grid;grid-template-columns:calc(30px + (100% - 74px)*.61538) minmax(0,1fr);gap:14px}
 table{border-collapse:collapse;width:100%;font-size:14.5px}
 th,td{text-align:left;padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);vertical-align:top}
 th{color:var(--soft);font-weight:600}
@@ -61,7 +61,7 @@ th{color:var(--soft);font-weight:600}
 .terms{grid-template-columns:15em minmax(0,1fr);font-size:14.5px;gap:6px 16px}
 .terms dt{color:var(--ink);font-weight:600}
 sub{line-height:0;font-size:72%}
-@media (max-width:820px){.cards,.pair{grid-template-columns:minmax(0,1fr)}.tiles{grid-template-columns:repeat(2,minmax(0,1fr))}
+@media screen and (max-width:820px){.cards,.trends,.pair{grid-template-columns:minmax(0,1fr)}.tiles{grid-template-columns:repeat(2,minmax(0,1fr))}
 .terms,dl{grid-template-columns:minmax(0,1fr)}dd{margin-bottom:5px}body{padding:16px 12px 32px}
 figure{overflow-x:auto}figure svg{min-width:520px}.pair figure:last-child svg{min-width:330px}}
 @page{size:A4;margin:14mm 13mm}
@@ -71,7 +71,7 @@ button{display:none}h1{font-size:17pt}h2{font-size:13pt;margin-top:18pt;padding-
 .tile b{font-size:12pt}.card,figure,.tile,.verdict,.sheet,tr,.terms div{break-inside:avoid}.pair{break-inside:avoid;gap:8px}
 .cards{gap:8px}.card{padding:8px 11px}figure{padding:6px 8px 4px}h2+p,figcaption{break-after:avoid}
 .tiles{grid-template-columns:repeat(5,minmax(0,1fr))}.cards{grid-template-columns:repeat(2,minmax(0,1fr))}
-.pair{grid-template-columns:560fr 350fr}dl{grid-template-columns:6.2em minmax(0,1fr)}
+.pair{grid-template-columns:calc(18px + (100% - 44px)*.61538) minmax(0,1fr)}dl{grid-template-columns:8.2em minmax(0,1fr)}.terms{grid-template-columns:13em minmax(0,1fr)}
 .verdict,.card,.pill{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 )css";
 

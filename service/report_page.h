@@ -4,8 +4,9 @@
 
 namespace hydroscope {
 
-/// The page around `body`: style sheet, theme button, print rules. `title` is plain text. The result is well-formed
-/// XML as well as HTML 5, loads nothing from elsewhere and needs no script (the script only adds the theme button).
+/// The page around `body`: style sheet, theme button, print rules. `title` is plain text. The result is
+/// well-formed XML as well as HTML 5, loads nothing from elsewhere and needs no script (the script only adds
+/// the theme button).
 std::string HtmlPage(const std::string& title, const std::string& body);
 
 }  // namespace hydroscope

@@ -54,9 +54,10 @@ ParameterInfo InfoFor(const std::string& parameter, std::string_view si_unit, do
     info.symbol = "y_{0}";
     info.name = "spool zero offset";
     info.sentence =
-        "Spool position at which the metering edge just closes; it moves with wear of the edge and with the "
+        "Spool position at which the metering edge just closes, in % of the full spool stroke; it moves with "
+        "wear of the edge and with the "
         "zero of the spool sensor.";
-    info.unit = "% of full stroke";
+    info.unit = "% of stroke";
     info.factor = 100;
     info.relative = false;
   }

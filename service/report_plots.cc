@@ -113,7 +113,8 @@ std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysi
   Columns updated = ColumnsOf(analysis, info, true, number);
   Columns stale = ColumnsOf(analysis, info, false, number);
   plot.Borders(RunBorders(input));
-  plot.Band(updated.x, updated.low, updated.high, Ink::kBlue, updated.x.empty() ? "" : "95 % interval");
+  plot.Band(updated.x, updated.low, updated.high, Ink::kBlue, updated.x.size() < 2 ? "" : "95 % interval");
+  if (updated.x.size() == 1) plot.ErrorBars(updated.x, updated.low, updated.high, Ink::kBlue);
   AddLevels(plot, input, analysis, info, true);
   plot.Line(updated.x, updated.y, {Ink::kBlue, Dash::kSolid, 1.2}, "");
   if (updated.x.size() <= 600)
@@ -240,6 +241,8 @@ std::string TemperaturePlot(const ReportInput& input) {
   }
   if (!any) return "";
   plot.Borders(RunBorders(input));
+  if (temperature.size() < 3)
+    plot.Points(StrokeNumbers(input), temperature, {Ink::kOrange, Marker::kSquare, 3, false}, "");
   plot.Line(StrokeNumbers(input), temperature, {Ink::kOrange, Dash::kSolid, 1.8}, "");
   return plot.Render();
 }

@@ -47,16 +47,17 @@ Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
   return weights;
 }
 
-/// Lag-one correlation of residuals of a fit with p columns, corrected for the bias -(p + (p + 2) phi)/n.
+/// A lag-one correlation found from n residuals of p unknowns, freed from its bias -(p + (p + 2) phi)/n.
+double CorrectedCorrelation(double raw, double p, double n) {
+  return std::clamp((raw + p / n) / std::max(0.2, 1 - (p + 2) / n), 0.0, kMostCorrelation);
+}
+
 double ResidualCorrelation(const Eigen::VectorXd& residuals, Eigen::Index p) {
   const Eigen::Index n = residuals.size();
   const double square = residuals.squaredNorm();
   if (square <= 0) return 0;
   const double raw = residuals.head(n - 1).dot(residuals.tail(n - 1)) / square;
-  const double share = 1.0 / static_cast<double>(n);
-  const double corrected =
-      (raw + static_cast<double>(p) * share) / std::max(0.2, 1 - static_cast<double>(p + 2) * share);
-  return std::clamp(corrected, 0.0, kMostCorrelation);
+  return CorrectedCorrelation(raw, static_cast<double>(p), static_cast<double>(n));
 }
 
 Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
@@ -165,15 +166,27 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
 
 namespace {
 
-/// Correlation of successive values about a step between the thirds and a straight line.
-double CorrelationAboutThirds(const std::vector<double>& y, const std::vector<double>& std, std::size_t third,
-                              double least_correlation) {
-  std::vector<std::vector<double>> x(4, std::vector<double>(y.size(), 0.0));
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    x[i < third ? 0 : i < y.size() - third ? 1 : 2][i] = 1;
-    x[3][i] = static_cast<double>(i) / static_cast<double>(y.size()) - 0.5;
+Eigen::VectorXd AboutLine(const Eigen::VectorXd& values) {
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(values.size(), -1, 1);
+  const Eigen::VectorXd centred = values.array() - values.mean();
+  return centred - x * (x.dot(centred) / x.squaredNorm());
+}
+
+/// Correlation of successive values about a straight line and the one step that fits best: a jump must not
+/// pass for slow wandering, which would hide it. The search for the step counts as two more unknowns.
+double CorrelationAboutStep(const std::vector<double>& y) {
+  const auto n = static_cast<Eigen::Index>(y.size());
+  const Eigen::VectorXd residuals = AboutLine(Eigen::Map<const Eigen::VectorXd>(y.data(), n));
+  Eigen::VectorXd best = residuals;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, n / 60);
+  for (Eigen::Index at = 2; at + 2 <= n; at += stride) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    step.tail(n - at).setOnes();
+    step = AboutLine(step);
+    const Eigen::VectorXd left = residuals - step * (step.dot(residuals) / step.squaredNorm());
+    if (left.squaredNorm() < best.squaredNorm()) best = left;
   }
-  return FitCorrelated(x, y, std, least_correlation).correlation;
+  return ResidualCorrelation(best, 5);
 }
 
 }  // namespace
@@ -189,7 +202,7 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.first = WeightedMean(y.data(), weights.data(), result.count);
   result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
 
-  result.correlation = CorrelationAboutThirds(y, std, result.count, least_correlation);
+  result.correlation = Settle(CorrelationAboutStep(y), least_correlation, y.size());
   const double scatter = DifferenceSquare(y) / (2 * (1 - result.correlation));
   const auto variance_of = [&](std::size_t begin) {
     const double stated = std.size() == y.size()

@@ -65,8 +65,9 @@ std::string ChangeText(const ThirdsComparison& change, const ParameterInfo& info
 
 std::string BeyondText(const OilDependence& oil, const Scale& scale) {
   if (!oil.separable)
-    return " The oil temperature ran along with time in this record, so a slow change of the machine at the "
-           "same pace would look the same.";
+    return fmt::format(
+        " Oil temperature and time ran together (r² = {}): what is left at equal temperature cannot be told.",
+        FormatFixed(oil.shared_with_time, 2));
   switch (SignificanceOf(oil.beyond)) {
     case Significance::kNone:
       return fmt::format(" At equal oil temperature the change left is {}: none that stands out.",
@@ -95,17 +96,22 @@ std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
       return fmt::format("no dependence seen: {} ({}); up to {} cannot be ruled out",
                          Signed(oil.slope, scale, "/K"), PText(oil.slope),
                          Unsigned(std::abs(oil.slope.value) + oil.slope.HalfWidth(), scale, "/K"));
+    case OilOutcome::kNotInStep:
+      return fmt::format(
+          "it moved while the oil temperature moved, but not along a straight line, so the oil alone is a "
+          "doubtful explanation.{}",
+          oil.separable ? BeyondText(oil, scale) : "");
     case OilOutcome::kHint:
     case OilOutcome::kFollows:
       break;
   }
   const std::string lead =
       oil.outcome == OilOutcome::kFollows ? "moves with it" : "a hint that it moves with it";
-  return fmt::format("{}: {} ({}). {} by {} K from the first to the last third, which accounts for {}.{}",
-                     lead, Signed(oil.slope, scale, "/K"), PText(oil.slope),
-                     oil.warming >= 0 ? "The oil warmed" : "The oil cooled",
-                     FormatFixed(std::abs(oil.warming), 1),
-                     Signed(oil.explained, 0, Scale{scale.factor, scale.unit}), BeyondText(oil, scale));
+  return fmt::format(
+      "{}: {} ({}). {} by {} K from the first to the last third, which accounts for {}.{}", lead,
+      Signed(oil.slope, scale, "/K"), PText(oil.slope),
+      oil.warming >= 0 ? "The oil warmed" : "The oil cooled", FormatFixed(std::abs(oil.warming), 1),
+      Signed(oil.explained, oil.slope.HalfWidth() * std::abs(oil.warming), scale), BeyondText(oil, scale));
 }
 
 std::string StrokesText(const LimitCheck& limits) {
@@ -179,11 +185,13 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
     case OilOutcome::kNotSeen:
       return "It changed over the record, and no dependence on the oil temperature is seen that would "
              "account for it.";
+    case OilOutcome::kNotInStep:
+      return "It changed over the record, not in step with the oil temperature.";
     case OilOutcome::kHint:
     case OilOutcome::kFollows:
       break;
   }
-  return fmt::format("It changed by {} more than the oil temperature accounts for.",
+  return fmt::format("It changed by {} beyond what the oil temperature accounts for.",
                      Signed(oil.beyond, ScaleOf(info, oil.value_at_mean)));
 }
 
@@ -192,9 +200,9 @@ std::string OilReading(const ParameterAnalysis& analysis) {
     return "It moves with the oil temperature; at equal temperature no change stands out.";
   if (SignificanceOf(analysis.change.change) == Significance::kNone)
     return "It moves with the oil temperature; over the record as a whole no change stands out.";
-  return "It moves with the oil temperature. The change over the record is what the oil goes with, so it is "
-         "no sign of wear by "
-         "itself; strokes at equal oil temperature on another day would settle it.";
+  return "It moves in step with the oil temperature, which would account for its change over the record. A "
+         "steady change of the machine "
+         "at the same pace could not be told from that.";
 }
 
 std::string Reading(Standing standing, const ParameterAnalysis& analysis, const ParameterInfo& info) {
@@ -266,6 +274,10 @@ void AddOilSentence(std::vector<std::string>& out, const ReportAnalysis& analysi
     out.push_back(fmt::format("No dependence on the oil temperature is seen in {}.", JoinNames(not_seen)));
 }
 
+bool ErrorGrew(const ThirdsComparison& ratio) {
+  return SignificanceOf(ratio.change) == Significance::kClear && ratio.change.value > 0.15 * ratio.first;
+}
+
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                       const ReportAnalysis& analysis) {
   const FlowErrors errors = OverallErrors(input);
@@ -297,6 +309,19 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                     FormatFixed(trend.last, 1), trend.change.value > 0 ? "less well" : "better"));
 }
 
+bool AnyChangeKnown(const ReportAnalysis& analysis) {
+  return std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
+                     [](const auto& p) { return p.change.change.Known(); });
+}
+
+std::string UnknownHeadline(const ReportAnalysis& analysis) {
+  const bool identified = std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
+                                      [](const auto& p) { return p.updated > 0; });
+  if (!identified) return "No verdict: nothing was identified";
+  return AnyChangeKnown(analysis) ? "No change stands out, but not every parameter could be identified"
+                                  : "No verdict yet: too few strokes";
+}
+
 std::string Headline(Standing worst, const ReportAnalysis& analysis, bool inseparable) {
   switch (worst) {
     case Standing::kAlarmed:
@@ -308,8 +333,7 @@ std::string Headline(Standing worst, const ReportAnalysis& analysis, bool insepa
     case Standing::kHint:
       return "No clear change, but a hint worth watching";
     case Standing::kUnknown:
-      return analysis.parameters.empty() ? "No verdict: nothing was identified"
-                                         : "No verdict on every parameter";
+      return UnknownHeadline(analysis);
     case Standing::kOil:
       return inseparable ? "Changes are in step with the oil temperature; none beyond it can be seen"
                          : "No change beyond what the oil temperature accounts for";
@@ -347,6 +371,7 @@ Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis
     verdict.standing = std::max(verdict.standing, words[i].standing);
     inseparable |= words[i].standing == Standing::kOil && !analysis.parameters[i].oil.separable;
   }
+  if (ErrorGrew(analysis.error.ratio)) verdict.standing = std::max(verdict.standing, Standing::kHint);
   verdict.headline = Headline(verdict.standing, analysis, inseparable);
   const auto standing = [&](Standing wanted) {
     return NamesWhere(infos, [&](std::size_t i) { return words[i].standing == wanted; });
@@ -358,6 +383,11 @@ Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis
     out.push_back(
         "No drawing stroke was found in the record. Check the gate of the machine file against the log, and "
         "what was skipped below.");
+  else if (!AnyChangeKnown(analysis))
+    out.push_back(fmt::format(
+        "A change over the record can be judged from 6 strokes on that identify a parameter; this record has "
+        "{} stroke{}.",
+        FormatCount(static_cast<std::int64_t>(input.strokes.size())), input.strokes.size() == 1 ? "" : "s"));
   for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})
     if (const auto names = standing(wanted); !names.empty())
       out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),

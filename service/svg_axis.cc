@@ -8,11 +8,13 @@
 namespace hydroscope {
 namespace {
 
+/// The nice number nearest to `raw` in ratio.
 double NiceStep(double raw) {
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 2.5, 5.0})
-    if (raw <= factor * power * (1 + 1e-9)) return factor * power;
-  return 10 * power;
+  double best = power;
+  for (const double factor : {2.0, 2.5, 5.0, 10.0})
+    if (std::abs(std::log(factor * power / raw)) < std::abs(std::log(best / raw))) best = factor * power;
+  return best;
 }
 
 int DecimalsOfStep(double step) {
@@ -45,6 +47,13 @@ AxisTicks NiceTicks(double low, double high, int target, bool whole) {
                                  : FormatFixed(k * step / unit, decimals));
   }
   return ticks;
+}
+
+std::string PowerOfTen(int exponent) {
+  static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : std::to_string(std::abs(exponent))) text += kDigits[digit - '0'];
+  return text;
 }
 
 AxisRange PaddedRange(double low, double high, double share) {

@@ -17,6 +17,9 @@ struct AxisTicks {
 /// digits or below 1e-3 steps share a power of ten, a multiple of 3.
 AxisTicks NiceTicks(double low, double high, int target, bool whole = false);
 
+/// "10⁻⁶" for -6.
+std::string PowerOfTen(int exponent);
+
 /// A range that holds [low, high] with a margin of `share` on both sides; a single value gets a range around
 /// it.
 struct AxisRange {

@@ -7,61 +7,15 @@
 #include <limits>
 #include <numeric>
 
+#include "service/svg_heat.h"
+#include "service/svg_marks.h"
 #include "service/svg_text.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kTextHeight = 17, kTopGap = 8, kRightMargin = 14, kCharacter = 6.9, kScaleWidth = 86;
+constexpr double kTextHeight = 17, kTopGap = 8, kRightMargin = 14, kScaleWidth = 86;
 constexpr std::size_t kMostTitledPoints = 400;
-
-const char* InkClass(Ink ink) {
-  switch (ink) {
-    case Ink::kBlue:
-      return "p-blue";
-    case Ink::kVermillion:
-      return "p-vermillion";
-    case Ink::kGreen:
-      return "p-green";
-    case Ink::kOrange:
-      return "p-orange";
-    case Ink::kPurple:
-      return "p-purple";
-    case Ink::kSky:
-      return "p-sky";
-    case Ink::kNeutral:
-      return "p-neutral";
-  }
-  return "p-neutral";
-}
-
-std::string DashAttribute(Dash dash) {
-  switch (dash) {
-    case Dash::kSolid:
-      return "";
-    case Dash::kDashed:
-      return " stroke-dasharray=\"7 4\"";
-    case Dash::kDotted:
-      return " stroke-dasharray=\"1.5 3.5\"";
-    case Dash::kDashDot:
-      return " stroke-dasharray=\"8 3 1.5 3\"";
-  }
-  return "";
-}
-
-/// Coordinate with one decimal, short.
-std::string Px(double value) {
-  std::string text = fmt::format("{:.1f}", value);
-  if (text.ends_with(".0")) text.resize(text.size() - 2);
-  return text == "-0" ? "0" : text;
-}
-
-/// Characters as the reader counts them.
-double TextWidth(const std::string& text) {
-  const std::string plain = PlainSymbol(text);
-  return kCharacter * static_cast<double>(std::count_if(plain.begin(), plain.end(),
-                                                        [](char c) { return (c & 0xC0) != 0x80; }));
-}
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
@@ -97,7 +51,7 @@ class Renderer {
     OpenClip();
     for (const SvgPlot::Layer& layer : layers_) std::visit([this](const auto& l) { DrawLayer(l); }, layer);
     svg_ += "</svg>";
-    if (heat_ != nullptr) svg_ += HeatScale(*heat_);
+    if (heat_ != nullptr) svg_ += HeatScale(*heat_, right_ + 18, top_, bottom_, options_.width);
     Frame();
     for (const SvgPlot::Layer& layer : layers_)
       if (const auto* level = std::get_if<SvgPlot::LevelLayer>(&layer)) LevelNote(*level);
@@ -120,10 +74,12 @@ class Renderer {
     }
     empty_ = x.Empty() || y.Empty();
     if (options_.y_range) y = {options_.y_range->low, options_.y_range->high};
+    data_centre_ = y.Empty() ? 0 : (y.low + y.high) / 2;
     AdmitLevels(y);
     const double margin = heat_ != nullptr ? 0 : 0.06;
     x_ = options_.x_range.value_or(x.Empty() ? AxisRange{0, 1} : PaddedRange(x.low, x.high, margin / 2));
     y_ = y.Empty() ? AxisRange{0, 1} : PaddedRange(y.low, y.high, margin);
+    MakeRoomForNotes();
   }
 
   /// Levels widen the range, the nearest first, as long as the data keep two fifths of it.
@@ -144,6 +100,20 @@ class Renderer {
     }
   }
 
+  /// A tenth more at the edge where levels beyond the range are named, so that the names cross no line.
+  void MakeRoomForNotes() {
+    bool below = false, above = false;
+    for (const SvgPlot::Layer& layer : layers_) {
+      const auto* level = std::get_if<SvgPlot::LevelLayer>(&layer);
+      if (level == nullptr || level->label.empty() || !std::isfinite(level->y)) continue;
+      below |= level->y < y_.low;
+      above |= level->y > y_.high;
+    }
+    const double room = 0.1 * (y_.high - y_.low);
+    if (below) y_.low -= room;
+    if (above) y_.high += room;
+  }
+
   void LayOut() {
     for (const SvgPlot::Layer& layer : layers_)
       std::visit(
@@ -158,7 +128,7 @@ class Renderer {
     bottom_ =
         options_.height - (options_.x_tick_labels ? 22 : 8) - (options_.x_label.empty() ? 0 : kTextHeight);
     bottom_ = std::max(bottom_, top_ + 20);
-    y_ticks_ = NiceTicks(y_.low, y_.high, std::clamp(static_cast<int>((bottom_ - top_) / 34), 2, 8));
+    y_ticks_ = NiceTicks(y_.low, y_.high, std::clamp(static_cast<int>((bottom_ - top_) / 32), 3, 8));
     x_ticks_ = NiceTicks(x_.low, x_.high, std::clamp(static_cast<int>((right_ - left_) / 78), 2, 12),
                          options_.whole_x);
   }
@@ -197,7 +167,7 @@ class Renderer {
   std::string YLabel() const { return options_.y_label + ExponentNote(y_.low, y_.high, false); }
   static std::string ExponentNote(double low, double high, bool whole) {
     const int exponent = NiceTicks(low, high, 5, whole).exponent;
-    return exponent == 0 ? "" : fmt::format(" × 1e{}", exponent);
+    return exponent == 0 ? "" : " × " + PowerOfTen(exponent);
   }
 
   double X(double value) const { return left_ + (value - x_.low) / (x_.high - x_.low) * (right_ - left_); }
@@ -297,30 +267,6 @@ class Renderer {
     if (!path.empty()) svg_ += fmt::format("<path class=\"p-fill {}\" d=\"{}\"/>", InkClass(layer.ink), path);
   }
 
-  static std::string MarkerPath(Marker marker, double x, double y, double r) {
-    switch (marker) {
-      case Marker::kCircle:
-        return fmt::format("M{} {}a{} {} 0 1 0 {} 0a{} {} 0 1 0 {} 0", Px(x - r), Px(y), r, r, 2 * r, r, r,
-                           -2 * r);
-      case Marker::kSquare:
-        return fmt::format("M{} {}h{}v{}h{}z", Px(x - r), Px(y - r), 2 * r, 2 * r, -2 * r);
-      case Marker::kTriangle:
-        return fmt::format("M{} {}l{} {}h{}z", Px(x), Px(y - 1.2 * r), 1.2 * r, 2.1 * r, -2.4 * r);
-      case Marker::kDiamond:
-        return fmt::format("M{} {}l{} {}l{} {}l{} {}z", Px(x), Px(y - 1.3 * r), 1.3 * r, 1.3 * r, -1.3 * r,
-                           1.3 * r, -1.3 * r, -1.3 * r);
-      case Marker::kCross:
-        return fmt::format("M{} {}l{} {}m0 {}l{} {}", Px(x - r), Px(y - r), 2 * r, 2 * r, -2 * r, -2 * r,
-                           2 * r);
-    }
-    return "";
-  }
-
-  static std::string PointClass(const PointStyle& style) {
-    return fmt::format("p-mark {} {}", InkClass(style.ink),
-                       style.hollow || style.marker == Marker::kCross ? "p-hollow" : "p-solid");
-  }
-
   /// Points of a scatter sorted along x, thinned.
   std::vector<std::size_t> KeptPoints(const SvgPlot::PointLayer& layer) const {
     std::vector<std::size_t> order;
@@ -369,8 +315,8 @@ class Renderer {
                         Px(left_), Px(Y(layer.y)), Px(right_));
   }
 
-  /// The level's name above its line, or an arrow at the edge it lies beyond; notes at one edge stand side by
-  /// side.
+  /// The level's name at the right end, on the side of its line away from the data; a level out of range is
+  /// named at the left of the edge it lies beyond, several side by side.
   void LevelNote(const SvgPlot::LevelLayer& layer) {
     if (!std::isfinite(layer.y) || layer.label.empty()) return;
     const std::string classes = fmt::format("p-note {}", InkClass(layer.style.ink));
@@ -378,12 +324,13 @@ class Renderer {
       const bool above = layer.y > y_.high;
       double& used = above ? used_top_ : used_bottom_;
       const std::string note = layer.label + (above ? " ↑" : " ↓");
-      Text(right_ - 4 - used, above ? top_ + 11 : bottom_ - 5, "end", classes, note);
+      Text(left_ + 6 + used, above ? top_ + 11 : bottom_ - 5, "start", classes, note);
       used += TextWidth(note) + 10;
       return;
     }
     const double y = Y(layer.y);
-    Text(right_ - 4, y - 4 < top_ + 8 ? y + 13 : y - 4, "end", classes, layer.label);
+    const bool above = layer.y >= data_centre_ ? y - 4 >= top_ + 8 : y + 14 > bottom_;
+    Text(right_ - 4, above ? y - 4 : y + 12, "end", classes, layer.label);
   }
 
   void DrawLayer(const SvgPlot::BorderLayer& layer) {
@@ -394,32 +341,6 @@ class Renderer {
   }
 
   void DrawLayer(const SvgPlot::HeatLayer& layer) { svg_ += HeatCells(layer); }
-
-  static AxisRange HeatRange(const SvgPlot::HeatLayer& layer) {
-    Extent values;
-    values.Add(layer.values);
-    if (values.Empty()) return {0, 1};
-    if (!layer.diverging) return PaddedRange(values.low, values.high, 0);
-    const double most = std::max({std::abs(values.low), std::abs(values.high), 1e-300});
-    return {-most, most};
-  }
-
-  /// Sequential: cividis (Nuñez, Anderton, Renslow 2018), five stations. Diverging: blue over pale grey to
-  /// vermillion.
-  static std::string HeatColour(double share, bool diverging) {
-    static constexpr int kSequential[5][3] = {
-        {0, 34, 78}, {65, 77, 107}, {124, 123, 120}, {188, 175, 111}, {254, 232, 56}};
-    static constexpr int kDiverging[5][3] = {
-        {0, 90, 150}, {110, 170, 210}, {235, 235, 235}, {240, 165, 115}, {200, 80, 0}};
-    const auto& stations = diverging ? kDiverging : kSequential;
-    const double position = std::clamp(share, 0.0, 1.0) * 4;
-    const int k = std::min(static_cast<int>(position), 3);
-    int rgb[3];
-    for (int c = 0; c < 3; ++c)
-      rgb[c] = static_cast<int>(
-          std::lround(stations[k][c] + (position - k) * (stations[k + 1][c] - stations[k][c])));
-    return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
-  }
 
   std::string HeatCells(const SvgPlot::HeatLayer& layer) const {
     if (layer.x.size() < 2 || layer.y.size() < 2) return "";
@@ -442,26 +363,6 @@ class Renderer {
                       EscapeText(PlainSymbol(layer.label)), blank ? "no data" : FormatShort(layer.values[i]));
     }
     return cells;
-  }
-
-  std::string HeatScale(const SvgPlot::HeatLayer& layer) {
-    const AxisRange range = HeatRange(layer);
-    const double x = right_ + 18, height = bottom_ - top_;
-    std::string scale;
-    for (int k = 0; k < 40; ++k)
-      scale += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"12\" height=\"{}\" fill=\"{}\"/>", Px(x),
-                           Px(bottom_ - (k + 1) * height / 40), Px(height / 40 + 0.4),
-                           HeatColour((k + 0.5) / 40, layer.diverging));
-    const AxisTicks ticks = NiceTicks(range.low, range.high, 4);
-    for (std::size_t i = 0; i < ticks.values.size(); ++i)
-      scale +=
-          fmt::format("<text x=\"{}\" y=\"{}\" class=\"p-tick\">{}</text>", Px(x + 17),
-                      Px(bottom_ - (ticks.values[i] - range.low) / (range.high - range.low) * height + 4),
-                      ticks.labels[i]);
-    const std::string name = layer.label + (ticks.exponent ? fmt::format(" × 1e{}", ticks.exponent) : "");
-    scale += fmt::format("<text x=\"{}\" y=\"13\" text-anchor=\"end\" class=\"p-label\">{}</text>",
-                         Px(options_.width - 4), SvgSymbol(name));
-    return scale;
   }
 
   void Legend() {
@@ -497,7 +398,7 @@ class Renderer {
   std::vector<Entry> entries_;
   AxisRange x_, y_;
   AxisTicks x_ticks_, y_ticks_;
-  double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0, used_top_ = 0, used_bottom_ = 0;
+  double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0, used_top_ = 0, used_bottom_ = 0, data_centre_ = 0;
   int legend_rows_ = 0;
   bool empty_ = false;
   std::string svg_;
