@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace hydroscope {
+namespace {
+
+constexpr double kMaxEnergy = 1e100;  ///< u'u beyond which u' P u could overflow; regressors are of order one
+
+}  // namespace
 
 std::string RecursiveLeastSquares::Options::Validate(int parameters) const {
   if (parameters < 1 || parameters > kMaxParameters)
@@ -134,7 +139,7 @@ UpdateOutcome RecursiveLeastSquares::UpdateFixed(RecursiveLeastSquares& self, co
     prediction += u[i] * self.theta_[i];
   }
   double innovation = y - prediction;
-  if (!std::isfinite(energy) || !std::isfinite(innovation)) return UpdateOutcome::kNotFinite;
+  if (!(energy < kMaxEnergy) || !std::isfinite(innovation)) return UpdateOutcome::kNotFinite;
   self.innovation_ = innovation;
   if (energy < self.options_.min_excitation) return UpdateOutcome::kNoExcitation;
   if (std::abs(innovation) < self.options_.dead_zone * self.noise_scale_) return UpdateOutcome::kInDeadZone;

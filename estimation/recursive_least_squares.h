@@ -20,7 +20,7 @@ enum class UpdateOutcome {
   kClipped,       ///< updated with an innovation cut to `clip` standard deviations
   kInDeadZone,    ///< innovation within the noise: nothing changed
   kNoExcitation,  ///< regressor is (nearly) zero: nothing changed
-  kNotFinite,     ///< NaN or infinity in the equation: refused
+  kNotFinite,     ///< NaN or infinity in the equation, or a regressor beyond 1e50: refused
 };
 
 /// Recursive least squares y = u' theta + e, e of unit variance, with the covariance kept as P = U D U' (U unit upper
