@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -18,7 +19,7 @@ class Folder {
   Folder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::path(testing::TempDir()) /
-            (std::string("hydroscope_") + test->test_suite_name() + "_" + test->name());
+            Plain(std::string("hydroscope_") + test->test_suite_name() + "_" + test->name());
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -27,6 +28,11 @@ class Folder {
   std::string path() const { return path_.string(); }
 
  private:
+  /// Names of parameterised tests contain slashes.
+  static std::string Plain(std::string name) {
+    std::replace(name.begin(), name.end(), '/', '_');
+    return name;
+  }
   std::filesystem::path path_;
 };
 

@@ -1,0 +1,150 @@
+#include "storage/schema.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "storage/storage_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace storage_test;
+using testing::HasSubstr;
+
+std::string Bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void Execute(const std::string& path, const std::string& sql) {
+  SQLite::Database db(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  db.exec(sql);
+}
+
+Error OpenError(const std::string& path) {
+  const auto opened = Database::Open(path);
+  EXPECT_FALSE(opened.has_value());
+  return opened ? Error{} : opened.error();
+}
+
+TEST(Schema, ANewFileCarriesOurIdAndVersion) {
+  const Folder folder;
+  EXPECT_OK(Database::Open(folder.File()));
+  SQLite::Database db(folder.File());
+  EXPECT_EQ(db.execAndGet("PRAGMA application_id").getInt(), kApplicationId);
+  EXPECT_EQ(db.execAndGet("PRAGMA user_version").getInt(), kFormatVersion);
+  EXPECT_EQ(db.execAndGet("PRAGMA page_size").getInt(), 8192);
+  EXPECT_EQ(db.execAndGet("PRAGMA journal_mode").getString(), "wal");
+}
+
+TEST(Schema, AnEmptyFileBecomesADatabase) {
+  const Folder folder;
+  std::ofstream(folder.File()).close();
+  EXPECT_OK(Database::Open(folder.File()));
+  EXPECT_OK(Database::OpenReadOnly(folder.File()));
+}
+
+TEST(Schema, ANewerVersionIsRefusedAndLeftAsItIs) {
+  const Folder folder;
+  EXPECT_OK(Database::Open(folder.File()));
+  Execute(folder.File(), "PRAGMA user_version = 2");
+  const std::string before = Bytes(folder.File());
+  const Error error = OpenError(folder.File());
+  EXPECT_EQ(error.kind, ErrorKind::kBadInput);
+  EXPECT_THAT(error.text, HasSubstr("database format 2, this program knows formats up to 1"));
+  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("database format 2"));
+  EXPECT_EQ(Bytes(folder.File()), before);
+}
+
+TEST(Schema, ADatabaseOfAnotherProgramIsRefusedAndLeftAsItIs) {
+  const Folder folder;
+  Execute(folder.File(), "CREATE TABLE customer(name TEXT)");
+  const std::string before = Bytes(folder.File());
+  const Error error = OpenError(folder.File());
+  EXPECT_EQ(error.kind, ErrorKind::kBadInput);
+  EXPECT_THAT(error.text, HasSubstr("database of another program"));
+  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("database of another program"));
+  EXPECT_EQ(Bytes(folder.File()), before);
+}
+
+TEST(Schema, AFileThatIsNoDatabaseIsRefusedAndLeftAsItIs) {
+  const Folder folder;
+  std::ofstream(folder.File("press.csv")) << std::string(5000, 't') << "\n1,2,3\n";
+  const std::string before = Bytes(folder.File("press.csv"));
+  const Error error = OpenError(folder.File("press.csv"));
+  EXPECT_EQ(error.kind, ErrorKind::kBadInput);
+  EXPECT_THAT(error.text, HasSubstr("press.csv is no hydroscope database"));
+  EXPECT_FALSE(Database::OpenReadOnly(folder.File("press.csv")).has_value());
+  EXPECT_EQ(Bytes(folder.File("press.csv")), before);
+}
+
+TEST(Schema, AFileCutInHalfIsAnErrorNotACrash) {
+  const Folder folder;
+  {
+    Press press(folder.File());
+    EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 40)));
+  }
+  std::filesystem::resize_file(folder.File(), std::filesystem::file_size(folder.File()) / 2);
+  const auto opened = Database::OpenReadOnly(folder.File());
+  const Status checked = opened ? opened->CheckIntegrity() : Status(tl::unexpected(opened.error()));
+  ASSERT_FALSE(checked.has_value());
+  EXPECT_EQ(checked.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(checked.error().text, HasSubstr("is damaged"));
+}
+
+TEST(Schema, OpeningForReadingNeverCreatesAFile) {
+  const Folder folder;
+  const auto opened = Database::OpenReadOnly(folder.File());
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(opened.error().text, HasSubstr("hydroscope replay LOG"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Schema, ReadingLeavesNothingBehind) {
+  const Folder folder;
+  EXPECT_OK(Database::Open(folder.File()));
+  const std::string before = Bytes(folder.File());
+  EXPECT_TRUE(Value(Value(Database::OpenReadOnly(folder.File())).MachineNames()).empty());
+  EXPECT_EQ(Bytes(folder.File()), before);
+  const std::filesystem::directory_iterator files(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1) << "only the database itself";
+}
+
+TEST(Schema, AnEmptyFileOpenedForReadingSaysHowToFillIt) {
+  const Folder folder;
+  std::ofstream(folder.File()).close();
+  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text,
+              HasSubstr("is an empty database; fill it with"));
+  EXPECT_EQ(std::filesystem::file_size(folder.File()), 0u);
+}
+
+TEST(Schema, WritingThroughAReadOnlyDatabaseIsAnError) {
+  const Folder folder;
+  EXPECT_OK(Database::Open(folder.File()));
+  Database reader = Value(Database::OpenReadOnly(folder.File()));
+  const auto id = reader.MachineId("press 7");
+  ASSERT_FALSE(id.has_value());
+  EXPECT_THAT(id.error().text, HasSubstr("cannot be written"));
+}
+
+TEST(Schema, AFolderAMissingFolderAndAnEmptyNameAreNamed) {
+  const Folder folder;
+  EXPECT_THAT(OpenError(folder.path()).text, HasSubstr("is a folder"));
+  EXPECT_THAT(OpenError(folder.File("no/such/press.db")).text, HasSubstr("check that the folder exists"));
+  EXPECT_EQ(OpenError("").kind, ErrorKind::kUsage);
+}
+
+TEST(Schema, TwoWritersCreateOneFileTogether) {
+  const Folder folder;
+  Database one = Value(Database::Open(folder.File()));
+  Database two = Value(Database::Open(folder.File()));
+  EXPECT_EQ(Value(one.MachineId("press 7")), Value(two.MachineId("press 7")));
+  EXPECT_NE(Value(one.MachineId("press 8")), Value(two.MachineId("press 9")));
+}
+
+}  // namespace
+}  // namespace hydroscope
