@@ -86,8 +86,9 @@ class Database {
   Result<std::optional<std::vector<std::uint8_t>>> PipelineStateBefore(std::int64_t run) const;
 
   Result<std::vector<RunInfo>> Runs(std::int64_t machine) const;
-  /// Trend of one parameter ("" = all), in order of sequence.
-  Result<std::vector<TrendPoint>> Trend(std::int64_t machine, const std::string& parameter) const;
+  /// Trend of one parameter ("" = all), in order of sequence, from `first_sequence` on.
+  Result<std::vector<TrendPoint>> Trend(std::int64_t machine, const std::string& parameter,
+                                        std::int64_t first_sequence = 0) const;
   Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;
   /// Grams of strokes with first <= sequence < last.
   Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;

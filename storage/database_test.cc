@@ -81,6 +81,24 @@ TEST(Database, KeepsTheTrendOfOneParameterInOrderWithNaNAndReason) {
   EXPECT_TRUE(Value(press.database.Trend(press.machine, "no_such")).empty());
 }
 
+TEST(Database, TheTrendCanStartAnywhere) {
+  const Folder folder;
+  Press press(folder.File());
+  for (const char* log : {"a.csv", "b.csv", "c.csv"}) {
+    const auto run = press.Begin(log);
+    EXPECT_OK(press.database.StoreStrokes(run.id, MakeStrokes(0, log[0] == 'b' ? 0 : 5)));
+    EXPECT_OK(press.database.FinishRun(run.id, "", {}));
+  }
+  for (const std::int64_t first : {-3, 0, 1, 4, 5, 9, 10, 11}) {
+    const auto trend = Value(press.database.Trend(press.machine, "V0", first));
+    const std::int64_t expected = std::clamp<std::int64_t>(first, 0, 10);
+    ASSERT_EQ(trend.size(), static_cast<std::size_t>(10 - expected)) << first;
+    for (std::size_t i = 0; i < trend.size(); ++i)
+      EXPECT_EQ(trend[i].sequence, expected + static_cast<int>(i));
+    EXPECT_EQ(Value(press.database.Trend(press.machine, "", first)).size(), 4 * trend.size());
+  }
+}
+
 TEST(Database, SameCallsIntoTwoFilesGiveTheSameDigest) {
   const Folder folder;
   std::vector<std::string> digests;

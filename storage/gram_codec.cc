@@ -76,13 +76,21 @@ std::vector<std::int16_t> ColumnExponents(const SymmetricMatrix& noise) {
   return exponents;
 }
 
+/// 2^(sign e) per column: multiplying by a power of two is exact.
+std::vector<double> PowersOfTwo(const std::vector<std::int16_t>& exponents, int sign) {
+  std::vector<double> powers;
+  for (const std::int16_t exponent : exponents) powers.push_back(std::ldexp(1.0, sign * exponent));
+  return powers;
+}
+
 void PutScaledNoise(const SymmetricMatrix& noise, Cursor& out) {
   const auto exponents = ColumnExponents(noise);
+  const auto scale = PowersOfTwo(exponents, -1);
   std::vector<float> scaled;
   scaled.reserve(noise.packed().size());
-  for (int j = 0; j < noise.dimension(); ++j)
-    for (int i = 0; i <= j; ++i)
-      scaled.push_back(static_cast<float>(std::ldexp(noise(i, j), -(exponents[i] + exponents[j]))));
+  for (std::size_t j = 0, k = 0; j < scale.size(); ++j)
+    for (std::size_t i = 0; i <= j; ++i, ++k)
+      scaled.push_back(static_cast<float>(noise.packed()[k] * scale[i] * scale[j]));
   out.Put(exponents.data(), exponents.size() * sizeof(std::int16_t));
   out.Put(scaled.data(), scaled.size() * sizeof(float));
 }
@@ -92,10 +100,10 @@ void GetScaledNoise(SymmetricMatrix& noise, ConstCursor& in) {
   std::vector<float> scaled(noise.packed().size());
   in.Get(exponents.data(), exponents.size() * sizeof(std::int16_t));
   in.Get(scaled.data(), scaled.size() * sizeof(float));
-  std::size_t k = 0;
-  for (int j = 0; j < noise.dimension(); ++j)
-    for (int i = 0; i <= j; ++i, ++k)
-      noise.packed()[k] = std::ldexp(static_cast<double>(scaled[k]), exponents[i] + exponents[j]);
+  const auto scale = PowersOfTwo(exponents, 1);
+  for (std::size_t j = 0, k = 0; j < scale.size(); ++j)
+    for (std::size_t i = 0; i <= j; ++i, ++k)
+      noise.packed()[k] = static_cast<double>(scaled[k]) * scale[i] * scale[j];
 }
 
 }  // namespace

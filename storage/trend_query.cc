@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "core/quality.h"
 #include "storage/connection.h"
@@ -33,13 +34,27 @@ EstimateReason ReasonFromName(const std::string& name) {
   return EstimateReason::kNoStroke;
 }
 
-void AppendTrend(Connection& connection, const ParameterRow& parameter, std::vector<TrendPoint>& points) {
+/// Where the machine-wide stroke `sequence` lies.
+struct Place {
+  std::int64_t run = 0, stroke = 0;
+};
+
+Place FindPlace(Connection& connection, std::int64_t machine, std::int64_t sequence) {
+  Place place;
+  for (const RunRow& run : connection.RunsOf(machine))
+    if (run.first_sequence <= sequence) place = {run.id, sequence - run.first_sequence};
+  return place;
+}
+
+std::vector<TrendPoint> ReadTrend(Connection& connection, const ParameterRow& parameter, const Place& from) {
   Query query(
       connection,
       "SELECT e.run, e.stroke, r.first_sequence + e.stroke, s.end_s, s.oil_temperature_K, e.value, e.std, "
       "e.excitation, e.last_excited_s, e.reason FROM estimate e JOIN run r ON r.id = e.run "
-      "JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke WHERE e.parameter = ? ORDER BY e.run, e.stroke",
-      parameter.id);
+      "JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke "
+      "WHERE e.parameter = ? AND (e.run, e.stroke) >= (?, ?) ORDER BY e.run, e.stroke",
+      parameter.id, from.run, from.stroke);
+  std::vector<TrendPoint> points;
   while (query.Step()) {
     TrendPoint point{query.Int(0), query.Int(1), query.Int(2), query.Real(3), query.Real(4), {}};
     point.estimate = {parameter.name,
@@ -51,6 +66,26 @@ void AppendTrend(Connection& connection, const ParameterRow& parameter, std::vec
                       ReasonFromName(query.Text(9))};
     points.push_back(std::move(point));
   }
+  return points;
+}
+
+/// Trends in order of sequence become one, in order of sequence and within a stroke in the order given.
+std::vector<TrendPoint> Merged(std::vector<std::vector<TrendPoint>> trends) {
+  if (trends.size() == 1) return std::move(trends.front());
+  std::size_t size = 0;
+  for (const auto& trend : trends) size += trend.size();
+  std::vector<std::size_t> next(trends.size(), 0);
+  std::vector<TrendPoint> merged;
+  merged.reserve(size);
+  while (merged.size() < size) {
+    std::int64_t sequence = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t i = 0; i < trends.size(); ++i)
+      if (next[i] < trends[i].size()) sequence = std::min(sequence, trends[i][next[i]].sequence);
+    for (std::size_t i = 0; i < trends.size(); ++i)
+      if (next[i] < trends[i].size() && trends[i][next[i]].sequence == sequence)
+        merged.push_back(std::move(trends[i][next[i]++]));
+  }
+  return merged;
 }
 
 /// Bit of a flag name in `stroke_flag`; 16 if the name is unknown.
@@ -72,15 +107,15 @@ void ReadFlags(Connection& connection, std::int64_t run, std::vector<StrokeSumma
 
 }  // namespace
 
-Result<std::vector<TrendPoint>> Database::Trend(std::int64_t machine, const std::string& parameter) const {
+Result<std::vector<TrendPoint>> Database::Trend(std::int64_t machine, const std::string& parameter,
+                                                std::int64_t first_sequence) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<TrendPoint>> {
-    std::vector<TrendPoint> points;
-    const auto parameters = FindParameters(*impl_, machine, parameter);
-    for (const ParameterRow& row : parameters) AppendTrend(*impl_, row, points);
-    if (parameters.size() > 1)
-      std::stable_sort(points.begin(), points.end(),
-                       [](const TrendPoint& a, const TrendPoint& b) { return a.sequence < b.sequence; });
-    return points;
+    SQLite::Transaction one_snapshot(impl_->db);
+    const Place from = FindPlace(*impl_, machine, first_sequence);
+    std::vector<std::vector<TrendPoint>> trends;
+    for (const ParameterRow& row : FindParameters(*impl_, machine, parameter))
+      trends.push_back(ReadTrend(*impl_, row, from));
+    return Merged(std::move(trends));
   });
 }
 
