@@ -1,0 +1,182 @@
+#include "service/commands/trend_output.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "service/commands/trend_summary.h"
+#include "service/text_sink.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNormal95 = 1.96;
+constexpr double kZeroCelsius = 273.15;
+constexpr std::size_t kSparkWidth = 24;
+
+std::string Counted(std::int64_t count, const char* thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+/// `value` with as many digits as its uncertainty leaves meaningful, two of them uncertain.
+std::string Rounded(double value, double std) {
+  if (!std::isfinite(value)) return "-";
+  if (!std::isfinite(std) || std <= 0 || value == 0) return fmt::format("{:.5g}", value);
+  const int digits =
+      2 + static_cast<int>(std::floor(std::log10(std::abs(value))) - std::floor(std::log10(std)));
+  return fmt::format("{:.{}g}", value, std::clamp(digits, 2, 8));
+}
+
+std::string LastExcited(const TrendSummary& s) {
+  if (!s.since) return "never";
+  if (*s.since == 0) return "last stroke";
+  return Counted(*s.since, "stroke") + " ago";
+}
+
+std::string ChangeText(const TrendSummary& s) {
+  if (!s.change) return "too few strokes";
+  const char* verdict = s.change->significant ? "significant" : "within noise";
+  if (const auto percent = s.change->Percent())
+    return fmt::format("{:+.2g} ± {:.2g} %, {}", *percent, kNormal95 * *s.change->PercentStd(), verdict);
+  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  return fmt::format("{:+.2g} ± {:.2g}{}, {}", s.change->value * unit.factor,
+                     kNormal95 * s.change->std * unit.factor,
+                     unit.name == "1" ? "" : fmt::format(" {}", unit.name), verdict);
+}
+
+std::string Row(const TrendSummary& s) {
+  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  const double value = s.latest.value * unit.factor + unit.offset;
+  const double half = kNormal95 * s.latest.std * unit.factor;
+  const bool known = std::isfinite(value) && std::isfinite(half);
+  return fmt::format(
+      "{:<18} {:>12} {:<26} {:<8} {:>11} {:<15} {:<32} {}\n", s.parameter, Rounded(value, half),
+      known ? fmt::format("{} ... {}", Rounded(value - half, half), Rounded(value + half, half)) : "-",
+      unit.name == "1" ? "-" : unit.name, fmt::format("{} of {}", s.updated, s.strokes), LastExcited(s),
+      ChangeText(s), Sparkline(s.values, s.stds, kSparkWidth));
+}
+
+std::string Header(const MachineTrends& trends) {
+  const TrendPoint &first = trends.points.front(), &last = trends.points.back();
+  std::string text = fmt::format(
+      "{}: {} in {}, strokes {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
+      Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, "stroke"),
+      Counted(static_cast<std::int64_t>(trends.runs.size()), "run"), first.sequence, last.sequence);
+  const RunInfo& run = trends.runs.back();
+  text += fmt::format("last log {}{}, ends at {:.1f} s", run.source, run.complete ? "" : " (not finished)",
+                      last.time);
+  if (std::isfinite(last.oil_temperature))
+    text += fmt::format(", oil {:.1f} °C", last.oil_temperature - kZeroCelsius);
+  return text + "\n";
+}
+
+std::string Reasons(const std::vector<TrendSummary>& summaries) {
+  std::string text;
+  for (const TrendSummary& s : summaries)
+    if (s.latest.reason != EstimateReason::kUpdated)
+      text += fmt::format("{}: {}\n", s.parameter, ReasonText(s.latest.reason));
+  return text.empty() ? text : "\nNot updated by the last stroke\n" + text;
+}
+
+std::string Quoted(const std::string& field) {
+  if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
+  std::string quoted = "\"";
+  for (const char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// Shortest text that reads back to the same double; empty for NaN.
+std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
+
+double Celsius(double kelvin) { return std::round((kelvin - kZeroCelsius) * 1e6) / 1e6; }
+
+std::string CsvRow(const std::string& machine, const TrendPoint& p) {
+  const Estimate& e = p.estimate;
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", machine, p.run, p.stroke, p.sequence,
+                     Number(p.time), Quoted(e.parameter), Number(e.value), Number(e.std), Quoted(e.unit),
+                     Number(Celsius(p.oil_temperature)), ReasonName(e.reason), Number(e.excitation),
+                     Number(e.last_excited));
+}
+
+nlohmann::json JsonNumber(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json PointJson(const TrendPoint& p) {
+  const Estimate& e = p.estimate;
+  return {{"run", p.run},
+          {"stroke", p.stroke},
+          {"sequence", p.sequence},
+          {"time_s", JsonNumber(p.time)},
+          {"parameter", e.parameter},
+          {"value", JsonNumber(e.value)},
+          {"std", JsonNumber(e.std)},
+          {"unit", e.unit},
+          {"oil_temperature_degC", JsonNumber(Celsius(p.oil_temperature))},
+          {"reason", ReasonName(e.reason)},
+          {"excitation", JsonNumber(e.excitation)},
+          {"last_excited_s", JsonNumber(e.last_excited)}};
+}
+
+nlohmann::json SummaryJson(const TrendSummary& s) {
+  nlohmann::json out = {{"parameter", s.parameter},
+                        {"unit", s.unit},
+                        {"value", JsonNumber(s.latest.value)},
+                        {"std", JsonNumber(s.latest.std)},
+                        {"strokes", s.strokes},
+                        {"updated", s.updated},
+                        {"reason", ReasonName(s.latest.reason)},
+                        {"change", nullptr}};
+  if (!s.change) return out;
+  out["change"] = {
+      {"value", s.change->value}, {"std", s.change->std}, {"significant", s.change->significant}};
+  if (const auto percent = s.change->Percent()) {
+    out["change"]["percent"] = *percent;
+    out["change"]["percent_std"] = *s.change->PercentStd();
+  }
+  return out;
+}
+
+nlohmann::json MachineJson(const MachineTrends& trends) {
+  nlohmann::json points = nlohmann::json::array(), summary = nlohmann::json::array();
+  for (const TrendPoint& point : trends.points) points.push_back(PointJson(point));
+  for (const TrendSummary& s : SummariseTrends(trends.points)) summary.push_back(SummaryJson(s));
+  return {{"machine", trends.machine}, {"points", std::move(points)}, {"summary", std::move(summary)}};
+}
+
+}  // namespace
+
+std::string TrendText(const MachineTrends& trends) {
+  const std::vector<TrendSummary> summaries = SummariseTrends(trends.points);
+  std::string text = Header(trends);
+  text +=
+      fmt::format("\n{:<18} {:>12} {:<26} {:<8} {:>11} {:<15} {:<32} {}\n", "parameter", "latest",
+                  "95 % interval", "unit", "updated", "last excited", "change (95 %)", "over the strokes");
+  for (const TrendSummary& s : summaries) text += Row(s);
+  return text + Reasons(summaries);
+}
+
+Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines) {
+  auto sink = TextSink::Open(path);
+  if (!sink) return tl::unexpected(sink.error());
+  sink->Write(
+      "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,"
+      "last_excited_s\n");
+  for (const MachineTrends& trends : machines) {
+    const std::string machine = Quoted(trends.machine);
+    for (const TrendPoint& point : trends.points)
+      if (!sink->Write(CsvRow(machine, point))) return sink->Close();
+  }
+  return sink->Close();
+}
+
+nlohmann::json TrendJson(const std::vector<MachineTrends>& machines) {
+  if (machines.size() == 1) return MachineJson(machines.front());
+  nlohmann::json all = nlohmann::json::array();
+  for (const MachineTrends& trends : machines) all.push_back(MachineJson(trends));
+  return {{"machines", std::move(all)}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,142 @@
+#include "service/commands/trend_summary.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNormal95 = 1.96;
+constexpr std::size_t kFewestStrokes = 6;
+
+struct Mean {
+  double value = 0, std = 0;
+};
+
+Mean CautiousMean(std::span<const Estimate> estimates) {
+  double weights = 0, sum = 0;
+  for (const Estimate& e : estimates) {
+    const double weight = 1 / (e.std * e.std);
+    weights += weight;
+    sum += weight * e.value;
+  }
+  return {sum / weights, std::sqrt(static_cast<double>(estimates.size()) / weights)};
+}
+
+std::optional<TrendChange> ChangeOf(const std::vector<Estimate>& updated) {
+  if (updated.size() < kFewestStrokes) return std::nullopt;
+  const std::size_t third = updated.size() / 3;
+  const Mean early = CautiousMean(std::span(updated).first(third));
+  const Mean late = CautiousMean(std::span(updated).last(third));
+  TrendChange change;
+  change.value = late.value - early.value;
+  change.std = std::hypot(early.std, late.std);
+  change.from = early.value;
+  change.from_std = early.std;
+  change.significant = std::abs(change.value) > kNormal95 * change.std;
+  return change;
+}
+
+bool Known(const Estimate& e) { return std::isfinite(e.value) && std::isfinite(e.std) && e.std > 0; }
+
+TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
+  TrendSummary summary;
+  summary.latest = points.back()->estimate;
+  summary.parameter = summary.latest.parameter;
+  summary.unit = summary.latest.unit;
+  summary.strokes = static_cast<std::int64_t>(points.size());
+  std::vector<Estimate> updated;
+  for (const TrendPoint* point : points) {
+    const Estimate& e = point->estimate;
+    summary.values.push_back(e.value);
+    summary.stds.push_back(e.std);
+    if (e.reason != EstimateReason::kUpdated) continue;
+    ++summary.updated;
+    summary.since = points.back()->sequence - point->sequence;
+    if (Known(e)) updated.push_back(e);
+  }
+  summary.change = ChangeOf(updated);
+  return summary;
+}
+
+double Median(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
+               values.end());
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Mean of the known values of each of `width` equal pieces; NaN where a piece has none.
+std::vector<double> PieceMeans(const std::vector<double>& values, std::size_t width) {
+  const std::size_t pieces = std::min(width, values.size());
+  std::vector<double> means;
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    double sum = 0, count = 0;
+    for (std::size_t i = piece * values.size() / pieces; i < (piece + 1) * values.size() / pieces; ++i) {
+      if (!std::isfinite(values[i])) continue;
+      sum += values[i];
+      count += 1;
+    }
+    means.push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
+  }
+  return means;
+}
+
+}  // namespace
+
+std::optional<double> TrendChange::Percent() const {
+  if (std::abs(from) < 2 * from_std) return std::nullopt;
+  return 100 * value / std::abs(from);
+}
+
+std::optional<double> TrendChange::PercentStd() const {
+  if (std::abs(from) < 2 * from_std) return std::nullopt;
+  return 100 * std / std::abs(from);
+}
+
+std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points) {
+  std::vector<std::string> order;
+  std::vector<std::vector<const TrendPoint*>> groups;
+  for (const TrendPoint& point : points) {
+    const auto found = std::find(order.begin(), order.end(), point.estimate.parameter);
+    const auto at = static_cast<std::size_t>(found - order.begin());
+    if (found == order.end()) {
+      order.push_back(point.estimate.parameter);
+      groups.emplace_back();
+    }
+    groups[at].push_back(&point);
+  }
+  std::vector<TrendSummary> summaries;
+  for (const auto& group : groups) summaries.push_back(Summarise(group));
+  return summaries;
+}
+
+std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width) {
+  static constexpr std::array<const char*, 8> kBlocks = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const std::vector<double> means = PieceMeans(values, width);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double mean : means) {
+    if (!std::isfinite(mean)) continue;
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  const double height = std::max(high - low, 4 * Median(stds));
+  const double bottom = (low + high - height) / 2;
+  std::string line;
+  for (const double mean : means) {
+    if (!std::isfinite(mean)) {
+      line += ' ';
+      continue;
+    }
+    const double share = height > 0 ? (mean - bottom) / height : 0.5;
+    line += kBlocks[static_cast<std::size_t>(std::clamp(share * kBlocks.size(), 0.0, kBlocks.size() - 1.0))];
+  }
+  return line;
+}
+
+}  // namespace hydroscope
