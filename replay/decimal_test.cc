@@ -36,6 +36,25 @@ TEST(Decimal, ReadsEveryFormatToTheSameBitsAsStrtod) {
   for (int i = 0; i < 10000; ++i)
     for (const char* format : formats) {
       const double sign = random() % 2 == 0 ? 1 : -1;
+      const std::string text = fmt::format(fmt::runtime(format), sign * std::pow(10.0, exponent(random)));
+      ASSERT_TRUE(SameBits(Read(text), std::strtod(text.c_str(), nullptr))) << text;
+      ASSERT_TRUE(SameBits(Read(text, '.', true), std::strtod(text.c_str(), nullptr))) << text;
+    }
+}
+
+TEST(Decimal, ReadsAnyDoubleBackFromItsShortestText) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 100000; ++i) {
+    const double value = std::bit_cast<double>(random());
+    if (!std::isfinite(value)) continue;
+    ASSERT_TRUE(SameBits(Read(fmt::format("{}", value)), value)) << fmt::format("{}", value);
+  }
+}
+
+TEST(Decimal, ReadsEveryNumberOfDigitsOnBothSidesOfThePoint) {
+  for (int whole = 0; whole <= 25; ++whole)
+    for (int fraction = 0; fraction <= 25; ++fraction) {
+      if (whole + fraction == 0) continue;
       const std::string_view digits = "9876543210987654321098765";
       const std::string text = fmt::format("-{}.{}", digits.substr(0, static_cast<std::size_t>(whole)),
                                            digits.substr(0, static_cast<std::size_t>(fraction)));
