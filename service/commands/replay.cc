@@ -1,10 +1,56 @@
 #include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "service/commands.h"
 #include "service/output.h"
+#include "service/replay_output.h"
+#include "service/replay_runner.h"
 
 namespace hydroscope {
+namespace {
 
-void AddReplayCommand(CLI::App&, int&) {}
+struct ReplayArguments {
+  ReplayOptions options;
+  std::string json;
+};
+
+int Run(const ReplayArguments& arguments) {
+  const auto outcome = RunReplay(arguments.options);
+  if (!outcome) return ReportError(outcome.error());
+  if (arguments.json != "-") std::cout << ReplayText(arguments.options, *outcome);
+  if (!arguments.json.empty())
+    if (const Status written = WriteJson(arguments.json, ReplayJson(arguments.options, *outcome)); !written)
+      return ReportError(written.error());
+  for (const LogReplay& replay : outcome->logs)
+    if (replay.status == ReplayStatus::kFailed)
+      std::cerr << "hydroscope: left out: " << replay.problem << "\n";
+  if (outcome->Failed()) return kWrongInput;
+  return outcome->Complete() ? kDone : kPartlyDone;
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  ReplayOptions& o = arguments->options;
+  CLI::App* command = app.add_subcommand(
+      "replay", "The live pipeline over historical logs: trends into a database, and a report");
+  command->add_option("log", o.logs, "Logs in the order of their recording (CSV, CSV.gz or MAT)")->required();
+  command->add_option("--machine,-m", o.machine_file, "Machine file (TOML)")->required();
+  command->add_option("--db,-d", o.database, "Trend database; created if it does not exist")->required();
+  command->add_option("--report,-r", o.report, "Write a maintenance report (one HTML page) to this file");
+  command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
+  command->footer(
+      "Each log continues where the machine's log before it ended: thirty logs are one history. A log that "
+      "is\n"
+      "in the database already is not stored twice; after a crash, call the same command again. A log that\n"
+      "cannot be read does not stop the others: exit code 4, with what was left out.\n"
+      "Examples:\n"
+      "  hydroscope replay press.csv --machine press.toml --db press.db --report press.html\n"
+      "  hydroscope replay logs/2024-*.csv.gz -m press.toml --db press.db --json result.json");
+  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+}
 
 }  // namespace hydroscope

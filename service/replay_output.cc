@@ -1,0 +1,169 @@
+#include "service/replay_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "service/fit_output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kNormal95 = 1.96;
+constexpr double kLitresPerMinute = 6e4;
+constexpr std::size_t kFindingsShown = 3;
+
+std::string StatusText(const LogReplay& replay) {
+  switch (replay.status) {
+    case ReplayStatus::kReplayed:
+      return "replayed";
+    case ReplayStatus::kContinued:
+      return fmt::format("continued ({} strokes were there)", replay.stored_before);
+    case ReplayStatus::kAlready:
+      return "already replayed";
+    case ReplayStatus::kFailed:
+      return "LEFT OUT";
+  }
+  return "";
+}
+
+std::string Percent(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? fmt::format("{:.1f} %", 100.0 * static_cast<double>(part) / static_cast<double>(whole))
+                   : "-";
+}
+
+std::string LogTable(const ReplayOutcome& outcome) {
+  std::size_t width = 3;
+  for (const LogReplay& r : outcome.logs) width = std::max(width, r.log.size());
+  std::string text = fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", "log", width, "rows",
+                                 "strokes", "used", "rejected", "flagged", "");
+  for (const LogReplay& r : outcome.logs) {
+    if (r.status == ReplayStatus::kFailed)
+      text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, "-", "-", "-", "-",
+                          "-", StatusText(r));
+    else
+      text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, r.summary.rows,
+                          r.run.strokes, Percent(r.summary.used, r.summary.rows), r.summary.rejected_rows,
+                          r.summary.FlaggedValues(), StatusText(r));
+  }
+  return text;
+}
+
+std::string Troubles(const ReplayOutcome& outcome) {
+  std::string text;
+  for (const LogReplay& r : outcome.logs) {
+    for (const std::string& note : r.notes) text += fmt::format("note: {}: {}\n", r.log, note);
+    if (r.status == ReplayStatus::kFailed) {
+      text += fmt::format("LEFT OUT: {}\n", r.problem);
+      continue;
+    }
+    if (!r.summary.stopped.empty())
+      text +=
+          fmt::format("PARTLY: {}: read up to row {}, then: {}\n", r.log, r.summary.rows, r.summary.stopped);
+    if (r.summary.rejected_rows > 0) {
+      text += fmt::format("PARTLY: {}: {} rows could not be read\n", r.log, r.summary.rejected_rows);
+      for (std::size_t i = 0; i < std::min(kFindingsShown, r.summary.findings.size()); ++i)
+        text += "  " + FindingText(r.summary.findings[i]) + "\n";
+    }
+    if (r.run.strokes == 0)
+      text += fmt::format(
+          "NO STROKE: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine "
+          "M.toml\n",
+          r.log, r.summary.gated, r.summary.rows, r.log);
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
+std::string ParameterTable(const ReplayOutcome& outcome) {
+  if (outcome.latest.empty())
+    return "\nNo parameter is identified yet: it takes one drawing stroke or more with enough equations.\n";
+  std::string text = fmt::format("\nafter stroke {} of this machine ({} runs in the database)\n",
+                                 outcome.strokes, outcome.runs.size());
+  text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
+  for (const Estimate& e : outcome.latest) {
+    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    text += fmt::format("{:<8} {:>12.5g} {:>12.5g} ... {:<9.5g}  {:<6}{}\n", e.parameter, shown(e.value),
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
+                        unit.name == "1" ? "-" : unit.name,
+                        e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
+  }
+  if (outcome.noise_floor > 0)
+    text += fmt::format(
+        "model error on strokes left out {:.3g} l/min, sensor noise alone would cause {:.3g} l/min (last "
+        "run)\n",
+        outcome.rms_holdout * kLitresPerMinute, outcome.noise_floor * kLitresPerMinute);
+  return text;
+}
+
+std::string SkippedTable(const ReplayOutcome& outcome) {
+  if (outcome.skipped.empty()) return {};
+  std::string text = "\nnot used, over all runs of this machine\n";
+  for (const SkippedItem& item : outcome.skipped)
+    if (item.rows > 0) text += fmt::format("{:>12}  {:<34} {}\n", item.rows, item.what, item.why);
+  return text;
+}
+
+std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  std::string text = fmt::format("\ndatabase: {} ({} strokes of \"{}\")\n", options.database, outcome.strokes,
+                                 outcome.machine.name);
+  if (!options.report.empty() && !outcome.runs.empty())
+    return text +
+           fmt::format("report:   {}\nnext:     open {} in a browser\n", options.report, options.report);
+  return text + fmt::format("next:     hydroscope trends --db {}\n", options.database);
+}
+
+nlohmann::json LogJson(const LogReplay& r) {
+  nlohmann::json findings = nlohmann::json::array();
+  for (const LogFinding& f : r.summary.findings)
+    findings.push_back(
+        {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
+  return {
+      {"log", r.log},
+      {"status", StatusName(r.status)},
+      {"error", r.problem.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.problem)},
+      {"stopped", r.summary.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.summary.stopped)},
+      {"run", r.run.id},
+      {"first_sequence", r.run.first_sequence},
+      {"strokes", r.run.strokes},
+      {"strokes_stored_before", r.stored_before},
+      {"rows", r.summary.rows},
+      {"rejected_rows", r.summary.rejected_rows},
+      {"gated_rows", r.summary.gated},
+      {"used_rows", r.summary.used},
+      {"discarded_strokes", r.summary.discarded_strokes},
+      {"flagged", r.summary.flagged},
+      {"absent", r.summary.absent},
+      {"findings", findings},
+      {"notes", r.notes}};
+}
+
+}  // namespace
+
+std::string ReplayText(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + SkippedTable(outcome) +
+         Next(options, outcome);
+}
+
+nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  nlohmann::json logs = nlohmann::json::array(), skipped = nlohmann::json::array();
+  for (const LogReplay& replay : outcome.logs) logs.push_back(LogJson(replay));
+  for (const SkippedItem& item : outcome.skipped)
+    skipped.push_back({{"what", item.what}, {"rows", item.rows}, {"why", item.why}});
+  return {{"machine", outcome.machine.name},
+          {"database", options.database},
+          {"report", options.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(options.report)},
+          {"complete", outcome.Complete()},
+          {"logs", logs},
+          {"runs", outcome.runs.size()},
+          {"strokes", outcome.strokes},
+          {"parameters", ParametersJson(outcome.latest)},
+          {"rms_holdout", outcome.rms_holdout * kLitresPerMinute},
+          {"noise_floor", outcome.noise_floor * kLitresPerMinute},
+          {"unit", "l/min"},
+          {"skipped", skipped}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "service/replay_runner.h"
+
+namespace hydroscope {
+
+/// Table of the logs, parameters with intervals, what was skipped and why, files written, what to do next.
+std::string ReplayText(const ReplayOptions& options, const ReplayOutcome& outcome);
+/// The JSON of docs/command_line.md.
+nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& outcome);
+
+}  // namespace hydroscope

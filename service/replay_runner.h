@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "core/result.h"
+#include "models/machine.h"
+#include "service/report.h"
+#include "service/run_summary.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+
+struct ReplayOptions {
+  std::vector<std::string> logs;  ///< in the order of their recording
+  std::string machine_file;
+  std::string database;
+  std::string report;  ///< HTML file to write, "" = none
+};
+
+enum class ReplayStatus {
+  kReplayed,   ///< read from beginning to end
+  kContinued,  ///< an earlier replay stopped in this log; its strokes were kept, the rest added
+  kAlready,    ///< an earlier replay stored it completely
+  kFailed,     ///< left out; `problem` says why
+};
+const char* StatusName(ReplayStatus status);
+
+/// What became of one log.
+struct LogReplay {
+  std::string log;
+  ReplayStatus status = ReplayStatus::kFailed;
+  std::string problem;  ///< why it was left out, or why it counts as partly done; "" if all is well
+  std::vector<std::string> notes;  ///< worth knowing, nothing to do
+  RunInfo run;
+  std::int64_t stored_before = 0;  ///< strokes an earlier replay had stored
+  RunSummary summary;
+};
+
+/// Everything a replay has to tell.
+struct ReplayOutcome {
+  Machine machine;
+  std::vector<LogReplay> logs;
+  std::vector<RunInfo> runs;                ///< all runs of the machine in the database
+  std::vector<Estimate> latest;             ///< parameters after the last stroke of the database
+  std::vector<SkippedItem> skipped;         ///< over all runs of the machine, and the logs left out now
+  std::int64_t strokes = 0;                 ///< in the database for this machine
+  double noise_floor = 0, rms_holdout = 0;  ///< m^3/s, of a fit over the last run's strokes; 0 = no fit
+
+  bool Complete() const;  ///< nothing was left out
+  bool Failed() const;    ///< not one log could be replayed
+};
+
+/// Sends logs through the live pipeline into the trend database, one run per log, each starting from the
+/// state the machine's run before left. Deterministic: the same logs into a fresh database give the same
+/// content. A replay that was killed continues: complete runs are skipped, the run under way is computed
+/// again from its starting state, and strokes already stored are not stored twice. A log that cannot be
+/// replayed does not keep the others from it. Errors: machine file or database cannot be used, report cannot
+/// be written.
+Result<ReplayOutcome> RunReplay(const ReplayOptions& options);
+
+}  // namespace hydroscope
