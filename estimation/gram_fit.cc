@@ -75,7 +75,9 @@ Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
   if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * equations.h * scale.asDiagonal());
-  if (ldlt.info() != Eigen::Success || !ldlt.isPositive() || ldlt.rcond() < 1e-13) return {};
+  // A pivot is the share of a regressor the others do not explain; rcond() passes over pivots of exactly zero.
+  const bool dependent = !(ldlt.vectorD().minCoeff() > 1e-13) || ldlt.rcond() < 1e-13;
+  if (ldlt.info() != Eigen::Success || dependent) return {};
   return scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * equations.g);
 }
 

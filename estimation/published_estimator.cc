@@ -30,11 +30,15 @@ RecursiveLeastSquares MakeRls(const EstimatorSpec& spec) {
 
 }  // namespace
 
+PublishedGeometry PublishedGeometry::From(const Machine& machine) {
+  return {machine.Geometry("A_A").value_or(KnownValue{}).value, machine.Geometry("p_t").value_or(KnownValue{}).value};
+}
+
 PublishedEstimator::PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model,
-                                       double piston_area, double period)
+                                       const PublishedGeometry& geometry, double period)
     : spec_(spec),
       model_(std::move(model)),
-      area_(piston_area),
+      geometry_(geometry),
       update_every_(std::max(1, static_cast<int>(std::lround(spec.update_period / period)))),
       pressure_(spec.moving_average, spec.symmetrical_derivative, period),
       position_(spec.moving_average, spec.symmetrical_derivative, period),
@@ -58,10 +62,11 @@ void PublishedEstimator::AddStretch(const Stretch& stretch, const SpanEquations&
 }
 
 void PublishedEstimator::Learn(double p, double p_rate, double z, double speed, double y) {
-  const double root = std::copysign(std::sqrt(std::abs(p)), p);
+  const double drop = p - geometry_.tank_pressure;
+  const double root = std::copysign(std::sqrt(std::abs(drop)), drop);
   const std::array<double, 4> u = {root * y / kRegressorScale[0], p_rate / kRegressorScale[1],
                                    z * p_rate / kRegressorScale[2], root / kRegressorScale[3]};
-  rls_.Update(u, area_ * speed / kOutputScale);
+  rls_.Update(u, geometry_.piston_area * speed / kOutputScale);
   squared_error_ += rls_.innovation() * rls_.innovation();
   errors_ += 1;
 }

@@ -1,0 +1,289 @@
+#include "estimation/stroke_segmenter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "models/die_cushion.h"
+#include "simulator/random.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kPeriod = 0.002;
+
+/// Only what the gate needs: z falls at `speed` inside the strokes, y_v is open throughout.
+Machine TestMachine() {
+  Machine machine;
+  machine.name = "test";
+  for (const char* name : {"p_A", "z", "y_v", "T_oil"}) {
+    SignalSpec signal;
+    signal.name = signal.column = name;
+    machine.signals.push_back(signal);
+  }
+  machine.geometry["A_A"] = {0.0125, 0};
+  machine.geometry["dp_nom"] = {35e5, 0};
+  machine.gate.bounds = {{"y_v", false, 0.02, std::nullopt}, {"z", true, std::nullopt, -0.004}};
+  return machine;
+}
+
+enum Signal { kPressure, kZ, kY, kOil };
+
+/// Rows of a machine that moves down for some time, rests, moves down again ...
+class Rows {
+ public:
+  Rows() { block_.signal.resize(4), block_.quality.resize(4); }
+  Rows& Draw(double seconds) { return Move(seconds, -0.05); }
+  Rows& Rest(double seconds) { return Move(seconds, 0.0); }
+  Rows& Flag(Signal signal, std::size_t row, Quality flag) {
+    block_.quality[signal][row] |= flag;
+    return *this;
+  }
+  /// Later rows are `by` s later, the first of them flagged in every channel.
+  Rows& Step(std::size_t row, double by, Quality flag) {
+    for (std::size_t k = row; k < block_.rows(); ++k) block_.time[k] += by;
+    for (auto& quality : block_.quality) quality[row] |= flag;
+    return *this;
+  }
+  SampleBlock& block() { return block_; }
+  std::size_t rows() const { return block_.rows(); }
+
+ private:
+  Rows& Move(double seconds, double speed) {
+    for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
+      z_ += speed * kPeriod;
+      block_.time.push_back(static_cast<double>(block_.rows()) * kPeriod);
+      const double values[] = {80e5 + 1e5 * random_.Normal(), z_ + 1e-5 * random_.Normal(),
+                               0.2 + 1e-3 * random_.Normal(), 313.15};
+      for (int s = 0; s < 4; ++s) {
+        block_.signal[s].push_back(values[s]);
+        block_.quality[s].push_back(quality::kGood);
+      }
+    }
+    return *this;
+  }
+
+  SampleBlock block_;
+  double z_ = 0.2;
+  RandomStream random_{7};
+};
+
+/// Everything the segmenter said.
+struct Heard {
+  struct Piece {
+    double begin;
+    bool continues;
+    int samples;
+    std::vector<double> pressure, position, spool;
+    bool operator==(const Piece&) const = default;
+  };
+  std::vector<Piece> pieces;
+  std::vector<StrokeSummary> strokes;
+  StrokeCounters totals;
+  std::int64_t discarded = 0, discard_calls = 0;
+};
+
+Heard Hear(const SampleBlock& all, std::size_t rows_per_block, const Machine& machine = TestMachine()) {
+  Heard heard;
+  const auto model = *BuildModel(machine);
+  StrokeSegmenter segmenter(
+      machine, model, WindowSamples{},
+      {[&](Stretch& s, double begin) {
+         const auto copy = [&](int c) { return std::vector<double>(s[c], s[c] + s.samples); };
+         heard.pieces.push_back(
+             {begin, s.continues, s.samples, copy(kPressureA), copy(kPosition), copy(kSpool)});
+       },
+       [&](const StrokeSummary& summary) { heard.strokes.push_back(summary); },
+       [&] { ++heard.discard_calls; }});
+  SampleBlock part;
+  for (std::size_t at = 0; at < all.rows(); at += rows_per_block) {
+    const std::size_t count = std::min(rows_per_block, all.rows() - at);
+    part.Resize(all.signal.size(), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      part.time[k] = all.time[at + k];
+      for (std::size_t s = 0; s < all.signal.size(); ++s) {
+        part.signal[s][k] = all.signal[s][at + k];
+        part.quality[s][k] = all.quality[s][at + k];
+      }
+    }
+    segmenter.Process(part);
+  }
+  segmenter.Finish();
+  heard.totals = segmenter.totals();
+  heard.discarded = segmenter.discarded_strokes();
+  return heard;
+}
+
+Heard Hear(Rows& rows) { return Hear(rows.block(), 1024); }
+
+std::int64_t Flagged(const Heard& heard, Quality flag) {
+  return heard.totals.flagged[std::countr_zero(flag)];
+}
+
+TEST(StrokeSegmenter, DoesNotDependOnHowRowsAreCutIntoBlocks) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.3).Rest(0.6).Draw(0.77).Rest(0.1).Draw(0.6).Rest(0.5).Draw(0.2).Rest(1.0);
+  rows.Flag(kPressure, 500, quality::kSpike)
+      .Flag(kOil, 600, quality::kMissing)
+      .Step(1000, 0.05, quality::kGap);
+  const Heard whole = Hear(rows.block(), rows.rows());
+  ASSERT_GE(whole.strokes.size(), 2u);
+  for (std::size_t size : {1, 7, 1024}) {
+    const Heard cut = Hear(rows.block(), size);
+    EXPECT_EQ(cut.pieces, whole.pieces) << size;
+    ASSERT_EQ(cut.strokes.size(), whole.strokes.size());
+    for (std::size_t k = 0; k < cut.strokes.size(); ++k) {
+      EXPECT_EQ(cut.strokes[k].begin, whole.strokes[k].begin);
+      EXPECT_EQ(cut.strokes[k].end, whole.strokes[k].end);
+      EXPECT_EQ(cut.strokes[k].mean_speed, whole.strokes[k].mean_speed);
+      EXPECT_EQ(cut.strokes[k].mean_pressure, whole.strokes[k].mean_pressure);
+      EXPECT_EQ(cut.strokes[k].counters.used, whole.strokes[k].counters.used);
+      EXPECT_EQ(cut.strokes[k].counters.flagged, whole.strokes[k].counters.flagged);
+    }
+  }
+}
+
+TEST(StrokeSegmenter, FindsTheStrokesWithTheirTimesAndSpeeds) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0).Rest(0.5).Draw(2.0).Rest(0.5);
+  const Heard heard = Hear(rows);
+  ASSERT_EQ(heard.strokes.size(), 2u);
+  EXPECT_NEAR(heard.strokes[0].begin, 0.5, 0.05);
+  EXPECT_NEAR(heard.strokes[0].end, 1.5, 0.05);
+  EXPECT_NEAR(heard.strokes[1].begin, 2.0, 0.05);
+  EXPECT_NEAR(heard.strokes[1].end, 4.0, 0.05);
+  EXPECT_EQ(heard.strokes[0].index, 0);
+  EXPECT_EQ(heard.strokes[1].index, 1);
+  EXPECT_NEAR(heard.strokes[1].mean_speed, 0.05, 0.002);
+  EXPECT_NEAR(heard.strokes[1].mean_pressure, 80e5, 0.1e5);
+  EXPECT_NEAR(heard.strokes[1].oil_temperature, 313.15, 1e-9);
+}
+
+TEST(StrokeSegmenter, EveryRowIsCountedOnce) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0).Rest(0.5).Draw(1.0).Rest(0.3);
+  const Heard heard = Hear(rows);
+  EXPECT_EQ(heard.totals.samples, static_cast<std::int64_t>(rows.rows()));
+  std::int64_t used = 0;
+  for (const auto& piece : heard.pieces) used += piece.samples - (piece.continues ? 1 : 0);
+  EXPECT_EQ(heard.totals.used, used);
+  EXPECT_GT(used, 800);
+  EXPECT_LE(used, heard.totals.gated);
+}
+
+TEST(StrokeSegmenter, PiecesOfASegmentShareOneSample) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.5).Rest(0.5);
+  const Heard heard = Hear(rows);
+  ASSERT_GE(heard.pieces.size(), 3u);
+  EXPECT_FALSE(heard.pieces[0].continues);
+  for (std::size_t k = 1; k < heard.pieces.size(); ++k) {
+    ASSERT_TRUE(heard.pieces[k].continues);
+    EXPECT_EQ(heard.pieces[k].pressure.front(), heard.pieces[k - 1].pressure.back());
+    EXPECT_EQ(heard.pieces[k].position.front(), heard.pieces[k - 1].position.back());
+    EXPECT_NEAR(heard.pieces[k].begin, heard.pieces[k - 1].begin + 0.4, 1e-9);
+  }
+}
+
+TEST(StrokeSegmenter, ABadValueEndsTheSegmentAndIsCounted) {
+  for (Quality flag : {quality::kMissing, quality::kSpike, quality::kStuck, quality::kOutOfRange}) {
+    Rows rows;
+    rows.Rest(0.5).Draw(1.5).Rest(0.5);
+    rows.Flag(kPressure, 600, flag);
+    rows.block().signal[kPressure][600] = std::numeric_limits<double>::quiet_NaN();
+    const Heard heard = Hear(rows);
+    ASSERT_EQ(heard.strokes.size(), 1u) << flag;  // the stroke goes on, the segment does not
+    EXPECT_EQ(Flagged(heard, flag), 1);
+    int segments = 0;
+    for (const auto& piece : heard.pieces) {
+      segments += !piece.continues;
+      for (double p : piece.pressure) EXPECT_TRUE(std::isfinite(p));
+      const double end = piece.begin + (piece.samples - (piece.continues ? 1.5 : 0.5)) * kPeriod;
+      EXPECT_FALSE(piece.begin <= 1.2 && end > 1.2)
+          << "the piece from " << piece.begin << " s holds the bad row";
+    }
+    EXPECT_EQ(segments, 2);
+  }
+}
+
+TEST(StrokeSegmenter, ABadValueInAChannelTheModelDoesNotNeedIsCountedOnly) {
+  Rows good, bad;
+  good.Rest(0.5).Draw(1.5).Rest(0.5);
+  bad.Rest(0.5).Draw(1.5).Rest(0.5);
+  bad.Flag(kOil, 600, quality::kMissing);
+  const Heard a = Hear(good), b = Hear(bad);
+  EXPECT_EQ(a.pieces, b.pieces);
+  EXPECT_EQ(Flagged(b, quality::kMissing), 1);
+}
+
+TEST(StrokeSegmenter, AGapRestartsTheBlockGridAtTheRowBehindIt) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.5).Rest(0.5);
+  rows.Step(603, 0.1, quality::kGap);
+  const Heard heard = Hear(rows);
+  ASSERT_EQ(heard.strokes.size(), 1u);
+  EXPECT_EQ(Flagged(heard, quality::kGap), 4);  // once per channel
+  bool found = false;
+  for (const auto& piece : heard.pieces)
+    found = found || (!piece.continues && std::abs(piece.begin - (603 * kPeriod + 0.1)) < 1e-9);
+  EXPECT_TRUE(found);
+}
+
+TEST(StrokeSegmenter, ALongGapAndAClockJumpEndTheStroke) {
+  for (double by : {2.0, 3600.0, -3600.0}) {
+    Rows rows;
+    rows.Rest(0.5).Draw(2.0).Rest(0.5);
+    rows.Step(700, by, by > 10 ? quality::kClockJump : by > 0 ? quality::kGap : quality::kTimeBackwards);
+    const Heard heard = Hear(rows);
+    ASSERT_EQ(heard.strokes.size(), 2u) << by;
+    EXPECT_NEAR(heard.strokes[0].end, 1.4, 0.05);
+    EXPECT_NEAR(heard.strokes[1].begin, 1.4 + by, 0.05);
+    for (const auto& stroke : heard.strokes) EXPECT_LT(std::abs(stroke.end - stroke.begin), 1.2) << by;
+  }
+}
+
+TEST(StrokeSegmenter, AShortPauseDoesNotEndAStrokeALongOneDoes) {
+  Rows close, apart;
+  close.Rest(0.5).Draw(1.0).Rest(0.15).Draw(1.0).Rest(0.5);
+  apart.Rest(0.5).Draw(1.0).Rest(0.40).Draw(1.0).Rest(0.5);
+  EXPECT_EQ(Hear(close).strokes.size(), 1u);
+  EXPECT_EQ(Hear(apart).strokes.size(), 2u);
+}
+
+TEST(StrokeSegmenter, AShortStrokeIsDiscardedAndCounted) {
+  Rows rows;
+  rows.Rest(0.5).Draw(0.2).Rest(0.5).Draw(1.0).Rest(0.5);
+  const Heard heard = Hear(rows);
+  ASSERT_EQ(heard.strokes.size(), 1u);
+  EXPECT_EQ(heard.discarded, 1);
+  EXPECT_EQ(heard.discard_calls, 1);
+  EXPECT_NEAR(heard.strokes[0].begin, 1.2, 0.05);
+  EXPECT_EQ(heard.strokes[0].index, 0);
+  EXPECT_EQ(heard.totals.used, heard.strokes[0].counters.used);  // nothing of the short one
+}
+
+TEST(StrokeSegmenter, TheGateMayLookAtASignalTheModelDoesNotRead) {
+  Machine machine = TestMachine();
+  machine.gate.bounds = {{"T_oil", false, 300.0, std::nullopt}, {"z", true, std::nullopt, -0.004}};
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0).Rest(0.5);
+  rows.Flag(kOil, 400, quality::kMissing);
+  const Heard heard = Hear(rows.block(), 1024, machine);
+  EXPECT_EQ(heard.strokes.size(), 1u);
+  const auto begins = [](const Heard::Piece& piece) { return !piece.continues; };
+  EXPECT_EQ(std::count_if(heard.pieces.begin(), heard.pieces.end(), begins), 2);
+}
+
+TEST(StrokeSegmenter, ALogThatEndsInsideAStrokeKeepsTheWholeBlocksOfIt) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0);
+  const Heard heard = Hear(rows);
+  ASSERT_EQ(heard.strokes.size(), 1u);
+  EXPECT_NEAR(heard.strokes[0].end, 1.5, 0.021);
+}
+
+}  // namespace
+}  // namespace hydroscope
