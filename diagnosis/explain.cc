@@ -18,6 +18,9 @@ double TwoSidedP(double t, double degrees) {
   return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), std::abs(t)));
 }
 
+/// An effect this many times its typical size must stand out, else these strokes cannot test it.
+constexpr double kMattersTimes = 5.0;
+
 /// A model under construction: effects chosen so far and their fit.
 struct Model {
   std::vector<EffectChoice> choices;
@@ -37,8 +40,15 @@ class Explainer {
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
   std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> SearchPairs(const std::vector<RankedEffect>& ranking) const;
+  /// Held-out error energy removed, in noise variances, less the price of nonlinear parameters.
   double Gain(const ExtendedFit& from, const ExtendedFit& to) const {
-    return (from.excess.sum() - to.excess.sum()) / noise_;
+    return (from.excess.sum() - to.excess.sum()) / noise_ - Cost(to) + Cost(from);
+  }
+  double Cost(const ExtendedFit& fit) const {
+    std::size_t nonlinear = 0;
+    for (const EffectEstimate& e : fit.effects)
+      nonlinear += strokes_.model().effects[e.choice.effect]->nonlinear.size();
+    return options_.nonlinear_cost * static_cast<double>(nonlinear);
   }
 
   const StrokeSet& strokes_;
@@ -51,30 +61,34 @@ RankedEffect Explainer::Try(const Model& on, int index) const {
   RankedEffect ranked;
   ranked.effect = index;
   ranked.id = effect.id;
-  ranked.why_not = "its signature was not excited in these strokes";
-  for (int shape = 0; shape < static_cast<int>(effect.shapes.size()); ++shape) {
+  ranked.why_not = "its signals did not move in these strokes";
+  const double degrees = strokes_.strokes() - 1.0;
+  for (int shape = 0; shape < static_cast<int>(strokes_.model().effect_shapes[index].size()); ++shape) {
     std::vector<EffectChoice> choices = on.choices;
     choices.push_back({index, shape});
     if (!strokes_.Measured(choices.back())) continue;
     ExtendedFit fit = strokes_.Fit(choices);
-    if (!fit.solved || fit.effects.back().independent < options_.min_independent) {
-      if (!ranked.testable) ranked.why_not = "these strokes cannot tell it from the parameters of the model";
+    if (!fit.solved) {
+      ranked.why_not = "these strokes cannot tell it from the parameters of the model";
       continue;
     }
-    ranked.testable = true;
-    const bool admissible = std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; });
-    const double gain = Gain(on.fit, fit);
-    if (ranked.fit.solved && (!admissible || gain <= ranked.gain)) continue;
-    if (!admissible) continue;
     const EffectEstimate& size = fit.effects.back();
-    const double student = StudentFactor(strokes_.strokes() - 1.0);
-    const double t = size.size / (size.std / student);
+    // Testable: a size that matters would stand out of the noise.
+    ranked.testable = ranked.testable || options_.min_t * std::max(size.model_std, size.std) < kMattersTimes * effect.typical;
+    if (!std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; })) continue;
+    const double gain = Gain(on.fit, fit);
+    if (ranked.fit.solved && gain <= ranked.gain) continue;
+    const double t = size.size / (size.std / StudentFactor(degrees));
     ranked.gain = gain;
-    ranked.p_value = TwoSidedP(t, strokes_.strokes() - 1.0);
+    ranked.p_value = TwoSidedP(t, degrees);
     ranked.significant = gain > options_.min_gain && std::abs(t) > options_.min_t;
+    ranked.nonlinear = strokes_.model().effect_shapes[index][shape].nonlinear;
     ranked.fit = std::move(fit);
   }
-  if (ranked.testable) ranked.why_not = ranked.fit.solved ? "" : "the data ask for a size physics forbids";
+  if (ranked.testable)
+    ranked.why_not = ranked.fit.solved ? "" : "the data ask for a size physics forbids";
+  else if (ranked.fit.solved)
+    ranked.why_not = "these strokes excite it too little: even a large one would hide in the other parameters";
   return ranked;
 }
 
@@ -98,8 +112,8 @@ bool Explainer::AtFloor(const ExtendedFit& fit, const ExtendedFit& base) const {
 }
 
 bool Explainer::IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const {
+  if (Gain(candidate, best) < options_.rival_gain) return true;
   const Eigen::VectorXd worse = (candidate.excess - best.excess) / noise_;
-  if (worse.sum() < options_.rival_gain) return true;
   const double n = static_cast<double>(worse.size());
   const double mean = worse.mean();
   const double deviation = std::sqrt((worse.array() - mean).square().sum() / (n - 1) / n);
@@ -131,8 +145,7 @@ std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer
       if (!pair.model.fit.solved) continue;
       pair.significant = true;
       for (const EffectEstimate& e : pair.model.fit.effects)
-        pair.significant = pair.significant && e.admissible && e.independent > options_.min_independent &&
-                           std::abs(e.size) > options_.min_t * e.std / student;
+        pair.significant = pair.significant && e.admissible && std::abs(e.size) > options_.min_t * e.std / student;
       pair.gain = Gain(ranking.front().fit, pair.model.fit);
       if (pair.significant && pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
     }
@@ -175,7 +188,8 @@ Explanation Explainer::Run() {
       out.groups = pair->second;
     }
   } else if (options_.max_effects > 1) {
-    const std::vector<RankedEffect> second = Rank(model);
+    out.second = Rank(model);
+    const std::vector<RankedEffect>& second = out.second;
     if (!second.empty() && second.front().significant && second.front().gain > 0.01 * best.gain) {
       model.choices.push_back(second.front().fit.effects.back().choice);
       model.fit = second.front().fit;
@@ -187,6 +201,7 @@ Explanation Explainer::Run() {
     out.steps.push_back({strokes_.model().effects[model.choices[k].effect]->id, partial.rms_holdout, partial.excess_ratio});
   }
   out.final = model.fit;
+  out.chosen = model.choices;
   if (!AtFloor(model.fit, out.base)) {
     out.verdict = Verdict::kUnknown;
     out.partial = true;
@@ -218,5 +233,47 @@ const char* VerdictName(Verdict verdict) {
 }
 
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) { return Explainer(strokes, options).Run(); }
+
+Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
+                           const WindowSamples& window, const ExplainOptions& options) {
+  constexpr int kRounds = 3;
+  constexpr double kClose = 0.3;  // refine effects that gain this share of the best
+  Explanation out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
+  for (int round = 0; round < kRounds; ++round) {
+    // The effects in the model, each given the others; then those that come close to the best as the only one.
+    std::vector<std::pair<EffectChoice, std::vector<EffectChoice>>> work;
+    for (const EffectChoice& chosen : out.chosen) {
+      std::vector<EffectChoice> others = out.chosen;
+      std::erase(others, chosen);
+      work.emplace_back(chosen, others);
+    }
+    if (round == 0) {
+      for (const RankedEffect& r : out.ranking)
+        if (r.significant && r.gain > kClose * out.ranking.front().gain) work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{});
+      for (const RankedEffect& r : out.second)
+        if (r.significant && r.gain > kClose * out.second.front().gain)
+          work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{r.fit.effects.front().choice});
+    }
+    auto refined = std::make_shared<ModelStructure>(*model);
+    bool changed = false;
+    for (const auto& [choice, others] : work) {
+      if (model->effects[choice.effect]->nonlinear.empty()) continue;
+      const std::vector<double> values = RefineNonlinear(*model, strokes, window, others, choice);
+      if (values == model->effect_shapes[choice.effect][choice.shape].nonlinear) continue;
+      AddShape(*refined, choice.effect, values);
+      changed = true;
+    }
+    if (!changed) return out;
+    const std::size_t effects_before = out.chosen.size();
+    const double excess_before = out.final.excess_ratio;
+    model = refined;
+    out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
+    const bool settled = out.chosen.size() == effects_before && excess_before - out.final.excess_ratio < 0.005;
+    if (settled || out.chosen.size() < 2) {
+      if (round > 0 || out.verdict != Verdict::kUnknown) return out;
+    }
+  }
+  return out;
+}
 
 }  // namespace hydroscope

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
+#include "diagnosis/refine.h"
 
 namespace hydroscope {
 
@@ -19,11 +20,11 @@ const char* VerdictName(Verdict verdict);
 
 /// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
 struct ExplainOptions {
-  double min_gain = 20.0;        ///< held-out error energy an effect must remove, in units of the noise variance
+  double min_gain = 30.0;        ///< held-out error energy an effect must remove, in units of the noise variance
   double min_t = 4.0;            ///< size over its stroke-clustered standard error
-  double min_independent = 2e-3; ///< share of a regressor the model must not be able to mimic to call it testable
-  double floor_excess = 0.12;    ///< model error energy over noise energy that still counts as at the floor
-  double removed_share = 0.9;    ///< ... or this share of the base model's excess removed
+  double floor_excess = 0.15;    ///< model error energy over noise energy that still counts as at the floor
+  double removed_share = 0.95;   ///< ... or this share of the base model's excess removed
+  double nonlinear_cost = 12.0;  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
   double rival_gain = 12.0;      ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;          ///< ... and those whose stroke-wise loss is not worse by this many standard errors
   int max_effects = 2;           ///< effects hidden at once that are looked for
@@ -34,6 +35,7 @@ struct ExplainOptions {
 struct RankedEffect {
   int effect = 0;                ///< index into ModelStructure::effects
   std::string id;
+  std::vector<double> nonlinear; ///< values of the effect's nonlinear parameters, SI
   bool testable = false;
   std::string why_not;           ///< why it cannot be tested with these data
   bool significant = false;
@@ -54,7 +56,9 @@ struct Explanation {
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it, best first
   bool partial = false;                          ///< unknown, but the first of `ranking` explains part of it
   ExtendedFit base, final;
+  std::vector<EffectChoice> chosen;              ///< effects of `final`
   std::vector<RankedEffect> ranking;             ///< on the base model, best first
+  std::vector<RankedEffect> second;              ///< on the base model and the first effect, best first
   std::vector<ExplainStep> steps;
 };
 
@@ -62,5 +66,10 @@ struct Explanation {
 /// Chain: score on held-out strokes, significance by stroke, rivals (model confidence set after Hansen, Lunde, Nason
 /// 2011, by paired stroke-wise losses), adequacy gate against the noise floor.
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});
+
+/// The same with the samples at hand: thresholds, widths and exponents of the effects that come close are refined on
+/// the samples before the verdict.
+Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
+                           const WindowSamples& window, const ExplainOptions& options = {});
 
 }  // namespace hydroscope

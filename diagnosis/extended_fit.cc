@@ -63,11 +63,9 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
 }
 
 bool StrokeSet::Measured(const EffectChoice& choice) const {
-  const Effect& effect = *model_->effects[choice.effect];
-  const int first = model_->effect_first_column[choice.effect];
-  for (int offset : effect.shapes[choice.shape].columns)
+  for (int column : model_->effect_shapes[choice.effect][choice.shape].columns)
     for (const Eigen::MatrixXd& gram : clean_)
-      if (gram(first + offset, first + offset) != 0.0) return true;
+      if (gram(column, column) != 0.0) return true;
   return false;
 }
 
@@ -75,12 +73,11 @@ SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices, const 
   SparseColumns columns;
   for (int c = 0; c < model_->base_count; ++c) columns.push_back({{c, 1.0}});
   for (std::size_t k = 0; k < choices.size(); ++k) {
-    const EffectShape& shape = model_->effects[choices[k].effect]->shapes[choices[k].shape];
-    const int first = model_->effect_first_column[choices[k].effect];
+    const EffectShape& shape = model_->effect_shapes[choices[k].effect][choices[k].shape];
     const double size = theta.size() > model_->base_count ? theta[model_->base_count + k] : 0.0;
     const std::vector<double> weights = shape.weights({theta.head(model_->base_count), size});
     std::vector<std::pair<int, double>> column;
-    for (std::size_t j = 0; j < weights.size(); ++j) column.emplace_back(first + shape.columns[j], weights[j]);
+    for (std::size_t j = 0; j < weights.size(); ++j) column.emplace_back(shape.columns[j], weights[j]);
     columns.push_back(std::move(column));
   }
   columns.push_back({{model_->output_column(), 1.0}});

@@ -15,7 +15,7 @@ namespace hydroscope {
 /// An effect of the model's library in one of its shapes.
 struct EffectChoice {
   int effect = 0;  ///< index into ModelStructure::effects
-  int shape = 0;   ///< index into Effect::shapes
+  int shape = 0;   ///< index into ModelStructure::effect_shapes[effect]
   bool operator==(const EffectChoice&) const = default;
 };
 

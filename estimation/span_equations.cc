@@ -38,6 +38,7 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   FillIntegratedNoise(stretch, blocks);
   FillFlows(blocks, stretch.continues, begin);
   out_.blocks = blocks;
+  out_.begin = begin;
   return out_;
 }
 

@@ -29,6 +29,7 @@ struct SpanEquations {
   Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
+  double begin = 0;               ///< s, first new sample
 };
 
 /// How blocks, spans and windows count in samples.

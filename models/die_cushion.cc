@@ -24,9 +24,14 @@ double NoiseCorrectedRoot(double dp, double variance) {
   return std::copysign(std::sqrt(magnitude) * correction, dp);
 }
 
-/// Derivative by a triangular window of +-`half` samples: mean of the samples after minus mean of those before. The
-/// first and last `half` samples repeat the nearest full window; a shorter one would be mostly noise.
-void SmoothRate(const std::vector<double>& x, int n, int half, double period, std::vector<double>& rate) {
+/// What the first and last samples of a smoothed derivative get, where a full window does not fit.
+enum class Ends {
+  kHold,    ///< the nearest full window's value: fast signals
+  kExtend,  ///< the line through the nearest windows: smooth signals
+};
+
+/// Derivative by a triangular window of +-`half` samples: mean of the samples after minus mean of those before.
+void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends, std::vector<double>& rate) {
   const int m = std::clamp((n - 1) / 2, 1, half);
   if (n < 3) {
     std::fill_n(rate.begin(), n, 0.0);
@@ -45,8 +50,15 @@ void SmoothRate(const std::vector<double>& x, int n, int half, double period, st
       after += x[k + m + 1] - x[k + 1];
     }
   }
-  std::fill_n(rate.begin(), m, rate[m]);
-  std::fill(rate.begin() + (n - m), rate.begin() + n, rate[n - m - 1]);
+  const int last = n - m - 1;
+  const int reach = std::min(2 * m, last - m);
+  const bool extend = ends == Ends::kExtend && reach > 0;
+  const double rise = extend ? (rate[m + reach] - rate[m]) / reach : 0.0;
+  const double fall = extend ? (rate[last] - rate[last - reach]) / reach : 0.0;
+  for (int k = 1; k <= m; ++k) {
+    rate[m - k] = rate[m] - k * rise;
+    rate[last + k] = rate[last] + k * fall;
+  }
 }
 
 void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
@@ -59,8 +71,8 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
   const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
-  SmoothRate(s.channel[kPosition], s.samples, half, s.period, s.channel[kSpeed]);
-  SmoothRate(p, s.samples, half, s.period, s.channel[kPressureRate]);
+  SmoothRate(s.channel[kPosition], s.samples, half, s.period, Ends::kExtend, s.channel[kSpeed]);
+  SmoothRate(p, s.samples, half, s.period, Ends::kHold, s.channel[kPressureRate]);
 }
 
 std::vector<Column> BaseColumns(double area) {

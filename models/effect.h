@@ -10,13 +10,6 @@
 
 namespace hydroscope {
 
-/// What the weights of a composite effect may depend on: the base regression parameters (SI, in the order of
-/// ModelStructure::parameters) and the present estimate of the effect's own linear parameter (0 at first).
-struct ShapeContext {
-  Eigen::VectorXd theta;
-  double size = 0.0;
-};
-
 /// A number of the effect that does not enter linearly: threshold, dead band, exponent, width.
 struct NonlinearParameter {
   std::string name;
@@ -24,13 +17,14 @@ struct NonlinearParameter {
   double min = 0, max = 0;  ///< SI, admissible
 };
 
-/// One way the effect can look in the stacked columns: its regressor is sum_j weight_j * column_j, with weights that
-/// may depend on the base parameters; `nonlinear` are the values of the nonlinear parameters this shape stands for.
-struct EffectShape {
-  std::vector<int> columns;  ///< offsets into the effect's own columns
+/// The effect at given values of its nonlinear parameters: its regressor is sum_j weight_j * column_j, with weights that
+/// may depend on the base parameters.
+struct EffectVariant {
+  std::vector<Column::Fill> columns;
   std::function<std::vector<double>(const ShapeContext&)> weights;  ///< one per column
-  std::vector<double> nonlinear;
 };
+/// The common case: one column with weight 1.
+EffectVariant PlainVariant(Column::Fill column);
 
 /// A physical effect that the base model may be missing. One law, one file in models/effects/.
 struct Effect {
@@ -47,8 +41,10 @@ struct Effect {
   std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
   std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
   std::vector<int> channels; ///< DieCushionChannel needed beyond the base model's
-  std::vector<Column> columns;
-  std::vector<EffectShape> shapes;
+  /// The effect at values of `nonlinear`, in their order.
+  std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
+  /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.
+  std::vector<std::vector<double>> grid = {{}};
 };
 
 /// Geometry the effects need.
@@ -58,10 +54,10 @@ struct CushionGeometry {
   double stroke = 0.2;        ///< m, working stroke, positions run 0 ... stroke
 };
 
-/// A shape that is one column with weight 1, the common case.
-EffectShape PlainShape(int column, std::vector<double> nonlinear = {});
+/// Appends the effect's columns at these nonlinear values to the model as one more shape of effect `index`.
+void AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear);
 
-/// Appends the columns of every effect whose channels the machine measures.
+/// Appends every effect whose channels the machine measures, with the shapes of its grid.
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model);
 
 /// All effects of the die cushion, built for one machine, in fixed order.

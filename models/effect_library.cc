@@ -1,11 +1,14 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "models/effects/effects.h"
 
 namespace hydroscope {
 
-EffectShape PlainShape(int column, std::vector<double> nonlinear) {
-  return {{column}, [](const ShapeContext&) { return std::vector<double>{1.0}; }, std::move(nonlinear)};
+EffectVariant PlainVariant(Column::Fill column) {
+  return {{std::move(column)}, [](const ShapeContext&) { return std::vector<double>{1.0}; }};
 }
 
 std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry) {
@@ -19,14 +22,29 @@ std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeomet
   return library;
 }
 
+void AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear) {
+  const Effect& effect = *model.effects[index];
+  EffectVariant variant = effect.variant(nonlinear);
+  EffectShape shape{{}, std::move(variant.weights), nonlinear};
+  for (std::size_t j = 0; j < variant.columns.size(); ++j) {
+    std::string name = effect.id;
+    if (!nonlinear.empty()) name += fmt::format("[{:g}]", fmt::join(nonlinear, ","));
+    if (variant.columns.size() > 1) name += fmt::format(".{}", j);
+    shape.columns.push_back(model.column_count());
+    model.columns.push_back({std::move(name), std::move(variant.columns[j])});
+  }
+  model.effect_shapes[index].push_back(std::move(shape));
+}
+
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model) {
   for (auto& effect : effects) {
     const bool measured = std::all_of(effect->channels.begin(), effect->channels.end(),
                                       [&](int channel) { return model.channel_source[channel] >= 0; });
     if (!measured) continue;
-    model.effect_first_column.push_back(model.column_count());
-    model.columns.insert(model.columns.end(), effect->columns.begin(), effect->columns.end());
     model.effects.push_back(std::move(effect));
+    model.effect_shapes.emplace_back();
+    for (const std::vector<double>& nonlinear : model.effects.back()->grid)
+      AddShape(model, static_cast<int>(model.effects.size()) - 1, nonlinear);
   }
 }
 

@@ -19,8 +19,23 @@ struct Effect;
 /// One column of the stacked balance: fills `increments` (samples - 1 entries, output unit per unit parameter, times s).
 /// `state` is one number the column may keep from stretch to stretch (play of a hysteresis); 0 at the start.
 struct Column {
+  using Fill = std::function<void(const Stretch&, double& state, std::span<double> increments)>;
   std::string name;
-  std::function<void(const Stretch&, double& state, std::span<double> increments)> fill;
+  Fill fill;
+};
+
+/// What the weights of a composite effect may depend on: the base regression parameters (SI, in the order of
+/// ModelStructure::parameters) and the present estimate of the effect's own linear parameter (0 at first).
+struct ShapeContext {
+  Eigen::VectorXd theta;
+  double size = 0.0;
+};
+
+/// One way an effect of the library looks in the columns: regressor = sum_j weight_j * column_j.
+struct EffectShape {
+  std::vector<int> columns;
+  std::function<std::vector<double>(const ShapeContext&)> weights;
+  std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
 };
 
 /// A physical parameter computed from the regression parameters, with its gradient for the propagated interval.
@@ -44,7 +59,7 @@ struct ModelStructure {
   std::vector<std::string> channel_names; ///< channels of Stretch, measured ones first
   std::vector<int> channel_source;        ///< machine signal index of each measured channel, -1 = not measured
   std::vector<std::shared_ptr<const Effect>> effects;  ///< library effects whose columns are in `columns`
-  std::vector<int> effect_first_column;   ///< first column of each of `effects`
+  std::vector<std::vector<EffectShape>> effect_shapes;     ///< shapes of each of `effects`
   std::string output_unit;                ///< SI unit of the flow form, "m3/s"
 
   /// Fills the derived channels of a stretch whose measured channels are there.

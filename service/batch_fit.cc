@@ -16,15 +16,45 @@ std::vector<StrokeGram> LogStrokes::Grams() const {
   return grams;
 }
 
-Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, const Pipeline::EquationTap& tap) {
+StrokeCollector::StrokeCollector(const Machine& machine, KeepSamples keep) : keep_(keep) { out_.machine = machine; }
+
+Pipeline::RecordSink StrokeCollector::Sink() {
+  return [this](StrokeRecord&& record) {
+    if (keep_ == KeepSamples::kYes && kept_ < kMaxKeptSamples) {
+      StrokeStretches stroke;
+      for (auto& [begin, stretch] : pending_)
+        if (begin >= record.summary.begin) stroke.push_back(std::move(stretch));
+      out_.stretches.push_back(std::move(stroke));
+    }
+    pending_.clear();
+    out_.strokes.push_back(std::move(record));
+  };
+}
+
+Pipeline::EquationTap StrokeCollector::Tap() {
+  if (keep_ == KeepSamples::kNo) return {};
+  return [this](const Stretch& stretch, const SpanEquations& equations) {
+    if (kept_ >= kMaxKeptSamples) return;
+    kept_ += stretch.samples;
+    pending_.emplace_back(equations.begin, stretch);
+  };
+}
+
+LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
+  out_.totals = pipeline.totals();
+  out_.discarded_strokes = pipeline.discarded_strokes();
+  out_.window = pipeline.window();
+  out_.model = pipeline.shared_model();
+  return std::move(out_);
+}
+
+Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep) {
   auto reader = OpenLog(log, machine);
   if (!reader) return tl::unexpected(reader.error());
-  LogStrokes out;
-  out.machine = machine;
-  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(),
-                                   [&](StrokeRecord&& record) { out.strokes.push_back(std::move(record)); });
+  StrokeCollector collector(machine, keep);
+  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), collector.Sink());
   if (!pipeline) return tl::unexpected(pipeline.error());
-  (*pipeline)->set_tap(tap);
+  (*pipeline)->set_tap(collector.Tap());
   QualityMonitor monitor(machine, (*reader)->SamplePeriod());
   ProgressBar progress("reading", "rows");
   SampleBlock block;
@@ -36,12 +66,11 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, c
     (*pipeline)->Process(block);
     progress.Update((*reader)->Progress(), (*reader)->counters().rows);
   }
+  monitor.Flush(block);
+  (*pipeline)->Process(block);
   (*pipeline)->Finish();
-  out.totals = (*pipeline)->totals();
-  out.discarded_strokes = (*pipeline)->discarded_strokes();
+  LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
-  out.window = (*pipeline)->window();
-  out.model = (*pipeline)->shared_model();
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/result.h"
 #include "core/stroke_record.h"
+#include "diagnosis/refine.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
 #include "replay/log_reader.h"
@@ -21,12 +22,34 @@ struct LogStrokes {
   LogCounters reader;
   WindowSamples window;
   std::shared_ptr<const ModelStructure> model;
+  std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 
   std::vector<StrokeGram> Grams() const;
 };
 
-/// Reads a whole log through quality monitor and pipeline; progress on stderr. `tap` may be empty.
-Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, const Pipeline::EquationTap& tap = {});
+/// Whether to keep the gated samples in memory, for refining effects and for locating errors.
+enum class KeepSamples { kNo, kYes };
+/// Samples kept at most, some 150 MB.
+inline constexpr std::int64_t kMaxKeptSamples = 2'000'000;
+
+/// Collects what a pipeline says into LogStrokes.
+class StrokeCollector {
+ public:
+  StrokeCollector(const Machine& machine, KeepSamples keep);
+  Pipeline::RecordSink Sink();
+  Pipeline::EquationTap Tap();
+  /// Takes totals from the finished pipeline and hands everything over.
+  LogStrokes Finish(const Pipeline& pipeline);
+
+ private:
+  LogStrokes out_;
+  KeepSamples keep_;
+  std::int64_t kept_ = 0;
+  std::vector<std::pair<double, Stretch>> pending_;  ///< stretches with their begin, stroke not over yet
+};
+
+/// Reads a whole log through quality monitor and pipeline; progress on stderr.
+Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep = KeepSamples::kNo);
 
 struct FitResult {
   LogStrokes log;

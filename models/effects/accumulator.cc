@@ -1,8 +1,6 @@
 #include <array>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -35,14 +33,13 @@ Effect Accumulator(const CushionGeometry&) {
   e.plain =
       "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left open, a "
       "trapped air pocket, a soft hose.";
-  for (double precharge : {40e5, 80e5, 120e5, 160e5}) {
-    e.shapes.push_back(PlainShape(static_cast<int>(e.columns.size()), {precharge}));
-    e.columns.push_back({fmt::format("accumulator_{:.0f}bar", precharge / 1e5),
-                         [precharge](const Stretch& s, double&, std::span<double> out) {
-                           const double* p = s[kPressureA];
-                           Differences(s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
-                         }});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    return PlainVariant([precharge = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double* p = s[kPressureA];
+      Differences(s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
+    });
+  };
+  e.grid = {{40e5}, {80e5}, {120e5}, {160e5}};
   return e;
 }
 

@@ -14,18 +14,18 @@ double Compressed(double gauge, double exponent) {
   return 1.0 - (exponent == 1.0 ? ratio : std::pow(ratio, 1.0 / exponent));
 }
 
-Column DeadVolume(double exponent, const char* name) {
-  return {name, [exponent](const Stretch& s, double&, std::span<double> out) {
+Column::Fill DeadVolume(double exponent) {
+  return [exponent](const Stretch& s, double&, std::span<double> out) {
             const double* p = s[kPressureA];
             Differences(s, [=](int k) { return -Compressed(p[k], exponent); }, out);
-          }};
+          };
 }
 
-Column StrokeVolume(double exponent, const char* name) {
-  return {name, [exponent](const Stretch& s, double&, std::span<double> out) {
+Column::Fill StrokeVolume(double exponent) {
+  return [exponent](const Stretch& s, double&, std::span<double> out) {
             const double *p = s[kPressureA], *z = s[kPosition];
             IntegrateOver(s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], exponent); }, out);
-          }};
+          };
 }
 
 }  // namespace
@@ -48,12 +48,13 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.plain =
       "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, a leaking "
       "suction line, a column not bled after repair.";
-  e.columns = {DeadVolume(1.0, "entrained_air_dead_n1"), StrokeVolume(1.0, "entrained_air_stroke_n1"),
-               DeadVolume(1.4, "entrained_air_dead_n1.4"), StrokeVolume(1.4, "entrained_air_stroke_n1.4")};
-  const auto weights = [area = geometry.piston_area](const ShapeContext& c) {
-    return std::vector<double>{area * c.theta[1] / c.theta[2], area};
+  e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
+    const double exponent = nonlinear[0];
+    return EffectVariant{{DeadVolume(exponent), StrokeVolume(exponent)}, [area](const ShapeContext& c) {
+                           return std::vector<double>{area * c.theta[1] / c.theta[2], area};
+                         }};
   };
-  e.shapes = {{{0, 1}, weights, {1.0}}, {{2, 3}, weights, {1.4}}};
+  e.grid = {{1.0}, {1.4}};
   return e;
 }
 

@@ -18,11 +18,12 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.plain =
       "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check or "
       "drain valve, a valve body worn through to tank.";
-  e.columns = {{"external_leakage", [tank = geometry.tank_pressure](const Stretch& s, double&, std::span<double> out) {
-                  const double* a = s[kPressureA];
-                  IntegrateOverTime(s, [=](int k) { return tank - a[k]; }, out);
-                }}};
-  e.shapes = {PlainShape(0)};
+  e.variant = [tank = geometry.tank_pressure](const auto&) {
+    return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
+      const double* a = s[kPressureA];
+      IntegrateOverTime(s, [=](int k) { return tank - a[k]; }, out);
+    });
+  };
   return e;
 }
 

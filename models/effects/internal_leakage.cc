@@ -19,11 +19,12 @@ Effect InternalLeakage(const CushionGeometry&) {
       "Oil passes the piston seal from one chamber to the other; look for: the cushion sinks when held, warm "
       "cylinder barrel, worn or cut piston seal.";
   e.channels = {kPressureB};
-  e.columns = {{"internal_leakage", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *a = s[kPressureA], *b = s[kPressureB];
-                  IntegrateOverTime(s, [=](int k) { return b[k] - a[k]; }, out);
-                }}};
-  e.shapes = {PlainShape(0)};
+  e.variant = [](const auto&) {
+    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB];
+      IntegrateOverTime(s, [=](int k) { return b[k] - a[k]; }, out);
+    });
+  };
   return e;
 }
 

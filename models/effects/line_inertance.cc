@@ -19,12 +19,14 @@ Effect LineInertance(const CushionGeometry&) {
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0";
   e.plain = "A long or narrow line between cylinder and valve makes the oil column swing; look for: a long hose fitted, a throttled line.";
-  e.columns = {{"line_inertance", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOver(
-                      s, [=](int k) { return y[k] / std::max(root[k], 300.0); }, [=](int k) { return root[k] * y[k]; }, out);
-                }}};
-  e.shapes = {{{0}, [](const ShapeContext& c) { return std::vector<double>{0.5 * c.theta[0] * c.theta[0]}; }, {}}};
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOver(
+          s, [=](int k) { return y[k] / std::max(root[k], 300.0); }, [=](int k) { return root[k] * y[k]; }, out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{0.5 * c.theta[0] * c.theta[0]}; }};
+  };
   return e;
 }
 

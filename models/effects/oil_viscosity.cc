@@ -25,16 +25,18 @@ Effect OilViscosity(const CushionGeometry&) {
       "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out of order, the "
       "wrong oil grade.";
   e.channels = {kOilTemperature};
-  e.columns = {{"oil_viscosity_flow",
-                [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
-                  IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
-                }},
-               {"oil_viscosity_null", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *t = s[kOilTemperature];
-                  IntegrateOverTime(s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
-                }}};
-  e.shapes = {{{0, 1}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0], c.theta[3]}; }, {}}};
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
+      IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *t = s[kOilTemperature];
+      IntegrateOverTime(s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
+    };
+    return EffectVariant{{flow, null},
+                         [](const ShapeContext& c) { return std::vector<double>{c.theta[0], c.theta[3]}; }};
+  };
   return e;
 }
 

@@ -21,12 +21,12 @@ Effect OrificeLeakage(const CushionGeometry&) {
       "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored bore, a "
       "check valve that does not close, an open bypass.";
   e.channels = {kPressureB};
-  e.columns = {{"orifice_leakage", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *a = s[kPressureA], *b = s[kPressureB];
-                  IntegrateOverTime(
-                      s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
-                }}};
-  e.shapes = {PlainShape(0)};
+  e.variant = [](const auto&) {
+    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB];
+      IntegrateOverTime(s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
+    });
+  };
   return e;
 }
 

@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -25,22 +23,20 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
       "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the position named, "
       "side load, dirt.";
   e.channels = {kPressureB};
-  const double width = 0.1 * geometry.stroke;
-  for (double share : {0.15, 0.35, 0.55, 0.75, 0.95}) {
-    const double centre = share * geometry.stroke;
-    e.shapes.push_back(PlainShape(static_cast<int>(e.columns.size()), {centre, width}));
-    e.columns.push_back({fmt::format("position_dependent_leakage_{:.0f}mm", centre * 1e3),
-                         [centre, width](const Stretch& s, double&, std::span<double> out) {
-                           const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
-                           IntegrateOverTime(
-                               s,
-                               [=](int k) {
-                                 const double x = (z[k] - centre) / width;
-                                 return (b[k] - a[k]) * std::exp(-x * x);
-                               },
-                               out);
-                         }});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    return PlainVariant([centre = nonlinear[0], width = nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
+      IntegrateOverTime(
+          s,
+          [=](int k) {
+            const double x = (z[k] - centre) / width;
+            return (b[k] - a[k]) * std::exp(-x * x);
+          },
+          out);
+    });
+  };
+  e.grid.clear();
+  for (double share : {0.15, 0.35, 0.55, 0.75, 0.95}) e.grid.push_back({share * geometry.stroke, 0.1 * geometry.stroke});
   return e;
 }
 

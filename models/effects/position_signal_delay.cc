@@ -11,17 +11,17 @@ Effect PositionSignalDelay(const CushionGeometry& geometry) {
   e.source = "first-order expansion of eq. 1 of the press paper";
   e.parameter = "t_d";
   e.unit = "s";
-  e.min = -0.05;
   e.max = 0.05;
   e.typical = 0.002;
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain = "The position is recorded later than the other signals; look for: a slow encoder interface, a filter, a bus cycle.";
-  e.columns = {{"position_signal_delay", [area = geometry.piston_area](const Stretch& s, double&, std::span<double> out) {
-                  const double* v = s[kSpeed];
-                  Differences(s, [=](int k) { return -area * v[k]; }, out);
-                }}};
-  e.shapes = {PlainShape(0)};
+  e.variant = [area = geometry.piston_area](const auto&) {
+    return PlainVariant([area](const Stretch& s, double&, std::span<double> out) {
+      const double* v = s[kSpeed];
+      Differences(s, [=](int k) { return -area * v[k]; }, out);
+    });
+  };
   return e;
 }
 

@@ -26,16 +26,18 @@ Effect PressureOffset(const CushionGeometry&) {
   e.plain =
       "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in the "
       "controller. Check it with the cushion relieved.";
-  e.columns = {{"pressure_offset_flow",
-                [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOverTime(s, [=](int k) { return y[k] * Inverse(root[k]); }, out);
-                }},
-               {"pressure_offset_null", [](const Stretch& s, double&, std::span<double> out) {
-                  const double* root = s[kFlowRoot];
-                  IntegrateOverTime(s, [=](int k) { return Inverse(root[k]); }, out);
-                }}};
-  e.shapes = {{{0, 1}, [](const ShapeContext& c) { return std::vector<double>{-0.5 * c.theta[0], -0.5 * c.theta[3]}; }, {}}};
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return y[k] * Inverse(root[k]); }, out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double* root = s[kFlowRoot];
+      IntegrateOverTime(s, [=](int k) { return Inverse(root[k]); }, out);
+    };
+    return EffectVariant{
+        {flow, null}, [](const ShapeContext& c) { return std::vector<double>{-0.5 * c.theta[0], -0.5 * c.theta[3]}; }};
+  };
   return e;
 }
 

@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -18,20 +16,19 @@ Effect ReliefValve(const CushionGeometry&) {
   e.unit = "m3/(s Pa)";
   e.max = 1e-8;
   e.typical = 2e-11;
-  e.nonlinear = {{"p_crack", "Pa", 50e5, 350e5}};
+  e.nonlinear = {{"p_crack", "Pa", 100e5, 350e5}};
   e.confused_with = {"internal_leakage", "external_leakage"};
   e.hidden_in = "Q_vn";
   e.plain =
       "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, dirt on the "
       "seat, a warm return line.";
-  for (double crack : {120e5, 150e5, 170e5, 190e5}) {
-    e.shapes.push_back(PlainShape(static_cast<int>(e.columns.size()), {crack}));
-    e.columns.push_back({fmt::format("relief_valve_{:.0f}bar", crack / 1e5),
-                         [crack](const Stretch& s, double&, std::span<double> out) {
-                           const double* p = s[kPressureA];
-                           IntegrateOverTime(s, [=](int k) { return -std::max(p[k] - crack, 0.0); }, out);
-                         }});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double* p = s[kPressureA];
+      IntegrateOverTime(s, [=](int k) { return -std::max(p[k] - crack, 0.0); }, out);
+    });
+  };
+  e.grid = {{120e5}, {150e5}, {170e5}, {190e5}};
   return e;
 }
 

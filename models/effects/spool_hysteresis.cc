@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -24,24 +22,22 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.plain =
       "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a sticking "
       "spool, silt in the pilot stage.";
-  for (double width : {0.002, 0.005, 0.01}) {
-    e.shapes.push_back({{static_cast<int>(e.columns.size())},
-                        [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; },
-                        {width}});
-    e.columns.push_back({fmt::format("spool_hysteresis_{:g}", width),
-                         [width](const Stretch& s, double& lag, std::span<double> out) {
-                           // `lag` is edge minus spool, within +- width / 2; it lives on from stretch to stretch.
-                           const double *root = s[kFlowRoot], *y = s[kSpool];
-                           if (!s.continues) lag = 0.0;
-                           double left = root[0] * lag;
-                           for (int k = 0; k + 1 < s.samples; ++k) {
-                             lag = std::clamp(lag - (y[k + 1] - y[k]), -0.5 * width, 0.5 * width);
-                             const double right = root[k + 1] * lag;
-                             out[k] = 0.5 * s.period * (left + right) / width;
-                             left = right;
-                           }
-                         }});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
+      // `lag` is edge minus spool, within +- width / 2; it lives on from stretch to stretch.
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      if (!s.continues) lag = 0.0;
+      double left = root[0] * lag;
+      for (int k = 0; k + 1 < s.samples; ++k) {
+        lag = std::clamp(lag - (y[k + 1] - y[k]), -0.5 * width, 0.5 * width);
+        const double right = root[k + 1] * lag;
+        out[k] = 0.5 * s.period * (left + right) / width;
+        left = right;
+      }
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.grid = {{0.002}, {0.005}, {0.01}};
   return e;
 }
 

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -25,16 +23,14 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.plain =
       "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of a zero-lap "
       "one, the wrong valve after a repair, a mechanical null far off.";
-  for (double band : {0.02, 0.04, 0.08}) {
-    e.shapes.push_back({{static_cast<int>(e.columns.size())},
-                        [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; },
-                        {band}});
-    e.columns.push_back({fmt::format("spool_overlap_{:g}", band), [band](const Stretch& s, double&, std::span<double> out) {
-                           const double *root = s[kFlowRoot], *y = s[kSpool];
-                           IntegrateOverTime(
-                               s, [=](int k) { return -root[k] * std::clamp(y[k], -band, band) / band; }, out);
-                         }});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return -root[k] * std::clamp(y[k], -band, band) / band; }, out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.grid = {{0.02}, {0.04}, {0.08}};
   return e;
 }
 

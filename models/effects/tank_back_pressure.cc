@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
@@ -9,7 +7,10 @@ namespace {
 
 /// Flow lost to the back pressure per full-opening flow: u - u / sqrt(1 + x u^2), and its slope.
 double Lost(double u, double x) { return u - u / std::sqrt(1.0 + x * u * u); }
-double LostSlope(double u, double x) { return 1.0 - std::pow(1.0 + x * u * u, -1.5); }
+double LostSlope(double u, double x) {
+  const double root = std::sqrt(1.0 + x * u * u);
+  return 1.0 - 1.0 / (root * root * root);
+}
 
 }  // namespace
 
@@ -32,23 +33,22 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.plain =
       "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed cock, a "
       "squeezed return hose.";
-  for (double x : {0.2, 1.0, 3.0, 9.0}) {
-    const int first = static_cast<int>(e.columns.size());
-    e.columns.push_back({fmt::format("tank_back_pressure_{:g}", x), [x](const Stretch& s, double&, std::span<double> out) {
-                           const double *root = s[kFlowRoot], *y = s[kSpool];
-                           IntegrateOverTime(s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
-                         }});
-    e.columns.push_back({fmt::format("tank_back_pressure_{:g}_null", x), [x](const Stretch& s, double&, std::span<double> out) {
-                           const double *root = s[kFlowRoot], *y = s[kSpool];
-                           IntegrateOverTime(s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
-                         }});
-    e.shapes.push_back({{first, first + 1},
-                        [x](const ShapeContext& c) {
-                          const double k = -c.theta[0], null = -c.theta[3] / c.theta[0];
-                          return std::vector<double>{k * k * k / x, -null * k * k * k / x};
-                        },
-                        {x}});
-  }
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double x = nonlinear[0];
+    const auto flow = [x](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
+    };
+    const auto null = [x](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
+    };
+    return EffectVariant{{flow, null}, [x](const ShapeContext& c) {
+                           const double k = -c.theta[0], null = -c.theta[3] / c.theta[0];
+                           return std::vector<double>{k * k * k / x, -null * k * k * k / x};
+                         }};
+  };
+  e.grid = {{0.2}, {1.0}, {3.0}, {9.0}};
   return e;
 }
 

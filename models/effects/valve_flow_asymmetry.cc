@@ -21,11 +21,13 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.hidden_in = "Q_vn";
   e.plain = "One control edge lets through more than the other; look for: one-sided wear or dirt of the valve.";
   e.channels = {kSupplyPressure};
-  e.columns = {{"valve_flow_asymmetry", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOverTime(s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
-                }}};
-  e.shapes = {{{0}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }, {}}};
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
   return e;
 }
 

@@ -28,29 +28,29 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.plain =
       "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, a spool with "
       "another notch shape than the data sheet says.";
-  e.columns = {{"valve_flow_curvature_ylog",
-                [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * LogOpening(y[k]); }, out);
-                }},
-               {"valve_flow_curvature_ylog2",
-                [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOverTime(
-                      s,
-                      [=](int k) {
-                        const double log = LogOpening(y[k]);
-                        return root[k] * y[k] * log * log;
-                      },
-                      out);
-                }},
-               {"valve_flow_curvature_log", [](const Stretch& s, double&, std::span<double> out) {
-                  const double *root = s[kFlowRoot], *y = s[kSpool];
-                  IntegrateOverTime(s, [=](int k) { return root[k] * LogOpening(y[k]); }, out);
-                }}};
-  e.shapes = {{{0, 1, 2},
-               [](const ShapeContext& c) { return std::vector<double>{c.theta[0], 0.5 * c.size * c.theta[0], c.theta[3]}; },
-               {}}};
+  e.variant = [](const auto&) {
+    const auto curve = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * LogOpening(y[k]); }, out);
+    };
+    const auto second_order = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(
+          s,
+          [=](int k) {
+            const double log = LogOpening(y[k]);
+            return root[k] * y[k] * log * log;
+          },
+          out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return root[k] * LogOpening(y[k]); }, out);
+    };
+    return EffectVariant{{curve, second_order, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], 0.5 * c.size * c.theta[0], c.theta[3]};
+                         }};
+  };
   return e;
 }
 

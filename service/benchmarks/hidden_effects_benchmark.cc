@@ -100,6 +100,7 @@ void Grade(Case& c) {
   c.excess = base.noise_floor > 0 ? std::sqrt(1 + std::max(0.0, base.rms_holdout * base.rms_holdout /
                                                                          (base.noise_floor * base.noise_floor) - 1)) - 1
                                   : 0;
+  if (c.kind == kOutside && c.excess < 0.02) c.kind = kTooWeak;
   if (c.kind == kOne) c.kind = c.excess >= 0.10 ? kOne : c.excess >= 0.02 ? kWeak : kTooWeak;
 }
 
@@ -163,15 +164,14 @@ int RunHiddenEffectsBenchmark(int cases, std::uint64_t seed, const std::string& 
   ProgressBar progress("hidden effects", "logs");
   for (int i = 0; i < cases; ++i) {
     Case c = Draw(i, seed);
-    const auto strokes = StrokesOf(SimulatePress(c.options), MachineFor(c.options));
+    const auto strokes = StrokesOf(SimulatePress(c.options), MachineFor(c.options), KeepSamples::kYes);
     if (!strokes) {
       ReportError(strokes.error());
       return 1;
     }
     ExplainOptions options;
     if (c.kind == kOutside) options.exclude = c.truth;
-    const std::vector<StrokeGram> grams = strokes->Grams();
-    c.explanation = Explain(StrokeSet(strokes->model, grams, strokes->window), options);
+    c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
     Grade(c);
     all.push_back(std::move(c));
     progress.Update((i + 1.0) / cases, i + 1);

@@ -39,23 +39,21 @@ SampleBlock RowsOf(const SimulatedLog& log, const Machine& machine) {
   return rows;
 }
 
-Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, const Pipeline::EquationTap& tap) {
-  LogStrokes out;
-  out.machine = machine;
+Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, KeepSamples keep,
+                             const Pipeline::EquationTap& tap) {
   const double period = log.truth.options.sample_period;
-  auto pipeline =
-      Pipeline::Create(machine, period, [&](StrokeRecord&& record) { out.strokes.push_back(std::move(record)); });
+  StrokeCollector collector(machine, keep);
+  auto pipeline = Pipeline::Create(machine, period, collector.Sink());
   if (!pipeline) return tl::unexpected(pipeline.error());
-  (*pipeline)->set_tap(tap);
+  (*pipeline)->set_tap(keep == KeepSamples::kYes ? collector.Tap() : tap);
   SampleBlock rows = RowsOf(log, machine);
-  QualityMonitor(machine, period).Inspect(rows);
+  QualityMonitor monitor(machine, period);
+  monitor.Inspect(rows);
+  (*pipeline)->Process(rows);
+  monitor.Flush(rows);
   (*pipeline)->Process(rows);
   (*pipeline)->Finish();
-  out.totals = (*pipeline)->totals();
-  out.discarded_strokes = (*pipeline)->discarded_strokes();
-  out.window = (*pipeline)->window();
-  out.model = (*pipeline)->shared_model();
-  return out;
+  return collector.Finish(**pipeline);
 }
 
 }  // namespace hydroscope

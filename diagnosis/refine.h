@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "diagnosis/extended_fit.h"
+#include "models/stretch.h"
+
+namespace hydroscope {
+
+/// The gated samples of one stroke, as the pipeline cut them.
+using StrokeStretches = std::vector<Stretch>;
+
+/// Grams of kept samples under any model over the same channels.
+std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
+                                const WindowSamples& window);
+
+/// Finds the nonlinear parameters (threshold, width, exponent, ...) of effect `effect`, in a model that also has the
+/// effects `others`, by the error on strokes left out: from the best shape `start`, coordinate by coordinate with
+/// Brent's method within the admissible range. Returns their values, or `start`'s own if the effect has none.
+std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const StrokeStretches> strokes,
+                                    const WindowSamples& window, std::span<const EffectChoice> others,
+                                    const EffectChoice& start);
+
+}  // namespace hydroscope
