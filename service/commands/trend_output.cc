@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -14,19 +16,25 @@ namespace {
 
 constexpr double kNormal95 = 1.96;
 constexpr double kZeroCelsius = 273.15;
-constexpr std::size_t kSparkWidth = 24;
+constexpr std::size_t kSparkWidth = 20;
 
 std::string Counted(std::int64_t count, const char* thing) {
   return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
-/// `value` with as many digits as its uncertainty leaves meaningful, two of them uncertain.
-std::string Rounded(double value, double std) {
+/// Decimals that leave two uncertain digits of a number known to +- half_width.
+int Decimals(double half_width) {
+  if (half_width <= 0) return 4;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 9);
+}
+
+std::string ValueText(double value, double half_width) {
   if (!std::isfinite(value)) return "-";
-  if (!std::isfinite(std) || std <= 0 || value == 0) return fmt::format("{:.5g}", value);
-  const int digits =
-      2 + static_cast<int>(std::floor(std::log10(std::abs(value))) - std::floor(std::log10(std)));
-  return fmt::format("{:.{}g}", value, std::clamp(digits, 2, 8));
+  if (!std::isfinite(half_width)) return fmt::format("{:.5g} ± ?", value);
+  const double size = std::max(std::abs(value), half_width);
+  if (size != 0 && (size < 1e-4 || size >= 1e7)) return fmt::format("{:.3e} ± {:.1e}", value, half_width);
+  const int decimals = Decimals(half_width);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
 }
 
 std::string LastExcited(const TrendSummary& s) {
@@ -37,25 +45,28 @@ std::string LastExcited(const TrendSummary& s) {
 
 std::string ChangeText(const TrendSummary& s) {
   if (!s.change) return "too few strokes";
-  const char* verdict = s.change->significant ? "significant" : "within noise";
-  if (const auto percent = s.change->Percent())
-    return fmt::format("{:+.2g} ± {:.2g} %, {}", *percent, kNormal95 * *s.change->PercentStd(), verdict);
+  const auto percent = s.change->Percent();
   const DisplayUnit unit = DisplayUnitFor(s.unit);
-  return fmt::format("{:+.2g} ± {:.2g}{}, {}", s.change->value * unit.factor,
-                     kNormal95 * s.change->std * unit.factor,
-                     unit.name == "1" ? "" : fmt::format(" {}", unit.name), verdict);
+  const double value = percent ? *percent : s.change->value * unit.factor;
+  const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
+  const std::string name = percent ? " %" : unit.name == "1" ? "" : fmt::format(" {}", unit.name);
+  return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name,
+                     s.change->significant ? "significant" : "within noise");
 }
 
-std::string Row(const TrendSummary& s) {
+std::string TableRow(std::size_t name_width, const std::array<std::string, 7>& cells) {
+  return fmt::format("{:<{}} {:>21} {:<6} {:>10} {:<15} {:<29} {}\n", cells[0], name_width, cells[1],
+                     cells[2], cells[3], cells[4], cells[5], cells[6]);
+}
+
+std::string Row(const TrendSummary& s, std::size_t name_width) {
   const DisplayUnit unit = DisplayUnitFor(s.unit);
   const double value = s.latest.value * unit.factor + unit.offset;
-  const double half = kNormal95 * s.latest.std * unit.factor;
-  const bool known = std::isfinite(value) && std::isfinite(half);
-  return fmt::format(
-      "{:<18} {:>12} {:<26} {:<8} {:>11} {:<15} {:<32} {}\n", s.parameter, Rounded(value, half),
-      known ? fmt::format("{} ... {}", Rounded(value - half, half), Rounded(value + half, half)) : "-",
-      unit.name == "1" ? "-" : unit.name, fmt::format("{} of {}", s.updated, s.strokes), LastExcited(s),
-      ChangeText(s), Sparkline(s.values, s.stds, kSparkWidth));
+  const double half_width = kNormal95 * s.latest.std * unit.factor;
+  return TableRow(name_width,
+                  {s.parameter, ValueText(value, half_width), unit.name == "1" ? "-" : std::string(unit.name),
+                   fmt::format("{} of {}", s.updated, s.strokes), LastExcited(s), ChangeText(s),
+                   Sparkline(s.values, s.stds, kSparkWidth)});
 }
 
 std::string Header(const MachineTrends& trends) {
@@ -151,10 +162,11 @@ nlohmann::json MachineJson(const MachineTrends& trends) {
 std::string TrendText(const MachineTrends& trends) {
   const std::vector<TrendSummary> summaries = SummariseTrends(trends.points);
   std::string text = Header(trends);
-  text +=
-      fmt::format("\n{:<18} {:>12} {:<26} {:<8} {:>11} {:<15} {:<32} {}\n", "parameter", "latest",
-                  "95 % interval", "unit", "updated", "last excited", "change (95 %)", "over the strokes");
-  for (const TrendSummary& s : summaries) text += Row(s);
+  std::size_t name_width = 9;
+  for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
+  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "updated", "last excited",
+                                       "change, 95 %", "over the strokes"});
+  for (const TrendSummary& s : summaries) text += Row(s, name_width);
   return text + Reasons(summaries);
 }
 
