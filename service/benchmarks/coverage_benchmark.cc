@@ -26,8 +26,9 @@ struct Score {
     held += std::abs(z) <= 1.96;
     sum_z += z;
     sum_z2 += z * z;
-    sum_error += error / truth;
-    sum_std += estimate.std / std::abs(truth);
+    const double unit = estimate.unit == "1" ? 1e-2 : std::abs(truth);  // y_0 may be near 0: as it is, times 1e-4
+    sum_error += error / unit;
+    sum_std += estimate.std / unit;
   }
 };
 
@@ -41,8 +42,9 @@ void PrintScores(const char* title, const std::vector<Estimate>& names, const st
   for (int i = 0; i < kParameters; ++i) {
     const Score& s = scores[i];
     const double n = s.cases;
-    std::cout << fmt::format("{:<6} {:>7.1f} % {:>10.3f} % {:>12.3f} % {:>12.3f} {:>12.3f}\n", names[i].parameter,
-                             100 * s.held / n, 100 * s.sum_error / n, 196 * s.sum_std / n, s.sum_z / n,
+    const char* unit = names[i].unit == "1" ? "1e-4" : "%   ";
+    std::cout << fmt::format("{:<6} {:>7.1f} % {:>9.3f} {} {:>11.3f} {} {:>10.3f} {:>12.3f}\n", names[i].parameter,
+                             100 * s.held / n, 100 * s.sum_error / n, unit, 196 * s.sum_std / n, unit, s.sum_z / n,
                              std::sqrt(s.sum_z2 / n));
   }
 }

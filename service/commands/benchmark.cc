@@ -1,10 +1,144 @@
 #include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
 
+#include "service/benchmarks/coverage_benchmark.h"
+#include "service/benchmarks/endurance.h"
+#include "service/benchmarks/example_log.h"
+#include "service/benchmarks/filter_study.h"
+#include "service/benchmarks/frf_benchmark.h"
+#include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
-#include "service/output.h"
 
 namespace hydroscope {
+namespace {
 
-void AddBenchmarkCommand(CLI::App&, int&) {}
+void AddCoverage(CLI::App& benchmark, int& exit_code) {
+  struct Options {
+    int cases = 200;
+    std::uint64_t seed = 1;
+    double seconds = 120;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command =
+      benchmark.add_subcommand("coverage", "How often the 95 % intervals of the fit hold the truth");
+  command->add_option("--cases", o->cases, "Simulated machines, each with its own parameters")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seconds", o->seconds, "Length of each log, s")
+      ->check(CLI::Range(10.0, 1e5))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the first machine")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark coverage --cases 200 --seconds 120");
+  command->callback([o, &exit_code] { exit_code = RunCoverageBenchmark(o->cases, o->seed, o->seconds); });
+}
+
+void AddFrf(CLI::App& benchmark, int& exit_code) {
+  struct Options {
+    int cases = 400;
+    std::uint64_t seed = 1;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = benchmark.add_subcommand("frf", "Valve model from simulated sweeps against the truth");
+  command->add_option("--cases", o->cases, "Noise draws per variation")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the first draw")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark frf --cases 100");
+  command->callback([o, &exit_code] { exit_code = RunFrfBenchmark(o->cases, o->seed); });
+}
+
+void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<FilterStudyOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "filter-study", "The press paper's filter study: its estimator over filter widths, and ours beside it");
+  command->add_option("--draws", o->draws, "Noise draws of the one simulated log")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  command->add_option("--seconds", o->seconds, "Length of the log, s")
+      ->check(CLI::Range(20.0, 1e4))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the log and of the first draw")->capture_default_str();
+  command->add_option("--svg", o->svg,
+                      "Write a plot of bias and standard deviation over the width to this file");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark filter-study\n"
+      "  hydroscope benchmark filter-study --draws 20 --svg filter_study.svg");
+  command->callback([o, &exit_code] { exit_code = RunFilterStudy(*o); });
+}
+
+void AddThirtyRuns(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<ThirtyRunsOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "thirty-runs", "Consecutive runs while the oil warms up: Q_vn must follow, K' and V0 must not");
+  command->add_option("--runs", o->runs, "Number of runs")
+      ->check(CLI::Range(6, 10000))
+      ->capture_default_str();
+  command->add_option("--seconds", o->seconds, "Length of each run, s")
+      ->check(CLI::Range(10.0, 1e4))
+      ->capture_default_str();
+  command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K")
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of all runs")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark thirty-runs --seconds 40");
+  command->callback([o, &exit_code] { exit_code = RunThirtyRuns(*o); });
+}
+
+void AddEndurance(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<EnduranceOptions>();
+  CLI::App* command =
+      benchmark.add_subcommand("endurance", "Millions of updates and a day of standstill: nothing may drift");
+  command->add_option("--updates", o->updates, "Updates of each form of forgetting")
+      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000'000}))
+      ->capture_default_str();
+  command->add_option("--hours", o->standstill_hours, "Hours of standstill")
+      ->check(CLI::Range(0.01, 1e4))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark endurance\n"
+      "  hydroscope benchmark endurance --updates 1000000 --hours 1");
+  command->callback([o, &exit_code] { exit_code = RunEndurance(*o); });
+}
+
+void AddExampleLog(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<ExampleLogOptions>();
+  o->machine_file = "machines/die_cushion.toml";
+  CLI::App* command =
+      benchmark.add_subcommand("example-log", "Fit of an example log against its known truth");
+  command->add_option("log", o->log, "Log without hidden effect (CSV, CSV.gz or MAT)")->required();
+  command->add_option("--machine,-m", o->machine_file, "Machine file (TOML)")->capture_default_str();
+  command->add_option("--K", o->K, "True bulk modulus, Pa")->capture_default_str();
+  command->add_option("--V0", o->V0, "True dead volume, m3")->capture_default_str();
+  command->add_option("--Q_vn", o->Q_vn, "True nominal flow of the valve, m3/s (102 l/min = 0.0017)")
+      ->capture_default_str();
+  command->add_option("--y_0", o->y_0, "True spool position without flow")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark example-log log_a.csv\n"
+      "  hydroscope benchmark example-log press.csv --K 1.3e9 --V0 0.0017");
+  command->callback([o, &exit_code] { exit_code = RunExampleLog(*o); });
+}
+
+}  // namespace
+
+void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
+  CLI::App* benchmark =
+      app.add_subcommand("benchmark", "Studies on simulated machines, whose truth is known");
+  benchmark->require_subcommand(1);
+  benchmark->footer(
+      "Every study prints a table, says what was required, and returns 0 if it was reached, else 1.\n"
+      "Examples:\n"
+      "  hydroscope benchmark coverage --cases 200\n"
+      "  hydroscope benchmark filter-study --svg filter_study.svg");
+  AddCoverage(*benchmark, exit_code);
+  AddFrf(*benchmark, exit_code);
+  AddFilterStudy(*benchmark, exit_code);
+  AddThirtyRuns(*benchmark, exit_code);
+  AddEndurance(*benchmark, exit_code);
+  AddExampleLog(*benchmark, exit_code);
+}
 
 }  // namespace hydroscope
