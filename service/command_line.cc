@@ -16,6 +16,7 @@ int RunCommandLine(int argc, const char* const* argv) {
       "Examples:\n"
       "  hydroscope simulate press --out press.csv --seconds 120 --seed 1\n"
       "  hydroscope fit press.csv --machine machines/die_cushion.toml\n"
+      "  hydroscope explain press.csv --machine machines/die_cushion.toml\n"
       "  hydroscope replay press.csv --machine machines/die_cushion.toml --db press.db --report press.html\n"
       "  hydroscope trends --db press.db");
   int exit_code = kDone;
@@ -23,6 +24,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddCheckCommand(app, exit_code);
   AddSimulateCommand(app, exit_code);
   AddFitCommand(app, exit_code);
+  AddExplainCommand(app, exit_code);
   AddFrfCommand(app, exit_code);
   AddReplayCommand(app, exit_code);
   AddTrendsCommand(app, exit_code);

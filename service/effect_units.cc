@@ -1,0 +1,22 @@
+#include "service/effect_units.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace hydroscope {
+
+EffectUnit EffectUnitFor(std::string_view si) {
+  constexpr double kLitresPerMinute = 6e4, kBar = 1e-5;
+  if (si == "1") return {1.0, "-"};
+  if (si == "s") return {1e3, "ms"};
+  if (si == "1/K") return {1e2, "%/K"};
+  if (si == "m3/(s Pa)") return {kLitresPerMinute / kBar, "l/min per bar"};
+  if (si == "m3/(s sqrt(Pa))") return {kLitresPerMinute / std::sqrt(kBar), "l/min per sqrt(bar)"};
+  if (si == "Pa s2/m6") return {kBar / (kLitresPerMinute * kLitresPerMinute), "bar per (l/min)^2"};
+  const DisplayUnit shown = DisplayUnitFor(si);
+  return {shown.factor, std::string(shown.name)};
+}
+
+}  // namespace hydroscope

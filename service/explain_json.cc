@@ -1,0 +1,102 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "service/experiment.h"
+#include "service/explain_output.h"
+#include "service/fit_output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLitresPerMinute = 6e4;
+
+nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& estimate,
+                                const std::vector<double>& nonlinear) {
+  nlohmann::json out = {
+      {effect.parameter, {{"value", estimate.size}, {"std", estimate.std}, {"unit", effect.unit}}}};
+  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i)
+    out[effect.nonlinear[i].name] = {
+        {"value", nonlinear[i]}, {"std", nullptr}, {"unit", effect.nonlinear[i].unit}};
+  return out;
+}
+
+nlohmann::json RankedJson(const ExplainResult& result, const RankedEffect& ranked) {
+  nlohmann::json out = {
+      {"effect", ranked.id},
+      {"rms_holdout", nullptr},
+      {"p_value", ranked.p_value},
+      {"testable", ranked.testable},
+      {"parameters", nlohmann::json::object()},
+      {"why_not", ranked.why_not.empty() ? nlohmann::json() : nlohmann::json(ranked.why_not)},
+      {"gain", ranked.gain},
+      {"significant", ranked.significant}};
+  if (!ranked.fit.solved) return out;
+  out["rms_holdout"] = ranked.fit.rms_holdout * kLitresPerMinute;
+  out["parameters"] =
+      EffectParameters(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear);
+  return out;
+}
+
+nlohmann::json RankingJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const RankedEffect& ranked : result.explanation.ranking) out.push_back(RankedJson(result, ranked));
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+    out.push_back({{"effect", unmeasured.effect->id},
+                   {"rms_holdout", nullptr},
+                   {"p_value", 1.0},
+                   {"testable", false},
+                   {"parameters", nlohmann::json::object()},
+                   {"why_not", WhyUnmeasured(unmeasured)},
+                   {"gain", 0.0},
+                   {"significant", false}});
+  return out;
+}
+
+nlohmann::json StepsJson(const std::vector<ExplainStep>& steps) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const ExplainStep& step : steps)
+    out.push_back({{"added", step.added.empty() ? nlohmann::json() : nlohmann::json(step.added)},
+                   {"rms_holdout", step.rms_holdout * kLitresPerMinute},
+                   {"excess_ratio", step.excess_ratio}});
+  return out;
+}
+
+nlohmann::json FinalJson(const ExplainResult& result) {
+  const ExtendedFit& fit = result.explanation.final;
+  nlohmann::json effects = nlohmann::json::object();
+  for (const EffectEstimate& estimate : fit.effects) {
+    const Effect& effect = result.effect(estimate.choice.effect);
+    effects[effect.id] = EffectParameters(effect, estimate, result.NonlinearOf(estimate.choice));
+  }
+  return {{"rms_holdout", fit.rms_holdout * kLitresPerMinute},
+          {"excess_ratio", fit.excess_ratio},
+          {"parameters",
+           ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
+          {"effects", effects}};
+}
+
+}  // namespace
+
+nlohmann::json ExplainJson(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const std::optional<std::string> experiment = ProposeExperiment(result);
+  return {{"verdict", VerdictName(x.verdict)},
+          {"set", x.set},
+          {"groups", x.groups},
+          {"partial", x.partial},
+          {"noise_floor", x.final.noise_floor * kLitresPerMinute},
+          {"strokes", result.strokes},
+          {"strokes_in_log", result.log.strokes.size()},
+          {"unit", "l/min"},
+          {"base",
+           {{"rms_holdout", result.base.rms_holdout * kLitresPerMinute},
+            {"excess_ratio", x.base.excess_ratio},
+            {"parameters", ParametersJson(result.base.parameters)}}},
+          {"ranking", RankingJson(result)},
+          {"steps", StepsJson(x.steps)},
+          {"final", FinalJson(result)},
+          {"located", nlohmann::json::array()},
+          {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "diagnosis/explain.h"
+#include "service/batch_fit.h"
+
+namespace hydroscope {
+
+/// An effect of the library that needs a signal the machine does not measure.
+struct UnmeasuredEffect {
+  std::shared_ptr<const Effect> effect;
+  std::vector<std::string> missing;  ///< signals it needs
+};
+
+/// "signal p_B is not in the machine file".
+std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured);
+
+/// Everything `hydroscope explain` knows of one log.
+struct ExplainResult {
+  std::string machine_file;
+  LogStrokes log;
+  std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
+  GramFit base;             ///< of the same strokes
+  Explanation explanation;
+  std::vector<UnmeasuredEffect> unmeasured;
+
+  const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
+  /// Nonlinear parameters of an effect of Explanation::chosen, SI.
+  std::vector<double> NonlinearOf(const EffectChoice& choice) const;
+};
+
+/// Strokes below which held-out errors and intervals clustered by stroke say nothing.
+inline constexpr std::size_t kMinExplainStrokes = 4;
+
+/// Reads the log, fits the base model and finds what it misses. Errors: log or machine file are wrong, fewer
+/// than kMinExplainStrokes strokes, or strokes that do not excite the base model.
+Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
+                                 const ExplainOptions& options = {});
+
+/// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes);
+
+}  // namespace hydroscope

@@ -1,0 +1,217 @@
+#include "service/explain_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+#include "service/effect_units.h"
+#include "service/experiment.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLitresPerMinute = 6e4;
+constexpr double kNormal95 = 1.96;
+
+const Effect* FindEffect(const ExplainResult& result, const std::string& id) {
+  for (const auto& effect : result.log.model->effects)
+    if (effect->id == id) return effect.get();
+  return nullptr;
+}
+
+/// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for.
+std::string Described(const ExplainResult& result, const std::string& id) {
+  const Effect* effect = FindEffect(result, id);
+  if (effect == nullptr) return "  " + id + "\n";
+  return fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
+}
+
+std::string ErrorSentence(const Explanation& x) {
+  std::string text = fmt::format(
+      "On strokes it has not seen the model errs by {:.3g} l/min; sensor noise alone would cause {:.3g} "
+      "l/min.",
+      x.base.rms_holdout * kLitresPerMinute, x.base.noise_floor * kLitresPerMinute);
+  if (x.steps.size() > 1)
+    text += fmt::format(" Extended, it errs by {:.3g} l/min.", x.final.rms_holdout * kLitresPerMinute);
+  return text + "\n";
+}
+
+std::string NamedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = x.set.size() == 1
+                         ? "NAMED: the model misses one effect.\n"
+                         : fmt::format("NAMED: the model misses {} effects at once.\n", x.set.size());
+  for (const std::string& id : x.set) text += Described(result, id);
+  return text;
+}
+
+std::string AmbiguousText(const ExplainResult& result) {
+  std::string text =
+      "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it "
+      "is.\n";
+  for (const auto& group : result.explanation.groups) {
+    text += group.size() > 1 ? "One of these, best first:\n" : "Certain:\n";
+    for (const std::string& id : group) text += Described(result, id);
+  }
+  return text;
+}
+
+std::string UnknownText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
+  if (!x.partial || x.steps.size() < 2) return text;
+  std::vector<std::string> tried;
+  for (std::size_t k = 1; k < x.steps.size(); ++k) tried.push_back(x.steps[k].added);
+  return text +
+         fmt::format(
+             "  Nearest: {}. It lowers the error but leaves more than noise, so the name is not proven.\n",
+             fmt::join(tried, " with "));
+}
+
+std::string VerdictText(const ExplainResult& result) {
+  switch (result.explanation.verdict) {
+    case Verdict::kAdequate:
+      return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
+    case Verdict::kNamed:
+      return NamedText(result);
+    case Verdict::kAmbiguous:
+      return AmbiguousText(result);
+    case Verdict::kUnknown:
+      return UnknownText(result);
+  }
+  return "";
+}
+
+std::string StepsText(const Explanation& x) {
+  constexpr int kBarWidth = 36;
+  const double scale = kBarWidth / std::max(x.base.rms_holdout, x.base.noise_floor);
+  const auto line = [&](const std::string& name, double rms, char mark) {
+    const int bar = static_cast<int>(std::lround(rms * scale));
+    return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * kLitresPerMinute,
+                       std::string(std::clamp(bar, 0, 60), mark));
+  };
+  std::string text = "\nError on strokes left out, l/min\n";
+  for (const ExplainStep& step : x.steps)
+    text += line(step.added.empty() ? "model as it is" : "+ " + step.added, step.rms_holdout, '#');
+  return text + line("sensor noise alone", x.final.noise_floor, '.');
+}
+
+/// "1.21 ± 0.02" with the same number of decimals.
+std::string WithInterval(double value, double half_width) {
+  if (!std::isfinite(half_width)) return fmt::format("{:.4g} ± ?", value);
+  const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
+  const int decimals =
+      leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
+}
+
+std::string ParametersText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const bool extended = !x.final.effects.empty();
+  const std::vector<Estimate> after =
+      BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
+  std::string text =
+      fmt::format("\nParameters, ± 95 % interval\n  {:<6} {:>22}", "", extended ? "model as it is" : "");
+  text += extended ? fmt::format(" {:>22}\n", "extended") : "\n";
+  for (std::size_t i = 0; i < result.base.parameters.size(); ++i) {
+    const Estimate& before = result.base.parameters[i];
+    const DisplayUnit unit = DisplayUnitFor(before.unit);
+    const auto shown = [&](const Estimate& e) {
+      return WithInterval(e.value * unit.factor + unit.offset, kNormal95 * e.std * unit.factor);
+    };
+    text += fmt::format("  {:<6} {:>23}", before.parameter, shown(before));
+    if (extended) text += fmt::format(" {:>23}", shown(after[i]));
+    text += fmt::format("  {}", unit.name == "1" ? "-" : unit.name);
+    const double moved = (after[i].value - before.value) / std::max(std::abs(before.value), 1e-300);
+    if (extended && before.unit != "1" && std::abs(moved) >= 0.01)
+      text += fmt::format("  {:+.0f} %", 100 * moved);
+    if (!extended && before.reason != EstimateReason::kUpdated)
+      text += fmt::format("  {}", ReasonText(before.reason));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
+                     const std::vector<double>& nonlinear) {
+  const EffectUnit unit = EffectUnitFor(effect.unit);
+  std::string text = fmt::format(
+      "{} = {} {}", effect.parameter,
+      WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), unit.name);
+  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
+    const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
+    text += fmt::format(", {} {:.3g} {}", effect.nonlinear[i].name, nonlinear[i] * shown.factor, shown.name);
+  }
+  return text;
+}
+
+std::string AddedText(const ExplainResult& result) {
+  std::string text;
+  for (const EffectEstimate& estimate : result.explanation.final.effects) {
+    const Effect& effect = result.effect(estimate.choice.effect);
+    text += fmt::format("  + {}: {}\n", effect.id,
+                        SizeText(effect, estimate, result.NonlinearOf(estimate.choice)));
+  }
+  return text;
+}
+
+std::string RankingText(const ExplainResult& result) {
+  std::string text = fmt::format("\nEvery effect tried alone, best first\n  {:<28} {:>7} {:>9}  {}\n", "",
+                                 "error", "evidence", "size, ± 95 %");
+  for (const RankedEffect& ranked : result.explanation.ranking) {
+    if (!ranked.testable || !ranked.fit.solved) continue;
+    text += fmt::format("{} {:<28} {:>7.3g} {:>9.0f}  {}\n", ranked.significant ? "*" : " ", ranked.id,
+                        ranked.fit.rms_holdout * kLitresPerMinute, ranked.gain,
+                        SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
+  }
+  return text +
+         "  error in l/min; evidence: error energy removed on strokes left out, in noise variances; * stands "
+         "out\n";
+}
+
+std::string UntestableText(const ExplainResult& result) {
+  std::string text;
+  for (const RankedEffect& ranked : result.explanation.ranking)
+    if (!ranked.testable || !ranked.fit.solved)
+      text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+    text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured));
+  return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
+}
+
+std::string NextText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = "\nNext\n";
+  const std::optional<std::string> experiment = ProposeExperiment(result);
+  if (experiment) text += fmt::format("  {}\n", *experiment);
+  if (x.verdict == Verdict::kNamed)
+    for (const std::string& id : x.set)
+      text += fmt::format("  Make it part of the model: hydroscope model add {} --machine {}\n", id,
+                          result.machine_file);
+  if (x.verdict == Verdict::kAdequate && !experiment)
+    text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
+  if (x.verdict == Verdict::kUnknown)
+    text +=
+        "  Look at where the error lies with 'hydroscope compare', and check the signals with 'hydroscope "
+        "check'.\n";
+  return text;
+}
+
+}  // namespace
+
+std::string ExplainText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = VerdictText(result) + ErrorSentence(x);
+  text += fmt::format("{} strokes, {} of {} rows used.\n", result.strokes, result.log.totals.used,
+                      result.log.totals.samples);
+  if (result.strokes < result.log.strokes.size())
+    text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
+                        result.log.strokes.size());
+  return text + StepsText(x) + ParametersText(result) + AddedText(result) + RankingText(result) +
+         UntestableText(result) + NextText(result);
+}
+
+}  // namespace hydroscope
