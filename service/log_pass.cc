@@ -10,9 +10,9 @@ namespace {
 constexpr std::size_t kRowsPerBlock = 1024;
 constexpr std::size_t kFindingsKept = 10;
 
-Status PassBlock(const SampleBlock& block, Pipeline& pipeline, const LogPassHooks& hooks) {
+Status PassBlock(const SampleBlock& block, Pipeline* pipeline, const LogPassHooks& hooks) {
   if (hooks.observe) hooks.observe(block);
-  pipeline.Process(block);
+  if (pipeline) pipeline->Process(block);
   return hooks.after_block ? hooks.after_block() : Status();
 }
 
@@ -31,21 +31,22 @@ void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass
   }
 }
 
-void TakeCounters(const LogReader& reader, const Pipeline& pipeline, RunSummary& summary) {
+void TakeCounters(const LogReader& reader, const Pipeline* pipeline, RunSummary& summary) {
   const LogCounters& counters = reader.counters();
   summary.sample_period = reader.SamplePeriod();
   summary.rows = counters.rows;
   summary.rejected_rows = counters.rejected_rows;
   summary.findings.assign(counters.findings.begin(),
                           counters.findings.begin() + std::min(kFindingsKept, counters.findings.size()));
-  summary.gated = pipeline.totals().gated;
-  summary.used = pipeline.totals().used;
-  summary.discarded_strokes = pipeline.discarded_strokes();
+  if (pipeline == nullptr) return;
+  summary.gated = pipeline->totals().gated;
+  summary.used = pipeline->totals().used;
+  summary.discarded_strokes = pipeline->discarded_strokes();
 }
 
 }  // namespace
 
-Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline& pipeline,
+Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
                         const std::string& what, const LogPassHooks& hooks) {
   LogPass pass;
   QualityMonitor monitor(machine, reader.SamplePeriod());
@@ -65,7 +66,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline& pip
   }
   monitor.Flush(block);
   if (const Status passed = PassBlock(block, pipeline, hooks); !passed) return tl::unexpected(passed.error());
-  pipeline.Finish();
+  if (pipeline) pipeline->Finish();
   TakeChannels(monitor, machine, pass);
   TakeCounters(reader, pipeline, pass.summary);
   return pass;

@@ -25,8 +25,9 @@ struct LogPassHooks {
 };
 
 /// Sends the whole log through monitor and pipeline, progress on stderr under the name `what`. A log that
-/// cannot be read to its end counts up to there: RunSummary::stopped says why.
-Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline& pipeline,
+/// cannot be read to its end counts up to there: RunSummary::stopped says why. Without a
+/// pipeline (nullptr) the signals are judged only.
+Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
                         const std::string& what, const LogPassHooks& hooks = {});
 
 }  // namespace hydroscope

@@ -79,7 +79,8 @@ std::vector<SkippedItem> Skipped(const Sums& sums, const std::vector<LogReplay>&
   add("strokes too short", sums.discarded, "shorter than min_stroke in [gate] of the machine file");
   add("rows outside the gate", sums.outside,
       "the model describes the drawing stroke only ([gate] conditions)");
-  add("rows inside the gate, not used", sums.unused, "left over between a bad value and the next whole span");
+  add("rows inside the gate, not used", sums.unused,
+      "too few in a row for an equation: end of a stroke, or beside a bad value");
   return skipped;
 }
 

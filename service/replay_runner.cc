@@ -171,7 +171,7 @@ Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogRep
   };
   LogPassHooks hooks;
   hooks.after_block = [&] { return store(kStrokesPerTransaction); };
-  auto pass = PassLog(reader, machine_, pipeline, what, hooks);
+  auto pass = PassLog(reader, machine_, &pipeline, what, hooks);
   if (!pass) return tl::unexpected(pass.error());
   if (const Status stored = store(1); !stored) return stored;
   replay.summary = std::move(pass->summary);
@@ -201,7 +201,11 @@ Status ReplayRunner::CollectOverlays(const ReplayOutcome& outcome) {
                                    [&](StrokeRecord&& record) { overlays->AddStroke(record); });
   if (!pipeline) return tl::unexpected(pipeline.error());
   overlays.emplace(**pipeline, machine_);
-  const auto pass = PassLog(**reader, machine_, **pipeline, "overlay for the report");
+  const auto state = database_.PipelineStateBefore(last->run.id);
+  if (!state) return tl::unexpected(state.error());
+  if (*state)
+    static_cast<void>((*pipeline)->RestoreState(**state));  // as the run itself: anew if it does not fit
+  const auto pass = PassLog(**reader, machine_, pipeline->get(), "overlay for the report");
   if (!pass) return tl::unexpected(pass.error());
   overlays_ = overlays->Choose(last->run.first_sequence);
   return {};

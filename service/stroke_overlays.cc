@@ -27,10 +27,11 @@ void StrokeOverlays::AddFlows(const SpanEquations& equations) {
     time_.clear();
     for (auto& column : column_) column.clear();
   }
-  for (Eigen::Index window = 0; window < equations.flow.cols(); ++window) {
-    time_.push_back(equations.flow_time[static_cast<std::size_t>(window)]);
+  // The matrix keeps the room of the longest span; the times say how many windows there are.
+  for (std::size_t window = 0; window < equations.flow_time.size(); ++window) {
+    time_.push_back(equations.flow_time[window]);
     for (std::size_t c = 0; c < column_.size(); ++c)
-      column_[c].push_back(equations.flow(static_cast<Eigen::Index>(c), window));
+      column_[c].push_back(equations.flow(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(window)));
   }
 }
 

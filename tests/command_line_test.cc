@@ -1,0 +1,150 @@
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(CommandLine, FromALogToItsTrends) {
+  const std::string log = Simulate("press.csv", 60, 3), db = File("press.db"), report = File("press.html");
+
+  const Ran check = Run({"check", log, "-m", kMachine, "--json", "-"});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  const int strokes = check.Json()["strokes"];
+  EXPECT_GT(strokes, 5);
+  EXPECT_EQ(check.Json()["parameters"]["Q_vn"]["verdict"], "good");
+
+  const Ran fit = Run({"fit", log, "-m", kMachine, "--json", "-"});
+  EXPECT_EQ(fit.exit_code, 0) << fit.err;
+  EXPECT_EQ(fit.Json()["strokes"], strokes);
+  EXPECT_NEAR(fit.Json()["parameters"]["K"]["value"].get<double>(), 1.21e9, 0.1e9);
+
+  const Ran replay = Run({"replay", log, "-m", kMachine, "--db", db, "--report", report, "--json", "-"});
+  EXPECT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_EQ(replay.Json()["strokes"], strokes);
+  EXPECT_EQ(replay.Json()["logs"][0]["status"], "replayed");
+  EXPECT_NEAR(replay.Json()["parameters"]["Q_vn"]["value"].get<double>(), 1.7e-3, 0.05e-3);
+  EXPECT_THAT(ReadText(report),
+              AllOf(HasSubstr("</html>"), HasSubstr("Q_vn"), HasSubstr("measured and modelled")));
+
+  const Ran trends = Run({"trends", "--db", db, "--parameter", "Q_vn", "--json", "-"});
+  EXPECT_EQ(trends.exit_code, 0) << trends.err;
+  EXPECT_TRUE(trends.Json().is_object() || trends.Json().is_array()) << trends.out.substr(0, 300);
+}
+
+TEST_F(CommandLine, WrongUseIsTwoAndHelpIsZero) {
+  EXPECT_EQ(Run({}).exit_code, 2);
+  EXPECT_EQ(Run({"replay"}).exit_code, 2);
+  EXPECT_EQ(Run({"check", "x.csv"}).exit_code, 2);
+  EXPECT_EQ(Run({"replya"}).exit_code, 2);
+  for (const char* command : {"init", "check", "simulate", "fit", "frf", "replay", "trends", "benchmark"}) {
+    const Ran help = Run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_THAT(help.out, HasSubstr("hydroscope " + std::string(command))) << "no example";
+  }
+}
+
+TEST_F(CommandLine, EveryCommandIsDocumented) {
+  const std::string text = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/docs/command_line.md");
+  const Ran all = Run({"--help-all"});
+  for (const char* command : {"init", "check", "simulate", "fit", "frf", "replay", "trends", "benchmark"})
+    EXPECT_THAT(text, HasSubstr("## " + std::string(command) + "\n"));
+  std::istringstream words(all.out);
+  for (std::string word; words >> word;) {
+    if (word.rfind("--", 0) != 0 || word.size() < 4) continue;
+    const std::string option = word.substr(0, word.find_first_of(",=:;.)`'\" ", 2));
+    EXPECT_THAT(text, HasSubstr(option));
+  }
+}
+
+TEST_F(CommandLine, FilesThatAreNotThereAreThreeAndNamed) {
+  const std::string log = Simulate("press.csv", 5, 1);
+  for (const std::string command : {"check", "fit"}) {
+    const Ran no_machine = Run({command, log, "-m", "/nonexistent.toml"});
+    EXPECT_EQ(no_machine.exit_code, 3) << command;
+    EXPECT_THAT(no_machine.err, HasSubstr("/nonexistent.toml"));
+    const Ran no_log = Run({command, "/nonexistent.csv", "-m", kMachine});
+    EXPECT_EQ(no_log.exit_code, 3) << command;
+    EXPECT_THAT(no_log.err, HasSubstr("/nonexistent.csv"));
+  }
+  EXPECT_EQ(Run({"replay", log, "-m", "/nonexistent.toml", "--db", File("a.db")}).exit_code, 3);
+  EXPECT_EQ(Run({"replay", log, "-m", kMachine, "--db", "/nonexistent/a.db"}).exit_code, 3);
+  EXPECT_EQ(Run({"replay", "/nonexistent.csv", "-m", kMachine, "--db", File("a.db")}).exit_code, 3);
+  EXPECT_EQ(Run({"trends", "--db", "/nonexistent.db"}).exit_code, 3);
+}
+
+TEST_F(CommandLine, AMissingColumnNamesItAndListsTheOnesFound) {
+  WriteText(File("bad.csv"), "t,p_A,z\n0.000,1e6,0.2\n0.002,1e6,0.2\n0.004,1e6,0.2\n");
+  const Ran ran = Run({"check", File("bad.csv"), "-m", kMachine});
+  EXPECT_EQ(ran.exit_code, 3);
+  EXPECT_THAT(ran.err, AllOf(HasSubstr("y_v"), HasSubstr("p_A")));
+}
+
+TEST_F(CommandLine, AnEmptyFileIsThree) {
+  WriteText(File("empty.csv"), "");
+  for (const std::string command : {"check", "fit"}) {
+    const Ran ran = Run({command, File("empty.csv"), "-m", kMachine});
+    EXPECT_EQ(ran.exit_code, 3) << command;
+    EXPECT_THAT(ran.err, HasSubstr("empty.csv"));
+  }
+}
+
+TEST_F(CommandLine, AColumnOfNaNsLeavesNoStrokeAndSaysWhy) {
+  std::istringstream good(ReadText(Simulate("press.csv", 10, 1)));
+  std::string bad, line;
+  for (int row = 0; std::getline(good, line); ++row) {
+    const auto first = line.find(','), second = line.find(',', first + 1);
+    if (row > 0) line.replace(first + 1, second - first - 1, "nan");
+    bad += line + "\n";
+  }
+  WriteText(File("nan.csv"), bad);
+  const Ran check = Run({"check", File("nan.csv"), "-m", kMachine});
+  EXPECT_EQ(check.exit_code, 4);
+  EXPECT_THAT(check.out, AllOf(HasSubstr("5000 missing"), HasSubstr("0 strokes")));
+  const Ran replay = Run({"replay", File("nan.csv"), "-m", kMachine, "--db", File("a.db")});
+  EXPECT_EQ(replay.exit_code, 4);
+  EXPECT_THAT(replay.out, AllOf(HasSubstr("NO STROKE"), HasSubstr("values flagged missing, p_A")));
+}
+
+TEST_F(CommandLine, ATornFileIsReadUpToTheTearAndCountsAsPartlyDone) {
+  std::string text = ReadText(Simulate("press.csv", 30, 1));
+  text.resize(text.size() * 2 / 3);
+  text.resize(text.rfind('\n') + 12);  // half a row
+  WriteText(File("torn.csv"), text);
+  const Ran check = Run({"check", File("torn.csv"), "-m", kMachine, "--json", "-"});
+  EXPECT_EQ(check.exit_code, 4) << check.err;
+  EXPECT_EQ(check.Json()["rejected_rows"], 1);
+  const Ran replay = Run({"replay", File("torn.csv"), "-m", kMachine, "--db", File("a.db")});
+  EXPECT_EQ(replay.exit_code, 4);
+  EXPECT_THAT(replay.out, HasSubstr("1 rows could not be read"));
+}
+
+TEST_F(CommandLine, ABadLogInTheMiddleDoesNotStopTheOthers) {
+  const std::string first = Simulate("1.csv", 20, 1), last = Simulate("3.csv", 20, 3);
+  WriteText(File("2.csv"), "t,p_A\n0,1\n");
+  const Ran ran =
+      Run({"replay", first, File("2.csv"), last, "-m", kMachine, "--db", File("a.db"), "--json", "-"});
+  EXPECT_EQ(ran.exit_code, 4);
+  EXPECT_THAT(ran.err, HasSubstr("2.csv"));
+  EXPECT_EQ(ran.Json()["logs"][0]["status"], "replayed");
+  EXPECT_EQ(ran.Json()["logs"][1]["status"], "failed");
+  EXPECT_EQ(ran.Json()["logs"][2]["status"], "replayed");
+  EXPECT_EQ(ran.Json()["runs"], 2);
+  EXPECT_THAT(ran.Json()["skipped"][0]["what"].get<std::string>(), HasSubstr("2.csv"));
+}
+
+TEST_F(CommandLine, CheckTellsBarFromPascal) {
+  std::string machine = ReadText(kMachine);
+  const auto at = machine.find("unit = \"Pa\"");
+  ASSERT_NE(at, std::string::npos);
+  machine.replace(at, 11, "unit = \"bar\"");
+  WriteText(File("m.toml"), machine);
+  const Ran ran = Run({"check", Simulate("press.csv", 5, 1), "-m", File("m.toml")});
+  EXPECT_THAT(ran.out, HasSubstr("They look like Pa"));
+}
+
+}  // namespace
+}  // namespace hydroscope
