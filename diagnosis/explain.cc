@@ -37,6 +37,10 @@ class Explainer {
   std::vector<RankedEffect> Rank(const Model& on) const;
   RankedEffect Try(const Model& on, int effect) const;
   bool AtFloor(const ExtendedFit& fit, const ExtendedFit& base) const;
+  /// Strong enough to stand as the second of two effects.
+  bool IsStrong(const EffectEstimate& e) const {
+    return e.admissible && std::abs(e.size) > options_.second_t * e.std / StudentFactor(strokes_.strokes() - 1.0);
+  }
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
   std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> SearchPairs(const std::vector<RankedEffect>& ranking) const;
@@ -108,7 +112,7 @@ std::vector<RankedEffect> Explainer::Rank(const Model& on) const {
 }
 
 bool Explainer::AtFloor(const ExtendedFit& fit, const ExtendedFit& base) const {
-  return fit.excess_ratio <= std::max(options_.floor_excess, (1 - options_.removed_share) * base.excess_ratio);
+  return fit.excess_ratio <= options_.floor_excess + options_.left_share * std::max(0.0, base.excess_ratio);
 }
 
 bool Explainer::IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const {
@@ -135,7 +139,6 @@ std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer
     bool significant;
   };
   std::vector<Pair> pairs;
-  const double student = StudentFactor(strokes_.strokes() - 1.0);
   for (std::size_t a = 0; a < ranking.size(); ++a)
     for (std::size_t b = a + 1; b < ranking.size(); ++b) {
       if (!ranking[a].fit.solved || !ranking[b].fit.solved) continue;
@@ -143,9 +146,8 @@ std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer
       pair.model.choices = {ranking[a].fit.effects[0].choice, ranking[b].fit.effects[0].choice};
       pair.model.fit = strokes_.Fit(pair.model.choices);
       if (!pair.model.fit.solved) continue;
-      pair.significant = true;
-      for (const EffectEstimate& e : pair.model.fit.effects)
-        pair.significant = pair.significant && e.admissible && std::abs(e.size) > options_.min_t * e.std / student;
+      pair.significant = std::all_of(pair.model.fit.effects.begin(), pair.model.fit.effects.end(),
+                                     [&](const EffectEstimate& e) { return IsStrong(e); });
       pair.gain = Gain(ranking.front().fit, pair.model.fit);
       if (pair.significant && pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
     }
@@ -182,18 +184,22 @@ Explanation Explainer::Run() {
   model.choices = {best.fit.effects[0].choice};
   model.fit = best.fit;
   out.groups = {Rivals(out.ranking)};
+  bool complete = true;
   if (!AtFloor(model.fit, out.base)) {
     if (auto pair = SearchPairs(out.ranking)) {
       model = pair->first;
       out.groups = pair->second;
     }
-  } else if (options_.max_effects > 1) {
+  } else {
     out.second = Rank(model);
     const std::vector<RankedEffect>& second = out.second;
-    if (!second.empty() && second.front().significant && second.front().gain > 0.01 * best.gain) {
+    const bool remainder = !second.empty() && second.front().significant;
+    if (remainder && options_.max_effects > 1 && IsStrong(second.front().fit.effects.back())) {
       model.choices.push_back(second.front().fit.effects.back().choice);
       model.fit = second.front().fit;
       out.groups.push_back(Rivals(second));
+    } else if (!second.empty() && second.front().gain > options_.max_remainder) {
+      complete = false;  // the right law leaves no scraps for another effect to pick up
     }
   }
   for (std::size_t k = 0; k < model.choices.size(); ++k) {
@@ -202,7 +208,7 @@ Explanation Explainer::Run() {
   }
   out.final = model.fit;
   out.chosen = model.choices;
-  if (!AtFloor(model.fit, out.base)) {
+  if (!AtFloor(model.fit, out.base) || !complete) {
     out.verdict = Verdict::kUnknown;
     out.partial = true;
     out.groups.clear();
@@ -237,7 +243,7 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) { r
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window, const ExplainOptions& options) {
   constexpr int kRounds = 3;
-  constexpr double kClose = 0.3;  // refine effects that gain this share of the best
+  constexpr double kClose = 0.1;  // refine effects that gain this share of the best
   Explanation out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
   for (int round = 0; round < kRounds; ++round) {
     // The effects in the model, each given the others; then those that come close to the best as the only one.
@@ -249,9 +255,10 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::spa
     }
     if (round == 0) {
       for (const RankedEffect& r : out.ranking)
-        if (r.significant && r.gain > kClose * out.ranking.front().gain) work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{});
+        if (r.fit.solved && r.gain > std::max(options.min_gain, kClose * out.ranking.front().gain))
+          work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{});
       for (const RankedEffect& r : out.second)
-        if (r.significant && r.gain > kClose * out.second.front().gain)
+        if (r.fit.solved && r.gain > std::max(options.min_gain, kClose * out.second.front().gain))
           work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{r.fit.effects.front().choice});
     }
     auto refined = std::make_shared<ModelStructure>(*model);

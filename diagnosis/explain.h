@@ -23,7 +23,9 @@ struct ExplainOptions {
   double min_gain = 30.0;        ///< held-out error energy an effect must remove, in units of the noise variance
   double min_t = 4.0;            ///< size over its stroke-clustered standard error
   double floor_excess = 0.15;    ///< model error energy over noise energy that still counts as at the floor
-  double removed_share = 0.95;   ///< ... or this share of the base model's excess removed
+  double left_share = 0.005;     ///< ... plus this share of the base model's excess
+  double max_remainder = 40.0;   ///< gain another effect may still make on an explanation that claims to be complete
+  double second_t = 6.0;         ///< as min_t, for each effect of a pair: a wrong first one leaves scraps for a second
   double nonlinear_cost = 12.0;  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
   double rival_gain = 12.0;      ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;          ///< ... and those whose stroke-wise loss is not worse by this many standard errors

@@ -10,9 +10,10 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kSweeps = 2;              ///< over the coordinates, if there are several
-constexpr int kEvaluations = 9;         ///< per coordinate and sweep
-constexpr int kBits = 8;                ///< relative accuracy of Brent's method, 2^-8
+constexpr int kSweeps = 2;       ///< over the coordinates, if there are several
+constexpr int kScan = 6;         ///< points tried across the bracket, since the error may have several minima
+constexpr int kEvaluations = 6;  ///< of Brent's method between the best point's neighbours
+constexpr int kBits = 8;         ///< its relative accuracy, 2^-8
 
 /// Base and output columns alone, no shapes.
 ModelStructure BaseOnly(const ModelStructure& model) {
@@ -22,14 +23,38 @@ ModelStructure BaseOnly(const ModelStructure& model) {
   return base;
 }
 
-/// How far a search around `value` goes: half the admissible range on a scale that fits the parameter.
-std::pair<double, double> Bracket(const NonlinearParameter& parameter, double value, double reach) {
-  if (parameter.min > 0 && parameter.max / parameter.min > 20) {
-    const double factor = std::exp(reach * std::log(parameter.max / parameter.min));
-    return {std::max(parameter.min, value / factor), std::min(parameter.max, value * factor)};
+/// From the neighbour below `value` on the effect's grid (or the limit) to the neighbour above.
+std::pair<double, double> Bracket(const Effect& effect, std::size_t coordinate, double value) {
+  double low = effect.nonlinear[coordinate].min, high = effect.nonlinear[coordinate].max;
+  for (const std::vector<double>& point : effect.grid) {
+    if (point[coordinate] < value) low = std::max(low, point[coordinate]);
+    if (point[coordinate] > value) high = std::min(high, point[coordinate]);
   }
-  const double width = reach * (parameter.max - parameter.min);
-  return {std::max(parameter.min, value - width), std::min(parameter.max, value + width)};
+  // A coordinate with one grid value or at the end of the grid: within a factor of three.
+  if (value > 0) {
+    low = std::max(low, value / 3);
+    high = std::min(high, 3 * value);
+  }
+  return {low, high};
+}
+
+/// Minimum of `error` over [low, high]: a scan, then Brent's method between the best point's neighbours.
+template <typename Error>
+double Minimise(Error error, double low, double high, double start) {
+  const double step = (high - low) / (kScan + 1);
+  double best = start, best_error = error(start);
+  for (int k = 1; k <= kScan; ++k) {
+    const double x = low + k * step;
+    const double e = error(x);
+    if (e < best_error) {
+      best_error = e;
+      best = x;
+    }
+  }
+  std::uintmax_t evaluations = kEvaluations;
+  const auto minimum = boost::math::tools::brent_find_minima(error, std::max(low, best - step), std::min(high, best + step),
+                                                             kBits, evaluations);
+  return minimum.second < best_error ? minimum.first : best;
 }
 
 }  // namespace
@@ -74,16 +99,13 @@ std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const
   const int sweeps = effect.nonlinear.size() > 1 ? kSweeps : 1;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::size_t i = 0; i < effect.nonlinear.size(); ++i) {
-      const auto [low, high] = Bracket(effect.nonlinear[i], best[i], sweep == 0 ? 0.2 : 0.08);
-      std::vector<double> trial = best;
-      std::uintmax_t evaluations = kEvaluations;
-      const auto minimum = boost::math::tools::brent_find_minima(
-          [&](double x) {
-            trial[i] = x;
-            return error(trial);
-          },
-          low, high, kBits, evaluations);
-      best[i] = minimum.first;
+      const auto [low, high] = Bracket(effect, i, best[i]);
+      const auto along = [&](double x) {
+        std::vector<double> trial = best;
+        trial[i] = x;
+        return error(trial);
+      };
+      best[i] = Minimise(along, low, high, best[i]);
     }
   return best;
 }

@@ -72,6 +72,7 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   }
   const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
   SmoothRate(s.channel[kPosition], s.samples, half, s.period, Ends::kExtend, s.channel[kSpeed]);
+  SmoothRate(s.channel[kSpeed], s.samples, half, s.period, Ends::kHold, s.channel[kAcceleration]);
   SmoothRate(p, s.samples, half, s.period, Ends::kHold, s.channel[kPressureRate]);
 }
 
@@ -145,7 +146,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
   model->output_unit = "m3/s";
-  model->channel_names = {"p_A", "z", "y_v", "p_B", "p_0", "T_oil", "flow_root", "speed", "pressure_rate"};
+  model->channel_names = {"p_A", "z", "y_v", "p_B", "p_0", "T_oil", "flow_root", "speed", "acceleration", "pressure_rate"};
   for (int c = 0; c < kMeasuredChannels; ++c) model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
     if (model->channel_source[c] < 0)
@@ -158,7 +159,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   geometry.piston_area = area->value;
   geometry.tank_pressure = machine.Geometry("p_t").value_or(KnownValue{}).value;
   geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{0.2, 0}).value;
-  static_assert(kDieCushionChannels == 9);
+  static_assert(kDieCushionChannels == 10);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) { DeriveChannels(tank, has_supply, s); };
   model->integrated_noise = IntegratedNoise;

@@ -16,6 +16,7 @@ enum DieCushionChannel {
   kMeasuredChannels,
   kFlowRoot = kMeasuredChannels,  ///< sign(dp) sqrt|dp| over the open edge, sqrt(Pa), corrected for noise
   kSpeed,                         ///< dz/dt smoothed, m/s
+  kAcceleration,                  ///< d2z/dt2 smoothed, m/s^2
   kPressureRate,                  ///< dp_A/dt smoothed, Pa/s
   kDieCushionChannels
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,37 +21,53 @@ struct Stretch {
 /// trapezoidal value of a * db between samples k and k + 1. From the increments follow the integral form (running
 /// sum) and the flow form (window) alike, without ever differencing a noisy product.
 
+/// The functions below evaluate in chunks on the stack, so that the compiler can vectorise both the evaluation and the
+/// differences; every sample is evaluated once.
+inline constexpr int kChunk = 64;
+
 /// Increments of the integral of `rate(k)` over time; `increments` has samples - 1 entries.
 template <typename Rate>
 void IntegrateOverTime(const Stretch& stretch, Rate rate, std::span<double> increments) {
-  double left = rate(0);
-  for (int k = 0; k + 1 < stretch.samples; ++k) {
-    const double right = rate(k + 1);
-    increments[k] = 0.5 * stretch.period * (left + right);
-    left = right;
+  const double half = 0.5 * stretch.period;
+  double value[kChunk + 1];
+  value[0] = rate(0);
+  for (int first = 0; first + 1 < stretch.samples; first += kChunk) {
+    const int count = std::min(kChunk, stretch.samples - 1 - first);
+    for (int k = 0; k < count; ++k) value[k + 1] = rate(first + k + 1);
+    double* out = increments.data() + first;
+    for (int k = 0; k < count; ++k) out[k] = half * (value[k] + value[k + 1]);
+    value[0] = value[count];
   }
 }
 
 /// Increments of a quantity that needs no integration: level(k + 1) - level(k).
 template <typename Level>
 void Differences(const Stretch& stretch, Level level, std::span<double> increments) {
-  double left = level(0);
-  for (int k = 0; k + 1 < stretch.samples; ++k) {
-    const double right = level(k + 1);
-    increments[k] = right - left;
-    left = right;
+  double value[kChunk + 1];
+  value[0] = level(0);
+  for (int first = 0; first + 1 < stretch.samples; first += kChunk) {
+    const int count = std::min(kChunk, stretch.samples - 1 - first);
+    for (int k = 0; k < count; ++k) value[k + 1] = level(first + k + 1);
+    double* out = increments.data() + first;
+    for (int k = 0; k < count; ++k) out[k] = value[k + 1] - value[k];
+    value[0] = value[count];
   }
 }
 
 /// Increments of the integral of `weight(k)` over the change of `level(k)`.
 template <typename Weight, typename Level>
 void IntegrateOver(const Stretch& stretch, Weight weight, Level level, std::span<double> increments) {
-  double left_weight = weight(0), left = level(0);
-  for (int k = 0; k + 1 < stretch.samples; ++k) {
-    const double right_weight = weight(k + 1), right = level(k + 1);
-    increments[k] = 0.5 * (left_weight + right_weight) * (right - left);
-    left_weight = right_weight;
-    left = right;
+  double weights[kChunk + 1], value[kChunk + 1];
+  weights[0] = weight(0);
+  value[0] = level(0);
+  for (int first = 0; first + 1 < stretch.samples; first += kChunk) {
+    const int count = std::min(kChunk, stretch.samples - 1 - first);
+    for (int k = 0; k < count; ++k) weights[k + 1] = weight(first + k + 1);
+    for (int k = 0; k < count; ++k) value[k + 1] = level(first + k + 1);
+    double* out = increments.data() + first;
+    for (int k = 0; k < count; ++k) out[k] = 0.5 * (weights[k] + weights[k + 1]) * (value[k + 1] - value[k]);
+    weights[0] = weights[count];
+    value[0] = value[count];
   }
 }
 

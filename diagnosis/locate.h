@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/residuals.h"
+
+namespace hydroscope {
+
+struct LocateOptions {
+  int bins = 8;           ///< of equally many windows, one-signal maps
+  int pair_bins = 5;      ///< per signal, two-signal maps
+  double p_floor = 0.01;  ///< chance of calling any bin of a flat map an error (Bonferroni over all bins)
+  double p_above_mean = 0.05;  ///< ... and of calling it worse than the rest of the map
+  double min_windows = 30;     ///< fewer windows or ...
+  int min_strokes = 4;         ///< ... fewer strokes in a bin say nothing
+};
+
+/// Model error in one cell of a map. Bands are clustered by stroke.
+struct MapCell {
+  std::vector<double> from, to;  ///< per signal, SI
+  double windows = 0;
+  int strokes = 0;    ///< with windows in the cell
+  double excess = 0;  ///< (m^3/s)^2, mean squared error less what sensor noise causes
+  double excess_std = 0;
+  double mean = 0, mean_std = 0;  ///< m^3/s, mean of measured - modelled and its standard error
+  bool above_floor = false;       ///< significantly more than sensor noise
+};
+
+/// The model error over one or two signals.
+struct ErrorMap {
+  std::vector<int> signals;  ///< indices into Residuals::signals
+  std::vector<MapCell> cells;
+  /// Share of the model error's energy that the map's cell means predict on strokes left out, at most 1; 0 or
+  /// below: the error does not follow these signals.
+  double explained = 0;
+};
+
+/// A range in which the model errs more than elsewhere, in units as shown.
+struct Located {
+  std::string signal;
+  double from = 0, to = 0;
+  std::string unit;
+  double rms = 0;          ///< m^3/s, model error in the range, sensor noise taken out
+  double mean = 0;         ///< m^3/s, mean of measured - modelled
+  double share_error = 0;  ///< share of the model error's energy in the range
+  double share_windows = 0;
+};
+
+struct ErrorLocation {
+  double excess = 0;                    ///< (m^3/s)^2, mean model error energy, sensor noise taken out
+  double excess_std = 0;                ///< clustered by stroke
+  std::vector<ErrorMap> single, pairs;  ///< best explained first
+  std::vector<Located> located;         ///< most of the error in least of the data first; empty: a flat map
+};
+
+/// Where in the operating space the error lives. Bins are quantiles; a bin is located if its error is above
+/// the sensor noise and above the rest of the map, both tested over strokes (t of strokes - 1); neighbours
+/// are merged.
+ErrorLocation Locate(const Residuals& residuals, const LocateOptions& options = {});
+
+}  // namespace hydroscope

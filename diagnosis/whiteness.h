@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/residuals.h"
+
+namespace hydroscope {
+
+/// Whether what the model leaves is independent from block to block, as sensor noise is.
+struct Whiteness {
+  int lags = 0;
+  std::vector<double> autocorrelation;  ///< at lags 1 ... lags
+  double ljung_box = 0;                 ///< statistic
+  double p_value = 1;                   ///< chi-squared with `lags` degrees of freedom
+  double variance_ratio = 0;            ///< residual variance over that of sensor noise; 1 = noise alone
+};
+
+/// Of the whitened contrasts, which do not overlap (StrokeResiduals::whitened), pooled over spans; pairs
+/// never cross a span. Test after Ljung and Box 1978, with the pairs at hand in place of n (n + 2) / (n - k).
+Whiteness WhitenessOf(const Residuals& residuals, int lags = 5);
+
+/// Correlation of the flow residual with a signal over all windows.
+struct SignalCorrelation {
+  int signal = 0;          ///< index into Residuals::signals
+  double correlation = 0;  ///< -1 ... 1
+  double p_value = 1;  ///< of no correlation, from the stroke-wise sums (t of strokes - 1): windows overlap
+};
+std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals);
+
+}  // namespace hydroscope
