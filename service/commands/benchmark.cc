@@ -7,6 +7,7 @@
 #include "service/benchmarks/example_log.h"
 #include "service/benchmarks/filter_study.h"
 #include "service/benchmarks/frf_benchmark.h"
+#include "service/benchmarks/hidden_effects_benchmark.h"
 #include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
 
@@ -46,6 +47,27 @@ void AddFrf(CLI::App& benchmark, int& exit_code) {
   command->add_option("--seed", o->seed, "Seed of the first draw")->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark frf --cases 100");
   command->callback([o, &exit_code] { exit_code = RunFrfBenchmark(o->cases, o->seed); });
+}
+
+void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
+  struct Options {
+    int cases = 300;
+    std::uint64_t seed = 1;
+    std::string details;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = benchmark.add_subcommand(
+      "hidden-effects", "Effects hidden in simulated logs: how often they are found, and how often wrongly named");
+  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark hidden-effects --cases 300\n"
+      "  hydroscope benchmark hidden-effects --cases 40 --seed 7 --details cases.tsv");
+  command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(o->cases, o->seed, o->details); });
 }
 
 void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
@@ -134,6 +156,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
       "  hydroscope benchmark coverage --cases 200\n"
       "  hydroscope benchmark filter-study --svg filter_study.svg");
   AddCoverage(*benchmark, exit_code);
+  AddHiddenEffects(*benchmark, exit_code);
   AddFrf(*benchmark, exit_code);
   AddFilterStudy(*benchmark, exit_code);
   AddThirtyRuns(*benchmark, exit_code);
