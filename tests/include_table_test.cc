@@ -1,0 +1,155 @@
+// The table of docs/architecture.md: who may include whom, and what only one folder may use.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace hydroscope {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// Folders of the project a folder's own files (tests aside) may include.
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"core", {}},
+    {"models", {"core"}},
+    {"acquisition", {"core", "models"}},
+    {"estimation", {"core", "models"}},
+    {"diagnosis", {"core", "models", "estimation"}},
+    {"storage", {"core"}},
+    {"alarms", {"core", "storage"}},
+    {"replay", {"core", "models", "acquisition"}},
+    {"simulator", {"core"}},
+    {"service",
+     {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay",
+      "simulator"}},
+};
+
+/// A word that only files whose path begins with one of `places` may contain.
+struct Reserved {
+  std::string word;
+  std::vector<std::string> places;
+};
+const std::vector<Reserved> kReservedIncludes = {
+    {"<sqlite3.h>", {"storage/"}},
+    {"<SQLiteCpp/", {"storage/"}},
+    {"<modbus", {"acquisition/modbus/", "alarms/", "simulator/modbus/"}},
+    {"<fastdds/", {"acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<fastrtps/", {"acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<matio.h>", {"replay/"}},
+    {"<CLI/", {"service/"}},
+};
+const std::vector<Reserved> kReservedWords = {
+    {"steady_clock", {"service/"}},
+    {"system_clock", {"service/"}},
+    {"high_resolution_clock", {"service/"}},
+    {"clock_gettime", {"service/"}},
+    {"std::time(", {"service/"}},
+    {"getenv", {"service/"}},
+    {"random_device", {}},
+    {"<sys/socket.h>", {"service/", "acquisition/modbus/", "alarms/"}},
+    {"sleep_for", {"service/"}},
+};
+
+bool BeginsWithOneOf(const std::string& path, const std::vector<std::string>& places) {
+  return std::any_of(places.begin(), places.end(), [&](const std::string& p) { return path.starts_with(p); });
+}
+
+/// What the file breaks of the table, one sentence each.
+std::vector<std::string> Faults(const std::string& path, const std::string& text) {
+  std::vector<std::string> faults;
+  const std::string folder = path.substr(0, path.find('/'));
+  const auto allowed = kMayInclude.find(folder);
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::string where = fmt::format("{}:{}", path, number);
+    if (line.starts_with("#include \"")) {
+      const std::string included = line.substr(10, line.find('/') == line.npos ? 0 : line.find('/') - 10);
+      if (allowed != kMayInclude.end() && included != folder && !allowed->second.contains(included))
+        faults.push_back(
+            fmt::format("{}: {}/ may include {}, not {}/", where, folder, allowed->second, included));
+    }
+    if (line.starts_with("#include"))
+      for (const Reserved& r : kReservedIncludes)
+        if (line.find(r.word) != line.npos && !BeginsWithOneOf(path, r.places))
+          faults.push_back(fmt::format("{}: {} belongs to {}", where, r.word, r.places));
+    const std::string code = line.substr(0, line.find("//"));
+    for (const Reserved& r : kReservedWords)
+      if (code.find(r.word) != code.npos && !BeginsWithOneOf(path, r.places))
+        faults.push_back(fmt::format("{}: {} is left to {}", where, r.word, r.places));
+  }
+  return faults;
+}
+
+bool IsSource(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const bool code = name.ends_with(".h") || name.ends_with(".cc");
+  return code && !name.ends_with("_test.cc") && !name.ends_with("_fuzz.cc");
+}
+
+TEST(IncludeTable, EveryFileKeepsToIt) {
+  const std::filesystem::path root = HYDROSCOPE_SOURCE_DIR;
+  int files = 0;
+  for (const auto& [folder, allowed] : kMayInclude) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
+      if (!entry.is_regular_file() || !IsSource(entry.path())) continue;
+      ++files;
+      std::ifstream in(entry.path());
+      const std::string text((std::istreambuf_iterator<char>(in)), {});
+      EXPECT_THAT(Faults(std::filesystem::relative(entry.path(), root), text), IsEmpty());
+    }
+  }
+  EXPECT_GT(files, 100) << "the source tree was not found";
+}
+
+TEST(IncludeTable, CoversEveryFolderWithCode) {
+  std::set<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(HYDROSCOPE_SOURCE_DIR)) {
+    if (!entry.is_directory() || !std::filesystem::exists(entry.path() / "CMakeLists.txt")) continue;
+    folders.insert(entry.path().filename());
+  }
+  for (const char* outside : {"tests", "bench", "build"}) folders.erase(outside);
+  for (const std::string& folder : folders)
+    EXPECT_TRUE(kMayInclude.contains(folder)) << folder << "/ is missing in the table";
+}
+
+TEST(IncludeTable, NamesALayerThatLooksUp) {
+  EXPECT_THAT(Faults("models/x.cc", "#include \"core/result.h\"\n#include \"estimation/gram_fit.h\"\n"),
+              ElementsAre("models/x.cc:2: models/ may include {\"core\"}, not estimation/"));
+}
+
+TEST(IncludeTable, KeepsTheSimulatorApartFromTheEquations) {
+  EXPECT_EQ(Faults("simulator/x.cc", "#include \"models/die_cushion.h\"\n").size(), 1u);
+  EXPECT_EQ(Faults("simulator/x.cc", "#include \"estimation/gram_fit.h\"\n").size(), 1u);
+  EXPECT_EQ(Faults("simulator/x.cc", "#include \"diagnosis/explain.h\"\n").size(), 1u);
+}
+
+TEST(IncludeTable, KeepsDatabaseAndFieldbusInTheirFolders) {
+  EXPECT_EQ(Faults("service/x.cc", "#include <sqlite3.h>\n").size(), 1u);
+  EXPECT_EQ(Faults("storage/x.cc", "#include <sqlite3.h>\n").size(), 0u);
+  EXPECT_EQ(Faults("service/x.cc", "#include <modbus/modbus.h>\n").size(), 1u);
+  EXPECT_EQ(Faults("acquisition/modbus/x.cc", "#include <modbus/modbus.h>\n").size(), 0u);
+  EXPECT_EQ(Faults("acquisition/x.cc", "#include <fastdds/dds/domain/DomainParticipant.hpp>\n").size(), 1u);
+}
+
+TEST(IncludeTable, KeepsClocksAndEnvironmentOutOfTheLayersBelowTheService) {
+  EXPECT_EQ(Faults("replay/x.cc", "auto t = std::chrono::system_clock::now();\n").size(), 1u);
+  EXPECT_EQ(Faults("replay/x.cc", "// no system_clock here\n").size(), 0u);
+  EXPECT_EQ(Faults("core/x.cc", "std::getenv(\"HOME\");\n").size(), 1u);
+}
+
+}  // namespace
+}  // namespace hydroscope
