@@ -158,7 +158,7 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
   std::vector<Estimate> estimates;
   for (const DerivedParameter& parameter : model_->derive(corrected)) {
     const std::size_t index = estimates.size();
-    Estimate estimate = Describe(parameter, recent, covariance, clean);
+    Estimate estimate = Describe(parameter, recent, covariance, OwnStd(parameter, recent_.front(), corrected));
     if (estimate.reason == EstimateReason::kUpdated || estimate.reason == EstimateReason::kOutsidePhysics)
       last_excited_[index] = stroke.end;
     estimate.last_excited = last_excited_[index];
@@ -167,8 +167,23 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
   return estimates;
 }
 
+double IntegralEstimator::OwnStd(const DerivedParameter& parameter, const Recent& stroke,
+                                 const Eigen::VectorXd& theta) const {
+  const double equations = std::max(stroke.raw.equations, 1.0);
+  int dominant = 0;
+  parameter.gradient.cwiseProduct(theta).cwiseAbs().maxCoeff(&dominant);
+  // Share of the regressor's energy that is signal; the noise share itself is only known to sqrt(2 / equations).
+  const double noise_share = stroke.noise.h(dominant, dominant) / std::max(stroke.raw.h(dominant, dominant), 1e-300);
+  const double signal_share = 1.0 - noise_share - 3.0 * std::sqrt(2.0 / equations);
+  if (!(signal_share > 0)) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd ridge = stroke.raw.h.diagonal().cwiseMax(1e-300) * (1e-9 / equations);
+  const Eigen::MatrixXd own = stroke.raw.h + Eigen::MatrixXd(ridge.asDiagonal());
+  const double promised = parameter.gradient.dot(own.ldlt().solve(parameter.gradient)) * variance_;
+  return std::sqrt(std::max(0.0, promised)) * noise_ / signal_share;
+}
+
 Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const Weighted& recent,
-                                     const Eigen::MatrixXd& covariance, const NormalEquations& stroke) const {
+                                     const Eigen::MatrixXd& covariance, double own_std) const {
   const Eigen::VectorXd& gradient = parameter.gradient;
   const double promised = std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
   double scattered = 0;
@@ -184,11 +199,6 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
   estimate.value = parameter.value;
   estimate.unit = parameter.unit;
   estimate.std = std::hypot(std::max(promised, scattered), parameter.geometry_std);
-  // What this stroke alone could tell of the parameter.
-  const double equations = std::max(stroke.equations, 1.0);
-  const Eigen::VectorXd ridge = stroke.h.diagonal().cwiseMax(1e-300) * (1e-9 / equations);
-  const Eigen::MatrixXd own = stroke.h + Eigen::MatrixXd(ridge.asDiagonal());
-  const double own_std = std::sqrt(std::max(0.0, gradient.dot(own.ldlt().solve(gradient)) * variance_)) * noise_;
   const double useful = UsefulStd(parameter);
   estimate.excitation = useful / std::hypot(useful, own_std);
   if (!parameter.admissible)

@@ -38,7 +38,9 @@ class IntegralEstimator : public StrokeEstimator {
   void Learn(const double* equation);
   Weighted Weigh(const Eigen::VectorXd& theta) const;
   Estimate Describe(const DerivedParameter& parameter, const Weighted& recent, const Eigen::MatrixXd& covariance,
-                    const NormalEquations& stroke) const;
+                    double own_std) const;
+  /// Std of a parameter from one stroke alone; infinite if its regressor is no more than sensor noise there.
+  double OwnStd(const DerivedParameter& parameter, const Recent& stroke, const Eigen::VectorXd& theta) const;
 
   EstimatorSpec spec_;
   std::shared_ptr<const ModelStructure> model_;

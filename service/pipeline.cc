@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kStateMagic = 0x54535948;  // "HYST"
 constexpr std::uint32_t kStateVersion = 1;
+constexpr int kHeaderFields = 4;  ///< magic, version, base columns, columns
 
 }  // namespace
 
@@ -76,8 +77,13 @@ Status Pipeline::RestoreState(const std::vector<std::uint8_t>& state) {
   const bool ours = in.Get<std::uint32_t>() == kStateMagic && in.Get<std::uint32_t>() == kStateVersion &&
                     in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model_->base_count) &&
                     in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model_->column_count());
-  if (!ours || !estimator_->Restore(in) || !in.at_end())
+  const std::vector<std::uint8_t> present = SaveState();
+  if (!ours || !estimator_->Restore(in) || !in.at_end()) {
+    ByteReader back(present);
+    for (int k = 0; k < kHeaderFields; ++k) back.Get<std::uint32_t>();
+    estimator_->Restore(back);  // a torn state may have been taken over in part
     return BadInput("the stored estimator state belongs to another model or program version; start without it");
+  }
   return {};
 }
 
