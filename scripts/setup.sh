@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# Installs what building Hydroscope needs on Debian 12, without questions. Does nothing if all is there.
+#   scripts/setup.sh           to build and to run the tests
+#   scripts/setup.sh --bench   and the benchmarks with the programs they compare with
+#   scripts/setup.sh --fuzz    and the fuzz targets
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build pkg-config
+  libeigen3-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev libmuparser-dev
+  libsqlitecpp-dev libsqlite3-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
+  libgtest-dev libgmock-dev
+)
+for option in "$@"; do
+  case "$option" in
+    --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev python3-numpy python3-pandas) ;;
+    --fuzz) packages+=(clang libclang-rt-14-dev) ;;
+    *) echo "setup.sh: unknown option '$option', expected --bench or --fuzz" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)
+  [[ $state == ii* || $state == hi* ]] || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  echo "setup: all ${#packages[@]} packages are there"
+  exit 0
+fi
+
+echo "setup: installing ${missing[*]}"
+root=()
+if [[ $(id -u) -ne 0 ]]; then root=(sudo); fi
+apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+"${apt[@]}" update
+"${apt[@]}" install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,7 @@
+#!/usr/bin/env bash
+# Sets up, builds everything and runs all tests. Arguments go to ctest, e.g. scripts/test.sh -R Replay.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+scripts/build.sh release
+ctest --preset release --parallel "${HYDROSCOPE_TEST_JOBS:-2}" "$@"
