@@ -24,6 +24,7 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
   level_.resize(columns, window_.span + 2 * window_.half_window);
   out_.integral.resize(columns, window_.span);
   out_.noise = Eigen::MatrixXd::Zero(columns, 2 * window_.span);
+  out_.integrated_rows = model_->base_count;
   rate_noise_.resize(model_->base_count);
   out_.flow.resize(columns, window_.span);
   out_.flow_time.reserve(window_.span);
@@ -99,8 +100,8 @@ void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {
   out_.flow_time.clear();
   int windows = 0;
   for (int last = continues ? std::max(history_, 2 * h - 1) : 2 * h - 1; last < total; ++last, ++windows) {
-    out_.flow.col(windows) =
-        scale * (level_.middleCols(last - h + 1, h).rowwise().sum() - level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
+    out_.flow.col(windows) = scale * (level_.middleCols(last - h + 1, h).rowwise().sum() -
+                                      level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
     out_.flow_time.push_back(begin + (last - history_ - h + 1) * block_time);
   }
   const int keep = std::min(total, 2 * h - 1);

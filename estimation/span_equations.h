@@ -10,17 +10,19 @@ namespace hydroscope {
 
 /// The equations one span of samples gives, one column of each matrix per equation, one row per model column.
 ///
-/// Integral form. Integrated once, the balance reads: piston volume = sum theta_i * (integral of base_i) + constant.
-/// Sensor noise of the position then enters white and undifferentiated, and the small noise of the pressure meets its
-/// full signal, so the errors-in-variables bias that ruins the differenced form is nearly gone. Levels are averaged
-/// over blocks; the constant, one per span, is taken out by orthonormal (Helmert) contrasts, which keep white noise
-/// white. A short span keeps slow model errors from piling up in the integral.
+/// Integral form. Integrated once, the balance reads: piston volume = sum theta_i * (integral of base_i) +
+/// constant. Sensor noise of the position then enters white and undifferentiated, and the small noise of the
+/// pressure meets its full signal, so the errors-in-variables bias that ruins the differenced form is nearly
+/// gone. Levels are averaged over blocks; the constant, one per span, is taken out by orthonormal (Helmert)
+/// contrasts, which keep white noise white. A short span keeps slow model errors from piling up in the
+/// integral.
 ///
-/// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor noise: its
-/// outer product estimates what the noise adds to the regressors' Gram, for every column and every nonlinearity,
-/// without knowing any noise level. Subtracting it takes out the errors-in-variables bias that is left. Noise that
-/// is integrated (pressure noise in the valve flow) walks away from the level at random; the model says how much of
-/// it there is, and a random walk over B blocks of M samples has the centred energy M (B^2 - 1) / 6 per sample variance.
+/// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor
+/// noise: its outer product estimates what the noise adds to the regressors' Gram, for every column and every
+/// nonlinearity, without knowing any noise level. Subtracting it takes out the errors-in-variables bias that
+/// is left. Noise that is integrated (pressure noise in the valve flow) walks away from the level at random;
+/// the model says how much of it there is, and a random walk over B blocks of M samples has the centred
+/// energy M (B^2 - 1) / 6 per sample variance.
 ///
 /// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
 struct SpanEquations {
@@ -29,7 +31,8 @@ struct SpanEquations {
   Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
-  double begin = 0;               ///< s, first new sample
+  int integrated_rows = 0;  ///< first rows of `noise` whose integrated part is not zero
+  double begin = 0;         ///< s, first new sample
 };
 
 /// How blocks, spans and windows count in samples.
@@ -46,9 +49,9 @@ class SpanEquationBuilder {
  public:
   SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window);
 
-  /// Equations of one span. `stretch` holds whole blocks, plus one leading sample if it continues a segment; its
-  /// derived channels are filled here. `begin` is the time of its first block's first sample, s.
-  /// The result stays valid until the next call.
+  /// Equations of one span. `stretch` holds whole blocks, plus one leading sample if it continues a segment;
+  /// its derived channels are filled here. `begin` is the time of its first block's first sample, s. The
+  /// result stays valid until the next call.
   const SpanEquations& Build(Stretch& stretch, double begin);
 
   const WindowSamples& window() const { return window_; }
@@ -66,7 +69,7 @@ class SpanEquationBuilder {
   std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
   Eigen::MatrixXd level_;           ///< columns x (history + blocks), block means
   Eigen::VectorXd rate_noise_;
-  int history_ = 0;                 ///< block means kept from the stretch before
+  int history_ = 0;  ///< block means kept from the stretch before
   SpanEquations out_;
 };
 

@@ -14,6 +14,14 @@ void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& lowe
   lower.selfadjointView<Eigen::Lower>().rankUpdate(equations.leftCols(count));
 }
 
+/// Only the base columns have an integrated part, the first of 57 rows or so.
+void AddIntegratedNoise(const SpanEquations& span, Eigen::MatrixXd& lower) {
+  const int rows = span.integrated_rows;
+  lower.topLeftCorner(rows, rows)
+      .selfadjointView<Eigen::Lower>()
+      .rankUpdate(span.noise.middleCols(span.blocks, span.blocks).topRows(rows));
+}
+
 }  // namespace
 
 StrokeAccumulator::StrokeAccumulator(int columns)
@@ -22,7 +30,8 @@ StrokeAccumulator::StrokeAccumulator(int columns)
 void StrokeAccumulator::Add(const SpanEquations& span) {
   const int windows = static_cast<int>(span.flow_time.size());
   AddOuter(span.integral, span.blocks - 1, integral_);
-  AddOuter(span.noise, 2 * span.blocks, noise_);
+  AddOuter(span.noise, span.blocks, noise_);
+  AddIntegratedNoise(span, noise_);
   AddOuter(span.flow, windows, flow_);
   blocks_ += span.blocks;
   spans_ += 1;

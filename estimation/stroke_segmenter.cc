@@ -11,7 +11,8 @@ namespace {
 constexpr int kRingSize = 5;
 constexpr int kLookAhead = 2;
 /// Flags that say a row does not follow the one before at the sample period.
-constexpr Quality kTimeBroken = quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
+constexpr Quality kTimeBroken =
+    quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
 int ChannelIndex(const ModelStructure& model, const std::string& name) {
   for (std::size_t c = 0; c < model.channel_source.size(); ++c)
@@ -33,8 +34,8 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
     needed_[signal] = true;
     auto slot = std::find(gate_signal_.begin(), gate_signal_.end(), signal);
     if (slot == gate_signal_.end()) slot = gate_signal_.insert(slot, signal);
-    bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate, bound.min.value_or(-kInfinity),
-                       bound.max.value_or(kInfinity)});
+    bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate,
+                       bound.min.value_or(-kInfinity), bound.max.value_or(kInfinity)});
   }
   const std::size_t channels = model_->channel_source.size();
   Pending empty;
@@ -53,36 +54,72 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
 }
 
 void StrokeSegmenter::Process(const SampleBlock& block) {
-  for (std::size_t row = 0; row < block.rows(); ++row) TakeRow(block, row);
+  CollectFlags(block);
+  const std::size_t rows = block.rows();
+  for (std::size_t row = 0; row < rows;) {
+    std::size_t last = row;
+    while (last < rows && row_flags_[last] == quality::kGood) ++last;
+    TakeGoodRows(block, row, last);
+    if (last < rows) TakeFlaggedRow(block, last++);
+    row = last;
+  }
 }
 
-void StrokeSegmenter::TakeRow(const SampleBlock& block, std::size_t row) {
+void StrokeSegmenter::CollectFlags(const SampleBlock& block) {
+  row_flags_.assign(block.rows(), quality::kGood);
+  for (const std::vector<Quality>& flags : block.quality)
+    for (std::size_t row = 0; row < flags.size(); ++row) row_flags_[row] |= flags[row];
+}
+
+void StrokeSegmenter::TakeFlaggedRow(const SampleBlock& block, std::size_t row) {
   ++since_stroke_.samples;
-  bool broken = false, bad = false;
+  bool bad = false;
   for (std::size_t s = 0; s < block.signal.size(); ++s) {
     const Quality flags = block.quality[s][row];
-    if (flags == quality::kGood) continue;
     for (Quality rest = flags; rest != 0; rest &= rest - 1) ++since_stroke_.flagged[std::countr_zero(rest)];
-    broken = broken || (flags & kTimeBroken) != 0;
     bad = bad || (needed_[s] && (flags & ~kTimeBroken) != 0);
   }
-  if (broken || bad) Break();
+  if (bad || (row_flags_[row] & kTimeBroken) != 0) Break();
   if (bad) {
     CountOutside(block.time[row]);
     return;
   }
+  Fill(block, row, 1);
+}
+
+void StrokeSegmenter::TakeGoodRows(const SampleBlock& block, std::size_t first, std::size_t last) {
+  while (first < last) {
+    const int room = window_.block - rows_in_block_;
+    const int count = static_cast<int>(std::min<std::size_t>(room, last - first));
+    since_stroke_.samples += count;
+    Fill(block, first, count);
+    first += count;
+  }
+}
+
+/// Puts rows without a bad needed value into the block being filled, at most as many as it has room for.
+void StrokeSegmenter::Fill(const SampleBlock& block, std::size_t first, int count) {
   if (rows_in_block_ == 0) {
-    filling_.begin = block.time[row];
+    filling_.begin = block.time[first];
     std::fill(filling_.mean.begin(), filling_.mean.end(), 0.0);
   }
   for (std::size_t c = 0; c < model_->channel_source.size(); ++c) {
     const int signal = model_->channel_source[c];
     if (signal < 0) continue;
-    if (block.quality[signal][row] == quality::kGood || needed_[signal]) held_[c] = block.signal[signal][row];
-    filling_.sample[c * window_.block + rows_in_block_] = held_[c];
+    double* place = &filling_.sample[c * window_.block + rows_in_block_];
+    if (needed_[signal] || block.quality[signal][first] == quality::kGood) {
+      std::copy_n(&block.signal[signal][first], count, place);
+      held_[c] = place[count - 1];
+    } else {
+      *place = held_[c];  // a flagged row comes alone
+    }
   }
-  for (std::size_t g = 0; g < gate_signal_.size(); ++g) filling_.mean[g] += block.signal[gate_signal_[g]][row];
-  if (++rows_in_block_ == window_.block) CompleteBlock();
+  for (std::size_t g = 0; g < gate_signal_.size(); ++g) {
+    const double* x = &block.signal[gate_signal_[g]][first];
+    for (int k = 0; k < count; ++k) filling_.mean[g] += x[k];
+  }
+  rows_in_block_ += count;
+  if (rows_in_block_ == window_.block) CompleteBlock();
 }
 
 void StrokeSegmenter::CompleteBlock() {
@@ -189,7 +226,8 @@ void StrokeSegmenter::EndSegment() {
 }
 
 void StrokeSegmenter::CountOutside(double time) {
-  if (in_stroke_ && (time - last_gated_ > gate_.stroke_gap || time < last_gated_ - gate_.stroke_gap)) EndStroke();
+  if (in_stroke_ && (time - last_gated_ > gate_.stroke_gap || time < last_gated_ - gate_.stroke_gap))
+    EndStroke();
 }
 
 void StrokeSegmenter::EndStroke() {
@@ -207,8 +245,9 @@ void StrokeSegmenter::EndStroke() {
   summary_.counters = since_stroke_;
   summary_.mean_speed = gated_time > 0 ? travel_ / gated_time : 0.0;
   summary_.mean_pressure = sum_blocks_ > 0 ? sum_pressure_ / sum_blocks_ : 0.0;
-  summary_.oil_temperature = temperature_channel_ >= 0 && sum_blocks_ > 0 ? sum_temperature_ / sum_blocks_
-                                                                           : std::numeric_limits<double>::quiet_NaN();
+  summary_.oil_temperature = temperature_channel_ >= 0 && sum_blocks_ > 0
+                                 ? sum_temperature_ / sum_blocks_
+                                 : std::numeric_limits<double>::quiet_NaN();
   AddToTotals();
   sink_.on_stroke(summary_);
 }

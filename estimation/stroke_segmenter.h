@@ -16,14 +16,15 @@ namespace hydroscope {
 
 /// Cuts a stream of samples into strokes and strokes into stretches of good samples inside the gate.
 ///
-/// Samples are taken block by block; a bad value in a needed channel, a gap or a clock jump ends the segment and
-/// restarts the block grid. The gate looks at block means (and at their rate over +-2 blocks, hence a delay of two
-/// blocks), so that sensor noise does not decide which samples are used. Time outside the gate longer than
-/// `GateSpec::stroke_gap` ends the stroke.
+/// Samples are taken block by block; a bad value in a needed channel, a gap or a clock jump ends the segment
+/// and restarts the block grid. The gate looks at block means (and at their rate over +-2 blocks, hence a
+/// delay of two blocks), so that sensor noise does not decide which samples are used. Time outside the gate
+/// longer than `GateSpec::stroke_gap` ends the stroke.
 class StrokeSegmenter {
  public:
   struct Sink {
-    /// One stretch: whole blocks, a full span or the rest of a segment. `begin` is its first new sample's time.
+    /// One stretch: whole blocks, a full span or the rest of a segment. `begin` is its first new sample's
+    /// time.
     std::function<void(Stretch&, double begin)> on_stretch;
     /// The stroke whose stretches were given is over.
     std::function<void(const StrokeSummary&)> on_stroke;
@@ -31,7 +32,8 @@ class StrokeSegmenter {
     std::function<void()> on_discard;
   };
 
-  StrokeSegmenter(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window, Sink sink);
+  StrokeSegmenter(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window,
+                  Sink sink);
 
   void Process(const SampleBlock& block);
   /// End of the log: whatever is under way is finished.
@@ -43,18 +45,21 @@ class StrokeSegmenter {
   std::int64_t discarded_strokes() const { return discarded_; }
 
  private:
-  struct Pending {                     ///< a block waiting for its gate decision
-    std::vector<double> sample;        ///< [channel][row]
-    std::vector<double> mean;          ///< per machine signal the gate looks at
-    double begin = 0;                  ///< s
+  struct Pending {               ///< a block waiting for its gate decision
+    std::vector<double> sample;  ///< [channel][row]
+    std::vector<double> mean;    ///< per machine signal the gate looks at
+    double begin = 0;            ///< s
   };
   struct Bound {
-    int slot;                          ///< index into Pending::mean
+    int slot;  ///< index into Pending::mean
     bool rate;
     double min, max;
   };
 
-  void TakeRow(const SampleBlock& block, std::size_t row);
+  void CollectFlags(const SampleBlock& block);
+  void TakeFlaggedRow(const SampleBlock& block, std::size_t row);
+  void TakeGoodRows(const SampleBlock& block, std::size_t first, std::size_t last);
+  void Fill(const SampleBlock& block, std::size_t first, int count);
   void CompleteBlock();
   void Decide(int index);
   bool GateOpen(int index) const;
@@ -71,13 +76,14 @@ class StrokeSegmenter {
   GateSpec gate_;
   Sink sink_;
   std::vector<Bound> bounds_;
-  std::vector<int> gate_signal_;       ///< machine signal of each slot
-  std::vector<bool> needed_;           ///< per machine signal
-  std::vector<Pending> ring_;          ///< the last five blocks; ring_[pending_ - 1] is the newest
+  std::vector<int> gate_signal_;  ///< machine signal of each slot
+  std::vector<bool> needed_;      ///< per machine signal
+  std::vector<Pending> ring_;     ///< the last five blocks; ring_[pending_ - 1] is the newest
   int pending_ = 0, undecided_ = 0;
   Pending filling_;
   int rows_in_block_ = 0;
-  std::vector<double> held_;           ///< last good value of each channel, for channels the base model does not need
+  std::vector<Quality> row_flags_;  ///< flags of all signals of each row of the block being processed
+  std::vector<double> held_;  ///< last good value of each channel, for channels the base model does not need
   Stretch stretch_;
   int stretch_blocks_ = 0;
   double stretch_begin_ = 0;
