@@ -10,13 +10,6 @@ using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
 
-Eigen::MatrixXd Unpack(const SymmetricMatrix& packed) {
-  Eigen::MatrixXd full(packed.dimension(), packed.dimension());
-  for (int j = 0; j < packed.dimension(); ++j)
-    for (int i = 0; i <= j; ++i) full(i, j) = full(j, i) = packed(i, j);
-  return full;
-}
-
 /// W' G W with the columns of W sparse; the last column is the output.
 Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {
   const int size = static_cast<int>(columns.size());
@@ -43,6 +36,13 @@ NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
 
 }  // namespace
 
+Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
+  Eigen::MatrixXd full(packed.dimension(), packed.dimension());
+  for (int j = 0; j < packed.dimension(); ++j)
+    for (int i = 0; i <= j; ++i) full(i, j) = full(j, i) = packed(i, j);
+  return full;
+}
+
 /// Augmented matrices: regressors first, output last.
 struct StrokeSet::Reduced {
   Eigen::MatrixXd clean, noise, flow;
@@ -53,13 +53,26 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
                      const WindowSamples& window)
     : model_(std::move(model)), window_(window) {
   for (const StrokeGram& gram : strokes) {
-    noise_.push_back(Unpack(gram.noise));
-    clean_.push_back(Unpack(gram.integral) - noise_.back());
-    flow_.push_back(Unpack(gram.flow));
+    noise_.push_back(Unpacked(gram.noise));
+    clean_.push_back(Unpacked(gram.integral) - noise_.back());
+    flow_.push_back(Unpacked(gram.flow));
     count_.push_back(static_cast<double>(gram.blocks - gram.spans));
     windows_.push_back(static_cast<double>(gram.windows));
     equations_ += count_.back();
   }
+}
+
+Eigen::MatrixXd StrokeSet::Total() const {
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
+  for (const Eigen::MatrixXd& gram : clean_) total += gram;
+  return total;
+}
+
+Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(model_->column_count());
+  const SparseColumns columns = Composite({&choice, 1}, theta);
+  for (const auto& [column, weight] : columns[model_->base_count]) direction[column] += weight;
+  return direction;
 }
 
 bool StrokeSet::Measured(const EffectChoice& choice) const {

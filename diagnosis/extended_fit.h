@@ -42,6 +42,9 @@ struct ExtendedFit {
   double noise_floor = 0;              ///< m^3/s, flow form, sensor noise alone
 };
 
+/// A packed Gram as a full symmetric matrix.
+Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed);
+
 /// Strokes prepared for many fits: Grams with the noise share taken out, and the shares themselves.
 class StrokeSet {
  public:
@@ -51,6 +54,11 @@ class StrokeSet {
   ExtendedFit Fit(std::span<const EffectChoice> choices) const;
 
   const ModelStructure& model() const { return *model_; }
+  const std::shared_ptr<const ModelStructure>& shared_model() const { return model_; }
+  /// Integral-form Gram of all strokes over all columns, noise taken out.
+  Eigen::MatrixXd Total() const;
+  /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters, size).
+  Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }
   /// Whether the effect's columns were measured (not all zero) in these strokes.

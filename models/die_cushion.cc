@@ -154,6 +154,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
     model->needed_signals.push_back(model->channel_source[c]);
   }
   model->columns = BaseColumns(area->value);
+  model->piston_area = area->value;
 
   CushionGeometry geometry;
   geometry.piston_area = area->value;

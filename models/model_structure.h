@@ -60,6 +60,7 @@ struct ModelStructure {
   std::vector<int> channel_source;        ///< machine signal index of each measured channel, -1 = not measured
   std::vector<std::shared_ptr<const Effect>> effects;  ///< library effects whose columns are in `columns`
   std::vector<std::vector<EffectShape>> effect_shapes;     ///< shapes of each of `effects`
+  double piston_area = 0.0;               ///< m^2, die cushion
   std::string output_unit;                ///< SI unit of the flow form, "m3/s"
 
   /// Fills the derived channels of a stretch whose measured channels are there.
