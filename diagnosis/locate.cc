@@ -1,9 +1,8 @@
 #include "diagnosis/locate.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
-#include <map>
 
 namespace hydroscope {
 namespace {
@@ -13,6 +12,15 @@ struct CellSums {
   double windows = 0;
   double excess = 0;    ///< sum of squared residual less noise variance
   double residual = 0;  ///< sum
+  double noise = 0;     ///< sum of noise variance
+
+  CellSums& operator+=(const CellSums& other) {
+    windows += other.windows;
+    excess += other.excess;
+    residual += other.residual;
+    noise += other.noise;
+    return *this;
+  }
 };
 using StrokeCells = std::vector<CellSums>;  ///< per stroke
 
@@ -43,9 +51,9 @@ Ratio ClusteredRatio(const StrokeCells& cells, Numerator numerator) {
   return out;
 }
 
-double UpperTail(double t, int strokes) {
-  if (strokes < 2 || !std::isfinite(t)) return 1.0;
-  return boost::math::cdf(boost::math::complement(boost::math::students_t(strokes - 1.0), t));
+/// Standard normal quantile exceeded with probability `p`.
+double UpperQuantile(double p) {
+  return boost::math::quantile(boost::math::complement(boost::math::normal(), p));
 }
 
 double Squared(double x) { return x * x; }
@@ -97,6 +105,7 @@ Binned Bin(const Residuals& residuals, std::vector<int> signals, int bins) {
       sums.windows += 1;
       sums.excess += Squared(residual) - stroke.noise_variance[w];
       sums.residual += residual;
+      sums.noise += stroke.noise_variance[w];
     }
   }
   return out;
@@ -120,6 +129,16 @@ double ExplainedShare(const Binned& binned, double total_excess) {
   return total_excess > 0 ? removed / total_excess : 0.0;
 }
 
+/// Whether sensor noise alone leaves as much in one of `tests` cells with chance p_floor: the sum of n
+/// squares of normal numbers of variance v, of which `overlap` neighbours share noise, has the standard
+/// deviation v sqrt(2 overlap n).
+bool IsAboveFloor(const MapCell& cell, int tests, const LocateOptions& options) {
+  if (cell.windows < options.min_windows || cell.strokes < options.min_strokes) return false;
+  const double chance =
+      UpperQuantile(options.p_floor / tests) * std::sqrt(2 * options.overlap / cell.windows);
+  return cell.excess > std::max(options.floor_excess, chance) * cell.noise;
+}
+
 ErrorMap MapOf(const Binned& binned, double total_excess, int tests, const LocateOptions& options) {
   ErrorMap map;
   map.signals = binned.signals;
@@ -135,42 +154,45 @@ ErrorMap MapOf(const Binned& binned, double total_excess, int tests, const Locat
     }
     const Ratio excess = ClusteredRatio(binned.cells[c], [](const CellSums& s) { return s.excess; });
     const Ratio mean = ClusteredRatio(binned.cells[c], [](const CellSums& s) { return s.residual; });
-    for (const CellSums& s : binned.cells[c]) cell.windows += s.windows;
+    CellSums sums;
+    for (const CellSums& s : binned.cells[c]) sums += s;
+    cell.windows = sums.windows;
+    cell.noise = sums.windows > 0 ? sums.noise / sums.windows : 0.0;
     cell.strokes = excess.strokes;
     cell.excess = excess.value;
     cell.excess_std = excess.std;
     cell.mean = mean.value;
     cell.mean_std = mean.std;
-    cell.above_floor = cell.windows >= options.min_windows && cell.strokes >= options.min_strokes &&
-                       UpperTail(excess.value / excess.std, excess.strokes) < options.p_floor / tests;
+    cell.above_floor = IsAboveFloor(cell, tests, options);
     map.cells.push_back(std::move(cell));
   }
   return map;
 }
 
+/// Cells first ... last of each stroke, or the others.
 StrokeCells Sum(const std::vector<StrokeCells>& cells, std::size_t first, std::size_t last, bool inside) {
   StrokeCells out(cells.front().size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    if ((c >= first && c <= last) != inside) continue;
-    for (std::size_t s = 0; s < out.size(); ++s) {
-      out[s].windows += cells[c][s].windows;
-      out[s].excess += cells[c][s].excess;
-      out[s].residual += cells[c][s].residual;
-    }
-  }
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    if ((c >= first && c <= last) == inside)
+      for (std::size_t s = 0; s < out.size(); ++s) out[s] += cells[c][s];
   return out;
 }
 
-/// Whether cells first ... last err more than the other cells of the map.
+/// Whether cells first ... last err more than the other cells of the map, whichever stroke is left out.
 bool WorseThanTheRest(const Binned& binned, std::size_t first, std::size_t last,
                       const LocateOptions& options) {
-  const auto excess = [](const CellSums& s) { return s.excess; };
-  const Ratio here = ClusteredRatio(Sum(binned.cells, first, last, true), excess);
-  const Ratio rest = ClusteredRatio(Sum(binned.cells, first, last, false), excess);
-  if (rest.strokes == 0) return false;
-  const double t = (here.value - rest.value) / std::hypot(here.std, rest.std);
-  return here.value > 1.5 * rest.value &&
-         UpperTail(t, std::min(here.strokes, rest.strokes)) < options.p_above_mean;
+  const StrokeCells here = Sum(binned.cells, first, last, true), rest = Sum(binned.cells, first, last, false);
+  CellSums in, out;
+  for (const CellSums& s : here) in += s;
+  for (const CellSums& s : rest) out += s;
+  for (std::size_t s = 0; s < here.size(); ++s) {
+    const double in_windows = in.windows - here[s].windows, out_windows = out.windows - rest[s].windows;
+    if (in_windows <= 0 || out_windows <= 0) return false;
+    const double error = (in.excess - here[s].excess) / in_windows;
+    const double elsewhere = std::max(0.0, (out.excess - rest[s].excess) / out_windows);
+    if (error <= options.above_rest * elsewhere) return false;
+  }
+  return true;
 }
 
 Located Describe(const Residuals& residuals, const Binned& binned, std::size_t first, std::size_t last) {
@@ -178,13 +200,8 @@ Located Describe(const Residuals& residuals, const Binned& binned, std::size_t f
   const StrokeCells here = Sum(binned.cells, first, last, true),
                     all = Sum(binned.cells, 0, binned.cells.size(), true);
   CellSums in, total;
-  for (std::size_t s = 0; s < here.size(); ++s) {
-    in.windows += here[s].windows;
-    in.excess += here[s].excess;
-    in.residual += here[s].residual;
-    total.windows += all[s].windows;
-    total.excess += all[s].excess;
-  }
+  for (const CellSums& s : here) in += s;
+  for (const CellSums& s : all) total += s;
   Located out;
   out.signal = signal.name;
   out.unit = signal.unit;

@@ -8,12 +8,16 @@
 namespace hydroscope {
 
 struct LocateOptions {
-  int bins = 8;           ///< of equally many windows, one-signal maps
-  int pair_bins = 5;      ///< per signal, two-signal maps
-  double p_floor = 0.01;  ///< chance of calling any bin of a flat map an error (Bonferroni over all bins)
-  double p_above_mean = 0.05;  ///< ... and of calling it worse than the rest of the map
-  double min_windows = 30;     ///< fewer windows or ...
-  int min_strokes = 4;         ///< ... fewer strokes in a bin say nothing
+  int bins = 8;       ///< of equally many windows, one-signal maps
+  int pair_bins = 5;  ///< per signal, two-signal maps
+  double p_floor =
+      0.01;  ///< chance of calling any bin of sensor noise alone an error (Bonferroni over all bins)
+  double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
+  double above_rest =
+      1.5;  ///< located: model error energy over that of the rest of the map, whichever stroke is left out
+  double overlap = 4;       ///< windows that share noise: 2 half windows of WindowSamples, in blocks
+  double min_windows = 30;  ///< fewer windows or ...
+  int min_strokes = 3;      ///< ... fewer strokes in a bin say nothing
 };
 
 /// Model error in one cell of a map. Bands are clustered by stroke.
@@ -21,6 +25,7 @@ struct MapCell {
   std::vector<double> from, to;  ///< per signal, SI
   double windows = 0;
   int strokes = 0;    ///< with windows in the cell
+  double noise = 0;   ///< (m^3/s)^2, mean squared error that sensor noise causes
   double excess = 0;  ///< (m^3/s)^2, mean squared error less what sensor noise causes
   double excess_std = 0;
   double mean = 0, mean_std = 0;  ///< m^3/s, mean of measured - modelled and its standard error
@@ -54,9 +59,10 @@ struct ErrorLocation {
   std::vector<Located> located;         ///< most of the error in least of the data first; empty: a flat map
 };
 
-/// Where in the operating space the error lives. Bins are quantiles; a bin is located if its error is above
-/// the sensor noise and above the rest of the map, both tested over strokes (t of strokes - 1); neighbours
-/// are merged.
+/// Where in the operating space the error lives. Bins are quantiles. A bin is above the floor if its excess
+/// is more than Gaussian sensor noise of known variance gives, and more than floor_excess. It is located if
+/// it also errs above_rest times as much as the rest of the map, and still does when any one stroke is left
+/// out; neighbours are merged.
 ErrorLocation Locate(const Residuals& residuals, const LocateOptions& options = {});
 
 }  // namespace hydroscope

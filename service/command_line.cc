@@ -24,7 +24,9 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddCheckCommand(app, exit_code);
   AddSimulateCommand(app, exit_code);
   AddFitCommand(app, exit_code);
+  AddCompareCommand(app, exit_code);
   AddExplainCommand(app, exit_code);
+  AddModelCommand(app, exit_code);
   AddFrfCommand(app, exit_code);
   AddReplayCommand(app, exit_code);
   AddTrendsCommand(app, exit_code);

@@ -1,9 +1,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "service/experiment.h"
+#include "service/what_to_record.h"
 #include "service/explain_output.h"
 #include "service/fit_output.h"
+#include "service/located_output.h"
 
 namespace hydroscope {
 namespace {
@@ -79,7 +80,7 @@ nlohmann::json FinalJson(const ExplainResult& result) {
 
 nlohmann::json ExplainJson(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const std::optional<std::string> experiment = ProposeExperiment(result);
+  const std::optional<std::string> experiment = WhatToRecord(result);
   return {{"verdict", VerdictName(x.verdict)},
           {"set", x.set},
           {"groups", x.groups},
@@ -95,7 +96,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"ranking", RankingJson(result)},
           {"steps", StepsJson(x.steps)},
           {"final", FinalJson(result)},
-          {"located", nlohmann::json::array()},
+          {"located", LocatedJson(result.location.located)},
           {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()}};
 }
 

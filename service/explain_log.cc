@@ -52,28 +52,39 @@ std::vector<Estimate> BaseParameters(const ModelStructure& model, const Extended
   return out;
 }
 
+Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options) {
+  ExplainResult out;
+  out.log = std::move(strokes);
+  out.strokes = out.log.stretches.size();
+  if (out.strokes < kMinExplainStrokes)
+    return BadInput(
+        "{} strokes inside the gate, expected at least {}: the error is judged on strokes left out. Record "
+        "longer, or see "
+        "what the gate lets through with 'hydroscope check'",
+        out.strokes, kMinExplainStrokes);
+  const ModelStructure& model = *out.log.model;
+  std::vector<StrokeGram> grams = out.log.Grams();
+  grams.resize(out.strokes);
+  auto base = FitBaseModel(model, grams, out.log.window);
+  if (!base) return tl::unexpected(base.error());
+  out.base = std::move(*base);
+  out.explanation = ExplainSamples(out.log.model, out.log.stretches, out.log.window, options);
+  out.unmeasured = Unmeasured(out.log.machine, model);
+  if (out.explanation.base.solved)
+    out.location = Locate(ResidualsOf(out.log.model, out.log.stretches, out.log.window,
+                                      ColumnWeights(model, out.explanation.base)));
+  return out;
+}
+
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options) {
   const auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
   auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
-  ExplainResult out;
-  out.machine_file = machine_file;
-  out.log = std::move(*strokes);
-  out.strokes = out.log.stretches.size();
-  if (out.strokes < kMinExplainStrokes)
-    return BadInput(
-        "{}: {} strokes inside the gate, expected at least {}: the error is judged on strokes left out. "
-        "Record longer, or see what the gate of {} lets through with 'hydroscope check'",
-        log, out.strokes, kMinExplainStrokes, machine_file);
-  std::vector<StrokeGram> grams = out.log.Grams();
-  grams.resize(out.strokes);
-  auto base = FitBaseModel(*out.log.model, grams, out.log.window);
-  if (!base) return tl::unexpected(base.error());
-  out.base = std::move(*base);
-  out.explanation = ExplainSamples(out.log.model, out.log.stretches, out.log.window, options);
-  out.unmeasured = Unmeasured(*machine, *out.log.model);
+  auto out = ExplainStrokes(std::move(*strokes), options);
+  if (!out) return tl::unexpected(Error{out.error().kind, fmt::format("{}: {}", log, out.error().text)});
+  out->machine_file = machine_file;
   return out;
 }
 

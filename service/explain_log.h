@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/explain.h"
+#include "diagnosis/locate.h"
 #include "service/batch_fit.h"
 
 namespace hydroscope {
@@ -26,6 +27,7 @@ struct ExplainResult {
   GramFit base;             ///< of the same strokes
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
+  ErrorLocation location;  ///< of the base model's error
 
   const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
   /// Nonlinear parameters of an effect of Explanation::chosen, SI.

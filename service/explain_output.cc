@@ -8,7 +8,8 @@
 
 #include "core/units.h"
 #include "service/effect_units.h"
-#include "service/experiment.h"
+#include "service/located_output.h"
+#include "service/what_to_record.h"
 
 namespace hydroscope {
 namespace {
@@ -36,6 +37,8 @@ std::string ErrorSentence(const Explanation& x) {
       x.base.rms_holdout * kLitresPerMinute, x.base.noise_floor * kLitresPerMinute);
   if (x.steps.size() > 1)
     text += fmt::format(" Extended, it errs by {:.3g} l/min.", x.final.rms_holdout * kLitresPerMinute);
+  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * x.base.noise_floor)
+    text += " In single flows it drowns in the noise; summed over the strokes it stands out.";
   return text + "\n";
 }
 
@@ -172,6 +175,17 @@ std::string RankingText(const ExplainResult& result) {
          "out\n";
 }
 
+/// Effects that were tried and whose best size is none that physics allows.
+std::string RuledOutText(const Explanation& x) {
+  std::vector<std::string> ids;
+  for (const RankedEffect& ranked : x.ranking)
+    if (ranked.testable && !ranked.fit.solved) ids.push_back(ranked.id);
+  return ids.empty()
+             ? ""
+             : fmt::format("  not seen (they would fit only with a sign or size physics forbids): {}\n",
+                           fmt::join(ids, ", "));
+}
+
 std::string UntestableText(const ExplainResult& result) {
   std::string text;
   for (const RankedEffect& ranked : result.explanation.ranking)
@@ -185,7 +199,7 @@ std::string UntestableText(const ExplainResult& result) {
 std::string NextText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::string text = "\nNext\n";
-  const std::optional<std::string> experiment = ProposeExperiment(result);
+  const std::optional<std::string> experiment = WhatToRecord(result);
   if (experiment) text += fmt::format("  {}\n", *experiment);
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
@@ -210,8 +224,11 @@ std::string ExplainText(const ExplainResult& result) {
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
+  if (!result.log.machine.added_effects.empty())
+    text += fmt::format("Explained from the base model: the effects added to it ({}) are looked for anew.\n",
+                        fmt::join(result.log.machine.added_effects, ", "));
   return text + StepsText(x) + ParametersText(result) + AddedText(result) + RankingText(result) +
-         UntestableText(result) + NextText(result);
+         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located) + NextText(result);
 }
 
 }  // namespace hydroscope

@@ -12,7 +12,7 @@ namespace hydroscope {
 /// every effect tried, what cannot be tested, what to do next.
 std::string ExplainText(const ExplainResult& result);
 
-/// The JSON of docs/workbench_commands.md.
+/// The JSON of docs/command_line.md.
 nlohmann::json ExplainJson(const ExplainResult& result);
 
 }  // namespace hydroscope

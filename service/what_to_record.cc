@@ -1,4 +1,4 @@
-#include "service/experiment.h"
+#include "service/what_to_record.h"
 
 #include <fmt/format.h>
 
@@ -148,7 +148,7 @@ std::string Exciting(const std::vector<RankedEffect>& ranking) {
 
 }  // namespace
 
-std::optional<std::string> ProposeExperiment(const ExplainResult& result) {
+std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const std::optional<std::string> one_speed = OneSpeed(result);
   if (x.verdict == Verdict::kAmbiguous) {

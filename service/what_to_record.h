@@ -10,6 +10,6 @@ namespace hydroscope {
 /// What to record so that the next `explain` says more; nullopt if these strokes already answer the question.
 /// Ambiguous: moves that separate the rivals. Otherwise: what kept the strokes from testing the library, such
 /// as one ram speed for all of them.
-std::optional<std::string> ProposeExperiment(const ExplainResult& result);
+std::optional<std::string> WhatToRecord(const ExplainResult& result);
 
 }  // namespace hydroscope

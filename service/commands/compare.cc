@@ -1,0 +1,38 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "service/commands.h"
+#include "service/compare_output.h"
+#include "service/output.h"
+
+namespace hydroscope {
+
+void AddCompareCommand(CLI::App& app, int& exit_code) {
+  struct Options {
+    std::string log, machine, json;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
+  command->add_option("log", options->log, "Log of press strokes (CSV, CSV.gz or MAT)")->required();
+  command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
+  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope compare press.csv --machine machines/die_cushion.toml\n"
+      "  hydroscope compare press.csv -m machines/die_cushion.toml --json -");
+  command->callback([options, &exit_code] {
+    const auto result = CompareLog(options->log, options->machine);
+    if (!result) {
+      exit_code = ReportError(result.error());
+      return;
+    }
+    if (options->json != "-") std::cout << CompareText(*result);
+    if (!options->json.empty())
+      if (const Status written = WriteJson(options->json, CompareJson(*result)); !written)
+        exit_code = ReportError(written.error());
+  });
+}
+
+}  // namespace hydroscope

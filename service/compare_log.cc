@@ -1,0 +1,80 @@
+#include "service/compare_log.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+/// Sums of squares of one stroke.
+struct Energy {
+  double measured = 0, modelled = 0, residual = 0, noise = 0, windows = 0;
+
+  void Add(const StrokeResiduals& stroke) {
+    for (int w = 0; w < stroke.windows(); ++w) {
+      const double error = stroke.measured[w] - stroke.modelled[w];
+      measured += stroke.measured[w] * stroke.measured[w];
+      modelled += stroke.modelled[w] * stroke.modelled[w];
+      residual += error * error;
+      noise += stroke.noise_variance[w];
+      windows += 1;
+    }
+  }
+  StrokeComparison Comparison() const {
+    StrokeComparison out;
+    out.windows = static_cast<int>(windows);
+    if (windows <= 0) return out;
+    out.rms_measured = std::sqrt(measured / windows);
+    out.rms_modelled = std::sqrt(modelled / windows);
+    out.rms_residual = std::sqrt(residual / windows);
+    out.noise_floor = std::sqrt(noise / windows);
+    return out;
+  }
+};
+
+}  // namespace
+
+std::size_t CompareResult::WorstStroke() const {
+  const auto excess = [](const StrokeComparison& s) {
+    return s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor;
+  };
+  const auto worst = std::max_element(per_stroke.begin(), per_stroke.end(),
+                                      [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
+  return static_cast<std::size_t>(worst - per_stroke.begin());
+}
+
+Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  CompareResult out;
+  out.log = std::move(*strokes);
+  out.strokes = out.log.stretches.size();
+  if (out.strokes < 2)
+    return BadInput(
+        "{}: {} strokes inside the gate, expected at least 2: record longer, or see what the gate of {} lets "
+        "through with 'hydroscope check'",
+        log, out.strokes, machine_file);
+  auto model = FitMachineModel(out.log);
+  if (!model) return tl::unexpected(model.error());
+  out.model = std::move(*model);
+  out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
+                              ColumnWeights(*out.model.structure, out.model.fit));
+  Energy overall;
+  for (std::size_t s = 0; s < out.strokes; ++s) {
+    Energy stroke;
+    stroke.Add(out.residuals.strokes[s]);
+    overall.Add(out.residuals.strokes[s]);
+    out.per_stroke.push_back(stroke.Comparison());
+    out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
+    out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
+  }
+  out.overall = overall.Comparison();
+  out.whiteness = WhitenessOf(out.residuals);
+  out.correlations = CorrelationsOf(out.residuals);
+  out.location = Locate(out.residuals);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,83 @@
+#include "service/explain_output.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "service/benchmarks/simulated_strokes.h"
+#include "service/what_to_record.h"
+
+namespace hydroscope {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+PressOptions Cushion(std::vector<EffectSetting> effects) {
+  PressOptions options;
+  options.seconds = 60;
+  options.seed = 7;
+  options.effects = std::move(effects);
+  return options;
+}
+
+ExplainResult Explained(const PressOptions& options, const ExplainOptions& explain = {}) {
+  const Machine machine = MachineFor(options);
+  auto strokes = StrokesOf(SimulatePress(options), machine, KeepSamples::kYes);
+  EXPECT_TRUE(strokes.has_value());
+  auto result = ExplainStrokes(std::move(*strokes), explain);
+  EXPECT_TRUE(result.has_value());
+  result->machine_file = "press.toml";
+  return std::move(*result);
+}
+
+TEST(ExplainOutput, ANamedEffectComesWithWhatToLookForAndTheCommandThatAddsIt) {
+  const ExplainResult result = Explained(Cushion({{"internal_leakage", 5e-12, {}}}));
+  ASSERT_EQ(result.explanation.verdict, Verdict::kNamed);
+  EXPECT_THAT(
+      ExplainText(result),
+      AllOf(StartsWith("NAMED"), HasSubstr("piston seal"), HasSubstr("look for"), HasSubstr("l/min per bar"),
+            HasSubstr("hydroscope model add internal_leakage --machine press.toml")));
+  const nlohmann::json json = ExplainJson(result);
+  const nlohmann::json& size = json["final"]["effects"]["internal_leakage"]["G"];
+  EXPECT_NEAR(size["value"].get<double>(), 5e-12, 3 * size["std"].get<double>());
+  EXPECT_THAT(json["set"], Contains("internal_leakage"));
+}
+
+TEST(ExplainOutput, AnEffectOutsideTheLibraryIsUnknownAndNamesNone) {
+  ExplainOptions options;
+  options.exclude = {"spool_hysteresis"};
+  const ExplainResult result = Explained(Cushion({{"spool_hysteresis", 0.02, {}}}), options);
+  ASSERT_EQ(result.explanation.verdict, Verdict::kUnknown);
+  EXPECT_THAT(ExplainText(result),
+              AllOf(StartsWith("UNKNOWN"), Not(HasSubstr("model add")), HasSubstr("hydroscope compare")));
+  EXPECT_TRUE(ExplainJson(result)["set"].empty());
+}
+
+TEST(ExplainOutput, OneRamSpeedForAllStrokesAsksForOthers) {
+  PressOptions options = Cushion({});
+  options.motion.speed_min = options.motion.speed_max = 0.05;
+  const ExplainResult result = Explained(options);
+  EXPECT_THAT(WhatToRecord(result).value_or(""), AllOf(HasSubstr("same ram speed"), HasSubstr("mm/s")));
+  EXPECT_TRUE(ExplainJson(result)["experiment"].is_string());
+}
+
+TEST(ExplainOutput, TheErrorOfARelieveValveIsLocatedAtHighPressure) {
+  const ExplainResult result = Explained(Cushion({{"relief_valve", 4e-11, {{"crack", 170e5}}}}));
+  ASSERT_FALSE(result.location.located.empty());
+  bool at_high_pressure = false;
+  for (const Located& l : result.location.located)
+    at_high_pressure = at_high_pressure || (l.signal == "p_A" && l.from > 140 && l.mean != 0);
+  EXPECT_TRUE(at_high_pressure);
+}
+
+TEST(ExplainOutput, AHealthyCushionHasNothingLocated) {
+  EXPECT_TRUE(Explained(Cushion({})).location.located.empty());
+}
+
+}  // namespace
+}  // namespace hydroscope

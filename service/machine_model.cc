@@ -1,0 +1,90 @@
+#include "service/machine_model.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/units.h"
+#include "models/effect.h"
+
+namespace hydroscope {
+
+Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
+  for (std::size_t e = 0; e < model.effects.size(); ++e)
+    if (model.effects[e]->id == id) return static_cast<int>(e);
+  std::vector<std::string> ids;
+  for (const auto& effect : DieCushionEffects({})) {
+    ids.push_back(effect->id);
+    if (effect->id != id) continue;
+    std::vector<std::string> missing;
+    for (int channel : effect->channels)
+      if (model.channel_source[channel] < 0) missing.push_back(model.channel_names[channel]);
+    return BadInput("effect '{}' needs signal {}, which the machine file does not have", id,
+                    fmt::join(missing, ", "));
+  }
+  const std::string near = Nearest(id, ids);
+  return BadInput("unknown effect '{}'; {}", id,
+                  near.empty()
+                      ? fmt::format("known effects: {}", fmt::join(ids, ", "))
+                      : fmt::format("did you mean '{}'? 'hydroscope model effects' lists them all", near));
+}
+
+namespace {
+
+/// The shape of `effect` that, after `choices`, errs least on strokes left out; shape -1 if none can be
+/// fitted.
+EffectChoice BestShape(const StrokeSet& strokes, std::vector<EffectChoice> choices, int effect) {
+  EffectChoice best{effect, -1};
+  double least = 0;
+  const int shapes = static_cast<int>(strokes.model().effect_shapes[effect].size());
+  for (int shape = 0; shape < shapes; ++shape) {
+    choices.push_back({effect, shape});
+    const ExtendedFit fit = strokes.Fit(choices);
+    if (fit.solved && (best.shape < 0 || fit.excess_ratio < least)) {
+      best = choices.back();
+      least = fit.excess_ratio;
+    }
+    choices.pop_back();
+  }
+  return best;
+}
+
+}  // namespace
+
+Result<MachineModel> FitMachineModel(const LogStrokes& log) {
+  auto structure = std::make_shared<ModelStructure>(*log.model);
+  std::vector<EffectChoice> choices;
+  if (!log.machine.added_effects.empty()) {
+    const StrokeSet strokes(log.model, GramsOf(log.model, log.stretches, log.window), log.window);
+    for (const std::string& id : log.machine.added_effects) {
+      const auto effect = FindEffect(*log.model, id);
+      if (!effect) return tl::unexpected(effect.error());
+      const EffectChoice best = BestShape(strokes, choices, *effect);
+      if (best.shape < 0)
+        return BadInput(
+            "these strokes cannot tell effect '{}' of the machine file from the rest of the model: record "
+            "strokes at different ram speeds and pressures, or take it out with 'hydroscope model remove {}'",
+            id, id);
+      choices.push_back(best);
+    }
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+      std::vector<EffectChoice> others = choices;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      const std::vector<double> nonlinear =
+          RefineNonlinear(*structure, log.stretches, log.window, others, choices[k]);
+      if (nonlinear.empty()) continue;
+      AddShape(*structure, choices[k].effect, nonlinear);
+      choices[k].shape = static_cast<int>(structure->effect_shapes[choices[k].effect].size()) - 1;
+    }
+  }
+  MachineModel out{structure, choices, {}};
+  out.fit = StrokeSet(structure, GramsOf(structure, log.stretches, log.window), log.window).Fit(choices);
+  if (!out.fit.solved)
+    return BadInput(
+        "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
+        "longer");
+  return out;
+}
+
+}  // namespace hydroscope
