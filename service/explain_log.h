@@ -42,6 +42,9 @@ inline constexpr std::size_t kMinExplainStrokes = 4;
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options = {});
 
+/// The same for strokes already read with their samples; ExplainResult::machine_file stays empty.
+Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options = {});
+
 /// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.
 std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes);
 

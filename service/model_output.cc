@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "models/die_cushion.h"
 #include "models/effect.h"
+#include "models/machine_keys.h"
 #include "service/effect_units.h"
 
 namespace hydroscope {
@@ -22,6 +23,14 @@ std::vector<std::string> NeededSignals(const Effect& effect) {
   std::vector<std::string> names;
   for (int channel : effect.channels) names.emplace_back(kChannelNames[static_cast<std::size_t>(channel)]);
   return names;
+}
+
+/// SI unit of a geometry value, "" if the model does not know it.
+std::string_view SiOf(const Machine& machine, const std::string& name) {
+  if (const auto* inputs = FindModelInputs(machine.model))
+    for (const ModelInput& input : inputs->geometry)
+      if (input.name == name) return input.si;
+  return "";
 }
 
 std::string OrDash(const std::vector<std::string>& words) {
@@ -83,9 +92,10 @@ std::string ModelText(const Machine& machine) {
   if (!machine.description.empty()) text += fmt::format("{}\n", machine.description);
   text += "\nKnown\n";
   for (const auto& [name, known] : machine.geometry) {
-    text += fmt::format("  {:<8} {:.6g}", name, known.value);
-    if (known.std > 0) text += fmt::format(" ± {:.2g}", 1.96 * known.std);
-    text += "  (SI)\n";
+    const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
+    text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
+    if (known.std > 0) text += fmt::format(" ± {:.2g}", 1.96 * known.std * unit.factor);
+    text += fmt::format(" {}\n", unit.name);
   }
   text += "\nSignals\n";
   for (const SignalSpec& signal : machine.signals)
