@@ -110,9 +110,9 @@ TEST_F(Workbench, EveryEffectIsInTheDocumentation) {
   const nlohmann::json effects = ran.Json()["effects"];
   EXPECT_GE(effects.size(), 18u);
   for (const nlohmann::json& effect : effects) {
-    const auto at = text.find("| `" + effect["id"].get<std::string>() + "` |");
+    const auto at = text.find("\n| `" + effect["id"].get<std::string>() + "` |");
     ASSERT_NE(at, std::string::npos) << effect["id"];
-    const std::string row = text.substr(at, text.find('\n', at) - at);
+    const std::string row = text.substr(at, text.find('\n', at + 1) - at);
     EXPECT_THAT(row, AllOf(HasSubstr(InTable(effect["title"])), HasSubstr(InTable(effect["law"])),
                            HasSubstr(InTable(effect["parameter"]))));
   }
