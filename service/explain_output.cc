@@ -189,7 +189,7 @@ std::string RuledOutText(const Explanation& x) {
 std::string UntestableText(const ExplainResult& result) {
   std::string text;
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable || !ranked.fit.solved)
+    if (!ranked.testable)
       text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
     text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured));
