@@ -9,7 +9,9 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRecentStrokes = 64;
-constexpr std::size_t kMaxWaiting = 20000;  ///< equations kept while the first strokes excite too little to start
+constexpr std::size_t kMaxWaiting = 1000;   ///< spans kept while the first strokes excite too little to start
+constexpr std::size_t kSettled = 3;         ///< strokes before errors of a span are judged against the noise level
+constexpr double kSignalToNoise = 10.0;     ///< energy over the noise's share from which a direction counts as excited
 constexpr double kVarianceMemory = 20.0;    ///< strokes over which the noise level is averaged
 
 std::vector<int> FirstColumns(int count) {
@@ -50,18 +52,24 @@ IntegralEstimator::IntegralEstimator(const EstimatorSpec& spec, std::shared_ptr<
     : spec_(spec),
       model_(std::move(model)),
       block_time_(window.block * window.period),
-      equation_(model_->base_count + 1),
+      memory_(spec.form == EstimatorForm::kDirectional ? std::exp(-block_time_ / spec.time_constant)
+                                                       : spec.forgetting_factor),
       last_excited_(16, std::numeric_limits<double>::quiet_NaN()) {}
 
 void IntegralEstimator::AddStretch(const Stretch&, const SpanEquations& equations) {
-  const int size = model_->base_count + 1;
-  for (int j = 0; j + 1 < equations.blocks; ++j) {
-    const double* equation = equations.integral.col(j).data();
-    if (rls_)
-      Learn(equation);
-    else if (waiting_.size() < kMaxWaiting * size)
-      waiting_.insert(waiting_.end(), equation, equation + size);
-  }
+  const int size = model_->base_count + 1, count = equations.blocks - 1;
+  Small gram = Small::Zero(size, size), noise = Small::Zero(size, size);
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j <= i; ++j) {
+      for (int k = 0; k < count; ++k) gram(i, j) += equations.integral(i, k) * equations.integral(j, k);
+      for (int k = 0; k < 2 * equations.blocks; ++k) noise(i, j) += equations.noise(i, k) * equations.noise(j, k);
+      gram(j, i) = gram(i, j);
+      noise(j, i) = noise(i, j);
+    }
+  if (filter_)
+    LearnSpan(gram, noise, count);
+  else if (waiting_.size() < kMaxWaiting)
+    waiting_.push_back({gram, noise, count});
 }
 
 void IntegralEstimator::Start(const NormalEquations& first) {
@@ -69,63 +77,94 @@ void IntegralEstimator::Start(const NormalEquations& first) {
   if (theta.size() == 0 || first.equations < 3 * model_->base_count) return;
   noise_ = std::sqrt(std::max(MeanSquaredError(first, theta), 1e-300));
   scale_ = (first.h.diagonal() / first.equations).cwiseSqrt().cwiseInverse();
-  signal_variance_ = std::max(first.yy / first.equations / (noise_ * noise_), 1.0);
+  const double signal_variance = std::max(first.yy / first.equations / (noise_ * noise_), 1.0);
   Eigen::VectorXd initial = Eigen::VectorXd::Constant(model_->base_count, spec_.initial_parameter);
   if (spec_.initial_from_first_stroke) initial = theta.cwiseQuotient(scale_) / noise_;
-  CreateRecursion(initial);
-  for (std::size_t k = 0; k < waiting_.size(); k += equation_.size()) Learn(&waiting_[k]);
+  filter_.emplace(initial, spec_.initial_covariance * signal_variance);
+  for (const Waiting& span : waiting_) LearnSpan(span.gram, span.noise, span.count);
   waiting_.clear();
   waiting_.shrink_to_fit();
 }
 
-void IntegralEstimator::CreateRecursion(const Eigen::VectorXd& initial) {
-  RecursiveLeastSquares::Options options;
-  options.forgetting = spec_.form == EstimatorForm::kDirectional ? Forgetting::kDirectional : Forgetting::kExponential;
-  options.forgetting_factor =
-      spec_.form == EstimatorForm::kDirectional ? std::exp(-block_time_ / spec_.time_constant) : spec_.forgetting_factor;
-  for (int i = 0; i < model_->base_count; ++i) {
-    const auto own = spec_.time_constants.find(model_->parameters[i]);
-    if (own != spec_.time_constants.end()) options.factors[i] = std::exp(-block_time_ / own->second);
+IntegralEstimator::Small IntegralEstimator::ExcitedDirections(const Small& gram, const Small& noise, int count) {
+  const auto n = gram.rows();
+  Eigen::SelfAdjointEigenSolver<Small> eigen(n);
+  eigen.compute(gram);
+  Small basis = Small::Zero(n, n);
+  int excited = 0;
+  for (Eigen::Index d = 0; d < n; ++d) {
+    const auto direction = eigen.eigenvectors().col(d);
+    double noise_energy = 0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j) noise_energy += direction[i] * noise(i, j) * direction[j];
+    const double energy = eigen.eigenvalues()[d];
+    if (energy > kSignalToNoise * noise_energy && energy > 1e-9 * count) basis.col(excited++) = direction;
   }
-  options.initial_covariance = spec_.initial_covariance * signal_variance_;
-  options.max_covariance = std::max(spec_.max_covariance * signal_variance_, options.initial_covariance);
-  options.dead_zone = spec_.dead_zone;
-  options.clip = spec_.clip;
-  rls_.emplace(std::span<const double>(initial.data(), initial.size()), options);
+  basis.conservativeResize(n, excited);
+  return basis;
 }
 
-void IntegralEstimator::Learn(const double* equation) {
+void IntegralEstimator::Forget(const Small& basis, int count) {
+  if (spec_.time_constants.empty() || spec_.form == EstimatorForm::kExponential) {
+    filter_->Forget(basis, std::pow(memory_, count));
+    return;
+  }
+  // One time constant per parameter: a direction forgets at the mean of its parameters' rates, by their shares in it.
+  for (Eigen::Index d = 0; d < basis.cols(); ++d) {
+    double rate = 0;
+    for (int i = 0; i < model_->base_count; ++i) {
+      const auto own = spec_.time_constants.find(model_->parameters[i]);
+      const double time_constant = own != spec_.time_constants.end() ? own->second : spec_.time_constant;
+      rate += basis(i, d) * basis(i, d) / time_constant;
+    }
+    filter_->Forget(basis.col(d), std::exp(-rate * block_time_ * count));
+  }
+}
+
+void IntegralEstimator::LearnSpan(const Small& gram, const Small& noise, int count) {
   const int n = model_->base_count;
-  for (int i = 0; i < n; ++i) equation_[i] = equation[i] * scale_[i];
-  rls_->Update(std::span<const double>(equation_.data(), n), equation[n] / noise_);
+  Small signal(n, n), noise_share(n, n);
+  InformationFilter::Vector cross(n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      noise_share(i, j) = scale_[i] * noise(i, j) * scale_[j];
+      signal(i, j) = scale_[i] * gram(i, j) * scale_[j];
+    }
+    cross[i] = scale_[i] * (gram(i, n) - noise(i, n)) / noise_;
+  }
+  const InformationFilter::Vector theta = filter_->Theta();
+  double error = gram(n, n) / (noise_ * noise_);
+  for (int i = 0; i < n; ++i) {
+    error -= 2 * theta[i] * scale_[i] * gram(i, n) / noise_;
+    for (int j = 0; j < n; ++j) error += theta[i] * signal(i, j) * theta[j];
+  }
+  const double allowed = spec_.clip * spec_.clip * variance_ * count;
+  const double weight = settled_ && spec_.clip > 0 && error > allowed ? allowed / error : 1.0;
+
+  Forget(spec_.form == EstimatorForm::kDirectional ? ExcitedDirections(signal, noise_share, count) : Small::Identity(n, n),
+         count);
+  signal -= noise_share;
+  filter_->Add(signal, cross, weight);
 }
 
 Eigen::VectorXd IntegralEstimator::theta() const {
-  if (!rls_) return {};
-  return rls_->theta().cwiseProduct(scale_) * noise_;
+  if (!filter_) return {};
+  return filter_->Theta().cwiseProduct(scale_) * noise_;
 }
 
 IntegralEstimator::Weighted IntegralEstimator::Weigh(const Eigen::VectorXd& theta) const {
   const int n = model_->base_count;
-  Weighted sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), 0};
+  Weighted sum{Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, n), 0};
   double age = 0, weights = 0, squares = 0;
   for (const Recent& stroke : recent_) {  // newest first
-    const double weight = std::exp(-age * block_time_ / spec_.time_constant);
-    age += stroke.raw.equations;
-    sum.h += weight * stroke.raw.h;
-    sum.noise_h += weight * stroke.noise.h;
-    sum.bias += weight * (stroke.noise.h * theta - stroke.noise.g);
-    weights += weight;
-    squares += weight * weight;
-  }
-  const Eigen::VectorXd corrected = theta + sum.h.ldlt().solve(sum.bias);
-  age = 0;
-  for (const Recent& stroke : recent_) {
-    const double weight = std::exp(-age * block_time_ / spec_.time_constant);
+    const double weight = std::pow(memory_, age);
     age += stroke.raw.equations;
     const Eigen::VectorXd score =
-        weight * (stroke.raw.g - stroke.noise.g - (stroke.raw.h - stroke.noise.h) * corrected);
+        weight * (stroke.raw.g - stroke.noise.g - (stroke.raw.h - stroke.noise.h) * theta);
+    sum.h += weight * stroke.raw.h;
     sum.meat += score * score.transpose();
+    weights += weight;
+    squares += weight * weight;
   }
   sum.strokes = squares > 0 ? weights * weights / squares : 0.0;
   return sum;
@@ -139,26 +178,25 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
   noise -= clean;
   recent_.push_front({raw, noise});
   if (recent_.size() > kRecentStrokes) recent_.pop_back();
-  if (!rls_) {
+  if (!filter_) {
     NormalEquations all;
     for (const Recent& r : recent_) all += r.raw;
     Start(all);
-    if (!rls_) return {};
+    if (!filter_) return {};
   }
   const Eigen::VectorXd present = theta();
   const double mean_square = MeanSquaredError(raw, present) / (noise_ * noise_);
   const double memory = std::min<double>(kVarianceMemory, static_cast<double>(recent_.size()));
   variance_ += (mean_square - variance_) / memory;
-  rls_->set_noise_scale(std::sqrt(variance_));
+  settled_ = recent_.size() >= kSettled;
 
   const Weighted recent = Weigh(present);
-  const Eigen::VectorXd corrected = present + recent.h.ldlt().solve(recent.bias);
   const Eigen::VectorXd unit = scale_ * noise_;
-  const Eigen::MatrixXd covariance = variance_ * (unit.asDiagonal() * rls_->Covariance() * unit.asDiagonal());
+  const Eigen::MatrixXd covariance = variance_ * (unit.asDiagonal() * filter_->Covariance() * unit.asDiagonal());
   std::vector<Estimate> estimates;
-  for (const DerivedParameter& parameter : model_->derive(corrected)) {
+  for (const DerivedParameter& parameter : model_->derive(present)) {
     const std::size_t index = estimates.size();
-    Estimate estimate = Describe(parameter, recent, covariance, OwnStd(parameter, recent_.front(), corrected));
+    Estimate estimate = Describe(parameter, recent, covariance, OwnStd(parameter, recent_.front(), present));
     if (estimate.reason == EstimateReason::kUpdated || estimate.reason == EstimateReason::kOutsidePhysics)
       last_excited_[index] = stroke.end;
     estimate.last_excited = last_excited_[index];
@@ -213,23 +251,27 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
 }
 
 void IntegralEstimator::Save(ByteWriter& out) const {
-  out.Put<std::uint8_t>(rls_.has_value());
+  out.Put<std::uint8_t>(filter_.has_value());
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(recent_.size()));
   for (const Recent& r : recent_) {
     PutEquations(out, r.raw);
     PutEquations(out, r.noise);
   }
   for (double t : last_excited_) out.Put(t);
-  if (!rls_) {
+  if (!filter_) {
     out.Put<std::uint32_t>(static_cast<std::uint32_t>(waiting_.size()));
-    for (double x : waiting_) out.Put(x);
+    for (const Waiting& span : waiting_) {
+      for (double x : span.gram.reshaped()) out.Put(x);
+      for (double x : span.noise.reshaped()) out.Put(x);
+      out.Put(span.count);
+    }
     return;
   }
   PutVector(out, scale_);
   out.Put(noise_);
   out.Put(variance_);
-  out.Put(signal_variance_);
-  out.Put(rls_->Save());
+  for (double x : filter_->information().reshaped()) out.Put(x);
+  PutVector(out, filter_->state());
 }
 
 bool IntegralEstimator::Restore(ByteReader& in) {
@@ -240,23 +282,32 @@ bool IntegralEstimator::Restore(ByteReader& in) {
   recent_.clear();
   for (std::uint32_t s = 0; s < strokes; ++s) recent_.push_back({GetEquations(in, n), GetEquations(in, n)});
   for (double& t : last_excited_) t = in.Get<double>();
-  rls_.reset();
+  filter_.reset();
   waiting_.clear();
   if (!running) {
     const auto size = in.Get<std::uint32_t>();
-    if (size > kMaxWaiting * equation_.size()) return false;
-    waiting_.resize(size);
-    for (double& x : waiting_) x = in.Get<double>();
+    if (size > kMaxWaiting) return false;
+    for (std::uint32_t k = 0; k < size && in.ok(); ++k) {
+      Waiting span{Small(n + 1, n + 1), Small(n + 1, n + 1), 0};
+      for (double& x : span.gram.reshaped()) x = in.Get<double>();
+      for (double& x : span.noise.reshaped()) x = in.Get<double>();
+      span.count = in.Get<int>();
+      waiting_.push_back(std::move(span));
+    }
     return in.ok();
   }
   scale_.resize(n);
   for (double& x : scale_) x = in.Get<double>();
   noise_ = in.Get<double>();
   variance_ = in.Get<double>();
-  signal_variance_ = in.Get<double>();
+  Small information(n, n);
+  InformationFilter::Vector state(n);
+  for (double& x : information.reshaped()) x = in.Get<double>();
+  for (double& x : state) x = in.Get<double>();
   if (!in.ok()) return false;
-  CreateRecursion(Eigen::VectorXd::Zero(n));
-  rls_->Restore(in.Get<RecursiveLeastSquares::State>());
+  filter_.emplace(InformationFilter::Vector::Zero(n), 1.0);
+  filter_->Restore(information, state);
+  settled_ = recent_.size() >= kSettled;
   return in.ok();
 }
 

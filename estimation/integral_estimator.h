@@ -4,13 +4,15 @@
 #include <optional>
 
 #include "estimation/gram_fit.h"
-#include "estimation/recursive_least_squares.h"
+#include "estimation/information_filter.h"
 #include "estimation/stroke_estimator.h"
 
 namespace hydroscope {
 
-/// The default: recursive least squares over the equations of the integral form, directional forgetting, with
-/// intervals that are the wider of what the noise level promises and what strokes really scatter by.
+/// The default: recursive least squares over the equations of the integral form, span by span, with the noise's share
+/// taken out of each span. Directions that a span moves no more than sensor noise does are not forgotten. Spans with
+/// errors beyond `clip` standard deviations weigh less. Intervals are the wider of what the noise level promises and what
+/// strokes really scatter by.
 class IntegralEstimator : public StrokeEstimator {
  public:
   IntegralEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model, const WindowSamples& window);
@@ -26,16 +28,20 @@ class IntegralEstimator : public StrokeEstimator {
   struct Recent {
     NormalEquations raw, noise;
   };
-  /// Recent strokes summed with the weights exponential forgetting would give them.
+  /// Recent strokes summed with the weights that forgetting leaves them.
   struct Weighted {
-    Eigen::MatrixXd h, noise_h, meat;
-    Eigen::VectorXd bias;       ///< noise_h theta - noise_g
-    double strokes = 0;         ///< effective number
+    Eigen::MatrixXd h, meat;
+    double strokes = 0;  ///< effective number
   };
+  using Small = InformationFilter::Matrix;
 
   void Start(const NormalEquations& first);
-  void CreateRecursion(const Eigen::VectorXd& initial);
-  void Learn(const double* equation);
+  /// Takes one span in: augmented Gram (base regressors, then output) of its `count` equations, and the sensor noise's
+  /// share of it, SI.
+  void LearnSpan(const Small& gram, const Small& noise, int count);
+  void Forget(const Small& basis, int count);
+  /// Orthonormal basis of the directions that stand out of the sensor noise, scaled units.
+  static Small ExcitedDirections(const Small& gram, const Small& noise, int count);
   Weighted Weigh(const Eigen::VectorXd& theta) const;
   Estimate Describe(const DerivedParameter& parameter, const Weighted& recent, const Eigen::MatrixXd& covariance,
                     double own_std) const;
@@ -45,13 +51,18 @@ class IntegralEstimator : public StrokeEstimator {
   EstimatorSpec spec_;
   std::shared_ptr<const ModelStructure> model_;
   double block_time_;
-  std::optional<RecursiveLeastSquares> rls_;
+  std::optional<InformationFilter> filter_;
   Eigen::VectorXd scale_;            ///< scaled regressor = regressor * scale
   double noise_ = 1.0;               ///< output unit of one noise standard deviation at the start
   double variance_ = 1.0;            ///< present variance of the equations in that unit, squared
-  double signal_variance_ = 1.0;     ///< mean square of the output in that unit
-  std::vector<double> waiting_;      ///< equations seen before the scales were known
-  std::vector<double> equation_;
+  bool settled_ = false;             ///< enough strokes to judge a span's errors
+  /// Spans seen before the scales were known.
+  struct Waiting {
+    Small gram, noise;
+    int count;
+  };
+  std::vector<Waiting> waiting_;
+  double memory_;                    ///< share of its weight an equation keeps when the next one comes
   std::deque<Recent> recent_;
   std::vector<double> last_excited_; ///< s per physical parameter, NaN = never
 };

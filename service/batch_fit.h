@@ -56,7 +56,7 @@ struct FitResult {
   GramFit fit;
 };
 
-/// `hydroscope fit`: every stroke of the log weighs the same.
+/// `hydroscope fit`: every equation of the log weighs the same.
 Result<FitResult> FitLog(const std::string& log, const std::string& machine_file);
 
 }  // namespace hydroscope

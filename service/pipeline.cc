@@ -39,6 +39,7 @@ Pipeline::Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure>
 
 void Pipeline::OnStretch(Stretch& stretch, double begin) {
   const SpanEquations& equations = equations_.Build(stretch, begin);
+  if (accumulator_.empty()) theta_before_ = estimator_->theta();
   accumulator_.Add(equations);
   estimator_->AddStretch(stretch, equations);
   if (tap_) tap_(stretch, equations);
@@ -48,11 +49,10 @@ void Pipeline::OnStroke(const StrokeSummary& summary) {
   StrokeRecord record{summary, accumulator_.Take(), {}};
   std::vector<int> base(model_->base_count);
   std::iota(base.begin(), base.end(), 0);
-  const Eigen::VectorXd before = estimator_->theta();
   record.estimates = estimator_->EndStroke(record.summary, record.gram);
   const Eigen::VectorXd after = estimator_->theta();
   record.summary.rms_error = std::numeric_limits<double>::quiet_NaN();
-  const Eigen::VectorXd& judged = before.size() > 0 ? before : after;
+  const Eigen::VectorXd& judged = theta_before_.size() > 0 ? theta_before_ : after;
   if (judged.size() > 0 && record.gram.windows > 0) {
     const int output = model_->output_column();
     record.summary.rms_error =

@@ -52,6 +52,7 @@ class Pipeline {
   SpanEquationBuilder equations_;
   StrokeAccumulator accumulator_;
   std::unique_ptr<StrokeEstimator> estimator_;
+  Eigen::VectorXd theta_before_;  ///< regression parameters when the present stroke began
   StrokeSegmenter segmenter_;
 };
 
