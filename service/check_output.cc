@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kNormal95 = 1.96;
 constexpr double kLitresPerMinute = 6e4;
+constexpr double kLeastJitter = 1e-7;  // s; less is rounding of the time stamps
 
 DisplayUnit UnitOf(const SignalSpec& spec) {
   const auto unit = FindUnit(spec.unit);
@@ -23,25 +24,41 @@ DisplayUnit UnitOf(const SignalSpec& spec) {
 
 std::string Dash(std::string_view unit) { return unit == "1" || unit.empty() ? "-" : std::string(unit); }
 
-std::string FlagText(const SignalRange& range, bool present) {
-  if (!present) return "not in this log (optional)";
+/// Flags of the time stamp are the same in every signal; they are told once.
+constexpr Quality kTimeFlags =
+    quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate | quality::kLate;
+
+std::string FlagText(const SignalRange& range, Quality which) {
   std::string text;
   for (const auto& [flag, name] : quality::kFlagNames)
     for (std::size_t bit = 0; bit < range.flagged.size(); ++bit)
-      if (flag == 1u << bit && range.flagged[bit] > 0)
+      if (flag == 1u << bit && (flag & which) != 0 && range.flagged[bit] > 0)
         text += fmt::format("{}{} x {}, first at {:.4g} s", text.empty() ? "" : "; ", range.flagged[bit],
                             name, range.first[bit]);
+  return text;
+}
+
+std::string SignalFlags(const CheckedSignal& signal) {
+  if (!signal.present) return "not in this log (optional)";
+  const std::string text = FlagText(signal.range, static_cast<Quality>(~kTimeFlags));
   return text.empty() ? "none" : text;
 }
 
 std::string Sampling(const CheckResult& check) {
   const TimeSurvey& t = check.time;
-  std::string text =
-      fmt::format("{}: {} rows, {:.4g} s at {:.4g} ms ({:.4g} Hz), jitter {:.2g} ms", check.log, t.rows,
-                  t.last - t.first, check.sample_period * 1e3, 1 / check.sample_period, t.jitter * 1e3);
-  text += t.gaps > 0 ? fmt::format(", {} gaps, the longest {:.3g} s", t.gaps, t.longest_gap) : ", no gaps";
-  if (t.not_forward > 0) text += fmt::format(", {} steps not forward in time", t.not_forward);
+  std::string text = fmt::format("{}: {} rows, {:.4g} s of data at {:.4g} ms ({:.4g} Hz)", check.log, t.rows,
+                                 static_cast<double>(t.rows) * check.sample_period, check.sample_period * 1e3,
+                                 1 / check.sample_period);
+  text += t.jitter > kLeastJitter ? fmt::format(", jitter {:.2g} ms", t.jitter * 1e3) : ", no jitter";
+  text += t.gaps > 0 ? fmt::format(", gaps: {}, the longest {:.4g} s", t.gaps, t.longest_gap) : ", no gaps";
+  if (t.not_forward > 0) text += fmt::format(", steps not forward in time: {}", t.not_forward);
   text += "\n";
+  for (const CheckedSignal& signal : check.signals) {
+    const std::string flags = FlagText(signal.range, kTimeFlags);
+    if (!signal.present || flags.empty()) continue;
+    text += fmt::format("time stamps: {}\n", flags);
+    break;
+  }
   const RunSummary& s = check.pass.summary;
   if (s.rejected_rows > 0) text += fmt::format("{} rows could not be read\n", s.rejected_rows);
   if (!s.stopped.empty()) text += fmt::format("read up to row {}, then: {}\n", s.rows, s.stopped);
@@ -61,11 +78,11 @@ std::string Signals(const CheckResult& check) {
     };
     const double good = 100.0 * static_cast<double>(s.range.good) /
                         static_cast<double>(std::max<std::int64_t>(1, check.time.rows));
-    text += fmt::format("{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, s.spec.column,
-                        column, number(s.range.min, unit.offset), number(s.range.max, unit.offset),
-                        s.present ? number(s.noise_std, 0) : "-", Dash(unit.name),
-                        s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-",
-                        FlagText(s.range, s.present));
+    text +=
+        fmt::format("{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, s.spec.column,
+                    column, number(s.range.min, unit.offset), number(s.range.max, unit.offset),
+                    s.present ? number(s.noise_std, 0) : "-", Dash(unit.name),
+                    s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-", SignalFlags(s));
   }
   return text;
 }
@@ -78,7 +95,7 @@ std::string Gate(const CheckResult& check) {
       100.0 * static_cast<double>(s.gated) / static_cast<double>(std::max<std::int64_t>(1, s.rows)),
       d.strokes);
   if (d.too_short > 0)
-    text += fmt::format(", {} more were shorter than {:g} s", d.too_short, check.machine.gate.min_stroke);
+    text += fmt::format(", {} more shorter than {:g} s", d.too_short, check.machine.gate.min_stroke);
   text += "\n";
   for (const ConditionSurvey& c : check.conditions)
     text += fmt::format("  {:<34} holds in {:5.1f} % of the log\n", c.condition, 100 * c.share);
@@ -201,6 +218,7 @@ nlohmann::json CheckJson(const CheckResult& check) {
           {"findings", findings},
           {"clean", check.Clean()},
           {"duration_s", t.last - t.first},
+          {"data_s", static_cast<double>(t.rows) * check.sample_period},
           {"sampling",
            {{"period_s", check.sample_period},
             {"rate_hz", 1 / check.sample_period},

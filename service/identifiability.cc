@@ -18,7 +18,7 @@ bool Varies(double low, double high) { return low > 0 && high > kLittleVariation
 
 /// What would excite the parameters better than this log does.
 std::string DriveBetter(const Driving& d) {
-  if (d.strokes == 0) return "first make the gate find strokes (see above)";
+  if (d.strokes == 0) return "first get strokes inside the gate: see the table of signals and the gate above";
   if (d.strokes < kFewStrokes)
     return fmt::format("record at least {} strokes, this log has {}", kFewStrokes, d.strokes);
   if (!Varies(d.speed_min, d.speed_max))

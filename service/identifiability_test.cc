@@ -10,7 +10,7 @@ using testing::HasSubstr;
 
 Estimate Known(double value, double std, const std::string& unit = "Pa") {
   Estimate e;
-  e.parameter = "K";
+  e.parameter = std::string("K");
   e.value = value;
   e.std = std;
   e.unit = unit;

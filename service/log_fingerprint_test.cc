@@ -61,9 +61,9 @@ TEST(LogFingerprint, AMissingFileIsBadInputThatNamesIt) {
 
 TEST(FingerprintSettings, DependsOnWhatChangesStrokesOnly) {
   Machine machine;
-  machine.name = "a";
+  machine.name = "press 1";
   const std::string before = FingerprintSettings(machine, "layout");
-  machine.name = "b";
+  machine.name = "press 2";
   machine.description = "new";
   machine.monitors.push_back({"K", 1e9, {}, {}, {}, {}});
   EXPECT_EQ(FingerprintSettings(machine, "layout"), before);

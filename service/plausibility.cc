@@ -78,7 +78,6 @@ void JudgeUnit(const CheckedSignal& signal, std::vector<std::string>& hints) {
   const Expectation* expected = ExpectationFor(signal.spec, *unit);
   if (expected == nullptr) return;
   const double measure = Measure(*expected, signal.range.min, signal.range.max, signal.range.mean());
-  // A spool that barely opens is no sign of a wrong unit by itself, unless per cent are written as 0...1.
   if (measure >= expected->low && measure <= expected->high) return;
   const auto raw = [&](double si) { return (si - unit->offset) / unit->scale; };
   std::string text =
@@ -95,6 +94,15 @@ void JudgeRest(const CheckedSignal& signal, std::vector<std::string>& hints) {
   hints.push_back(
       fmt::format("{} (column {}): one and the same reading in the whole log; is the sensor connected?",
                   signal.spec.name, signal.spec.column));
+}
+
+/// Without strokes, a signal that is hardly ever good explains more than the gate.
+void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<std::string>& hints) {
+  if (check.driving.strokes > 0 || !signal.spec.required || check.time.rows == 0) return;
+  if (static_cast<double>(signal.range.good) > 0.01 * static_cast<double>(check.time.rows)) return;
+  hints.push_back(
+      fmt::format("{} (column {}): {} of {} readings are good, and no stroke can be used without it",
+                  signal.spec.name, signal.spec.column, signal.range.good, check.time.rows));
 }
 
 void JudgeGate(const CheckResult& check, std::vector<std::string>& hints) {
@@ -115,6 +123,16 @@ void JudgeGate(const CheckResult& check, std::vector<std::string>& hints) {
   }
 }
 
+/// At one speed a leak and the valve's own flow have the same shape, and the intervals do not show it.
+void JudgeSpeeds(const Driving& d, std::vector<std::string>& hints) {
+  constexpr double kLittleVariation = 1.3;
+  if (d.strokes < 2 || !(d.speed_min > 0) || d.speed_max > kLittleVariation * d.speed_min) return;
+  hints.push_back(fmt::format(
+      "all strokes ran at {:.0f} to {:.0f} mm/s: at one speed a leak looks like more or less valve flow. The "
+      "intervals hold only if the model lacks nothing; vary ram speed between strokes to find out",
+      d.speed_min * 1e3, d.speed_max * 1e3));
+}
+
 }  // namespace
 
 std::vector<std::string> PlausibilityHints(const CheckResult& check) {
@@ -123,8 +141,10 @@ std::vector<std::string> PlausibilityHints(const CheckResult& check) {
     if (!signal.present) continue;
     JudgeUnit(signal, hints);
     JudgeRest(signal, hints);
+    JudgeGood(check, signal, hints);
   }
   JudgeGate(check, hints);
+  JudgeSpeeds(check.driving, hints);
   return hints;
 }
 

@@ -53,6 +53,15 @@ TEST(Plausibility, RightUnitsGiveNoHint) {
   EXPECT_THAT(PlausibilityHints(With("T_oil", "degC", 300, 330)), IsEmpty());
 }
 
+TEST(Plausibility, ASignalWithoutGoodReadingsExplainsWhyThereIsNoStroke) {
+  CheckResult check = With("p_A", "Pa", 1e5, 210e5);
+  check.driving.strokes = 0;
+  check.time.rows = 1000;
+  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("0 of 1000 readings are good")));
+  check.signals[0].range.good = 900;
+  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
+}
+
 TEST(Plausibility, ASignalThatNeverMovesIsNamed) {
   EXPECT_THAT(PlausibilityHints(With("U_v", "V", 2, 2)), ElementsAre(HasSubstr("one and the same reading")));
 }
@@ -62,6 +71,14 @@ TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
   check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};
   EXPECT_THAT(PlausibilityHints(check),
               ElementsAre(testing::AllOf(HasSubstr("ddt(z)"), HasSubstr("scale = -1"))));
+}
+
+TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {
+  CheckResult check;
+  check.driving = {10, 0, 0.049, 0.050, 1e7, 1.5e7, 313, 313};
+  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("49 to 50 mm/s")));
+  check.driving.speed_max = 0.12;
+  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
 }
 
 }  // namespace

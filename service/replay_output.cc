@@ -79,8 +79,9 @@ std::string Troubles(const ReplayOutcome& outcome) {
 std::string ParameterTable(const ReplayOutcome& outcome) {
   if (outcome.latest.empty())
     return "\nNo parameter is identified yet: it takes one drawing stroke or more with enough equations.\n";
-  std::string text = fmt::format("\nafter stroke {} of this machine ({} runs in the database)\n",
-                                 outcome.strokes, outcome.runs.size());
+  std::string text = fmt::format(
+      "\nafter stroke {} of this machine, counted from 0 ({} strokes of {} logs in the database)\n",
+      outcome.strokes - 1, outcome.strokes, outcome.runs.size());
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);
