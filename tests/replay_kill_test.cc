@@ -30,6 +30,25 @@ class ReplayHistory : public CommandLine {
     return digest ? *digest : digest.error().text;
   }
 
+  /// Strokes of a run that is under way in the database, 0 if there is none.
+  static std::int64_t HalfStored(const std::string& path) {
+    const auto database = Database::OpenReadOnly(path);
+    if (!database) return 0;  // not created yet
+    const auto runs = database->Runs(1);
+    if (!runs || runs->empty() || runs->back().complete) return 0;
+    return runs->back().strokes;
+  }
+  /// Starts a replay and kills it once it has stored part of a log; false if it came to its end before.
+  bool KillWithinALog(const std::vector<std::string>& words) {
+    const pid_t child = Start(words);
+    int state = 0;
+    while (waitpid(child, &state, WNOHANG) == 0) {
+      if (HalfStored(words[4]) > 0) kill(child, SIGKILL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return WIFSIGNALED(state) && HalfStored(words[4]) > 0;
+  }
+
   std::vector<std::string> logs_;
 };
 
@@ -68,6 +87,25 @@ TEST_F(ReplayHistory, AKilledReplayContinuesToTheSameContent) {
   EXPECT_GE(killed, 2) << "the replay was too fast to be killed";
   const Ran last = Run(Replay(File("killed.db"), logs_));
   EXPECT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_EQ(Digest(File("killed.db")), Digest(File("whole.db")));
+}
+
+TEST_F(ReplayHistory, AReplayKilledWithinALogKeepsItsStrokesAndAddsTheRest) {
+  const std::vector<std::string> logs = {logs_[0], Simulate("long.csv", 900, 9), logs_[1]};
+  ASSERT_EQ(Run(Replay(File("whole.db"), logs)).exit_code, 0);
+  bool within = false;
+  for (int attempt = 0; attempt < 10 && !within; ++attempt) {
+    for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(File("killed.db") + end);
+    within = KillWithinALog(Replay(File("killed.db"), logs));
+  }
+  ASSERT_TRUE(within) << "no replay could be stopped within a log";
+  const std::int64_t stored = HalfStored(File("killed.db"));
+  const Ran last = Run(Replay(File("killed.db"), logs));
+  EXPECT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_EQ(last.Json()["logs"][0]["status"], "already_replayed");
+  EXPECT_EQ(last.Json()["logs"][1]["status"], "continued");
+  EXPECT_EQ(last.Json()["logs"][1]["strokes_stored_before"], stored);
+  EXPECT_GT(last.Json()["logs"][1]["strokes"], stored);
   EXPECT_EQ(Digest(File("killed.db")), Digest(File("whole.db")));
 }
 
