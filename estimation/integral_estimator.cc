@@ -285,6 +285,8 @@ bool IntegralEstimator::Restore(ByteReader& in) {
   filter_.reset();
   waiting_.clear();
   if (!running) {
+    noise_ = variance_ = 1.0;
+    settled_ = false;
     const auto size = in.Get<std::uint32_t>();
     if (size > kMaxWaiting) return false;
     for (std::uint32_t k = 0; k < size && in.ok(); ++k) {
