@@ -5,17 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/clock.h"
 #include "core/result.h"
 
 namespace hydroscope {
-
-/// Host time of one event: the monotonic clock orders and measures, the wall clock is for people. The service hands
-/// a Clock down; nothing below it asks one itself.
-struct HostTime {
-  std::int64_t monotonic_ns = 0;
-  std::int64_t wall_ns = 0;  ///< since 1970-01-01 UTC
-};
-using Clock = std::function<HostTime()>;
 
 /// Consecutive samples of some channels, as one message or one request of a source delivered them.
 struct SampleBatch {
@@ -32,19 +25,19 @@ struct SampleBatch {
 
 /// What a source has to say of itself.
 struct SourceStatus {
-  std::string name;                ///< "dds hydroscope/press/samples", "modbus 127.0.0.1:1502"
-  bool connected = false;          ///< a sender is there
-  std::string state;               ///< one sentence for people: what it does now, or what is wrong and what to do
-  HostTime last_received;          ///< zero if never
+  std::string name;        ///< "dds hydroscope/press/samples", "modbus 127.0.0.1:1502"
+  bool connected = false;  ///< a sender is there
+  std::string state;       ///< one sentence for people: what it does now, or what is wrong and what to do
+  HostTime last_received;  ///< zero if never
   std::int64_t batches = 0, rows = 0;
-  std::int64_t lost_rows = 0;      ///< known from sequence numbers
+  std::int64_t lost_rows = 0;  ///< known from sequence numbers
   std::int64_t duplicate_rows = 0, reordered_batches = 0;
   std::int64_t reconnects = 0, malformed = 0, timeouts = 0, exceptions = 0;
 };
 
-/// Where live samples come from. Start begins delivery on a thread of the source's own; `sink` may be called from
-/// that thread at any time until Stop returns, and must not block. A source that loses its sender keeps trying until
-/// Stop; that is a status, not an error.
+/// Where live samples come from. Start begins delivery on a thread of the source's own; `sink` may be called
+/// from that thread at any time until Stop returns, and must not block. A source that loses its sender keeps
+/// trying until Stop; that is a status, not an error.
 class Source {
  public:
   using Sink = std::function<void(SampleBatch&&)>;

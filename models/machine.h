@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "models/live_spec.h"
 
 namespace hydroscope {
 
@@ -21,6 +22,8 @@ struct SignalSpec {
   std::optional<double> noise_std;  ///< SI; known sensor noise; estimated from the data if absent
   double stuck_time = 0.1;          ///< s; the very same reading for longer is flagged stuck; 0 = never
   bool required = true;  ///< a log without the column is an error (true) or the signal is missing (false)
+  std::string dds;       ///< live: name of the DDS channel, "{axis}" stands for the axis; "" = not from DDS
+  std::optional<ModbusOrigin> modbus;  ///< live: from registers of a controller
 
   bool operator==(const SignalSpec&) const = default;
 };
@@ -172,6 +175,7 @@ Result<Machine> LoadMachine(const std::string& path);
 /// The same from text; `origin` stands in messages.
 Result<Machine> ParseMachine(const std::string& text, const std::string& origin);
 /// Writes a machine file with comments that LoadMachine reads back to an equal Machine.
+  std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
 std::string FormatMachine(const Machine& machine);
 
 }  // namespace hydroscope

@@ -40,6 +40,12 @@ const std::map<std::string, std::string> kChapters = {{"machine", "`[machine]`"}
                                                       {"balance", "`[balance]` and `[[effect]]`"},
                                                       {"effect", "`[balance]` and `[[effect]]`"},
                                                       {"terms.<parameter>", "`[balance]` and `[[effect]]`"},
+                                                      {"signals.<name>.modbus", "`[live]`"},
+                                                      {"live", "`[live]`"},
+                                                      {"live.dds", "`[live]`"},
+                                                      {"live.modbus", "`[live]`"},
+                                                      {"live.modbus.ring", "`[live]`"},
+                                                      {"live.modbus.sweep", "`[live]`"},
                                                       {"<quantity>", "Rules for all sections"}};
 
 TEST(MachineFilePage, DescribesEveryKeyInTheChapterOfItsSection) {

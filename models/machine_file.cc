@@ -60,6 +60,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadValve(file, machine);
   ReadBalance(file, machine);
   ReadEffects(file, machine);
+  ReadLive(file, machine);
   if (!problems.any()) CheckMachine(file, machine);
   if (problems.any()) return tl::unexpected(problems.ToError());
   FillDefaults(origin, machine);

@@ -71,6 +71,12 @@ std::string Inline(const Pairs& pairs) {
   return pairs.empty() ? "{}" : text + " }";
 }
 
+std::string QuotedList(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + Quoted(text);
+  return "[" + list + "]";
+}
+
 /// "[name]" with a comment line before, the pairs one a line, the notes of that section, and an empty line.
 std::string Section(const std::string& header, const std::string& comment, const Pairs& pairs,
                     const MachineNotes& notes, const std::string& name) {
@@ -86,10 +92,7 @@ std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
   if (!machine.description.empty()) pairs.emplace_back("description", Quoted(machine.description));
   pairs.emplace_back("model_version", Plain(machine.model_version));
   if (!machine.added_effects.empty()) {
-    std::string list;
-    for (const std::string& effect : machine.added_effects)
-      list += (list.empty() ? "" : ", ") + Quoted(effect);
-    pairs.emplace_back("effects", "[" + list + "]");
+    pairs.emplace_back("effects", QuotedList(machine.added_effects));
   }
   return Section("[machine]", "Machine file; every key is explained in docs/machine_file.md.", pairs, notes,
                  "machine");
@@ -114,9 +117,24 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
                  pairs, notes, "log");
 }
 
+std::string OrderName(WordOrder order) {
+  return Quoted(std::string(kWordOrderNames[static_cast<std::size_t>(order)]));
+}
+
+std::string OriginValue(const ModbusOrigin& origin) {
+  Pairs pairs = {{origin.in_ring ? "ring" : "register", Plain(origin.address)}};
+  if (origin.stride != 0) pairs.emplace_back("stride", Plain(origin.stride));
+  pairs.emplace_back("type", Quoted(std::string(kRegisterTypeNames[static_cast<std::size_t>(origin.type)])));
+  if (origin.order) pairs.emplace_back("order", OrderName(*origin.order));
+  return Inline(pairs);
+}
+
 std::string SignalValue(const SignalSpec& signal) {
   const SignalSpec defaults;
-  Pairs pairs = {{"column", Quoted(signal.column)}, {"unit", Quoted(signal.unit)}};
+  const bool live = !signal.dds.empty() || signal.modbus;
+  Pairs pairs;
+  if (!live || signal.column != signal.name) pairs.emplace_back("column", Quoted(signal.column));
+  pairs.emplace_back("unit", Quoted(signal.unit));
   if (signal.scale != defaults.scale) pairs.emplace_back("scale", Plain(signal.scale));
   if (signal.offset != defaults.offset) pairs.emplace_back("offset", Plain(signal.offset));
   if (signal.min) pairs.emplace_back("min", NumberIn(*signal.min, signal.unit));
@@ -124,6 +142,8 @@ std::string SignalValue(const SignalSpec& signal) {
   if (signal.noise_std) pairs.emplace_back("noise", NumberIn(*signal.noise_std, signal.unit, true));
   if (signal.stuck_time != defaults.stuck_time) pairs.emplace_back("stuck_time", Plain(signal.stuck_time));
   if (!signal.required) pairs.emplace_back("required", Plain(signal.required));
+  if (!signal.dds.empty()) pairs.emplace_back("dds", Quoted(signal.dds));
+  if (signal.modbus) pairs.emplace_back("modbus", OriginValue(*signal.modbus));
   return Inline(pairs);
 }
 
@@ -285,6 +305,60 @@ std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
 
 }  // namespace
 
+std::string RingValue(const ModbusRingSpec& ring) {
+  Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
+  if (ring.time) pairs.emplace_back("time", Plain(*ring.time));
+  for (const auto& [key, number] :
+       {std::pair("first", ring.first), std::pair("records", ring.records), std::pair("width", ring.width)})
+    pairs.emplace_back(key, Plain(number));
+  pairs.emplace_back("period", Plain(ring.period));
+  pairs.emplace_back("poll_period", Plain(ring.poll_period));
+  return Inline(pairs);
+}
+
+std::string LiveModbusSection(const ModbusSpec& modbus, const MachineNotes& notes) {
+  Pairs pairs = {{"host", Quoted(modbus.host)},
+                 {"port", Plain(modbus.port)},
+                 {"unit", Plain(modbus.unit)},
+                 {"order", OrderName(modbus.order)},
+                 {"poll_period", Plain(modbus.poll_period)},
+                 {"timeout", Plain(modbus.timeout)},
+                 {"retry_first", Plain(modbus.retry_first)},
+                 {"retry_limit", Plain(modbus.retry_limit)}};
+  if (modbus.heartbeat) pairs.emplace_back("heartbeat", Plain(*modbus.heartbeat));
+  if (modbus.time) pairs.emplace_back("time", Plain(*modbus.time));
+  if (modbus.ring) pairs.emplace_back("ring", RingValue(*modbus.ring));
+  if (const auto& sweep = modbus.sweep)
+    pairs.emplace_back("sweep", Inline({{"coil", Plain(sweep->coil)},
+                                        {"status", Plain(sweep->status)},
+                                        {"axis", Plain(sweep->axis)},
+                                        {"amplitude", Plain(sweep->amplitude)}}));
+  return Section("[live.modbus]", "Registers of the controller; times in s.", pairs, notes, "live.modbus");
+}
+
+std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
+  const char* const transports[] = {"default", "udp", "shm"};
+  return Section("[live.dds]", "Samples by DDS (docs/live_protocol.md).",
+                 {{"domain", Plain(dds.domain)},
+                  {"topic", Quoted(dds.topic)},
+                  {"transport", Quoted(transports[static_cast<int>(dds.transport)])},
+                  {"interfaces", QuotedList(dds.interfaces)},
+                  {"peers", QuotedList(dds.peers)},
+                  {"deadline", Plain(dds.deadline)}},
+                 notes, "live.dds");
+}
+
+std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.live) return "";
+  const LiveSpec& live = *machine.live;
+  std::string text =
+      Section("[live]", "The machine as it is watched live.",
+              {{"grid_period", Plain(live.grid_period)}, {"axes", QuotedList(live.axes)}}, notes, "live");
+  if (live.dds) text += LiveDdsSection(*live.dds, notes);
+  if (live.modbus) text += LiveModbusSection(*live.modbus, notes);
+  return text;
+}
+
 std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
   std::string text;
   for (const std::string& line : notes.head) text += Comment(line) + "\n";
@@ -292,7 +366,7 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           GeometrySection(machine, notes) + GateSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + BalanceSection(machine, notes) +
-          EffectSections(machine, notes);
+          EffectSections(machine, notes) + LiveSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
   return text;

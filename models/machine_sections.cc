@@ -77,7 +77,10 @@ void ReadSignal(TableReader& signal, const toml::table& table, const LogFormat& 
   signal.AllowOnly(MachineFileKeys("signals.<name>"));
   if (const toml::node* column = table.get("column"))
     ReadSignalColumn(signal, *column, "column", log, spec.column);
-  if (!signal.Has("column"))
+  ReadSignalOrigin(signal, table, spec);
+  const bool live = !spec.dds.empty() || spec.modbus;
+  if (live && !signal.Has("column")) spec.column = spec.name;
+  if (!live && !signal.Has("column"))
     signal.Problem("column is missing; write e.g. { column = \"pressure_A\", unit = \"bar\" }");
   signal.UnitName("unit", spec.unit, "");
   signal.Number("scale", spec.scale, {.si = ""});

@@ -18,9 +18,14 @@ void ReadMonitors(TableReader& file, Machine& machine);
 void ReadValve(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
 void ReadEffects(TableReader& file, Machine& machine);
+void ReadLive(TableReader& file, Machine& machine);
+/// `dds` and `modbus` of one signal.
+void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
 
 /// What concerns several sections: the model's signals and known values are there and of the right quantity,
 /// limits and windows fit each other.
 void CheckMachine(TableReader& file, const Machine& machine);
+/// Every live signal has one origin that its section describes, within the registers there are.
+void CheckLive(TableReader& file, const Machine& machine);
 
 }  // namespace hydroscope

@@ -216,6 +216,7 @@ void CheckMachine(TableReader& file, const Machine& machine) {
   CheckModelSignals(file, machine, model);
   CheckModelGeometry(file, machine, model);
   CheckValveSignals(file, machine);
+  CheckLive(file, machine);
 }
 
 }  // namespace hydroscope

@@ -117,13 +117,19 @@ void TableReader::Flag(std::string_view key, bool& value) {
     Wrong(key, "true or false");
 }
 
-void TableReader::Integer(std::string_view key, int& value, int low) {
+void TableReader::Integer(std::string_view key, int& value, int low, int high) {
   if (!Has(key)) return;
   const auto* number = table_.get_as<std::int64_t>(key);
-  if (number != nullptr && number->get() >= low && number->get() <= std::numeric_limits<int>::max())
+  if (number != nullptr && number->get() >= low && number->get() <= high)
     value = static_cast<int>(number->get());
-  else
+  else if (high == std::numeric_limits<int>::max())
     Wrong(key, fmt::format("a whole number not less than {}", low));
+  else
+    Wrong(key, fmt::format("a whole number from {} to {}", low, high));
+}
+
+void TableReader::Integer(std::string_view key, std::optional<int>& value, int low, int high) {
+  if (Has(key)) Integer(key, value.emplace(low), low, high);
 }
 
 std::optional<std::size_t> TableReader::Choice(std::string_view key,

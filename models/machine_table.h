@@ -69,7 +69,8 @@ class TableReader {
 
   void Text(std::string_view key, std::string& value);
   void Flag(std::string_view key, bool& value);
-  void Integer(std::string_view key, int& value, int low);
+  void Integer(std::string_view key, int& value, int low, int high = std::numeric_limits<int>::max());
+  void Integer(std::string_view key, std::optional<int>& value, int low, int high);
   /// One of `choices`; returns its index.
   std::optional<std::size_t> Choice(std::string_view key, const std::vector<std::string>& choices);
   void Texts(std::string_view key, std::vector<std::string>& values);

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+namespace hydroscope {
+
+/// Host time of one event: the monotonic clock orders and measures, the wall clock is for people. The service
+/// hands a Clock down; nothing below it asks one itself.
+struct HostTime {
+  std::int64_t monotonic_ns = 0;
+  std::int64_t wall_ns = 0;  ///< since 1970-01-01 UTC
+};
+using Clock = std::function<HostTime()>;
+
+}  // namespace hydroscope
