@@ -160,6 +160,7 @@ struct Machine {
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding
   int model_version = 1;
+  std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
 
   /// Index of a signal, -1 if the machine has none of that name.
   int SignalIndex(const std::string& signal_name) const;
@@ -175,7 +176,6 @@ Result<Machine> LoadMachine(const std::string& path);
 /// The same from text; `origin` stands in messages.
 Result<Machine> ParseMachine(const std::string& text, const std::string& origin);
 /// Writes a machine file with comments that LoadMachine reads back to an equal Machine.
-  std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
 std::string FormatMachine(const Machine& machine);
 
 }  // namespace hydroscope
