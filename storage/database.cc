@@ -28,6 +28,19 @@ std::string Definition(Connection& connection, std::int64_t machine, int version
   return query.Step() ? query.Text(0) : std::string();
 }
 
+/// One version, or all of them (0), in order.
+std::vector<ModelVersion> ReadVersions(Connection& connection, std::int64_t machine, int version) {
+  Query query(connection,
+              "SELECT version, definition, promoted FROM model_version WHERE machine = ?1 AND (?2 = 0 OR "
+              "version = ?2) "
+              "ORDER BY version",
+              machine, version);
+  std::vector<ModelVersion> versions;
+  while (query.Step())
+    versions.push_back({static_cast<int>(query.Int(0)), query.Text(1), {}, static_cast<int>(query.Int(2))});
+  return versions;
+}
+
 bool MachineExists(Connection& connection, std::int64_t machine) {
   Query query(connection, "SELECT 1 FROM machine WHERE id = ?", machine);
   return query.Step();
@@ -146,7 +159,42 @@ Result<ModelVersion> Database::GetModelVersion(std::int64_t machine, int version
     if (version < 1 || version > latest)
       return BadInput("{} has no model version {} of machine {}; versions 1 to {} are stored", impl_->path,
                       version, machine, latest);
-    return ModelVersion{version, Definition(*impl_, machine, version), impl_->Columns(machine, version)};
+    ModelVersion model = ReadVersions(*impl_, machine, version).front();
+    model.columns = impl_->Columns(machine, version);
+    return model;
+  });
+}
+
+Result<std::vector<ModelVersion>> Database::ModelVersions(std::int64_t machine) const {
+  return Guarded(impl_->path, &impl_->db,
+                 [&]() -> Result<std::vector<ModelVersion>> { return ReadVersions(*impl_, machine, 0); });
+}
+
+Status Database::PromoteModel(std::int64_t machine, int version) {
+  if (const auto model = GetModelVersion(machine, version); !model) return tl::unexpected(model.error());
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    Query(*impl_,
+          "UPDATE model_version SET promoted = (SELECT max(promoted) + 1 FROM model_version WHERE machine = "
+          "?1) "
+          "WHERE machine = ?1 AND version = ?2",
+          machine, version)
+        .Run();
+    return {};
+  });
+}
+
+Result<std::optional<ModelVersion>> Database::PromotedModel(std::int64_t machine) const {
+  using Found = std::optional<ModelVersion>;
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<Found> {
+    Query query(
+        *impl_,
+        "SELECT version FROM model_version WHERE machine = ? AND promoted > 0 ORDER BY promoted DESC LIMIT 1",
+        machine);
+    if (!query.Step()) return Found();
+    const int version = static_cast<int>(query.Int(0));
+    ModelVersion model = ReadVersions(*impl_, machine, version).front();
+    model.columns = impl_->Columns(machine, version);
+    return Found(std::move(model));
   });
 }
 

@@ -16,6 +16,7 @@ struct ModelVersion {
   int version = 1;
   std::string definition;            ///< the machine file (TOML) in force
   std::vector<std::string> columns;  ///< names of the Gram columns, in order
+  int promoted = 0;  ///< counts promotions of the machine; the greatest is in force, 0 = never
 };
 
 /// A replay of one log (or, later, one session of the live service).
@@ -69,6 +70,12 @@ class Database {
   /// Stores the definition as a new version if it differs from the latest; returns its version number.
   Result<int> PutModelVersion(std::int64_t machine, const ModelVersion& model);
   Result<ModelVersion> GetModelVersion(std::int64_t machine, int version) const;
+  /// All versions in order, without their columns.
+  Result<std::vector<ModelVersion>> ModelVersions(std::int64_t machine) const;
+  /// Makes a stored version the model of replay and monitor.
+  Status PromoteModel(std::int64_t machine, int version);
+  /// The version promoted last; nullopt if none ever was.
+  Result<std::optional<ModelVersion>> PromotedModel(std::int64_t machine) const;
 
   /// The run with this fingerprint, with the strokes it already has; created if new. A machine has one open
   /// run at a time: beginning another closes an incomplete one as `abandoned` (without strokes: removes it),
@@ -92,6 +99,15 @@ class Database {
   Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;
   /// Grams of strokes with first <= sequence < last.
   Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
+  /// Sequence behind the machine's newest stroke; 0 without strokes.
+  Result<std::int64_t> EndSequence(std::int64_t machine) const;
+  /// Sequence of the first stroke that ends at or after `time` (s, the logs' own time). Error: a log begins
+  /// before the log before it ended, so that a time does not tell which log is meant.
+  Result<std::int64_t> SequenceAt(std::int64_t machine, double time) const;
+  /// Summaries of strokes with first <= sequence < last, `index` being the sequence; of more than `most`,
+  /// evenly spread ones.
+  Result<std::vector<StrokeSummary>> SummariesOf(std::int64_t machine, std::int64_t first, std::int64_t last,
+                                                 std::int64_t most) const;
   /// Their sum, from stored sums of 64 and 4096 strokes where these lie inside: single strokes in order of
   /// sequence inside each 64, the 64s in order inside each 4096. Equal to adding Grams() up to rounding.
   /// Strokes of different Gram columns do not add: an error that names where they change. Without strokes: an

@@ -129,8 +129,13 @@ CREATE VIEW trend AS
   JOIN machine m ON m.id = r.machine JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke;
 )sql";
 
+/// Which model replay and monitor use: that of the greatest number; 0 = never promoted.
+constexpr const char* kVersion2 = R"sql(
+ALTER TABLE model_version ADD COLUMN promoted INTEGER NOT NULL DEFAULT 0;
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2};
 
 struct FileKind {
   int application = 0;

@@ -50,13 +50,29 @@ TEST(Schema, AnEmptyFileBecomesADatabase) {
 TEST(Schema, ANewerVersionIsRefusedAndLeftAsItIs) {
   const Folder folder;
   EXPECT_OK(Database::Open(folder.File()));
-  Execute(folder.File(), "PRAGMA user_version = 2");
+  Execute(folder.File(), "PRAGMA user_version = 999");
   const std::string before = Bytes(folder.File());
   const Error error = OpenError(folder.File());
   EXPECT_EQ(error.kind, ErrorKind::kBadInput);
-  EXPECT_THAT(error.text, HasSubstr("database format 2, this program knows formats up to 1"));
-  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("database format 2"));
+  EXPECT_THAT(error.text, HasSubstr(fmt::format("database format 999, this program knows formats up to {}",
+                                                kFormatVersion)));
+  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("database format 999"));
   EXPECT_EQ(Bytes(folder.File()), before);
+}
+
+TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
+  const Folder folder;
+  {
+    Press press(folder.File());
+    EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 3)));
+  }
+  Execute(folder.File(), "ALTER TABLE model_version DROP COLUMN promoted; PRAGMA user_version = 1");
+  EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("older database format 1"));
+  Press press(folder.File());
+  EXPECT_EQ(press.version, 1);
+  EXPECT_EQ(Value(press.database.EndSequence(press.machine)), 3);
+  EXPECT_FALSE(Value(press.database.PromotedModel(press.machine)).has_value());
+  EXPECT_OK(Database::OpenReadOnly(folder.File()));
 }
 
 TEST(Schema, ADatabaseOfAnotherProgramIsRefusedAndLeftAsItIs) {

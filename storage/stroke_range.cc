@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "storage/connection.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+namespace {
+
+std::int64_t End(const std::vector<RunRow>& runs) {
+  return runs.empty() ? 0 : runs.back().first_sequence + runs.back().strokes;
+}
+
+}  // namespace
+
+Result<std::int64_t> Database::EndSequence(std::int64_t machine) const {
+  return Guarded(impl_->path, &impl_->db,
+                 [&]() -> Result<std::int64_t> { return End(impl_->RunsOf(machine)); });
+}
+
+Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::int64_t> {
+    SQLite::Transaction one_snapshot(impl_->db);
+    const auto runs = impl_->RunsOf(machine);
+    double before = -std::numeric_limits<double>::infinity();
+    std::optional<std::int64_t> found;
+    for (const RunRow& run : runs) {
+      if (run.strokes == 0) continue;
+      Query ends(*impl_, "SELECT min(begin_s), max(end_s) FROM stroke WHERE run = ?", run.id);
+      ends.Step();
+      if (ends.Real(0) < before)
+        return BadInput(
+            "{}: the time of log {} (run {}) begins at {:.6g} s, before the log ahead of it ended ({:.6g} "
+            "s), so a "
+            "time does not tell which log is meant; give a stroke number, or run:{} for where a log begins",
+            impl_->path, run.source, run.id, ends.Real(0), before, run.id);
+      before = ends.Real(1);
+      if (found || before < time) continue;
+      Query first(*impl_, "SELECT min(stroke) FROM stroke WHERE run = ? AND end_s >= ?", run.id, time);
+      first.Step();
+      found = run.first_sequence + first.Int(0);
+    }
+    return found.value_or(End(runs));
+  });
+}
+
+Result<std::vector<StrokeSummary>> Database::SummariesOf(std::int64_t machine, std::int64_t first,
+                                                         std::int64_t last, std::int64_t most) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<StrokeSummary>> {
+    SQLite::Transaction one_snapshot(impl_->db);
+    const auto runs = impl_->RunsOf(machine);
+    first = std::max<std::int64_t>(first, 0);
+    last = std::min(last, End(runs));
+    const std::int64_t step =
+        std::max<std::int64_t>(1, (last - first + most - 1) / std::max<std::int64_t>(most, 1));
+    std::vector<StrokeSummary> summaries;
+    for (const RunRow& run : runs)
+      for (std::int64_t at =
+               first + (std::max(run.first_sequence - first, std::int64_t{0}) + step - 1) / step * step;
+           at < std::min(last, run.first_sequence + run.strokes); at += step) {
+        Query query(
+            *impl_,
+            "SELECT begin_s, end_s, oil_temperature_K, mean_speed_m_s, mean_pressure_Pa, max_pressure_Pa, "
+            "rms_error_m3_s, noise_floor_m3_s, rows_seen, rows_gated, rows_used FROM stroke WHERE run = ? "
+            "AND "
+            "stroke = ?",
+            run.id, at - run.first_sequence);
+        if (!query.Step()) continue;
+        StrokeSummary s{at,
+                        query.Real(0),
+                        query.Real(1),
+                        query.Real(2),
+                        query.Real(3),
+                        query.Real(4),
+                        query.Real(5),
+                        query.Real(6),
+                        query.Real(7),
+                        {}};
+        s.counters.samples = query.Int(8);
+        s.counters.gated = query.Int(9);
+        s.counters.used = query.Int(10);
+        summaries.push_back(s);
+      }
+    return summaries;
+  });
+}
+
+}  // namespace hydroscope
