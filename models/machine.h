@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "models/live_spec.h"
+#include "models/model_history.h"
 
 namespace hydroscope {
 
@@ -159,7 +160,11 @@ struct Machine {
   BalanceSpec balance;
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding
+  /// Nonlinear parameters (thresholds, widths, ...) of added effects, by effect and name, SI; those not given are found
+  /// from the data.
+  std::map<std::string, std::map<std::string, double>> effect_values;
   int model_version = 1;
+  std::vector<ModelRecord> model_history;  ///< what the versions of the model achieved, oldest first
   std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
 
   /// Index of a signal, -1 if the machine has none of that name.

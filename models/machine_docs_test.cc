@@ -46,6 +46,8 @@ const std::map<std::string, std::string> kChapters = {{"machine", "`[machine]`"}
                                                       {"live.modbus", "`[live]`"},
                                                       {"live.modbus.ring", "`[live]`"},
                                                       {"live.modbus.sweep", "`[live]`"},
+                                                      {"model_history", "`[[model_history]]`"},
+                                                      {"model_history.parameters.<name>", "`[[model_history]]`"},
                                                       {"<quantity>", "Rules for all sections"}};
 
 TEST(MachineFilePage, DescribesEveryKeyInTheChapterOfItsSection) {

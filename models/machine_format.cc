@@ -93,6 +93,8 @@ std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
   pairs.emplace_back("model_version", Plain(machine.model_version));
   if (!machine.added_effects.empty()) {
     pairs.emplace_back("effects", QuotedList(machine.added_effects));
+    if (!machine.effect_values.empty())
+      pairs.emplace_back("effect_values", FormatEffectValues(machine.effect_values));
   }
   return Section("[machine]", "Machine file; every key is explained in docs/machine_file.md.", pairs, notes,
                  "machine");
@@ -369,7 +371,7 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           EffectSections(machine, notes) + LiveSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
-  return text;
+  return text + FormatModelHistory(machine.model_history);
 }
 
 std::string FormatMachine(const Machine& machine) { return FormatMachine(machine, MachineNotes{}); }

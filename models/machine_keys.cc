@@ -39,8 +39,8 @@ const std::vector<MachineSection>& MachineFileSections() {
   static const std::vector<MachineSection> sections = {
       {"",
        {"machine", "log", "signals", "geometry", "gate", "window", "estimator", "monitor", "valve", "balance",
-        "effect", "live"}},
-      {"machine", {"name", "model", "description", "model_version", "effects"}},
+        "effect", "live", "model_history"}},
+      {"machine", {"name", "model", "description", "model_version", "effects", "effect_values"}},
       {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period"}},
       {"log.time", {"column", "unit"}},
       {"signals.<name>",
@@ -68,6 +68,9 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"live.modbus.ring",
        {"session", "newest", "time", "first", "records", "width", "period", "poll_period"}},
       {"live.modbus.sweep", {"coil", "status", "axis", "amplitude"}},
+      {"model_history",
+       {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit", "parameters"}},
+      {"model_history.parameters.<name>", {"value", "std", "unit"}},
       {"<quantity>", {"value", "unit"}},
   };
   return sections;

@@ -119,6 +119,7 @@ void ReadMachineSection(TableReader& file, Machine& machine) {
       machine.model = ModelNames()[*model];
     }
     section.Texts("effects", machine.added_effects);
+    ReadEffectValues(section, machine);
     const std::set<std::string> once(machine.added_effects.begin(), machine.added_effects.end());
     if (once.size() != machine.added_effects.size()) section.Wrong("effects", "every effect only once");
   });

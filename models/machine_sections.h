@@ -18,6 +18,9 @@ void ReadMonitors(TableReader& file, Machine& machine);
 void ReadValve(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
 void ReadEffects(TableReader& file, Machine& machine);
+void ReadModelHistory(TableReader& file, Machine& machine);
+/// `effect_values` of the section [machine].
+void ReadEffectValues(TableReader& section, Machine& machine);
 void ReadLive(TableReader& file, Machine& machine);
 /// `dds` and `modbus` of one signal.
 void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
