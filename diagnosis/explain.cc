@@ -36,6 +36,8 @@ class Explainer {
  private:
   std::vector<RankedEffect> Rank(const Model& on) const;
   RankedEffect Try(const Model& on, int effect) const;
+  /// The model as it is: base balance and the effects it has already, each in its best shape.
+  Model Start() const;
   bool AtFloor(const ExtendedFit& fit, const ExtendedFit& base) const;
   /// Strong enough to stand as the second of two effects.
   bool IsStrong(const EffectEstimate& e) const {
@@ -43,7 +45,8 @@ class Explainer {
   }
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
-  std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> SearchPairs(const std::vector<RankedEffect>& ranking) const;
+  std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> SearchPairs(
+      const Model& on, const std::vector<RankedEffect>& ranking) const;
   /// Held-out error energy removed, in noise variances, less the price of nonlinear parameters.
   double Gain(const ExtendedFit& from, const ExtendedFit& to) const {
     return (from.excess.sum() - to.excess.sum()) / noise_ - Cost(to) + Cost(from);
@@ -132,7 +135,8 @@ std::vector<std::string> Explainer::Rivals(const std::vector<RankedEffect>& rank
 }
 
 std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer::SearchPairs(
-    const std::vector<RankedEffect>& ranking) const {
+    const Model& on, const std::vector<RankedEffect>& ranking) const {
+  const std::size_t first = on.choices.size();
   struct Pair {
     Model model;
     double gain;
@@ -143,10 +147,13 @@ std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer
     for (std::size_t b = a + 1; b < ranking.size(); ++b) {
       if (!ranking[a].fit.solved || !ranking[b].fit.solved) continue;
       Pair pair;
-      pair.model.choices = {ranking[a].fit.effects[0].choice, ranking[b].fit.effects[0].choice};
+      pair.model.choices = on.choices;
+      pair.model.choices.push_back(ranking[a].fit.effects.back().choice);
+      pair.model.choices.push_back(ranking[b].fit.effects.back().choice);
       pair.model.fit = strokes_.Fit(pair.model.choices);
       if (!pair.model.fit.solved) continue;
-      pair.significant = std::all_of(pair.model.fit.effects.begin(), pair.model.fit.effects.end(),
+      pair.significant = std::all_of(pair.model.fit.effects.begin() + static_cast<std::ptrdiff_t>(first),
+                                     pair.model.fit.effects.end(),
                                      [&](const EffectEstimate& e) { return IsStrong(e); });
       pair.gain = Gain(ranking.front().fit, pair.model.fit);
       if (pair.significant && pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
@@ -155,22 +162,39 @@ std::optional<std::pair<Model, std::vector<std::vector<std::string>>>> Explainer
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.gain > b.gain; });
   const Model& best = pairs.front().model;
   const auto id = [&](const EffectChoice& c) { return strokes_.model().effects[c.effect]->id; };
-  std::vector<std::vector<std::string>> groups = {{id(best.choices[0])}, {id(best.choices[1])}};
+  std::vector<std::vector<std::string>> groups = {{id(best.choices[first])}, {id(best.choices[first + 1])}};
   // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other one.
   for (std::size_t k = 1; k < pairs.size(); ++k) {
     if (!IsRival(pairs[k].model.fit, best.fit)) continue;
     for (int mine = 0; mine < 2; ++mine)
       for (int theirs = 0; theirs < 2; ++theirs)
-        if (pairs[k].model.choices[1 - theirs].effect == best.choices[1 - mine].effect)
-          groups[mine].push_back(id(pairs[k].model.choices[theirs]));
+        if (pairs[k].model.choices[first + 1 - theirs].effect == best.choices[first + 1 - mine].effect)
+          groups[mine].push_back(id(pairs[k].model.choices[first + theirs]));
   }
   return std::make_pair(best, groups);
 }
 
+Model Explainer::Start() const {
+  Model model;
+  const auto& library = strokes_.model().effects;
+  for (const std::string& id : options_.start) {
+    const auto at = std::find_if(library.begin(), library.end(), [&](const auto& e) { return e->id == id; });
+    const EffectChoice best = at == library.end() ? EffectChoice{0, -1}
+                                                  : strokes_.BestShape(static_cast<int>(at - library.begin()), model.choices);
+    if (best.shape < 0) return {};  // its fit is not solved
+    model.choices.push_back(best);
+  }
+  model.fit = strokes_.Fit(model.choices);
+  return model;
+}
+
 Explanation Explainer::Run() {
   Explanation out;
-  Model model;
-  model.fit = out.base = out.final = strokes_.Fit({});
+  out.model = strokes_.shared_model();
+  Model model = Start();
+  out.base = out.final = model.fit;
+  out.chosen = model.choices;
+  out.started = static_cast<int>(model.choices.size());
   out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
   if (!out.base.solved) return out;
   noise_ = NoiseVariance(out.base, strokes_.equations());
@@ -181,12 +205,13 @@ Explanation Explainer::Run() {
     return out;
   }
   const RankedEffect& best = out.ranking.front();
-  model.choices = {best.fit.effects[0].choice};
+  const Model start = model;
+  model.choices.push_back(best.fit.effects.back().choice);
   model.fit = best.fit;
   out.groups = {Rivals(out.ranking)};
   bool complete = true;
   if (!AtFloor(model.fit, out.base)) {
-    if (auto pair = SearchPairs(out.ranking)) {
+    if (auto pair = SearchPairs(start, out.ranking)) {
       model = pair->first;
       out.groups = pair->second;
     }
@@ -202,7 +227,7 @@ Explanation Explainer::Run() {
       complete = false;  // the right law leaves no scraps for another effect to pick up
     }
   }
-  for (std::size_t k = 0; k < model.choices.size(); ++k) {
+  for (std::size_t k = start.choices.size(); k < model.choices.size(); ++k) {
     const ExtendedFit partial = strokes_.Fit(std::span(model.choices).first(k + 1));
     out.steps.push_back({strokes_.model().effects[model.choices[k].effect]->id, partial.rms_holdout, partial.excess_ratio});
   }
@@ -240,6 +265,17 @@ const char* VerdictName(Verdict verdict) {
 
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) { return Explainer(strokes, options).Run(); }
 
+namespace {
+
+/// The effects a candidate was added to.
+std::vector<EffectChoice> Before(const ExtendedFit& fit) {
+  std::vector<EffectChoice> choices;
+  for (std::size_t k = 0; k + 1 < fit.effects.size(); ++k) choices.push_back(fit.effects[k].choice);
+  return choices;
+}
+
+}  // namespace
+
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                            const WindowSamples& window, const ExplainOptions& options) {
   constexpr int kRounds = 3;
@@ -256,10 +292,10 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::spa
     if (round == 0) {
       for (const RankedEffect& r : out.ranking)
         if (r.fit.solved && r.gain > std::max(options.min_gain, kClose * out.ranking.front().gain))
-          work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{});
+          work.emplace_back(r.fit.effects.back().choice, Before(r.fit));
       for (const RankedEffect& r : out.second)
         if (r.fit.solved && r.gain > std::max(options.min_gain, kClose * out.second.front().gain))
-          work.emplace_back(r.fit.effects.back().choice, std::vector<EffectChoice>{r.fit.effects.front().choice});
+          work.emplace_back(r.fit.effects.back().choice, Before(r.fit));
     }
     auto refined = std::make_shared<ModelStructure>(*model);
     bool changed = false;

@@ -30,6 +30,7 @@ struct ExplainOptions {
   double rival_gain = 12.0;      ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;          ///< ... and those whose stroke-wise loss is not worse by this many standard errors
   int max_effects = 2;           ///< effects hidden at once that are looked for
+  std::vector<std::string> start;    ///< ids of effects that are part of the model already; each in its best shape
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
 };
 
@@ -47,24 +48,28 @@ struct RankedEffect {
 };
 
 struct ExplainStep {
-  std::string added;             ///< "" for the base model
+  std::string added;             ///< "" for the model as it is
   double rms_holdout = 0;        ///< m^3/s
   double excess_ratio = 0;
 };
 
 struct Explanation {
+  std::shared_ptr<const ModelStructure> model;   ///< has the shapes that every EffectChoice below names
   Verdict verdict = Verdict::kUnknown;
   std::vector<std::string> set;                  ///< best first, [] if adequate or unknown
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it, best first
   bool partial = false;                          ///< unknown, but the first of `ranking` explains part of it
-  ExtendedFit base, final;
-  std::vector<EffectChoice> chosen;              ///< effects of `final`
-  std::vector<RankedEffect> ranking;             ///< on the base model, best first
-  std::vector<RankedEffect> second;              ///< on the base model and the first effect, best first
+  ExtendedFit base;                              ///< the model as it is: base balance and ExplainOptions::start
+  ExtendedFit final;                             ///< with the effects found
+  int started = 0;                               ///< effects of `base`, the first of `chosen`
+  std::vector<EffectChoice> chosen;              ///< effects of `final`, those of `base` first
+  std::vector<RankedEffect> ranking;             ///< on the model as it is, best first
+  std::vector<RankedEffect> second;              ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
 };
 
-/// Finds which effects of the library explain what the base model leaves, from Grams alone.
+/// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is false, and the
+/// rest empty, if the strokes cannot separate the parameters of the model as it is; ids of `start` must be in the library.
 /// Chain: score on held-out strokes, significance by stroke, rivals (model confidence set after Hansen, Lunde, Nason
 /// 2011, by paired stroke-wise losses), adequacy gate against the noise floor.
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});

@@ -82,6 +82,21 @@ bool StrokeSet::Measured(const EffectChoice& choice) const {
   return false;
 }
 
+EffectChoice StrokeSet::BestShape(int effect, std::span<const EffectChoice> others) const {
+  EffectChoice best{effect, -1};
+  double least = 0;
+  std::vector<EffectChoice> choices(others.begin(), others.end());
+  choices.push_back({effect, 0});
+  for (int shape = 0; shape < static_cast<int>(model_->effect_shapes[effect].size()); ++shape) {
+    choices.back().shape = shape;
+    const ExtendedFit fit = Fit(choices);
+    if (!fit.solved || (best.shape >= 0 && fit.excess_ratio >= least)) continue;
+    best = choices.back();
+    least = fit.excess_ratio;
+  }
+  return best;
+}
+
 SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices, const Eigen::VectorXd& theta) const {
   SparseColumns columns;
   for (int c = 0; c < model_->base_count; ++c) columns.push_back({{c, 1.0}});
@@ -153,8 +168,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   fit.excess_ratio = fit.excess.sum() / noise;
   fit.fit_excess_ratio = fit_excess / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
-  const double h = window_.half_window, block_time = window_.block * window_.period;
-  fit.noise_floor = std::sqrt(std::max(0.0, noise / equations_ * 2.0 / (h * h * h * block_time * block_time)));
+  fit.noise_floor = std::sqrt(std::max(0.0, noise / equations_ * window_.FlowVarianceGain()));
 
   const double count = static_cast<double>(strokes.size());
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();

@@ -63,6 +63,9 @@ class StrokeSet {
   double equations() const { return equations_; }
   /// Whether the effect's columns were measured (not all zero) in these strokes.
   bool Measured(const EffectChoice& choice) const;
+  /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape -1 if none
+  /// can be fitted.
+  EffectChoice BestShape(int effect, std::span<const EffectChoice> others) const;
 
  private:
   struct Reduced;  ///< normal equations of one stroke over base + composite columns

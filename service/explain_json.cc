@@ -1,10 +1,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "service/what_to_record.h"
 #include "service/explain_output.h"
 #include "service/fit_output.h"
 #include "service/located_output.h"
+#include "service/what_to_record.h"
 
 namespace hydroscope {
 namespace {
@@ -62,18 +62,22 @@ nlohmann::json StepsJson(const std::vector<ExplainStep>& steps) {
   return out;
 }
 
-nlohmann::json FinalJson(const ExplainResult& result) {
-  const ExtendedFit& fit = result.explanation.final;
+nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) {
   nlohmann::json effects = nlohmann::json::object();
   for (const EffectEstimate& estimate : fit.effects) {
     const Effect& effect = result.effect(estimate.choice.effect);
     effects[effect.id] = EffectParameters(effect, estimate, result.NonlinearOf(estimate.choice));
   }
+  return effects;
+}
+
+nlohmann::json FinalJson(const ExplainResult& result) {
+  const ExtendedFit& fit = result.explanation.final;
   return {{"rms_holdout", fit.rms_holdout * kLitresPerMinute},
           {"excess_ratio", fit.excess_ratio},
           {"parameters",
            ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
-          {"effects", effects}};
+          {"effects", EffectsJson(result, fit)}};
 }
 
 }  // namespace
@@ -92,7 +96,8 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"base",
            {{"rms_holdout", result.base.rms_holdout * kLitresPerMinute},
             {"excess_ratio", x.base.excess_ratio},
-            {"parameters", ParametersJson(result.base.parameters)}}},
+            {"parameters", ParametersJson(result.base.parameters)},
+            {"effects", EffectsJson(result, x.base)}}},
           {"ranking", RankingJson(result)},
           {"steps", StepsJson(x.steps)},
           {"final", FinalJson(result)},

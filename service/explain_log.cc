@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/machine_model.h"
+
 namespace hydroscope {
 namespace {
 
@@ -22,17 +24,20 @@ std::vector<UnmeasuredEffect> Unmeasured(const Machine& machine, const ModelStru
   return out;
 }
 
+/// The model as it is in place of the base balance alone.
+void TakeBase(ExplainResult& result) {
+  const ExtendedFit& fit = result.explanation.base;
+  result.base.theta = fit.theta;
+  result.base.covariance = fit.covariance;
+  result.base.parameters = BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes));
+  result.base.rms_holdout = fit.rms_holdout;
+  result.base.noise_floor = fit.noise_floor;
+}
+
 }  // namespace
 
 std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
   return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
-}
-
-std::vector<double> ExplainResult::NonlinearOf(const EffectChoice& choice) const {
-  for (const auto* ranking : {&explanation.ranking, &explanation.second})
-    for (const RankedEffect& ranked : *ranking)
-      if (ranked.fit.solved && ranked.fit.effects.back().choice == choice) return ranked.nonlinear;
-  return {};
 }
 
 std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
@@ -62,17 +67,28 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         "longer, or see "
         "what the gate lets through with 'hydroscope check'",
         out.strokes, kMinExplainStrokes);
-  const ModelStructure& model = *out.log.model;
+  std::shared_ptr<const ModelStructure> model = out.log.model;
   std::vector<StrokeGram> grams = out.log.Grams();
   grams.resize(out.strokes);
-  auto base = FitBaseModel(model, grams, out.log.window);
+  auto base = FitBaseModel(*model, grams, out.log.window);
   if (!base) return tl::unexpected(base.error());
   out.base = std::move(*base);
-  out.explanation = ExplainSamples(out.log.model, out.log.stretches, out.log.window, options);
-  out.unmeasured = Unmeasured(out.log.machine, model);
-  if (out.explanation.base.solved)
-    out.location = Locate(ResidualsOf(out.log.model, out.log.stretches, out.log.window,
-                                      ColumnWeights(model, out.explanation.base)));
+  ExplainOptions as_is = options;
+  as_is.start = out.log.machine.added_effects;
+  if (!as_is.start.empty()) {
+    auto extended = FitMachineModel(out.log);
+    if (!extended) return tl::unexpected(extended.error());
+    model = extended->structure;
+  }
+  out.explanation = ExplainSamples(model, out.log.stretches, out.log.window, as_is);
+  if (!out.explanation.base.solved)
+    return BadInput(
+        "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
+        "longer");
+  if (!as_is.start.empty()) TakeBase(out);
+  out.unmeasured = Unmeasured(out.log.machine, *model);
+  out.location = Locate(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
+                                    ColumnWeights(*out.explanation.model, out.explanation.base)));
   return out;
 }
 

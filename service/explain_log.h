@@ -24,21 +24,24 @@ struct ExplainResult {
   std::string machine_file;
   LogStrokes log;
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
-  GramFit base;             ///< of the same strokes
+  GramFit base;             ///< the model as it is, of the same strokes; `theta` holds its effects' sizes too
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
-  ErrorLocation location;  ///< of the base model's error
+  ErrorLocation location;  ///< of the error of the model as it is
 
   const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
-  /// Nonlinear parameters of an effect of Explanation::chosen, SI.
-  std::vector<double> NonlinearOf(const EffectChoice& choice) const;
+  /// Nonlinear parameters of an effect of the explanation, SI.
+  const std::vector<double>& NonlinearOf(const EffectChoice& choice) const {
+    return explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
+  }
 };
 
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;
 
-/// Reads the log, fits the base model and finds what it misses. Errors: log or machine file are wrong, fewer
-/// than kMinExplainStrokes strokes, or strokes that do not excite the base model.
+/// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds what it
+/// misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes that do not excite
+/// the model. ExplainOptions::start is taken from the machine file.
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options = {});
 

@@ -151,11 +151,14 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
   return text;
 }
 
+/// Sizes of the effects: those the model has already, then "+" those found.
 std::string AddedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
   std::string text;
-  for (const EffectEstimate& estimate : result.explanation.final.effects) {
+  for (std::size_t k = 0; k < x.final.effects.size(); ++k) {
+    const EffectEstimate& estimate = x.final.effects[k];
     const Effect& effect = result.effect(estimate.choice.effect);
-    text += fmt::format("  + {}: {}\n", effect.id,
+    text += fmt::format("  {} {}: {}\n", static_cast<int>(k) < x.started ? " " : "+", effect.id,
                         SizeText(effect, estimate, result.NonlinearOf(estimate.choice)));
   }
   return text;
@@ -225,7 +228,7 @@ std::string ExplainText(const ExplainResult& result) {
     text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
   if (!result.log.machine.added_effects.empty())
-    text += fmt::format("Explained from the base model: the effects added to it ({}) are looked for anew.\n",
+    text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
   return text + StepsText(x) + ParametersText(result) + AddedText(result) + RankingText(result) +
          RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located) + NextText(result);

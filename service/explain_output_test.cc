@@ -25,8 +25,10 @@ PressOptions Cushion(std::vector<EffectSetting> effects) {
   return options;
 }
 
-ExplainResult Explained(const PressOptions& options, const ExplainOptions& explain = {}) {
-  const Machine machine = MachineFor(options);
+ExplainResult Explained(const PressOptions& options, const ExplainOptions& explain = {},
+                        std::vector<std::string> added = {}) {
+  Machine machine = MachineFor(options);
+  machine.added_effects = std::move(added);
   auto strokes = StrokesOf(SimulatePress(options), machine, KeepSamples::kYes);
   EXPECT_TRUE(strokes.has_value());
   auto result = ExplainStrokes(std::move(*strokes), explain);
@@ -46,6 +48,28 @@ TEST(ExplainOutput, ANamedEffectComesWithWhatToLookForAndTheCommandThatAddsIt) {
   const nlohmann::json& size = json["final"]["effects"]["internal_leakage"]["G"];
   EXPECT_NEAR(size["value"].get<double>(), 5e-12, 3 * size["std"].get<double>());
   EXPECT_THAT(json["set"], Contains("internal_leakage"));
+}
+
+TEST(ExplainOutput, WhatTheModelHasAlreadyIsNotLookedForAgain) {
+  const PressOptions options = Cushion({{"internal_leakage", 5e-12, {}}});
+  const ExplainResult result = Explained(options, {}, {"internal_leakage"});
+  EXPECT_EQ(result.explanation.verdict, Verdict::kAdequate);
+  const nlohmann::json json = ExplainJson(result);
+  const nlohmann::json& size = json["base"]["effects"]["internal_leakage"]["G"];
+  EXPECT_NEAR(size["value"].get<double>(), 5e-12, 3 * size["std"].get<double>());
+  for (const auto& ranked : json["ranking"]) EXPECT_NE(ranked["effect"], "internal_leakage");
+}
+
+TEST(ExplainOutput, TheSecondEffectIsFoundOnTopOfTheOneTheModelHas) {
+  const PressOptions options =
+      Cushion({{"relief_valve", 4e-11, {{"crack", 170e5}}}, {"spool_hysteresis", 0.01, {}}});
+  const ExplainResult result = Explained(options, {}, {"relief_valve"});
+  ASSERT_EQ(result.explanation.verdict, Verdict::kNamed);
+  EXPECT_THAT(result.explanation.set, testing::ElementsAre("spool_hysteresis"));
+  const nlohmann::json json = ExplainJson(result);
+  EXPECT_EQ(json["steps"].size(), 2u);
+  EXPECT_NEAR(json["final"]["effects"]["relief_valve"]["p_crack"]["value"].get<double>(), 170e5, 8e5);
+  EXPECT_EQ(json["base"]["rms_holdout"], json["steps"][0]["rms_holdout"]);
 }
 
 TEST(ExplainOutput, AnEffectOutsideTheLibraryIsUnknownAndNamesNone) {

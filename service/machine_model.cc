@@ -30,28 +30,6 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
                       : fmt::format("did you mean '{}'? 'hydroscope model effects' lists them all", near));
 }
 
-namespace {
-
-/// The shape of `effect` that, after `choices`, errs least on strokes left out; shape -1 if none can be
-/// fitted.
-EffectChoice BestShape(const StrokeSet& strokes, std::vector<EffectChoice> choices, int effect) {
-  EffectChoice best{effect, -1};
-  double least = 0;
-  const int shapes = static_cast<int>(strokes.model().effect_shapes[effect].size());
-  for (int shape = 0; shape < shapes; ++shape) {
-    choices.push_back({effect, shape});
-    const ExtendedFit fit = strokes.Fit(choices);
-    if (fit.solved && (best.shape < 0 || fit.excess_ratio < least)) {
-      best = choices.back();
-      least = fit.excess_ratio;
-    }
-    choices.pop_back();
-  }
-  return best;
-}
-
-}  // namespace
-
 Result<MachineModel> FitMachineModel(const LogStrokes& log) {
   auto structure = std::make_shared<ModelStructure>(*log.model);
   std::vector<EffectChoice> choices;
@@ -60,7 +38,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     for (const std::string& id : log.machine.added_effects) {
       const auto effect = FindEffect(*log.model, id);
       if (!effect) return tl::unexpected(effect.error());
-      const EffectChoice best = BestShape(strokes, choices, *effect);
+      const EffectChoice best = strokes.BestShape(*effect, choices);
       if (best.shape < 0)
         return BadInput(
             "these strokes cannot tell effect '{}' of the machine file from the rest of the model: record "
