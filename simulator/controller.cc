@@ -27,9 +27,15 @@ SetPoint::SetPoint(const PressMachine& machine, const PressMotion& motion, std::
 void SetPoint::DrawLevel(double t, const RamMotion& ram) {
   const double conductance = machine_.Q_vn / std::sqrt(machine_.dp_nom);
   const double root = machine_.A_A * std::abs(ram.cruise_speed()) / (kUsableOpening * conductance);
-  level_ =
-      std::max(random_.Uniform(motion_.set_point_min, motion_.set_point_max), machine_.p_tank + root * root);
+  level_ = random_.Uniform(motion_.set_point_min, motion_.set_point_max);
   next_change_ = t + random_.Uniform(motion_.step_time_min, motion_.step_time_max);
+  if (const std::size_t count = motion_.set_points.size(); count > 0) {
+    const double part = (ram.phase_end() - ram.phase_begin()) / static_cast<double>(count);
+    const auto index = static_cast<std::size_t>(std::max(0.0, (t - ram.phase_begin()) / part + 0.5));
+    level_ = motion_.set_points[std::min(index, count - 1)];
+    next_change_ = ram.phase_begin() + static_cast<double>(index + 1) * part;
+  }
+  level_ = std::max(level_, machine_.p_tank + root * root);
 }
 
 double SetPoint::At(double t, double period, const RamMotion& ram) {

@@ -40,7 +40,12 @@ PressOptions RandomMachine(std::uint64_t seed) {
 }
 
 std::array<PressOptions, 4> FourCushions(const PressOptions& options) {
-  std::array<PressOptions, 4> cushions;
+  const std::vector<PressOptions> cushions = Cushions(options, 4);
+  return {cushions[0], cushions[1], cushions[2], cushions[3]};
+}
+
+std::vector<PressOptions> Cushions(const PressOptions& options, int count) {
+  std::vector<PressOptions> cushions(static_cast<std::size_t>(count));
   for (std::size_t k = 0; k < cushions.size(); ++k) {
     RandomStream random(StreamSeed(options.seed + k, "cushion"));
     PressOptions& o = cushions[k] = options;

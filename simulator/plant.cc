@@ -12,8 +12,14 @@ constexpr double kRootSlope = 1 / 141.4;  // 1/sqrt(Pa), steepest slope of Signe
 }  // namespace
 
 PressPlant::PressPlant(const PressMachine& machine, const PressEffectSizes& effects, double step)
-    : machine_(machine), effects_(effects), step_(step), nominal_(machine.Q_vn / std::sqrt(machine.dp_nom)) {
-  const PressEffectSizes& e = effects;
+    : machine_(machine), step_(step), nominal_(machine.Q_vn / std::sqrt(machine.dp_nom)) {
+  SetEffects(effects);
+}
+
+void PressPlant::SetEffects(const PressEffectSizes& effects) {
+  if (effects_.inertance == 0) line_flow_ = 0;
+  effects_ = effects;
+  const PressEffectSizes& e = effects_;
   plain_ = e.internal_leakage == 0 && e.external_leakage == 0 && e.orifice_leakage == 0 &&
            e.worn_leakage == 0 && e.relief_gain == 0 && e.air_fraction == 0 && e.accumulator == 0;
 }

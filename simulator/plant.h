@@ -27,6 +27,8 @@ class PressPlant {
     double gain = 1;          ///< flow gain, relative
   };
 
+  /// Other effects from now on; the step must stay below the inverse of their StiffestRate.
+  void SetEffects(const PressEffectSizes& effects);
   void Reset(double p_A) { p_A_ = p_A, line_flow_ = 0, cavity_ = 0; }
   void Step(const Drive& drive);
 

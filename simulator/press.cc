@@ -195,6 +195,35 @@ bool PressGenerator::Next(PressRow& row) {
   return false;
 }
 
+const std::array<double, 7>& PressGenerator::noise() const { return state_->draw; }
+PressPhase PressGenerator::phase() const { return state_->motion.phase(); }
+
+Status PressGenerator::SetEffects(const std::vector<EffectSetting>& settings) {
+  State& s = *state_;
+  const auto sizes = ResolveEffects(settings);
+  if (!sizes) return tl::unexpected(sizes.error());
+  const PressMotion& motion = s.options.motion;
+  const double rate =
+      PressPlant::StiffestRate(s.options.machine, *sizes, motion.z_bottom - motion.z_bottom_spread);
+  if (rate * s.grid.step > 1)
+    return UsageError(
+        "these effects need an integration step below {:.2g} s, but the press runs with {:.2g} s; "
+        "switch them on from the beginning",
+        1 / rate, s.grid.step);
+  const auto delay = [&](DelayLine& line, double before, double now) {
+    if (before == now) return;
+    const double held = line.Read();
+    line = DelayLine(now, s.grid.step);
+    line.Push(held);
+  };
+  delay(s.late_pressure, s.effects.pressure_delay, sizes->pressure_delay);
+  delay(s.late_spool, s.effects.spool_delay, sizes->spool_delay);
+  delay(s.late_position, s.effects.position_delay, sizes->position_delay);
+  s.effects = *sizes;
+  s.plant.SetEffects(*sizes);
+  return {};
+}
+
 std::int64_t PressGenerator::total_rows() const { return state_->total_rows; }
 const PressTruth& PressGenerator::truth() const { return state_->truth; }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "simulator/motion.h"
 #include "simulator/press_options.h"
 #include "simulator/sensors.h"
 
@@ -58,6 +59,13 @@ class PressGenerator {
   /// The same without noise, quantisation and faults (delays and offsets of the effects stay). Use one of the
   /// two.
   bool NextClean(PressRow& row);
+  /// Noise of the latest row, in the order of kPressChannels: what Next adds to the row of NextClean.
+  const std::array<double, 7>& noise() const;
+  /// Phase of the ram at the latest row.
+  PressPhase phase() const;
+  /// Other effects from the next row on. Refused: effects so stiff that the integration step, chosen at the
+  /// beginning, is too long for them.
+  Status SetEffects(const std::vector<EffectSetting>& effects);
   /// Rows the log has when none is lost.
   std::int64_t total_rows() const;
   const PressTruth& truth() const;
@@ -79,5 +87,7 @@ SimulatedLog AddSensorNoise(const SimulatedLog& clean, const PressOptions& optio
 PressOptions RandomMachine(std::uint64_t seed);
 /// Four cylinders of one press: the same ram, parameters spread by some percent, own set points and noise.
 std::array<PressOptions, 4> FourCushions(const PressOptions& options);
+/// The same for any number; the first four are those of FourCushions.
+std::vector<PressOptions> Cushions(const PressOptions& options, int count);
 
 }  // namespace hydroscope

@@ -45,13 +45,15 @@ void ReadSensors(const SensorNoise& noise, const SensorQuantum& quantum, const s
 }
 
 FaultInjector::FaultInjector(const std::vector<SensorFault>& faults) {
-  for (const SensorFault& fault : faults) {
-    Active active;
-    active.fault = fault;
-    active.channel = ChannelIndex(fault.channel).value_or(0);
-    active.next_spike = fault.start;
-    faults_.push_back(active);
-  }
+  for (const SensorFault& fault : faults) Add(fault);
+}
+
+void FaultInjector::Add(const SensorFault& fault) {
+  Active active;
+  active.fault = fault;
+  active.channel = ChannelIndex(fault.channel).value_or(0);
+  active.next_spike = fault.start;
+  faults_.push_back(active);
 }
 
 bool FaultInjector::Apply(PressRow& row) {

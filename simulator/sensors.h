@@ -49,6 +49,8 @@ void ReadSensors(const SensorNoise& noise, const SensorQuantum& quantum, const s
 class FaultInjector {
  public:
   explicit FaultInjector(const std::vector<SensorFault>& faults);
+  /// A further fault; `start` on the time of the rows.
+  void Add(const SensorFault& fault);
   /// Applies the faults to `row`; false if the row is missing from the log.
   bool Apply(PressRow& row);
 
