@@ -1,0 +1,540 @@
+#include "acquisition/aligner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "acquisition/aligner_axis.h"
+#include "core/bytes.h"
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kJump = 100'000'000;             ///< ns, step of a sender's clock that is told
+constexpr std::int64_t kFarthest = 1ll << 40;           ///< rows from the beginning of a session
+constexpr int kBatchesToBelieve = 3;                    ///< in a row, at a new place of the sequence ...
+constexpr std::int64_t kTimeToBelieve = 1'000'000'000;  ///< ns, ... for so long
+constexpr std::int64_t kRowsOfSlip = 2;                 ///< a second sender may be off before it is moved
+constexpr std::size_t kReadingsKept = 64;
+constexpr std::uint32_t kMarksVersion = 1;
+
+std::int64_t Ns(double seconds) { return std::llround(seconds * 1e9); }
+
+/// Identifies the channels of a stream across restarts (FNV-1a).
+std::uint64_t KeyOf(int source, const std::vector<std::uint16_t>& channels) {
+  std::uint64_t key = 0xcbf29ce484222325ull ^ static_cast<std::uint64_t>(source);
+  for (const std::uint16_t channel : channels) key = (key ^ channel) * 0x100000001b3ull;
+  return key;
+}
+
+/// Rows of the sender for one row of the grid; 0: a slow channel.
+std::uint64_t RatioOf(std::int64_t batch_period, std::int64_t grid) {
+  if (batch_period <= 0) return 0;
+  const double ratio = static_cast<double>(grid) / static_cast<double>(batch_period);
+  const double whole = std::round(ratio);
+  return whole >= 1 && std::abs(ratio - whole) < 1e-6 * whole ? static_cast<std::uint64_t>(whole) : 0;
+}
+
+}  // namespace
+
+AlignerOptions AlignerOptions::For(const Machine& machine) {
+  AlignerOptions options;
+  if (!machine.live) return options;
+  if (machine.live->modbus) options.held_period = machine.live->modbus->poll_period;
+  options.host_clock = !machine.live->dds && !(machine.live->modbus && machine.live->modbus->ring);
+  return options;
+}
+
+Aligner::Aligner(const Machine& machine, const AlignerOptions& options, HostTime start)
+    : machine_(machine), options_(options), start_(start), period_(Ns(machine.live->grid_period)) {
+  const std::size_t signals = machine.signals.size();
+  for (int a = 0; a < AxisCount(machine); ++a) {
+    axes_.push_back(std::make_unique<Axis>(signals));
+    for (const SignalSpec& spec : machine.signals) {
+      const Unit unit = FindUnit(spec.unit).value_or(Unit{});
+      conversion_.push_back({spec.scale * unit.scale, spec.offset * unit.scale + unit.offset});
+    }
+  }
+  channels_.resize(axes_.size() * signals);
+}
+
+Aligner::~Aligner() = default;
+
+void Aligner::Add(int source, const SampleBatch& batch) {
+  Stream* stream = FindStream(source, batch);
+  if (stream == nullptr) {
+    ++malformed_;
+    return;
+  }
+  ++stream->batches;
+  if (!stream->begun || stream->session != batch.session) BeginSession(*stream, batch);
+  if (std::abs(static_cast<std::int64_t>(batch.first_sequence - stream->base)) > kFarthest) {
+    ++malformed_;
+    return;
+  }
+  WatchClock(*stream, batch);
+  for (std::size_t c = 0; c < batch.channels.size(); ++c) {
+    ChannelState& state = channels_[batch.channels[c]];
+    const Column& convert = conversion_[batch.channels[c]];
+    state.values += static_cast<std::int64_t>(batch.rows);
+    state.last_received = batch.received.monotonic_ns;
+    state.last_value = convert(batch.values[(batch.rows - 1) * batch.channels.size() + c]);
+  }
+  if (stream->ratio == 0) return AddReadings(*stream, batch);
+  if (!Believable(*stream, batch)) return;
+  const std::int64_t last = stream->SenderTime(batch.first_sequence + batch.rows - 1);
+  stream->clock.Observe(last, batch.received.monotonic_ns);
+  stream->delay = static_cast<double>(batch.received.monotonic_ns - stream->clock.ToHost(last));
+  stream->worst_delay = std::max(stream->worst_delay, stream->delay);
+  for (Part& part : stream->parts) AddRows(*stream, part, batch);
+  for (Part& part : stream->parts) CloseComplete(*part.axis, batch.received.monotonic_ns);
+}
+
+/// The stream of these channels, made if new; nullptr if the batch cannot be right.
+Aligner::Stream* Aligner::FindStream(int source, const SampleBatch& batch) {
+  if (batch.rows == 0 || batch.channels.empty() || batch.values.size() != batch.rows * batch.channels.size())
+    return nullptr;
+  auto& place = streams_[{source, batch.channels}];
+  if (!place) {
+    const std::size_t signals = machine_.signals.size();
+    for (const std::uint16_t channel : batch.channels)
+      if (channel >= channels_.size()) {
+        streams_.erase({source, batch.channels});
+        return nullptr;
+      }
+    place = std::make_unique<Stream>();
+    place->source = source;
+    place->key = KeyOf(source, batch.channels);
+    std::map<Axis*, Part> parts;
+    for (std::size_t c = 0; c < batch.channels.size(); ++c) {
+      Part& part = parts[axes_[batch.channels[c] / signals].get()];
+      part.columns.push_back({c, batch.channels[c] % signals, conversion_[batch.channels[c]]});
+    }
+    for (const auto& axis : axes_)  // in order of the axes, not of their addresses
+      if (const auto found = parts.find(axis.get()); found != parts.end()) {
+        found->second.axis = axis.get();
+        found->second.stream = place.get();
+        place->parts.push_back(std::move(found->second));
+      }
+    place->channels = batch.channels.size();
+    for (Part& part : place->parts)
+      if (const auto stored = part.axis->stored.find(place->key); stored != part.axis->stored.end())
+        std::tie(part.stored_session, part.stored_until) = stored->second;
+  }
+  return place.get();
+}
+
+/// Another life of the sender, or the first one: its count begins anew.
+void Aligner::BeginSession(Stream& stream, const SampleBatch& batch) {
+  stream.ratio = RatioOf(batch.period_ns, period_);
+  for (Part& part : stream.parts)
+    if (stream.ratio != 0) JoinAxis(part, batch.received.monotonic_ns);
+  stream.begun = true;
+  stream.session = batch.session;
+  stream.base = batch.first_sequence;
+  stream.period = batch.period_ns;
+  stream.clock.Reset();
+  stream.wall_clock.Reset();
+  stream.last_source_time = 0;
+  stream.strange = 0;
+}
+
+/// A fast sender begins. It takes the place of another one of the same signals; if it carries the grid, the
+/// others are anchored to it anew.
+void Aligner::JoinAxis(Part& part, std::int64_t now) {
+  Axis& axis = *part.axis;
+  ++axis.counters.sessions;
+  part.anchored = false;
+  const auto replaced = [&](const Part* other) {
+    return other == &part || std::any_of(part.columns.begin(), part.columns.end(),
+                                         [&](const auto& column) { return other->Has(column.signal); });
+  };
+  if (axis.master == nullptr || replaced(axis.master)) {
+    Emit(axis, axis.pending(), true);
+    axis.master = &part;
+    axis.hold_until = now + Ns(options_.settle);
+    for (Part* other : axis.parts) other->anchored = false;
+  }
+  std::erase_if(axis.parts, replaced);
+  part.present.assign(axis.pending(), 0);
+  axis.parts.push_back(&part);
+}
+
+/// Follows the sender's own clock; a step of it is told, and changes no order.
+void Aligner::WatchClock(Stream& stream, const SampleBatch& batch) {
+  stream.has_clock = batch.source_time_ns != 0;
+  if (!stream.has_clock) return;
+  const std::int64_t newest = batch.source_time_ns + static_cast<std::int64_t>(batch.rows - 1) *
+                                                         std::max<std::int64_t>(batch.period_ns, 0);
+  if (stream.last_source_time != 0) {
+    const std::int64_t passed =
+        stream.ratio > 0
+            ? static_cast<std::int64_t>(batch.first_sequence - stream.last_sequence) * stream.period
+            : batch.received.monotonic_ns - stream.last_received;
+    const std::int64_t step = batch.source_time_ns - stream.last_source_time - passed;
+    const std::int64_t tolerance = stream.ratio > 0 ? kJump : 10 * kJump;
+    if (std::abs(step) > tolerance) {
+      stream.wall_clock.Reset();
+      for (Part& part : stream.parts) {
+        ++part.axis->counters.clock_jumps;
+        part.mark = quality::kClockJump;
+      }
+    }
+  }
+  stream.last_source_time = batch.source_time_ns;
+  stream.last_sequence = batch.first_sequence;
+  stream.last_received = batch.received.monotonic_ns;
+  stream.wall_clock.Observe(newest, batch.received.monotonic_ns);
+}
+
+/// A batch far ahead of the sender's clock, or behind all frames, is believed only when the sender goes on
+/// there.
+bool Aligner::Believable(Stream& stream, const SampleBatch& batch) {
+  const auto last = batch.first_sequence + batch.rows - 1;
+  const bool ahead = stream.clock.known() && stream.clock.ToHost(stream.SenderTime(last)) >
+                                                 batch.received.monotonic_ns + Ns(options_.future);
+  bool behind = false;
+  for (const Part& part : stream.parts)
+    behind = behind || (part.anchored && part.RowOf(last, stream.ratio) <
+                                             part.axis->first_row - Ns(2 * options_.lateness) / period_);
+  if (!ahead && !behind) {
+    stream.strange = 0;
+    return true;
+  }
+  stream.strange = batch.first_sequence == stream.strange_next ? stream.strange + 1 : 1;
+  if (stream.strange == 1) stream.strange_since = batch.received.monotonic_ns;
+  stream.strange_next = last + 1;
+  for (Part& part : stream.parts) {
+    auto& count = ahead ? part.axis->counters.future_rows : part.axis->counters.late_rows;
+    count += static_cast<std::int64_t>(batch.rows / stream.ratio);
+  }
+  if (stream.strange < kBatchesToBelieve ||
+      batch.received.monotonic_ns - stream.strange_since < kTimeToBelieve)
+    return false;
+  for (Part& part : stream.parts) {
+    ++part.axis->counters.sequence_jumps;
+    --part.axis->counters.sessions;  // BeginSession counts it
+  }
+  BeginSession(stream, batch);
+  for (Part& part : stream.parts) part.mark |= ahead ? quality::kFuture : quality::kTimeBackwards;
+  return true;
+}
+
+void Aligner::AddReadings(Stream& stream, const SampleBatch& batch) {
+  const bool periodic = batch.period_ns > 0;
+  if (periodic)
+    stream.clock.Observe(stream.SenderTime(batch.first_sequence + batch.rows - 1),
+                         batch.received.monotonic_ns);
+  const std::int64_t middle =
+      batch.requested.monotonic_ns + (batch.received.monotonic_ns - batch.requested.monotonic_ns) / 2;
+  const std::int64_t allowed = std::llround(
+      options_.held_periods * (periodic ? static_cast<double>(batch.period_ns) : options_.held_period * 1e9));
+  for (Part& part : stream.parts) {
+    Axis& axis = *part.axis;
+    for (const auto& column : part.columns) {
+      Held& held = axis.held[column.signal];
+      held.allowed = allowed;
+      for (std::size_t row = 0; row < batch.rows; ++row) {
+        const std::int64_t at =
+            periodic ? stream.clock.ToHost(stream.SenderTime(batch.first_sequence + row)) : middle;
+        if (!held.readings.empty() && at <= held.readings.back().host) {
+          ++axis.counters.duplicate_rows;
+          continue;
+        }
+        held.readings.push_back(
+            {at, column.convert(batch.values[row * batch.channels.size() + column.place]), part.mark});
+        if (held.readings.size() > kReadingsKept) held.readings.pop_front();
+      }
+    }
+    part.mark = quality::kGood;
+    if (!axis.first_held) axis.first_held = batch.received.monotonic_ns;
+  }
+}
+
+void Aligner::AddRows(Stream& stream, Part& part, const SampleBatch& batch) {
+  Axis& axis = *part.axis;
+  const std::uint64_t ratio = stream.ratio;
+  const std::uint64_t first = (batch.first_sequence + ratio - 1) / ratio;  // in rows of the grid
+  const std::uint64_t end = (batch.first_sequence + batch.rows - 1) / ratio + 1;
+  if (first >= end) return;
+  if (!part.anchored) Anchor(part, static_cast<std::int64_t>(first));
+  if (&part != axis.master && axis.master->anchored) {
+    const std::int64_t off = part.IdealShift(*axis.master, period_) - part.shift;
+    if (std::abs(off) > kRowsOfSlip) {
+      ++axis.counters.slips;
+      part.shift += off;
+      part.mark |= quality::kGap;
+    }
+  }
+  const std::int64_t begin_row = static_cast<std::int64_t>(first) + part.shift;
+  if (part.highest_row && begin_row <= *part.highest_row) ++axis.counters.reordered_batches;
+  for (std::uint64_t s = first; s < end; ++s) {
+    const auto row = static_cast<std::int64_t>(s) + part.shift;
+    if (s < part.stored_until && part.stored_session == stream.session) {
+      ++axis.counters.already_stored;
+      continue;
+    }
+    InsertRow(part, row, batch, s * ratio - batch.first_sequence, part.mark);
+  }
+  part.highest_row =
+      std::max(part.highest_row.value_or(begin_row), begin_row + static_cast<std::int64_t>(end - first) - 1);
+}
+
+/// Decides which row of the grid the sender's row `first` is: behind everything for the sender that carries
+/// the grid, by the clocks for another one.
+void Aligner::Anchor(Part& part, std::int64_t first) {
+  Axis& axis = *part.axis;
+  part.anchored = true;
+  part.highest_row.reset();
+  if (&part == axis.master || !axis.master->anchored) {
+    part.shift = axis.first_row - first;
+    axis.jumped = axis.begun;
+  } else {
+    part.shift = part.IdealShift(*axis.master, period_);
+  }
+  if (axis.begun) part.mark |= quality::kGap;
+}
+
+void Aligner::InsertRow(Part& part, std::int64_t row, const SampleBatch& batch, std::size_t index,
+                        Quality flag) {
+  Axis& axis = *part.axis;
+  if (row < axis.first_row) {
+    ++axis.counters.late_rows;
+    return;
+  }
+  // A hole longer than the longest gap is not filled row by row.
+  const auto most = static_cast<std::int64_t>(axis.pending()) + Ns(options_.longest_gap) / period_;
+  if (row - axis.first_row > most) SkipGap(axis, row);
+  const auto at = static_cast<std::size_t>(row - axis.first_row);
+  axis.Reserve(at + 1);
+  const double* values = batch.values.data() + index * batch.channels.size();
+  if (part.present[at]) {
+    ++axis.counters.duplicate_rows;
+    bool same = true;
+    for (const auto& column : part.columns) {
+      const double value = column.convert(values[column.place]), there = axis.rows.signal[column.signal][at];
+      same = same && (value == there || std::isnan(value));
+    }
+    if (same) return;
+    ++axis.counters.contradicting_rows;
+    for (const auto& column : part.columns) axis.rows.quality[column.signal][at] |= quality::kDuplicate;
+    return;
+  }
+  part.present[at] = 1;
+  part.missing_run = 0;
+  part.silent = false;
+  axis.last_arrival = batch.received.monotonic_ns;
+  axis.arrival[at] = std::max(axis.arrival[at], axis.last_arrival);
+  for (const auto& column : part.columns) {
+    const double value = column.convert(values[column.place]);
+    axis.rows.signal[column.signal][at] = value;
+    axis.rows.quality[column.signal][at] = flag | (std::isfinite(value) ? quality::kGood : quality::kMissing);
+  }
+  part.mark = quality::kGood;
+}
+
+/// Gives out what is pending and goes on at `row`, which carries the flag.
+void Aligner::SkipGap(Axis& axis, std::int64_t row) {
+  Emit(axis, axis.pending(), true);
+  axis.counters.skipped_rows += row - axis.first_row;
+  axis.first_row = row;
+  axis.jumped = true;
+  ++axis.counters.gaps;
+  for (Part* part : axis.parts) part->mark |= quality::kGap;
+}
+
+std::int64_t Aligner::Due(const Axis& axis, std::int64_t row) const {
+  if (axis.master == nullptr) return axis.host_anchor + row * period_;
+  const Part& master = *axis.master;
+  return master.stream->clock.ToHost(
+      master.stream->SenderTime(static_cast<std::uint64_t>(row - master.shift) * master.stream->ratio));
+}
+
+void Aligner::Advance(std::int64_t now) {
+  for (const auto& axis : axes_) {
+    if (axis->master != nullptr)
+      CloseComplete(*axis, now);
+    else
+      AdvanceHostGrid(*axis, now);
+  }
+}
+
+/// Gives out the rows that every fast sender has reached, and those that are overdue.
+void Aligner::CloseComplete(Axis& axis, std::int64_t now) {
+  if (now < axis.hold_until || !axis.master->anchored) return;
+  const std::int64_t lateness = Ns(options_.lateness);
+  const std::int64_t longest = Ns(options_.longest_gap) / period_;
+  for (;;) {
+    const std::size_t complete = axis.CompleteRows();
+    if (complete > 0) {
+      axis.missing_run = 0;
+      Emit(axis, complete, false);
+    }
+    // The front row lacks something. How long has that been known?
+    const std::optional<std::int64_t> revealed = axis.RevealedAt();
+    if (!revealed && axis.missing_run >= longest) return;  // silence: no rows until something comes
+    const std::int64_t since = std::max(Due(axis, axis.first_row), revealed.value_or(axis.last_arrival));
+    if (now - since <= lateness) return;
+    axis.Reserve(1);
+    ++axis.missing_run;
+    Emit(axis, 1, true);
+  }
+}
+
+/// An axis without any fast channel: the host's clock makes the rows.
+void Aligner::AdvanceHostGrid(Axis& axis, std::int64_t now) {
+  if (!options_.host_clock || !axis.first_held) return;
+  if (axis.host_anchor == 0) axis.host_anchor = now - axis.first_row * period_;
+  const std::int64_t due = (now - axis.host_anchor) / period_ - axis.first_row;
+  if (due <= 0) return;
+  const std::int64_t longest = Ns(options_.longest_gap) / period_ + 1;
+  if (due > longest) {
+    axis.first_row += due - 1;
+    axis.jumped = true;
+    ++axis.counters.gaps;
+  }
+  const auto rows = static_cast<std::size_t>(std::min(due, due > longest ? std::int64_t{1} : longest));
+  axis.Reserve(rows);
+  Emit(axis, rows, false);
+}
+
+/// Moves the first `rows` pending rows to those that are ready.
+void Aligner::Emit(Axis& axis, std::size_t rows, bool late) {
+  if (rows == 0) return;
+  SampleBlock& ready = axis.ready;
+  const std::size_t from = ready.rows();
+  ready.Resize(axis.signals, from + rows);
+  for (std::size_t s = 0; s < axis.signals; ++s) {
+    std::copy_n(axis.rows.signal[s].begin(), rows,
+                ready.signal[s].begin() + static_cast<std::ptrdiff_t>(from));
+    std::copy_n(axis.rows.quality[s].begin(), rows,
+                ready.quality[s].begin() + static_cast<std::ptrdiff_t>(from));
+  }
+  std::int64_t missing = 0;
+  for (std::size_t k = 0; k < rows; ++k) {
+    bool lacks = false;
+    for (Part* part : axis.parts) {
+      if (part->present[k]) continue;
+      lacks = true;
+      part->silent = ++part->missing_run >= Ns(options_.longest_gap) / period_;
+      for (const auto& column : part->columns)
+        ready.quality[column.signal][from + k] = quality::kMissing | (late ? quality::kLate : quality::kGood);
+    }
+    missing += lacks;
+    const bool jumped = axis.jumped;
+    ready.time[from + k] = NextTime(axis, axis.first_row + static_cast<std::int64_t>(k));
+    if (jumped)
+      for (auto& flags : ready.quality) flags[from + k] |= quality::kGap;
+  }
+  FillHeld(axis, from, axis.first_row, rows);
+  axis.counters.rows += static_cast<std::int64_t>(rows);
+  axis.counters.missing_rows += missing;
+  axis.Drop(rows);
+}
+
+/// s, host wall time of the row: nominal steps, gently pulled to where the sender's clock says.
+double Aligner::NextTime(Axis& axis, std::int64_t row) {
+  constexpr double kPull = 500e-6, kStep = 0.5;  // s per s; s
+  const double period = static_cast<double>(period_) * 1e-9;
+  const double due = static_cast<double>(start_.wall_ns + (Due(axis, row) - start_.monotonic_ns)) * 1e-9;
+  if (!axis.begun) {
+    axis.begun = true;
+    axis.jumped = false;
+    return axis.time = due;
+  }
+  const double nominal = axis.time + period;
+  const double error = due - nominal;
+  if (axis.jumped || error > kStep) {
+    if (!axis.jumped) ++axis.counters.clock_jumps;
+    axis.jumped = false;
+    return axis.time = std::max(nominal, due);
+  }
+  return axis.time = nominal + std::clamp(error, -kPull * period, kPull * period);
+}
+
+/// Values of the slow channels: the newest reading that is not younger than the row.
+void Aligner::FillHeld(Axis& axis, std::size_t from, std::int64_t row, std::size_t rows) {
+  for (std::size_t s = 0; s < axis.signals; ++s) {
+    if (axis.IsFast(s)) continue;
+    Held& held = axis.held[s];
+    for (std::size_t k = 0; k < rows; ++k) {
+      const std::int64_t at = Due(axis, row + static_cast<std::int64_t>(k)) + period_ / 2;
+      while (held.readings.size() > 1 && held.readings[1].host <= at) held.readings.pop_front();
+      double& value = axis.ready.signal[s][from + k];
+      Quality& flags = axis.ready.quality[s][from + k];
+      if (held.readings.empty() || held.readings.front().host > at) {
+        value = std::numeric_limits<double>::quiet_NaN();
+        flags |= quality::kMissing;
+        continue;
+      }
+      const Reading& reading = held.readings.front();
+      value = reading.value;
+      flags |= reading.flags | (std::isfinite(value) ? quality::kGood : quality::kMissing);
+      held.readings.front().flags = quality::kGood;  // told once
+      if (at - reading.host > held.allowed) {
+        flags |= quality::kStale;
+        ++axis.counters.stale_values;
+      }
+    }
+  }
+}
+
+bool Aligner::Take(int axis, SampleBlock& block) {
+  Axis& from = *axes_[static_cast<std::size_t>(axis)];
+  if (from.ready.rows() == 0) return false;
+  std::swap(block, from.ready);
+  from.ready.Resize(from.signals, 0);
+  return true;
+}
+
+std::vector<std::uint8_t> Aligner::marks(int axis) const {
+  const Axis& from = *axes_[static_cast<std::size_t>(axis)];
+  ByteWriter out;
+  out.Put(kMarksVersion);
+  out.Put(static_cast<std::uint32_t>(from.parts.size()));
+  for (const Part* part : from.parts) {
+    out.Put(part->stream->key);
+    out.Put(part->stream->session);
+    const std::int64_t next = from.first_row - part->shift;
+    out.Put(part->anchored ? static_cast<std::uint64_t>(std::max<std::int64_t>(0, next))
+                           : part->stored_until);
+  }
+  return out.Take();
+}
+
+void Aligner::RestoreMarks(int axis, const std::vector<std::uint8_t>& marks) {
+  Axis& to = *axes_[static_cast<std::size_t>(axis)];
+  ByteReader in(marks);
+  if (in.Get<std::uint32_t>() != kMarksVersion) return;
+  const auto count = in.Get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
+    const auto key = in.Get<std::uint64_t>(), session = in.Get<std::uint64_t>();
+    const auto until = in.Get<std::uint64_t>();
+    if (in.ok()) to.stored[key] = {session, until};
+  }
+}
+
+const AlignerCounters& Aligner::counters(int axis) const {
+  return axes_[static_cast<std::size_t>(axis)]->counters;
+}
+
+std::vector<StreamState> Aligner::streams() const {
+  std::vector<StreamState> states;
+  for (const auto& [key, stream] : streams_) {
+    StreamState state{.source = stream->source, .channels = stream->channels};
+    state.period = static_cast<double>(stream->period) * 1e-9;
+    state.has_clock = stream->has_clock;
+    if (stream->wall_clock.known())
+      state.clock_offset =
+          static_cast<double>(stream->wall_clock.offset() + start_.wall_ns - start_.monotonic_ns) * 1e-9;
+    state.drift = stream->wall_clock.known() ? stream->wall_clock.drift() : stream->clock.drift();
+    state.delay = stream->delay * 1e-9;
+    state.worst_delay = stream->worst_delay * 1e-9;
+    state.batches = stream->batches;
+    states.push_back(state);
+  }
+  return states;
+}
+
+}  // namespace hydroscope
