@@ -37,6 +37,7 @@ void ReadDds(TableReader& section, DdsSpec& dds) {
     dds.transport = static_cast<DdsTransport>(*choice);
   section.Texts("interfaces", dds.interfaces);
   section.Texts("peers", dds.peers);
+  section.Flag("backlog", dds.backlog);
   section.Number("deadline", dds.deadline, kSecondsAboveZero);
 }
 
@@ -48,7 +49,8 @@ void ReadRing(TableReader& section, ModbusRingSpec& ring) {
   section.Integer("first", ring.first, 0, kLastRegister);
   section.Integer("records", ring.records, 2, kLastRegister);
   section.Integer("width", ring.width, 3, kReadableRegisters);
-  section.Number("period", ring.period, kSecondsAboveZero);
+  section.Number("period", ring.period,
+                 {.si = "s", .default_unit = "s", .low = 0, .high = 60, .above_low = true});
   section.Number("poll_period", ring.poll_period, kSecondsAboveZero);
   if (static_cast<std::int64_t>(ring.records) * ring.width > kLastRegister + 1 - ring.first)
     section.Wrong("records", "a ring that ends before register 65536");

@@ -30,6 +30,7 @@ struct DdsSpec {
   DdsTransport transport = DdsTransport::kDefault;  ///< shared memory where possible, else UDP
   std::vector<std::string> interfaces;              ///< addresses of the network cards used; empty: all
   std::vector<std::string> peers;  ///< addresses asked where the network carries no multicast
+  bool backlog = false;            ///< also the batches that the sender still holds from before
   double deadline = 0.25;          ///< s without a batch after which the source is late
 
   bool operator==(const DdsSpec&) const = default;

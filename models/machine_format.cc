@@ -346,6 +346,7 @@ std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
                   {"transport", Quoted(transports[static_cast<int>(dds.transport)])},
                   {"interfaces", QuotedList(dds.interfaces)},
                   {"peers", QuotedList(dds.peers)},
+                  {"backlog", Plain(dds.backlog)},
                   {"deadline", Plain(dds.deadline)}},
                  notes, "live.dds");
 }

@@ -61,7 +61,7 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"effect", {"id", "description", "terms", "unit"}},
       {"terms.<parameter>", {"expression", "unit"}},
       {"live", {"grid_period", "axes", "dds", "modbus"}},
-      {"live.dds", {"domain", "topic", "transport", "interfaces", "peers", "deadline"}},
+      {"live.dds", {"domain", "topic", "transport", "interfaces", "peers", "backlog", "deadline"}},
       {"live.modbus",
        {"host", "port", "unit", "order", "poll_period", "timeout", "retry_first", "retry_limit", "heartbeat",
         "time", "ring", "sweep"}},

@@ -9,6 +9,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev libmuparser-dev
   libsqlitecpp-dev libsqlite3-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
+  libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev
   libgtest-dev libgmock-dev
 )
 for option in "$@"; do

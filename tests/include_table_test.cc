@@ -23,14 +23,15 @@ using ::testing::IsEmpty;
 /// Folders of the project a folder's own files (tests aside) may include.
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"core", {}},
+    {"dds", {"core"}},
     {"models", {"core"}},
-    {"acquisition", {"core", "models"}},
+    {"acquisition", {"core", "models", "dds"}},
     {"estimation", {"core", "models"}},
     {"diagnosis", {"core", "models", "estimation"}},
     {"storage", {"core"}},
-    {"alarms", {"core", "storage"}},
+    {"alarms", {"core", "storage", "dds"}},
     {"replay", {"core", "models", "acquisition"}},
-    {"simulator", {"core"}},
+    {"simulator", {"core", "dds"}},
     {"service",
      {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay",
       "simulator"}},
@@ -45,8 +46,9 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<sqlite3.h>", {"storage/"}},
     {"<SQLiteCpp/", {"storage/"}},
     {"<modbus", {"acquisition/modbus/", "alarms/", "simulator/modbus/"}},
-    {"<fastdds/", {"acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
-    {"<fastrtps/", {"acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<fastdds/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
     {"<matio.h>", {"replay/"}},
     {"<CLI/", {"service/"}},
 };
@@ -58,7 +60,7 @@ const std::vector<Reserved> kReservedWords = {
     {"std::time(", {"service/"}},
     {"getenv", {"service/"}},
     {"random_device", {}},
-    {"<sys/socket.h>", {"service/", "acquisition/modbus/", "alarms/"}},
+    {"<sys/socket.h>", {"service/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
     {"sleep_for", {"service/"}},
 };
 

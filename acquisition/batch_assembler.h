@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "acquisition/sequence_monitor.h"
+#include "acquisition/source.h"
+
+namespace hydroscope {
+
+inline constexpr std::uint16_t kLiveProtocolVersion = 1;
+
+/// A layout as announced, docs/live_protocol.md.
+struct LayoutMessage {
+  std::uint16_t version = kLiveProtocolVersion;
+  std::uint64_t session = 0;
+  std::uint32_t layout_id = 0;
+  std::vector<std::string> channels;
+};
+
+/// A batch as sent.
+struct BatchMessage {
+  std::uint16_t version = kLiveProtocolVersion;
+  std::uint64_t session = 0;
+  std::uint32_t layout_id = 0;
+  std::uint64_t first_sequence = 0;
+  std::int64_t source_time_ns = 0;
+  std::int64_t period_ns = 0;
+  std::uint32_t rows = 0;
+  std::vector<double> values;
+};
+
+/// Turns messages of any number of senders into batches of the wanted channels. Every field is checked; what
+/// cannot be right is counted as malformed and left out. A batch that comes before its layout waits for it,
+/// bounded.
+class BatchAssembler {
+ public:
+  /// `wanted`: name on the wire of each channel of the source, "" = not from here. One name may feed several
+  /// channels.
+  explicit BatchAssembler(std::vector<std::string> wanted);
+
+  using Emit = std::function<void(SampleBatch&&)>;
+  void Receive(const LayoutMessage& message, const Emit& emit);
+  void Receive(BatchMessage&& message, HostTime received, const Emit& emit);
+
+  /// Counters only: batches, rows, lost_rows, duplicate_rows, reordered_batches, malformed.
+  SourceStatus counters() const;
+  /// "" while all is well, else what is wrong with the messages, for people.
+  const std::string& complaint() const { return complaint_; }
+
+ private:
+  static constexpr std::size_t kSessionsKept = 64;
+  static constexpr std::size_t kWaitingKept = 256;
+  static constexpr std::uint32_t kMostRows = 8192;
+
+  struct Layout {
+    std::size_t columns = 0;
+    std::vector<std::uint16_t> channels;    ///< channels that are delivered ...
+    std::vector<std::size_t> from_columns;  ///< ... and the column of each
+  };
+  struct Session {
+    std::map<std::uint32_t, Layout> layouts;
+    SequenceMonitor sequence;
+    std::uint64_t used = 0;  ///< when, in messages
+  };
+  struct Waiting {
+    BatchMessage message;
+    HostTime received;
+  };
+
+  Session& SessionOf(std::uint64_t id);
+  void Malformed(std::string complaint);
+  void Deliver(Session& session, const Layout& layout, BatchMessage& message, HostTime received,
+               const Emit& emit);
+
+  std::vector<std::string> wanted_;
+  std::map<std::uint64_t, Session> sessions_;
+  std::vector<Waiting> waiting_;
+  SourceStatus counters_;
+  SourceStatus forgotten_;  ///< sequence counters of sessions no longer kept
+  std::string complaint_;
+  std::uint64_t messages_ = 0;
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,39 @@
+#include "acquisition/sequence_monitor.h"
+
+#include <algorithm>
+
+namespace hydroscope {
+
+SequenceMonitor::Verdict SequenceMonitor::Receive(std::uint64_t first, std::uint64_t rows) {
+  Verdict verdict;
+  const std::uint64_t end = first + rows;
+  if (!begun_) next_ = first;
+  begun_ = true;
+  if (first >= next_) {
+    verdict.missing = first - next_;
+    if (verdict.missing > 0) holes_[next_] = first;
+    if (holes_.size() > kHolesKept) holes_.erase(holes_.begin());
+    lost_ += static_cast<std::int64_t>(verdict.missing);
+    next_ = end;
+    return verdict;
+  }
+  auto hole = holes_.upper_bound(first);
+  if (hole != holes_.begin() && std::prev(hole)->second > first) {
+    --hole;
+    const auto [begin, behind] = *hole;
+    const std::uint64_t filled = std::min(end, behind);
+    holes_.erase(hole);
+    if (begin < first) holes_[begin] = first;
+    if (filled < behind) holes_[filled] = behind;
+    verdict.reordered = true;
+    lost_ -= static_cast<std::int64_t>(filled - first);
+    ++reordered_;
+    return verdict;
+  }
+  verdict.skip = std::min(next_ - first, rows);
+  duplicates_ += static_cast<std::int64_t>(verdict.skip);
+  next_ = std::max(next_, end);
+  return verdict;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,217 @@
+#include "dds/participant.h"
+
+#include <arpa/inet.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fastrtps/attributes/LibrarySettingsAttributes.h>
+#include <fastrtps/utils/IPFinder.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <mutex>
+#include <set>
+
+namespace hydroscope {
+namespace {
+
+using namespace eprosima::fastdds::dds;
+using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
+using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+constexpr std::uint64_t kSharedMemoryNeeded = 8u << 20;
+constexpr std::uint32_t kPortsAskedAtPeers = 16;  // participants of a computer that a peer's address reaches
+constexpr std::uint32_t kSocketBuffer = 4u << 20;
+
+/// Numbers of this process's participants; a number determines the ports. Left to itself the library never
+/// uses one twice, so that a source that is built anew again and again would wander off the ports that peers
+/// ask.
+class ParticipantIds {
+ public:
+  int Take() {
+    std::lock_guard lock(mutex_);
+    int id = 0;
+    while (!taken_.insert(id).second) ++id;
+    return id;
+  }
+  void Release(int id) {
+    std::lock_guard lock(mutex_);
+    taken_.erase(id);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::set<int> taken_;
+};
+ParticipantIds& Ids() {
+  static ParticipantIds ids;
+  return ids;
+}
+
+Duration_t Seconds(double s) {
+  const double whole = std::floor(s);
+  return Duration_t(static_cast<std::int32_t>(whole), static_cast<std::uint32_t>((s - whole) * 1e9));
+}
+
+std::uint64_t FreeSharedMemory() {
+  struct statvfs disk {};
+  if (statvfs("/dev/shm", &disk) != 0) return 0;
+  return static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
+}
+
+std::vector<std::string> OwnAddresses() {
+  std::vector<eprosima::fastrtps::rtps::IPFinder::info_IP> found;
+  eprosima::fastrtps::rtps::IPFinder::getIPs(&found, true);
+  std::vector<std::string> addresses;
+  for (const auto& info : found)
+    if (info.type == eprosima::fastrtps::rtps::IPFinder::IP4 ||
+        info.type == eprosima::fastrtps::rtps::IPFinder::IP4_LOCAL)
+      addresses.push_back(info.name);
+  return addresses;
+}
+
+Status CheckAddresses(const DdsNetwork& network) {
+  for (const std::string& peer : network.peers) {
+    in_addr address{};
+    if (inet_pton(AF_INET, peer.c_str(), &address) != 1)
+      return BadInput("[live.dds] peers: \"{}\" is no IPv4 address; expected e.g. \"192.168.0.20\"", peer);
+  }
+  const std::vector<std::string> own = OwnAddresses();
+  for (const std::string& wanted : network.interfaces)
+    if (std::find(own.begin(), own.end(), wanted) == own.end())
+      return BadInput("[live.dds] interfaces: this computer has no address {}; it has {}", wanted,
+                      fmt::format("{}", fmt::join(own, ", ")));
+  return {};
+}
+
+Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
+  qos.transport().use_builtin_transports = false;
+  const bool room = FreeSharedMemory() >= kSharedMemoryNeeded;
+  if (!network.udp && !room)
+    return BadInput(
+        "/dev/shm has {} kB free, shared memory needs {} kB; enlarge it or use transport = \"udp\"",
+        FreeSharedMemory() >> 10, kSharedMemoryNeeded >> 10);
+  if (network.udp) {
+    auto udp = std::make_shared<UDPv4TransportDescriptor>();
+    udp->interfaceWhiteList = network.interfaces;
+    udp->sendBufferSize = udp->receiveBufferSize = kSocketBuffer;
+    udp->maxInitialPeersRange = kPortsAskedAtPeers;
+    qos.transport().user_transports.push_back(udp);
+  }
+  if (network.shared_memory && room)
+    qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
+  return {};
+}
+
+template <typename Qos>
+void SetCommon(Qos& qos, std::int32_t samples) {
+  qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.history().kind = KEEP_ALL_HISTORY_QOS;
+  qos.resource_limits().max_samples = samples;
+  qos.resource_limits().max_instances = 1;
+  qos.resource_limits().max_samples_per_instance = samples;
+  qos.resource_limits().allocated_samples = std::min(samples, 32);
+  qos.liveliness().kind = AUTOMATIC_LIVELINESS_QOS;
+  qos.liveliness().lease_duration = Seconds(0.5);
+  qos.liveliness().announcement_period = Seconds(0.2);
+  qos.data_sharing().off();
+  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+}
+
+void SetHeartbeat(DataWriterQos& qos) {
+  qos.reliable_writer_qos().times.heartbeatPeriod = Seconds(0.02);
+  qos.reliability().max_blocking_time = Seconds(0.02);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork& network,
+                                                               const std::string& name) {
+  if (const Status status = CheckAddresses(network); !status) return tl::unexpected(status.error());
+  DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
+  qos.name(name.c_str());
+  if (const Status status = AddTransports(network, qos); !status) return tl::unexpected(status.error());
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.leaseDuration = Seconds(1);
+  discovery.leaseDuration_announcementperiod = Seconds(0.25);
+  for (const std::string& peer : network.peers) {
+    eprosima::fastrtps::rtps::Locator_t locator;
+    eprosima::fastrtps::rtps::IPLocator::setIPv4(locator, peer);
+    qos.wire_protocol().builtin.initialPeersList.push_back(locator);
+  }
+  // Short cuts within a process leave a late volatile reader deaf until the writer's history has turned over;
+  // and what is tested in one process shall use the transport that was asked for.
+  eprosima::fastrtps::LibrarySettingsAttributes library;
+  library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+  const int id = Ids().Take();
+  qos.wire_protocol().participant_id = id;
+  DomainParticipant* participant = DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<DomainId_t>(network.domain), qos);
+  if (participant == nullptr) {
+    Ids().Release(id);
+    return InternalError("DDS gives no participant in domain {}; are its network ports taken or forbidden?",
+                         network.domain);
+  }
+  return std::unique_ptr<DdsParticipant>(new DdsParticipant(participant, id));
+}
+
+DdsParticipant::~DdsParticipant() {
+  participant_->delete_contained_entities();
+  DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  Ids().Release(id_);
+}
+
+Result<Topic*> DdsParticipant::MakeTopic(const std::string& name, const TypeSupport& type) {
+  if (type.register_type(participant_) != ReturnCode_t::RETCODE_OK)
+    return InternalError("DDS does not take the type {}", type.get_type_name());
+  Topic* topic = participant_->create_topic(name, type.get_type_name(), TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) return BadInput("[live.dds] topic: DDS does not take the name \"{}\"", name);
+  return topic;
+}
+
+DataWriterQos SampleWriterQos() {
+  DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
+  SetCommon(qos, kBatchesKept);
+  SetHeartbeat(qos);
+  qos.deadline().period = Seconds(kOfferedDeadline);
+  return qos;
+}
+
+DataReaderQos SampleReaderQos(double deadline, bool backlog) {
+  DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+  SetCommon(qos, kBatchesKept);
+  qos.deadline().period = Seconds(std::max(deadline, kOfferedDeadline));
+  if (!backlog) qos.durability().kind = VOLATILE_DURABILITY_QOS;
+  return qos;
+}
+
+DataWriterQos LayoutWriterQos() {
+  DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
+  SetCommon(qos, 1);
+  SetHeartbeat(qos);
+  qos.history().kind = KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 1;
+  return qos;
+}
+
+DataReaderQos LayoutReaderQos() {
+  DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+  SetCommon(qos, 64);
+  return qos;
+}
+
+std::string LayoutTopic(const std::string& samples) { return samples + "/layout"; }
+
+}  // namespace hydroscope
