@@ -3,6 +3,7 @@
 #include <string>
 
 #include "service/benchmarks/coverage_benchmark.h"
+#include "service/benchmarks/drift_benchmark.h"
 #include "service/benchmarks/endurance.h"
 #include "service/benchmarks/example_log.h"
 #include "service/benchmarks/filter_study.h"
@@ -50,24 +51,23 @@ void AddFrf(CLI::App& benchmark, int& exit_code) {
 }
 
 void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
-  struct Options {
-    int cases = 300;
-    std::uint64_t seed = 1;
-    std::string details;
-  };
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<HiddenEffectsOptions>();
   CLI::App* command = benchmark.add_subcommand(
       "hidden-effects", "Effects hidden in simulated logs: how often they are found, and how often wrongly named");
   command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_flag("--experiments", o->experiments,
+                    "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
+  command->add_flag("--healthy", o->healthy, "Hide nothing: how often something is claimed all the same");
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark hidden-effects --cases 300\n"
+      "  hydroscope benchmark hidden-effects --cases 300 --seed 5 --experiments\n"
       "  hydroscope benchmark hidden-effects --cases 40 --seed 7 --details cases.tsv");
-  command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(o->cases, o->seed, o->details); });
+  command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(*o); });
 }
 
 void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
@@ -125,6 +125,22 @@ void AddEndurance(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunEndurance(*o); });
 }
 
+void AddDrift(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<DriftBenchmarkOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "drift", "Drift detection: false alarms of a healthy press, delay and naming of faults, faults under a warm-up");
+  command->add_option("--axis-years", o->axis_years, "Healthy axis-years of 365 days of 1 500 strokes")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str();
+  command->add_option("--faults", o->faults, "Cases of each fault")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark drift\n"
+      "  hydroscope benchmark drift --axis-years 0.1 --faults 20");
+  command->callback([o, &exit_code] { exit_code = RunDriftBenchmark(*o); });
+}
+
 void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<ExampleLogOptions>();
   o->machine_file = "machines/die_cushion.toml";
@@ -161,6 +177,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddFilterStudy(*benchmark, exit_code);
   AddThirtyRuns(*benchmark, exit_code);
   AddEndurance(*benchmark, exit_code);
+  AddDrift(*benchmark, exit_code);
   AddExampleLog(*benchmark, exit_code);
 }
 

@@ -1,0 +1,251 @@
+#include "diagnosis/drift/drift_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace hydroscope::drift {
+namespace {
+
+constexpr double kMemory = 0.95;     ///< of sizes of open findings: some 20 strokes
+constexpr double kGoneShare = 0.5;   ///< of the smallest drift: below it a finding is going
+
+bool Usable(const StrokeEvidence& stroke) {
+  return stroke.equations.equations > 0 && stroke.equations.h.allFinite() && stroke.equations.g.allFinite() &&
+         stroke.equations.h(0, 0) > 0;
+}
+
+}  // namespace
+
+const char* JudgementName(JudgementReason reason) {
+  switch (reason) {
+    case JudgementReason::kJudged: return "judged";
+    case JudgementReason::kTooCold: return "too_cold";
+    case JudgementReason::kNewClass: return "new_class";
+    case JudgementReason::kUnusable: return "unusable";
+  }
+  return "";
+}
+
+const char* JudgementText(JudgementReason reason) {
+  switch (reason) {
+    case JudgementReason::kJudged: return "judged against the reference";
+    case JudgementReason::kTooCold: return "oil colder than minimum_temperature of the rules file";
+    case JudgementReason::kNewClass: return "a tool, speed or pressure that commissioning did not see; being learned";
+    case JudgementReason::kUnusable: return "the stroke tells nothing: bad signals or nothing moved";
+  }
+  return "";
+}
+
+DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference)
+    : model_(std::move(model)), rules_(&rules), reference_(std::move(reference)) {
+  const int n = model_.size();
+  for (int q = 0; q < n; ++q) {
+    const WatchSpec* watch = rules_->Find(model_.quantities()[q].name);
+    watched_.push_back(watch != nullptr);
+    sizes_.push_back(watch != nullptr ? watch->Sizes(reference_.typical(q)) : WatchSpec{}.Sizes(reference_.typical(q)));
+  }
+  tests_.resize(n);
+  trends_.resize(n);
+  explained_ = doubt_ = healthy_ = recent_score_ = Eigen::VectorXd::Zero(n);
+  recent_information_ = Eigen::MatrixXd::Zero(n, n);
+}
+
+Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
+  std::erase_if(findings_, [](const DriftFinding& f) { return f.state == FindingState::kGone; });
+  Judgement judgement{stroke.sequence, stroke.time, stroke.oil_temperature, -1, JudgementReason::kJudged, {}};
+  if (!Usable(stroke)) {
+    judgement.reason = JudgementReason::kUnusable;
+  } else if (stroke.oil_temperature < rules_->minimum_temperature) {
+    judgement.reason = JudgementReason::kTooCold;
+  } else {
+    const Deviation deviation = reference_.Judge(model_, stroke);
+    judgement.operating_class = deviation.operating_class;
+    if (deviation.operating_class < 0) {
+      judgement.reason = JudgementReason::kNewClass;
+      LearnClass(stroke);
+    } else {
+      Test(stroke, deviation, judgement);
+    }
+  }
+  return judgement;
+}
+
+/// Strokes of a kind that commissioning did not see are collected until its offsets can be learned. What open findings
+/// explain is taken out, so that a fault does not become part of what is healthy.
+void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
+  const int index = candidates_.FindOrAdd(stroke);
+  if (index < 0) return;
+  auto& members = new_classes_[index];
+  members.push_back(reference_.Without(model_, stroke, explained_));
+  if (static_cast<int>(members.size()) < Reference::kLeastClassStrokes) return;
+  reference_.AddClass(model_, members);
+  new_classes_.erase(index);
+}
+
+void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgement& judgement) {
+  doubt_ = d.doubt;
+  healthy_ = d.reference;
+  JudgedStroke rest{stroke.sequence, d.score - d.information * explained_, d.information};
+  for (int q = 0; q < model_.size(); ++q) {
+    const double information = d.information(q, q);
+    const double left = information > 0 ? rest.score[q] / information : 0;
+    if (watched_[q]) tests_[q].Add(stroke.sequence, left, d.std[q], d.doubt[q], sizes_[q]);
+    if (watched_[q]) trends_[q].Add(stroke.sequence, d.value[q], d.std[q]);
+    judgement.quantities.push_back({d.value[q], d.std[q], d.doubt[q], d.reference[q], tests_[q].statistic()});
+  }
+  strokes_.push_back(std::move(rest));
+  if (strokes_.size() > kRemembered) strokes_.pop_front();
+  Follow(d, stroke);
+  Explain(d.doubt, stroke.oil_temperature);
+}
+
+std::vector<int> DriftMonitor::ExplainedQuantities() const {
+  std::vector<int> quantities;
+  for (int q = 0; q < model_.size(); ++q)
+    for (const DriftFinding& f : findings_)
+      for (const FindingPart& part : f.parts)
+        if (part.quantity == model_.quantities()[q].name && (quantities.empty() || quantities.back() != q))
+          quantities.push_back(q);
+  return quantities;
+}
+
+/// Sizes of open findings as they are now; a finding whose parts are all small for long enough is gone.
+void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
+  recent_score_ = kMemory * recent_score_ + d.score;
+  recent_information_ = kMemory * recent_information_ + d.information;
+  const std::vector<int> quantities = ExplainedQuantities();
+  if (quantities.empty()) return;
+  explained_.setZero();
+  const auto fitted = FitTogether(recent_score_, recent_information_, quantities);
+  for (const Moved& m : fitted) explained_[m.quantity] = m.size;
+  for (DriftFinding& finding : findings_) {
+    bool small = true;
+    if (finding.parts.empty()) continue;
+    finding.alarm = false;
+    for (FindingPart& part : finding.parts)
+      for (const Moved& m : fitted) {
+        if (model_.quantities()[m.quantity].name != part.quantity) continue;
+        part.size = m.size;
+        part.std = std::hypot(m.std, d.doubt[m.quantity]);
+        part.reference = d.reference[m.quantity];
+        part.alarm = std::abs(m.size) >= sizes_[m.quantity].alarm;
+        finding.alarm = finding.alarm || part.alarm;
+        small = small && std::abs(m.size) < kGoneShare * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
+      }
+    finding.last = stroke.sequence;
+    finding.oil_temperature = stroke.oil_temperature;
+    finding.quiet = small ? finding.quiet + 1 : 0;
+    if (finding.quiet >= rules_->clear_delay) finding.state = FindingState::kGone;
+  }
+  for (const DriftFinding& finding : findings_) {
+    if (finding.state != FindingState::kGone) continue;
+    for (const FindingPart& part : finding.parts)
+      for (int q = 0; q < model_.size(); ++q)
+        if (model_.quantities()[q].name == part.quantity) explained_[q] = 0;
+    Restart(stroke.sequence);
+  }
+}
+
+/// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from others.
+void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature) {
+  const std::int64_t now = strokes_.back().sequence;
+  int strongest = -1;
+  for (int q = 0; q < model_.size(); ++q)
+    if (tests_[q].Direction() != 0 &&
+        (strongest < 0 || std::abs(tests_[q].statistic()) > std::abs(tests_[strongest].statistic())))
+      strongest = q;
+  DriftFinding* open = nullptr;
+  for (DriftFinding& f : findings_)
+    if (f.state == FindingState::kSuspected) open = &f;
+  if (open == nullptr && strongest < 0) return;
+  if (open != nullptr && strongest < 0) {  // it went away before it could be explained
+    open->state = FindingState::kGone;
+    return;
+  }
+  if (open == nullptr) {
+    DriftFinding finding;
+    finding.number = ++found_;
+    finding.found = now;
+    findings_.push_back(finding);
+    open = &findings_.back();
+  }
+  ChangeTime since = FindChangeTime(strokes_, strongest);
+  ChangeExplanation explanation = ExplainChange(strokes_, since.last_before, sizes_, doubt);
+  if (explanation.moved.empty()) return;
+  if (explanation.moved.front().quantity != strongest) {
+    since = FindChangeTime(strokes_, explanation.moved.front().quantity);
+    explanation = ExplainChange(strokes_, since.last_before, sizes_, doubt);
+    if (explanation.moved.empty()) return;
+  }
+  open->since = since;
+  open->last = now;
+  open->oil_temperature = oil_temperature;
+  const auto after = std::count_if(strokes_.begin(), strokes_.end(),
+                                   [&](const JudgedStroke& s) { return s.sequence > since.last_before; });
+  const bool waited = now - open->found >= kMostToExplain;
+  if (after < kLeastToExplain || (!explanation.decided && !waited)) return;
+  open->rivals.clear();
+  for (const int q : explanation.rivals) open->rivals.push_back(model_.quantities()[q].name);
+  open->state = explanation.decided ? FindingState::kNamed : FindingState::kUndecided;
+  Name(*open, explanation.moved, doubt);
+}
+
+/// Applies the rules and starts to follow the sizes.
+void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt) {
+  std::map<std::string, int> movements;
+  finding.parts.clear();
+  finding.alarm = false;
+  for (const Moved& m : moved) {
+    const Quantity& quantity = model_.quantities()[m.quantity];
+    const bool alarm = std::abs(m.size + explained_[m.quantity]) >= sizes_[m.quantity].alarm;
+    movements[quantity.name] = m.size > 0 ? 1 : -1;
+    finding.parts.push_back(
+        {quantity.name, quantity.unit, m.size, std::hypot(m.std, doubt[m.quantity]), healthy_[m.quantity], alarm});
+    finding.alarm = finding.alarm || alarm;
+  }
+  const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;
+  if (rule != nullptr) {
+    finding.rule = rule->id;
+    finding.name = rule->name;
+    finding.guidance = rule->guidance;
+    finding.severity = rule->severity;
+  } else {
+    finding.rule.clear();
+    finding.name = finding.state == FindingState::kNamed ? "Change that no rule names" : "Change with more than one possible cause";
+    finding.guidance = "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure.";
+  }
+  // Sizes are followed from the strokes since the change alone, what was explained before included.
+  recent_score_.setZero();
+  recent_information_.setZero();
+  for (const JudgedStroke& s : strokes_) {
+    if (s.sequence <= finding.since.last_before) continue;
+    recent_score_ = kMemory * recent_score_ + s.score + s.information * explained_;
+    recent_information_ = kMemory * recent_information_ + s.information;
+  }
+  for (const Moved& m : moved) explained_[m.quantity] += m.size;
+  Restart(finding.last);
+}
+
+/// The tests begin anew after this stroke.
+void DriftMonitor::Restart(std::int64_t sequence) {
+  strokes_.clear();
+  for (CumulativeSum& test : tests_) test.Reset(sequence);
+}
+
+std::vector<SlowDrift> DriftMonitor::SlowDrifts() const {
+  std::vector<SlowDrift> drifts;
+  for (int q = 0; q < model_.size(); ++q) {
+    if (!watched_[q]) continue;
+    SlowDrift drift{model_.quantities()[q].name, model_.quantities()[q].unit,
+                    trends_[q].Figures(sizes_[q].smallest, doubt_[q]), 0, {}};
+    if (!drift.figures.significant) continue;
+    drift.limit = std::copysign(sizes_[q].alarm, drift.figures.slope);
+    drift.reach = SlowTrend::Reach(drift.figures, drift.limit);
+    drifts.push_back(drift);
+  }
+  return drifts;
+}
+
+}  // namespace hydroscope::drift

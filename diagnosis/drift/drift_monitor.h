@@ -1,0 +1,137 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/bytes.h"
+#include "diagnosis/drift/change_analysis.h"
+#include "diagnosis/drift/cumulative_sum.h"
+#include "diagnosis/drift/reference.h"
+#include "diagnosis/drift/rules.h"
+#include "diagnosis/drift/slow_trend.h"
+
+namespace hydroscope::drift {
+
+/// Whether a stroke was judged, and why not.
+enum class JudgementReason {
+  kJudged,
+  kTooCold,        ///< oil below the minimum temperature
+  kNewClass,       ///< a kind of stroke commissioning did not see; being learned
+  kUnusable,       ///< its equations tell nothing (bad signals, no excitation)
+};
+const char* JudgementName(JudgementReason reason);
+const char* JudgementText(JudgementReason reason);
+
+/// One quantity of one stroke against the reference.
+struct QuantityJudgement {
+  double deviation = 0;     ///< SI, this stroke alone
+  double std = 0;           ///< SI, sampling
+  double doubt = 0;         ///< SI, std of the reference
+  double reference = 0;     ///< SI, healthy value at this oil temperature
+  double statistic = 0;     ///< of the cumulative-sum test, signed
+};
+
+struct Judgement {
+  std::int64_t sequence = 0;
+  double time = 0;             ///< s
+  double oil_temperature = 0;  ///< K
+  int operating_class = -1;
+  JudgementReason reason = JudgementReason::kJudged;
+  std::vector<QuantityJudgement> quantities;  ///< empty unless judged
+};
+
+/// A quantity's part in a finding, as it stands now.
+struct FindingPart {
+  std::string quantity, unit;
+  double size = 0, std = 0;  ///< SI, change since before
+  double reference = 0;      ///< SI
+  bool alarm = false;        ///< beyond the alarm change
+};
+
+enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
+
+/// Something changed at the machine: what, since when, by how much, and what it means.
+struct DriftFinding {
+  std::int64_t number = 0;   ///< 1, 2, ... per axis
+  FindingState state = FindingState::kSuspected;
+  std::string rule;          ///< id of the rule, "" if none fits (yet)
+  std::string name, guidance;
+  RuleSeverity severity = RuleSeverity::kWarning;
+  ChangeTime since;          ///< stroke numbers
+  std::int64_t found = 0;    ///< stroke at which the test said so
+  std::int64_t last = 0;     ///< latest stroke it rests on
+  double oil_temperature = 0;///< K, at that stroke
+  std::vector<FindingPart> parts;
+  std::vector<std::string> rivals;  ///< quantities that would explain the same
+  bool alarm = false;               ///< one part is beyond its alarm change
+  int quiet = 0;                    ///< strokes it has been small for
+};
+
+/// One sentence: "since stroke 48 210 internal leakage appears, 1.2 +- 0.2 l/min at 200 bar".
+std::string FindingText(const DriftFinding& finding);
+
+/// Slow drift of one quantity towards a limit.
+struct SlowDrift {
+  std::string quantity, unit;
+  TrendFigures figures;
+  double limit = 0;  ///< SI, deviation
+  TimeToLimit reach; ///< strokes
+};
+
+/// Watches one axis against its frozen reference, stroke by stroke. Deterministic; time and strokes come as arguments.
+/// A deviation passes: temperature and class (Reference) -> cumulative sums (CumulativeSum) -> change time and cause
+/// (change_analysis) -> rule. What an open finding explains is taken out before the tests go on, so that a second fault is
+/// found beside the first.
+class DriftMonitor {
+ public:
+  static constexpr std::uint32_t kFormat = 1;
+  static constexpr std::size_t kRemembered = 160;  ///< strokes
+  static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
+  static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided
+
+  DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference);
+
+  Judgement Add(const StrokeEvidence& stroke);
+  /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
+  const std::vector<DriftFinding>& findings() const { return findings_; }
+  /// Slow drifts that would reach their alarm change.
+  std::vector<SlowDrift> SlowDrifts() const;
+  const Reference& reference() const { return reference_; }
+  const WatchedModel& model() const { return model_; }
+  const RuleBook& rules() const { return *rules_; }
+
+  void Save(ByteWriter& out) const;
+  bool Restore(ByteReader& in);
+
+ private:
+  void LearnClass(const StrokeEvidence& stroke);
+  void Test(const StrokeEvidence& stroke, const Deviation& deviation, Judgement& judgement);
+  void Explain(const Eigen::VectorXd& doubt, double oil_temperature);
+  void Follow(const Deviation& deviation, const StrokeEvidence& stroke);
+  void Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt);
+  void Restart(std::int64_t sequence);
+  std::vector<int> ExplainedQuantities() const;
+
+  WatchedModel model_;
+  const RuleBook* rules_;
+  Reference reference_;
+  std::vector<DriftSize> sizes_;
+  std::vector<bool> watched_;
+  std::vector<CumulativeSum> tests_;
+  std::vector<SlowTrend> trends_;
+  std::deque<JudgedStroke> strokes_;     ///< what open findings leave unexplained
+  std::vector<DriftFinding> findings_;
+  Eigen::VectorXd explained_;            ///< SI, sizes of open findings
+  Eigen::VectorXd recent_score_;         ///< of the last strokes, nothing taken out, exponentially forgotten
+  Eigen::MatrixXd recent_information_;
+  Eigen::VectorXd doubt_;                ///< at the last judged stroke
+  Eigen::VectorXd healthy_;              ///< reference values at the last judged stroke
+  std::int64_t found_ = 0;               ///< findings so far
+  std::map<int, std::vector<StrokeEvidence>> new_classes_;
+  OperatingClasses candidates_;
+};
+
+}  // namespace hydroscope::drift

@@ -1,0 +1,144 @@
+#include "diagnosis/drift/drift_monitor.h"
+#include "diagnosis/drift/serial.h"
+
+namespace hydroscope::drift {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x4d524448;  // "HDRM"
+constexpr std::uint32_t kMostMembers = 100;
+
+void PutFinding(ByteWriter& out, const DriftFinding& f) {
+  out.Put(f.number);
+  out.Put(f.state);
+  for (const std::string& text : {f.rule, f.name, f.guidance}) PutText(out, text);
+  out.Put(f.severity);
+  out.Put(f.since);
+  out.Put(f.found);
+  out.Put(f.last);
+  out.Put(f.oil_temperature);
+  out.Put(f.alarm);
+  out.Put(f.quiet);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.parts.size()));
+  for (const FindingPart& part : f.parts) {
+    PutText(out, part.quantity);
+    PutText(out, part.unit);
+    for (const double v : {part.size, part.std, part.reference}) out.Put(v);
+    out.Put(part.alarm);
+  }
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.rivals.size()));
+  for (const std::string& rival : f.rivals) PutText(out, rival);
+}
+
+DriftFinding GetFinding(ByteReader& in) {
+  DriftFinding f;
+  f.number = in.Get<std::int64_t>();
+  f.state = in.Get<FindingState>();
+  for (std::string* text : {&f.rule, &f.name, &f.guidance}) *text = GetText(in);
+  f.severity = in.Get<RuleSeverity>();
+  f.since = in.Get<ChangeTime>();
+  f.found = in.Get<std::int64_t>();
+  f.last = in.Get<std::int64_t>();
+  f.oil_temperature = in.Get<double>();
+  f.alarm = in.Get<bool>();
+  f.quiet = in.Get<int>();
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
+    FindingPart part;
+    part.quantity = GetText(in);
+    part.unit = GetText(in);
+    for (double* v : {&part.size, &part.std, &part.reference}) *v = in.Get<double>();
+    part.alarm = in.Get<bool>();
+    f.parts.push_back(std::move(part));
+  }
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) f.rivals.push_back(GetText(in));
+  return f;
+}
+
+void PutStroke(ByteWriter& out, const StrokeEvidence& s) {
+  out.Put(s.sequence);
+  for (const double v : {s.time, s.oil_temperature, s.speed, s.mean_pressure, s.max_pressure}) out.Put(v);
+  PutVector(out, s.equations.h.reshaped());
+  PutVector(out, s.equations.g);
+  out.Put(s.equations.yy);
+  out.Put(s.equations.equations);
+}
+
+StrokeEvidence GetStroke(ByteReader& in) {
+  StrokeEvidence s;
+  s.sequence = in.Get<std::int64_t>();
+  for (double* v : {&s.time, &s.oil_temperature, &s.speed, &s.mean_pressure, &s.max_pressure}) *v = in.Get<double>();
+  const Eigen::VectorXd packed = GetVector(in);
+  s.equations.g = GetVector(in);
+  const auto n = s.equations.g.size();
+  s.equations.h = packed.size() == n * n ? Eigen::MatrixXd(packed.reshaped(n, n)) : Eigen::MatrixXd(0, 0);
+  s.equations.yy = in.Get<double>();
+  s.equations.equations = in.Get<double>();
+  return s;
+}
+
+}  // namespace
+
+void DriftMonitor::Save(ByteWriter& out) const {
+  out.Put(kMagic);
+  out.Put(kFormat);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(model_.size()));
+  reference_.Save(out);
+  for (const CumulativeSum& test : tests_) out.Put(test);
+  for (const SlowTrend& trend : trends_) trend.Save(out);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(strokes_.size()));
+  for (const JudgedStroke& s : strokes_) {
+    out.Put(s.sequence);
+    PutVector(out, s.score);
+    PutVector(out, s.information.reshaped());
+  }
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(findings_.size()));
+  for (const DriftFinding& f : findings_) PutFinding(out, f);
+  for (const Eigen::VectorXd* v : {&explained_, &recent_score_, &doubt_, &healthy_}) PutVector(out, *v);
+  PutVector(out, recent_information_.reshaped());
+  out.Put(found_);
+  candidates_.Save(out);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(new_classes_.size()));
+  for (const auto& [index, members] : new_classes_) {
+    out.Put(index);
+    out.Put<std::uint32_t>(static_cast<std::uint32_t>(members.size()));
+    for (const StrokeEvidence& s : members) PutStroke(out, s);
+  }
+}
+
+bool DriftMonitor::Restore(ByteReader& in) {
+  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return false;
+  const auto n = static_cast<Eigen::Index>(in.Get<std::uint32_t>());
+  if (n != model_.size()) return false;
+  Reference reference;
+  if (!reference.Restore(in) || static_cast<Eigen::Index>(reference.curves().size()) != n) return false;
+  *this = DriftMonitor(model_, *rules_, std::move(reference));
+  for (CumulativeSum& test : tests_) test = in.Get<CumulativeSum>();
+  for (SlowTrend& trend : trends_)
+    if (!trend.Restore(in)) return false;
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
+    JudgedStroke s;
+    s.sequence = in.Get<std::int64_t>();
+    s.score = GetVector(in);
+    const Eigen::VectorXd packed = GetVector(in);
+    if (s.score.size() != n || packed.size() != n * n) return false;
+    s.information = packed.reshaped(n, n);
+    strokes_.push_back(std::move(s));
+  }
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) findings_.push_back(GetFinding(in));
+  for (Eigen::VectorXd* v : {&explained_, &recent_score_, &doubt_, &healthy_}) {
+    *v = GetVector(in);
+    if (v->size() != n) return false;
+  }
+  const Eigen::VectorXd packed = GetVector(in);
+  if (packed.size() != n * n) return false;
+  recent_information_ = packed.reshaped(n, n);
+  found_ = in.Get<std::int64_t>();
+  if (!candidates_.Restore(in)) return false;
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
+    auto& members = new_classes_[in.Get<int>()];
+    for (auto count = in.Get<std::uint32_t>(); count > 0 && count <= kMostMembers && in.ok(); --count)
+      members.push_back(GetStroke(in));
+  }
+  return in.ok();
+}
+
+}  // namespace hydroscope::drift

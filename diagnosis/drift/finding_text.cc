@@ -1,0 +1,40 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/units.h"
+#include "diagnosis/drift/drift_monitor.h"
+
+namespace hydroscope::drift {
+namespace {
+
+constexpr double kLeakagePressure = 2e7;  ///< Pa, at which leakage is stated: 200 bar
+
+std::string PartText(const FindingPart& part) {
+  if (part.unit == "m3/(s Pa)") {
+    const double factor = 6e4 * kLeakagePressure;
+    return fmt::format("{} {:+.2f} ± {:.2f} l/min at 200 bar", part.quantity, part.size * factor,
+                       1.96 * part.std * factor);
+  }
+  if (part.unit == "1" || std::abs(part.reference) < 1e-300)
+    return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
+  const DisplayUnit unit = DisplayUnitFor(part.unit);
+  return fmt::format("{} {:+.1f} ± {:.1f} % ({:.4g} -> {:.4g} {})", part.quantity, 100 * part.size / part.reference,
+                     196 * part.std / std::abs(part.reference), part.reference * unit.factor + unit.offset,
+                     (part.reference + part.size) * unit.factor + unit.offset, unit.name);
+}
+
+}  // namespace
+
+std::string FindingText(const DriftFinding& finding) {
+  std::string text = fmt::format("since stroke {} (between {} and {}): {}", finding.since.last_before + 1,
+                                 finding.since.low + 1, finding.since.high + 1,
+                                 finding.name.empty() ? "something changed; its cause is not told apart yet" : finding.name);
+  for (std::size_t i = 0; i < finding.parts.size(); ++i)
+    text += (i == 0 ? "; " : ", ") + PartText(finding.parts[i]);
+  for (std::size_t i = 0; i < finding.rivals.size(); ++i)
+    text += (i == 0 ? "; would explain as much: " : ", ") + finding.rivals[i];
+  return text;
+}
+
+}  // namespace hydroscope::drift

@@ -1,0 +1,297 @@
+#include "diagnosis/drift/reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/drift/serial.h"
+
+namespace hydroscope::drift {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x46455248;  // "HREF"
+constexpr double kStepsPerKelvin = 10.0;
+constexpr double kBinWidth = 1.5;      ///< K
+constexpr std::size_t kBinStrokes = 12;
+constexpr int kMostBins = 40;
+constexpr int kCycles = 60;            ///< of fitting one curve after the other (backfitting, Buja et al. 1989)
+constexpr std::size_t kBlock = 10;     ///< strokes, for the correlation of neighbours
+constexpr double kClip = 3.5;          ///< standard deviations, against single bad strokes
+
+/// Strokes of nearly the same oil temperature, summed.
+struct Bin {
+  double temperature = 0;
+  NormalEquations equations;
+  double strokes = 0;
+};
+
+std::vector<Bin> BinByTemperature(std::span<const StrokeEvidence> strokes) {
+  std::vector<const StrokeEvidence*> order;
+  for (const StrokeEvidence& s : strokes) order.push_back(&s);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto* a, const auto* b) { return a->oil_temperature < b->oil_temperature; });
+  const double range = order.back()->oil_temperature - order.front()->oil_temperature;
+  const double width = std::max(kBinWidth, range / kMostBins);
+  std::vector<Bin> bins;
+  double low = 0;
+  for (const StrokeEvidence* s : order) {
+    const bool full = !bins.empty() && bins.back().strokes >= kBinStrokes && s->oil_temperature - low > width;
+    if (bins.empty() || full) {
+      bins.emplace_back();
+      low = s->oil_temperature;
+    }
+    bins.back().equations += s->equations;
+    bins.back().temperature += s->oil_temperature;
+    ++bins.back().strokes;
+  }
+  if (bins.size() > 1 && bins.back().strokes < kBinStrokes) {
+    bins[bins.size() - 2].equations += bins.back().equations;
+    bins[bins.size() - 2].temperature += bins.back().temperature;
+    bins[bins.size() - 2].strokes += bins.back().strokes;
+    bins.pop_back();
+  }
+  for (Bin& bin : bins) bin.temperature /= bin.strokes;
+  return bins;
+}
+
+/// Variance of deviations in units of what their information promises: the larger of single strokes and of blocks of
+/// neighbours, so that correlation between strokes counts; single bad strokes are clipped.
+double Scatter(const std::vector<double>& standardised) {
+  std::vector<double> sizes;
+  for (const double z : standardised) sizes.push_back(std::abs(z));
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
+  const double scale = std::max(sizes[sizes.size() / 2] / 0.6745, 1e-12);
+  double single = 0, blocks = 0, block = 0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < standardised.size(); ++k) {
+    const double z = std::clamp(standardised[k], -kClip * scale, kClip * scale);
+    single += z * z;
+    block += z;
+    if ((k + 1) % kBlock == 0) {
+      blocks += block * block / kBlock;
+      block = 0;
+      ++count;
+    }
+  }
+  single /= static_cast<double>(standardised.size());
+  return count >= 5 ? std::max(single, blocks / static_cast<double>(count)) : single;
+}
+
+}  // namespace
+
+Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes, int version) {
+  if (static_cast<int>(strokes.size()) < kLeastStrokes)
+    return BadInput("commissioning has {} strokes, expected at least {}", strokes.size(), kLeastStrokes);
+  Reference reference;
+  reference.version_ = version;
+  reference.first_ = strokes.front().sequence;
+  reference.last_ = strokes.back().sequence;
+  NormalEquations all;
+  for (const StrokeEvidence& s : strokes) all += s.equations;
+  const Eigen::VectorXd values = model.Solve(all);
+  if (values.size() == 0)
+    return BadInput("strokes {} ... {} do not tell the parameters apart; vary ram speed and pressure", reference.first_,
+                    reference.last_);
+  NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()), all.g.head(model.base_count()), all.yy,
+                       all.equations};
+  reference.theta_ = Eigen::VectorXd::Zero(model.size());
+  reference.theta_.head(model.base_count()) = SolveNormalEquations(base);
+  reference.typical_ = values;
+  reference.LearnCurves(model, strokes);
+  std::vector<std::vector<const StrokeEvidence*>> members;
+  for (const StrokeEvidence& s : strokes) {
+    const int index = reference.classes_.FindOrAdd(s);
+    if (index < 0) continue;
+    members.resize(reference.classes_.count());
+    members[index].push_back(&s);
+  }
+  reference.offsets_.resize(members.size());
+  for (std::size_t c = 0; c < members.size(); ++c) {
+    reference.class_strokes_.push_back(static_cast<int>(members[c].size()));
+    if (static_cast<int>(members[c].size()) >= kLeastClassStrokes)
+      reference.LearnClass(model, members[c], static_cast<int>(c));
+  }
+  return reference;
+}
+
+/// One curve after the other is fitted to what the bins leave to it (backfitting), until they fit together.
+void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
+  const std::vector<Bin> bins = BinByTemperature(strokes);
+  for (int q = 0; q < model.size(); ++q) curves_.push_back(TemperatureModel::Known(typical_[q]));
+  NormalEquations all;
+  for (const Bin& bin : bins) all += bin.equations;
+  const double variance = std::max(MeanSquaredError(all, theta_), 1e-300);
+  std::vector<Eigen::VectorXd> theta(bins.size(), theta_);
+  const auto expected = [&](const Bin& bin) {
+    Eigen::VectorXd values(model.size());
+    for (int q = 0; q < model.size(); ++q) values[q] = curves_[q].At(bin.temperature).value;
+    return values;
+  };
+  for (int cycle = 0; cycle < kCycles; ++cycle)
+    for (int q = 0; q < model.size(); ++q) {
+      if (model.quantities()[q].effect) continue;
+      std::vector<TemperaturePoint> points;
+      for (std::size_t b = 0; b < bins.size(); ++b) {
+        const Eigen::VectorXd values = expected(bins[b]);
+        const Eigen::VectorXd solved = model.Theta(values, theta[b]);
+        if (solved.size() == 0) continue;
+        theta[b] = solved;
+        const Score score = model.Deviation(bins[b].equations, theta[b]);
+        const double information = score.information(q, q);
+        if (!(information > 0)) continue;
+        points.push_back({bins[b].temperature, values[q] + score.score[q] / information, std::sqrt(variance / information)});
+      }
+      if (auto curve = TemperatureModel::Fit(points, model.quantities()[q].family)) curves_[q] = *curve;
+    }
+}
+
+const Reference::Expected& Reference::At(const WatchedModel& model, double temperature) const {
+  const bool measured = std::isfinite(temperature);
+  const int step = measured ? static_cast<int>(std::lround(temperature * kStepsPerKelvin)) : -1;
+  const auto known = expected_.find(step);
+  if (known != expected_.end()) return known->second;
+  const double at = measured ? step / kStepsPerKelvin : temperature;
+  Expected e{Eigen::VectorXd(model.size()), Eigen::VectorXd(model.size()), {}, {}, false};
+  for (int q = 0; q < model.size(); ++q) {
+    const TemperatureModel::Prediction p = curves_[q].At(at);
+    e.values[q] = p.value;
+    e.stds[q] = p.std;
+    e.outside = e.outside || p.outside;
+  }
+  e.theta = model.Theta(e.values, theta_);
+  if (e.theta.size() == 0) e.theta = theta_;
+  e.jacobian = model.Jacobian(e.theta);
+  return expected_.emplace(step, std::move(e)).first->second;
+}
+
+Score Reference::ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const {
+  const Expected& e = At(model, stroke.oil_temperature);
+  return {e.jacobian.transpose() * (stroke.equations.g - stroke.equations.h * e.theta),
+          e.jacobian.transpose() * stroke.equations.h * e.jacobian};
+}
+
+void Reference::LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index) {
+  std::vector<Score> scores;
+  for (const StrokeEvidence* s : strokes) scores.push_back(ScoreOf(model, *s));
+  std::vector<ClassOffset> offsets(model.size());
+  for (int q = 0; q < model.size(); ++q) {
+    double information = 0;
+    std::vector<std::pair<double, double>> single;  // deviation, information
+    for (const Score& s : scores)
+      if (s.information(q, q) > 0) {
+        single.emplace_back(s.score[q] / s.information(q, q), s.information(q, q));
+        information += s.information(q, q);
+      }
+    if (single.empty()) {
+      offsets[q].std = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    // Weighted median: where half of the information lies on either side.
+    std::sort(single.begin(), single.end());
+    double passed = 0;
+    for (const auto& [value, weight] : single)
+      if ((passed += weight) >= information / 2) {
+        offsets[q].offset = value;
+        break;
+      }
+    std::vector<double> standardised;
+    for (const Score& s : scores)
+      if (s.information(q, q) > 0)
+        standardised.push_back((s.score[q] - s.information(q, q) * offsets[q].offset) / std::sqrt(s.information(q, q)));
+    offsets[q].scatter = std::max(Scatter(standardised), 1e-300);
+    offsets[q].std = 1.2533 * std::sqrt(offsets[q].scatter / information);  // of a median
+  }
+  if (static_cast<std::size_t>(index) >= offsets_.size()) offsets_.resize(index + 1);
+  offsets_[index] = std::move(offsets);
+}
+
+void Reference::AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
+  if (strokes.empty()) return;
+  const int index = classes_.FindOrAdd(strokes.front());
+  if (index < 0) return;
+  std::vector<const StrokeEvidence*> members;
+  for (const StrokeEvidence& s : strokes) members.push_back(&s);
+  class_strokes_.resize(classes_.count(), 0);
+  offsets_.resize(classes_.count());
+  class_strokes_[index] = static_cast<int>(strokes.size());
+  LearnClass(model, members, index);
+}
+
+Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stroke) const {
+  Deviation d;
+  const int index = classes_.Find(stroke);
+  if (!ClassLearned(index)) return d;
+  d.operating_class = index;
+  const Expected& e = At(model, stroke.oil_temperature);
+  const Score score = ScoreOf(model, stroke);
+  const int n = model.size();
+  d.outside = e.outside;
+  d.reference = e.values;
+  d.value.resize(n);
+  d.std.resize(n);
+  d.doubt.resize(n);
+  Eigen::VectorXd scatter(n);
+  Eigen::VectorXd own = score.score;
+  for (int q = 0; q < n; ++q) {
+    const ClassOffset& o = offsets_[index][q];
+    const double information = score.information(q, q);
+    own[q] -= information * o.offset;
+    d.value[q] = information > 0 ? own[q] / information : 0;
+    d.std[q] = information > 0 ? std::sqrt(o.scatter / information) : std::numeric_limits<double>::infinity();
+    d.doubt[q] = std::hypot(e.stds[q], o.std);
+    scatter[q] = o.scatter;
+  }
+  // One noise level for all, so that explanations by different quantities compare.
+  std::nth_element(scatter.begin(), scatter.begin() + n / 2, scatter.end());
+  d.score = own / scatter[n / 2];
+  d.information = score.information / scatter[n / 2];
+  return d;
+}
+
+StrokeEvidence Reference::Without(const WatchedModel& model, const StrokeEvidence& stroke,
+                                  const Eigen::VectorXd& sizes) const {
+  StrokeEvidence without = stroke;
+  without.equations.g -= stroke.equations.h * (At(model, stroke.oil_temperature).jacobian * sizes);
+  return without;
+}
+
+void Reference::Save(ByteWriter& out) const {
+  out.Put(kMagic);
+  out.Put(kFormat);
+  out.Put<std::int32_t>(version_);
+  out.Put(first_);
+  out.Put(last_);
+  PutVector(out, theta_);
+  PutVector(out, typical_);
+  for (const TemperatureModel& curve : curves_) curve.Save(out);
+  classes_.Save(out);
+  for (std::size_t c = 0; c < offsets_.size(); ++c) {
+    out.Put<std::int32_t>(class_strokes_[c]);
+    out.Put<std::uint8_t>(!offsets_[c].empty());
+    for (const ClassOffset& o : offsets_[c]) out.Put(o);
+  }
+}
+
+bool Reference::Restore(ByteReader& in) {
+  *this = Reference();
+  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return false;
+  version_ = in.Get<std::int32_t>();
+  first_ = in.Get<std::int64_t>();
+  last_ = in.Get<std::int64_t>();
+  theta_ = GetVector(in);
+  typical_ = GetVector(in);
+  if (!in.ok() || theta_.size() == 0 || theta_.size() != typical_.size()) return false;
+  curves_.resize(theta_.size());
+  for (TemperatureModel& curve : curves_)
+    if (!curve.Restore(in)) return false;
+  if (!classes_.Restore(in)) return false;
+  offsets_.resize(classes_.count());
+  for (auto& offsets : offsets_) {
+    class_strokes_.push_back(in.Get<std::int32_t>());
+    offsets.resize(in.Get<std::uint8_t>() != 0 ? theta_.size() : 0);
+    for (ClassOffset& o : offsets) o = in.Get<ClassOffset>();
+  }
+  return in.ok();
+}
+
+}  // namespace hydroscope::drift

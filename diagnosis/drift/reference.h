@@ -1,0 +1,89 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "diagnosis/drift/operating_class.h"
+#include "diagnosis/drift/temperature_model.h"
+#include "diagnosis/drift/watched_model.h"
+
+namespace hydroscope::drift {
+
+/// What an operating class adds to the reference of one quantity. A model that misses something small answers each kind of
+/// stroke with its own small offset.
+struct ClassOffset {
+  double offset = 0;   ///< SI
+  double std = 0;      ///< SI, of the offset
+  double scatter = 1;  ///< variance of a stroke's deviation over what its information promises, neighbours' correlation included
+};
+
+/// A stroke's deviation from the reference, ready for the tests.
+struct Deviation {
+  int operating_class = -1;
+  Eigen::VectorXd value;      ///< SI, each quantity alone, offset of the class taken out
+  Eigen::VectorXd std;        ///< SI, sampling
+  Eigen::VectorXd reference;  ///< SI, expected value at this oil temperature
+  Eigen::VectorXd doubt;      ///< SI, std of the reference itself (the same for all strokes at this temperature)
+  Eigen::VectorXd score;      ///< offsets taken out, divided by the class's scatter
+  Eigen::MatrixXd information;
+  bool outside = false;  ///< oil temperature outside the range learned
+};
+
+/// The healthy machine as learned in commissioning and frozen: parameters over oil temperature and operating classes. Never
+/// changed afterwards; learning again gives a new version.
+class Reference {
+ public:
+  static constexpr std::uint32_t kFormat = 1;
+  static constexpr int kLeastStrokes = 100;       ///< of commissioning
+  static constexpr int kLeastClassStrokes = 30;   ///< before strokes of a class are judged
+
+  /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell the parameters.
+  static Result<Reference> Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes, int version);
+  /// Adds a class that commissioning did not see from strokes of it, its offsets relative to the frozen curves.
+  void AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
+
+  /// Deviation of a stroke; operating_class is -1 and the rest empty if its class was not learned.
+  Deviation Judge(const WatchedModel& model, const StrokeEvidence& stroke) const;
+
+  /// The stroke as it would have been without deviations of these sizes.
+  StrokeEvidence Without(const WatchedModel& model, const StrokeEvidence& stroke, const Eigen::VectorXd& sizes) const;
+
+  int version() const { return version_; }
+  std::int64_t first_sequence() const { return first_; }
+  std::int64_t last_sequence() const { return last_; }
+  const std::vector<TemperatureModel>& curves() const { return curves_; }
+  const OperatingClasses& classes() const { return classes_; }
+  /// Strokes of commissioning in class `index`.
+  int class_strokes(int index) const { return class_strokes_[index]; }
+  bool ClassLearned(int index) const { return index >= 0 && !offsets_[index].empty(); }
+  /// Typical value of a quantity, to make relative sizes absolute.
+  double typical(int quantity) const { return typical_[quantity]; }
+
+  void Save(ByteWriter& out) const;
+  bool Restore(ByteReader& in);
+
+ private:
+  struct Expected {
+    Eigen::VectorXd values, stds, theta;
+    Eigen::MatrixXd jacobian;
+    bool outside = false;
+  };
+  const Expected& At(const WatchedModel& model, double temperature) const;
+  void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
+  void LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index);
+  Score ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const;
+
+  int version_ = 0;
+  std::int64_t first_ = 0, last_ = 0;
+  Eigen::VectorXd theta_, typical_;
+  std::vector<TemperatureModel> curves_;  ///< per quantity
+  OperatingClasses classes_;
+  std::vector<int> class_strokes_;
+  std::vector<std::vector<ClassOffset>> offsets_;  ///< per class, per quantity; empty = not learned
+  mutable std::map<int, Expected> expected_;       ///< by oil temperature in steps of 0.1 K
+};
+
+}  // namespace hydroscope::drift

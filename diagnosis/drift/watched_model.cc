@@ -1,0 +1,90 @@
+#include "diagnosis/drift/watched_model.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "models/effect.h"
+
+namespace hydroscope::drift {
+
+Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> model,
+                                          const std::vector<std::string>& effects) {
+  WatchedModel watched;
+  watched.model_ = model;
+  watched.columns_.resize(model->base_count);
+  std::iota(watched.columns_.begin(), watched.columns_.end(), 0);
+  const auto derived = model->derive(Eigen::VectorXd::Ones(model->base_count));
+  if (static_cast<int>(derived.size()) != model->base_count)
+    return BadInput("model {} has {} parameters of {} regressors; drift can only be watched if they are as many", model->name,
+                    derived.size(), model->base_count);
+  for (const DerivedParameter& p : derived)
+    watched.quantities_.push_back({p.name, p.unit, p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false});
+  for (std::size_t e = 0; e < model->effects.size(); ++e) {
+    const Effect& effect = *model->effects[e];
+    if (std::find(effects.begin(), effects.end(), effect.id) == effects.end()) continue;
+    const EffectShape& shape = model->effect_shapes[e].front();
+    if (shape.columns.size() != 1 || !effect.nonlinear.empty()) continue;
+    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true});
+    watched.columns_.push_back(shape.columns.front());
+  }
+  return watched;
+}
+
+StrokeEvidence WatchedModel::Evidence(const StrokeRecord& record, std::int64_t sequence) const {
+  const StrokeSummary& s = record.summary;
+  return {sequence,        s.end,
+          s.oil_temperature, s.mean_speed,
+          s.mean_pressure, s.max_pressure,
+          IntegralEquations(record.gram, columns_, model_->output_column())};
+}
+
+Eigen::VectorXd WatchedModel::SolveBase(const NormalEquations& equations) const {
+  const int n = base_count();
+  return SolveNormalEquations({equations.h.topLeftCorner(n, n), equations.g.head(n), equations.yy, equations.equations});
+}
+
+Eigen::VectorXd WatchedModel::Solve(const NormalEquations& equations) const {
+  Eigen::VectorXd theta = Eigen::VectorXd::Zero(size());
+  const Eigen::VectorXd base = SolveBase(equations);
+  if (base.size() == 0) return {};
+  theta.head(base_count()) = base;
+  return Values(theta);
+}
+
+Eigen::VectorXd WatchedModel::Values(const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd values = theta;
+  const auto derived = model_->derive(theta.head(base_count()));
+  for (std::size_t i = 0; i < derived.size(); ++i) values[i] = derived[i].value;
+  return values;
+}
+
+Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
+  const int n = base_count();
+  Eigen::MatrixXd gradients(n, n);
+  const auto derived = model_->derive(theta.head(n));
+  for (int i = 0; i < n; ++i) gradients.row(i) = derived[i].gradient.transpose();
+  // Rows and columns differ by many orders of magnitude: full pivoting.
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(size(), size());
+  jacobian.topLeftCorner(n, n) = gradients.fullPivLu().inverse();
+  return jacobian;
+}
+
+Eigen::VectorXd WatchedModel::Theta(const Eigen::VectorXd& quantities, const Eigen::VectorXd& start) const {
+  Eigen::VectorXd theta = start;
+  constexpr int kSteps = 12;
+  for (int step = 0; step < kSteps; ++step) {
+    const Eigen::VectorXd missing = quantities - Values(theta);
+    theta += Jacobian(theta) * missing;
+    if (!theta.allFinite()) return {};
+    if ((missing.array().abs() <= 1e-12 * quantities.array().abs().max(1e-12)).all()) return theta;
+  }
+  return {};
+}
+
+Score WatchedModel::Deviation(const NormalEquations& equations, const Eigen::VectorXd& theta) const {
+  const Eigen::MatrixXd jacobian = Jacobian(theta);
+  return {jacobian.transpose() * (equations.g - equations.h * theta),
+          jacobian.transpose() * equations.h * jacobian};
+}
+
+}  // namespace hydroscope::drift

@@ -1,0 +1,277 @@
+#include "service/benchmarks/drift_benchmark.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <optional>
+
+#include "diagnosis/drift/drift_monitor.h"
+#include "diagnosis/drift/valve_check_monitor.h"
+#include "service/benchmarks/drift_press.h"
+#include "service/output.h"
+#include "simulator/valve_sweep.h"
+
+namespace hydroscope {
+namespace {
+
+using drift::DriftFinding;
+using drift::DriftMonitor;
+using drift::FindingState;
+
+constexpr std::int64_t kDay = StrokePress::kStrokesPerDay;
+constexpr int kDaysPerYear = 365;
+constexpr int kFollowed = 300;  ///< strokes after a fault
+constexpr double kOneLitre = 1 / 6e4 / 2e7;  ///< m^3/(s Pa): 1 l/min at 200 bar
+
+/// Learns a reference from the press's first day; the press stands at the beginning of its second.
+Result<DriftMonitor> Commission(StrokePress& press) {
+  std::vector<drift::StrokeEvidence> strokes;
+  for (std::int64_t k = 0; k < kDay; ++k) {
+    const double oil = press.OilTemperature(k);
+    strokes.push_back(press.Next(oil, press.Product(), {}));
+  }
+  const double coldest = drift::DefaultRules().minimum_temperature;
+  std::erase_if(strokes, [&](const auto& s) { return s.oil_temperature < coldest; });
+  auto reference = drift::Reference::Learn(press.model(), strokes, 1);
+  if (!reference) return tl::unexpected(reference.error());
+  return DriftMonitor(press.model(), drift::DefaultRules(), std::move(*reference));
+}
+
+struct Found {
+  std::optional<DriftFinding> first;  ///< named or undecided
+  std::int64_t suspected = -1;        ///< stroke at which the test said so
+  int findings = 0;
+};
+
+void Note(const DriftMonitor& monitor, std::int64_t sequence, Found& found) {
+  for (const DriftFinding& f : monitor.findings()) {
+    if (f.found == sequence && f.state == FindingState::kSuspected && found.suspected < 0) found.suspected = sequence;
+    const bool told = f.state == FindingState::kNamed || f.state == FindingState::kUndecided;
+    if (!told || (found.first && found.first->number == f.number)) continue;
+    if (f.last != sequence) continue;
+    bool now = true;
+    if (found.first && f.number <= found.first->number) now = false;
+    if (!now) continue;
+    if (found.suspected < 0) found.suspected = f.found;
+    if (!found.first) {
+      found.first = f;
+      found.first->last = sequence;
+    }
+    ++found.findings;
+  }
+}
+
+// --- Healthy ---------------------------------------------------------------------------------------------------------
+
+bool Healthy(StrokePress& press, const DriftBenchmarkOptions& o) {
+  const int axes = std::max(1, static_cast<int>(std::ceil(o.axis_years)));
+  const auto strokes = static_cast<std::int64_t>(o.axis_years / axes * kDaysPerYear * kDay);
+  int suspected = 0, told = 0, trends = 0;
+  ProgressBar progress("healthy", "strokes");
+  for (int axis = 0; axis < axes; ++axis) {
+    press.Start(StreamSeed(o.seed, "healthy") + axis);
+    auto monitor = Commission(press);
+    if (!monitor) return ReportError(monitor.error()), false;
+    std::int64_t last = 0;
+    bool trend = false;
+    for (std::int64_t k = kDay; k < kDay + strokes; ++k) {
+      const double oil = press.OilTemperature(k);
+      monitor->Add(press.Next(oil, press.Product(), {}));
+      for (const DriftFinding& f : monitor->findings()) {
+        if (f.number > last) {
+          ++suspected;
+          last = f.number;
+        }
+        if ((f.state == FindingState::kNamed || f.state == FindingState::kUndecided) && f.quiet == 0 && f.last == k &&
+            f.found + DriftMonitor::kMostToExplain >= k && f.number != -told) {
+          // told once per number below
+        }
+      }
+      static std::int64_t told_number = 0;
+      if (k == kDay) told_number = 0;
+      for (const DriftFinding& f : monitor->findings())
+        if (f.number > told_number && (f.state == FindingState::kNamed || f.state == FindingState::kUndecided)) {
+          told_number = f.number;
+          ++told;
+          std::cout << fmt::format("  axis {} day {} oil {:.1f} degC: {}\n", axis + 1, k / kDay, f.oil_temperature - 273.15,
+                                   drift::FindingText(f));
+        }
+      if (k % kDay == 0) {
+        const bool now = !monitor->SlowDrifts().empty();
+        trends += now && !trend;
+        if (now && !trend) {
+          const auto d = monitor->SlowDrifts().front();
+          std::cout << fmt::format("  axis {} day {}: slow drift of {}: {:.3g} per stroke\n", axis + 1, k / kDay, d.quantity, d.figures.slope);
+        }
+        trend = now;
+        progress.Update((axis + static_cast<double>(k - kDay) / static_cast<double>(strokes)) / axes, k);
+      }
+    }
+  }
+  const double rate = told / o.axis_years;
+  std::cout << fmt::format(
+      "healthy, {:.3g} axis-years, {} strokes: {} suspicions, {} false alarms = {:.2f} per axis-year (required: at most 1), "
+      "{} false slow drifts\n",
+      o.axis_years, strokes * axes, suspected, told, rate, trends);
+  return rate <= 1.0;
+}
+
+// --- Faults ----------------------------------------------------------------------------------------------------------
+
+struct FaultKind {
+  const char* name;
+  PressFault fault;
+  const char* rule;
+  int limit;       ///< strokes, median
+  double warm_up;  ///< K over 100 strokes from the fault on
+};
+const std::array<FaultKind, 7> kFaults = {{
+    {"K' -10 %", {-0.10, 0, 0, 0}, "entrained_air", 30, 0},
+    {"leakage 1 l/min at 200 bar", {0, 0, 0, kOneLitre}, "internal_leakage", 50, 0},
+    {"Q_vn -3 %", {0, -0.03, 0, 0}, "clogged_valve", 50, 0},
+    {"Q_vn +3 %", {0, 0.03, 0, 0}, "worn_metering_edge", 50, 0},
+    {"y_0 +0.4 %", {0, 0, 0.004, 0}, "null_shift", 50, 0},
+    {"K' -10 % under +20 K", {-0.10, 0, 0, 0}, "entrained_air", 30, 20},
+    {"Q_vn -3 % under +20 K", {0, -0.03, 0, 0}, "clogged_valve", 50, 20},
+}};
+
+struct FaultTally {
+  int cases = 0, found = 0, right = 0, wrong = 0, undecided = 0, near = 0, before = 0;
+  std::vector<double> suspected, named, change;
+};
+
+double Median(std::vector<double> v) {
+  if (v.empty()) return std::numeric_limits<double>::infinity();
+  std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+Found RunFault(StrokePress press, DriftMonitor monitor, std::int64_t from, double oil, const FaultKind* kind, double warm_up) {
+  Found found;
+  for (std::int64_t k = 0; k < kFollowed; ++k) {
+    const double at = oil + warm_up * std::min(1.0, static_cast<double>(k) / 100.0);
+    monitor.Add(press.Next(at, press.Product(), kind != nullptr ? kind->fault : PressFault{}));
+    Note(monitor, from + k, found);
+  }
+  return found;
+}
+
+bool Faults(StrokePress& press, const DriftBenchmarkOptions& o) {
+  std::array<FaultTally, kFaults.size()> tallies;
+  int warm_ups = 0, warm_alarms = 0;
+  ProgressBar progress("faults", "cases");
+  for (int c = 0; c < o.faults; ++c) {
+    press.Start(StreamSeed(o.seed, "faults") + c);
+    auto monitor = Commission(press);
+    if (!monitor) return ReportError(monitor.error()), false;
+    const auto begin = kDay + static_cast<std::int64_t>(press.random().Uniform(50, kDay));
+    double oil = 0;
+    bool before = false;
+    for (std::int64_t k = kDay; k < begin; ++k) {
+      oil = press.OilTemperature(k);
+      monitor->Add(press.Next(oil, press.Product(), {}));
+      before = before || !monitor->findings().empty();
+    }
+    for (std::size_t f = 0; f < kFaults.size(); ++f) {
+      const FaultKind& kind = kFaults[f];
+      FaultTally& tally = tallies[f];
+      const double start = kind.warm_up > 0 ? std::min(oil, 313.15) : oil;
+      const Found found = RunFault(press, *monitor, begin, start, &kind, kind.warm_up);
+      ++tally.cases;
+      tally.before += before;
+      if (!found.first) {
+        tally.suspected.push_back(found.suspected >= 0 ? static_cast<double>(found.suspected - begin + 1)
+                                                       : std::numeric_limits<double>::infinity());
+        tally.named.push_back(std::numeric_limits<double>::infinity());
+        continue;
+      }
+      ++tally.found;
+      tally.suspected.push_back(static_cast<double>(found.first->found - begin + 1));
+      tally.named.push_back(static_cast<double>(found.first->last - begin + 1));
+      const double off = static_cast<double>(found.first->since.last_before + 1 - begin);
+      tally.near += std::abs(off) <= 10;
+      if (found.first->state == FindingState::kUndecided)
+        ++tally.undecided;
+      else if (found.first->rule == kind.rule)
+        ++tally.right;
+      else
+        ++tally.wrong;
+    }
+    const Found warm = RunFault(press, *monitor, begin, std::min(oil, 313.15), nullptr, 20);
+    ++warm_ups;
+    warm_alarms += warm.first.has_value();
+    progress.Update((c + 1.0) / o.faults, c + 1);
+  }
+  std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases", "found",
+                           "suspected", "named", "change ±10", "right", "wrong", "undecided");
+  bool reached = true;
+  for (std::size_t f = 0; f < kFaults.size(); ++f) {
+    const FaultTally& t = tallies[f];
+    const double n = t.cases;
+    std::cout << fmt::format("{:<28} {:>6} {:>5.1f} % {:>10} {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
+                             kFaults[f].name, t.cases, 100 * t.found / n, Median(t.suspected), Median(t.named),
+                             100 * t.near / n, 100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
+    reached = reached && Median(t.named) <= kFaults[f].limit && t.right >= 0.95 * n && t.wrong <= 0.01 * n &&
+              t.near >= 0.95 * n;
+  }
+  std::cout << fmt::format("suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
+                           warm_alarms, warm_ups);
+  return reached && warm_alarms == 0;
+}
+
+// --- Valve checks ----------------------------------------------------------------------------------------------------
+
+std::optional<ValveCheck> Check(double f0, double oil, std::uint64_t seed) {
+  ValveSweepOptions options;
+  options.f0 = f0;
+  options.seed = seed;
+  ValveSweepLog log = SimulateValveSweep(options);
+  for (double& u : log.U_v) u /= 10;
+  FrequencyRecord record;
+  record.sample_period = 1 / options.sample_rate;
+  record.runs.push_back({log.t.front(), std::move(log.U_v), std::move(log.y_v)});
+  const auto response = MeasureFrequencyResponse(record);
+  if (!response) return std::nullopt;
+  return MakeValveCheck(*response, 0, std::numeric_limits<double>::quiet_NaN(), oil);
+}
+
+bool ValveChecks(const DriftBenchmarkOptions& o) {
+  const int valves = std::clamp(o.faults / 4, 3, 50);
+  constexpr int kHealthyChecks = 10;
+  int checks = 0, false_alarms = 0, found = 0, right = 0;
+  for (int v = 0; v < valves; ++v) {
+    drift::ValveCheckMonitor monitor(drift::DefaultRules());
+    RandomStream random(StreamSeed(o.seed, "valve") + v);
+    const auto check = [&](double factor) {
+      const double oil = 293.15 + random.Uniform(5, 45);
+      const auto c = Check(184 * factor * (1 + 5e-4 * (oil - 313.15)), oil, StreamSeed(o.seed, "sweep") + 1000 * v + checks);
+      ++checks;
+      return c ? monitor.Add(*c, checks) : DriftFinding{};
+    };
+    for (int k = 0; k < kHealthyChecks; ++k) false_alarms += !check(1.0).parts.empty();
+    const DriftFinding finding = check(0.9);
+    found += !finding.parts.empty();
+    right += finding.rule == "slow_pilot_stage";
+  }
+  std::cout << fmt::format(
+      "valve checks: f0 -10 % found at the next check in {} of {} valves, {} named right; {} false alarms in {} healthy checks\n",
+      found, valves, right, false_alarms, valves * (kHealthyChecks - drift::ValveCheckMonitor::kCommissioning));
+  return found == valves && right >= 0.95 * valves && false_alarms == 0;
+}
+
+}  // namespace
+
+int RunDriftBenchmark(const DriftBenchmarkOptions& o) {
+  auto press = StrokePress::Create(150, StreamSeed(o.seed, "press"));
+  if (!press) return ReportError(press.error());
+  bool reached = Faults(*press, o);
+  reached = ValveChecks(o) && reached;
+  reached = Healthy(*press, o) && reached;
+  std::cout << (reached ? "\nreached what was required\n" : "\nNOT reached what was required\n");
+  return reached ? 0 : 1;
+}
+
+}  // namespace hydroscope
