@@ -22,7 +22,9 @@ const char* FlagWhy(const std::string& flag) {
       {"clock_jump", "the clock stepped"},
       {"duplicate", "the same time stamp again"},
       {"late", "arrived too late"},
-      {"offset_drift", "the zero of the channel wandered off"}};
+      {"offset_drift", "the zero of the channel wandered off"},
+      {"stale", "the last reading is too old"},
+      {"future", "beyond what the sender's clock allows"}};
   const auto why = kWhy.find(flag);
   return why == kWhy.end() ? "" : why->second;
 }

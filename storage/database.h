@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "core/sample_block.h"
 #include "core/stroke_record.h"
 
 namespace hydroscope {
@@ -46,6 +47,51 @@ struct RawWindow {
   std::vector<std::string> signals;
   std::vector<double> time;                 ///< s
   std::vector<std::vector<double>> values;  ///< [signal][row], SI
+  std::vector<std::vector<Quality>> flags;  ///< same shape
+};
+
+/// What one transaction of the live service stores of a run.
+struct LiveBatch {
+  SampleBlock raw;                           ///< rows in the order the pipeline took them; perhaps none
+  std::vector<StrokeRecord> strokes;         ///< completed within these rows
+  std::vector<std::uint8_t> pipeline_state;  ///< behind the last stroke; empty: as stored before
+  std::vector<std::uint8_t> sender_marks;    ///< newest rows of the senders taken; empty: as stored before
+  std::int64_t rows_taken = 0;               ///< rows of the run the pipeline has taken, with these
+};
+
+/// How much raw data is kept of a machine.
+struct RawLimits {
+  std::int64_t max_bytes = std::int64_t{1} << 30;
+  double max_age = 7 * 86400.0;  ///< s before the newest row
+};
+
+/// Where the newest run of a machine stands.
+struct LiveProgress {
+  RunInfo run;
+  std::vector<std::uint8_t> pipeline_state;  ///< behind its last stroke; empty: it has none yet
+  std::vector<std::uint8_t> sender_marks;
+  std::int64_t rows_taken = 0;
+};
+
+/// The part of a run that the raw window holds.
+struct RawExtent {
+  std::int64_t run = 0, rows = 0, bytes = 0, chunks = 0;
+  double first = 0, last = 0;   ///< s
+  std::int64_t rows_taken = 0;  ///< rows the pipeline took of the run; more than `rows`: not all are kept
+};
+
+/// A valve check as the trend database keeps it; NaN where nothing was measured.
+struct ValveCheckRecord {
+  double begin = 0;                         ///< s
+  std::string outcome;                      ///< "measured", "refused", "broken", "no_answer", "unusable"
+  std::string detail;                       ///< one sentence for people
+  double f0 = 0, f0_std = 0;                ///< Hz
+  double damping = 0, damping_std = 0;      ///< 1
+  double gain = 0, gain_std = 0;            ///< spool position per share of full command
+  double dead_time = 0, dead_time_std = 0;  ///< s
+  double bandwidth = 0, bandwidth_std = 0;  ///< Hz
+  double amplitude = 0;                     ///< share of full command
+  double supply_pressure = 0, oil_temperature = 0;  ///< Pa, K
 };
 
 /// The trend database, docs/database.md. WAL, synchronous=NORMAL, one transaction per batch.
@@ -121,6 +167,22 @@ class Database {
                   const std::vector<std::vector<double>>& values, std::int64_t max_bytes);
   /// Rows of the raw window with from <= time < to; empty if none is kept.
   Result<RawWindow> LoadRaw(std::int64_t run, double from, double to) const;
+
+  /// One step of the live service, in one transaction: all of it is stored or nothing. Strokes as by
+  /// StoreStrokes, raw rows as by StoreRaw with their flags.
+  Status StoreLive(std::int64_t run, const std::vector<std::string>& signals, const LiveBatch& batch,
+                   const RawLimits& limits);
+  /// The machine's newest run; nullopt if it has none.
+  Result<std::optional<LiveProgress>> NewestRun(std::int64_t machine) const;
+  /// Runs of the machine of which raw rows are kept, in order.
+  Result<std::vector<RawExtent>> RawExtents(std::int64_t machine) const;
+  /// The run holds exactly these strokes, to the last bit of everything stored; an error names the first that
+  /// differs. More strokes at the end of `strokes` than stored are no difference.
+  Status CompareStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) const;
+
+  Status AddValveCheck(std::int64_t machine, const ValveCheckRecord& check);
+  /// In order of adding.
+  Result<std::vector<ValveCheckRecord>> ValveChecks(std::int64_t machine) const;
 
   /// FNV-1a hash (16 hex digits) over every value of every table in order of keys: equal content, equal
   /// digest.

@@ -10,7 +10,7 @@ namespace hydroscope {
 namespace {
 
 /// Every table in order of its key.
-constexpr std::array<const char*, 11> kTables = {
+constexpr std::array<const char*, 12> kTables = {
     "SELECT * FROM machine ORDER BY id",
     "SELECT * FROM model_version ORDER BY machine, version",
     "SELECT * FROM model_column ORDER BY machine, version, position",
@@ -22,6 +22,7 @@ constexpr std::array<const char*, 11> kTables = {
     "SELECT * FROM gram ORDER BY run, stroke",
     "SELECT * FROM gram_rollup ORDER BY machine, strokes, first_sequence",
     "SELECT * FROM raw_chunk ORDER BY id",
+    "SELECT * FROM valve_check ORDER BY machine, number",
 };
 
 void AddValue(Fnv1a& hash, const SQLite::Column& value) {

@@ -5,6 +5,7 @@
 #include "storage/connection.h"
 #include "storage/database.h"
 #include "storage/raw_codec.h"
+#include "storage/store_steps.h"
 
 namespace hydroscope {
 namespace {
@@ -62,20 +63,21 @@ std::int64_t RawBytes(Connection& connection, std::int64_t machine) {
   return query.Int(0);
 }
 
-/// The machine's oldest chunks go until what is left fits.
-void DropOldest(Connection& connection, std::int64_t machine, std::int64_t max_bytes) {
+/// The machine's oldest chunks go until what is left is small and young enough.
+void DropOldest(Connection& connection, std::int64_t machine, const RawLimits& limits, double newest) {
   std::int64_t bytes = RawBytes(connection, machine);
-  while (bytes > max_bytes) {
+  for (;;) {
     std::int64_t id = 0, size = 0;
     {
       Query oldest(
           connection,
-          "SELECT c.id, length(c.samples) FROM raw_chunk c JOIN run r ON r.id = c.run WHERE r.machine = ? "
-          "ORDER BY c.id LIMIT 1",
+          "SELECT c.id, length(c.samples) + coalesce(length(c.flags), 0), c.last_s FROM raw_chunk c JOIN run "
+          "r ON r.id = c.run WHERE r.machine = ? ORDER BY c.id LIMIT 1",
           machine);
       if (!oldest.Step()) return;
       id = oldest.Int(0);
       size = oldest.Int(1);
+      if (bytes <= limits.max_bytes && !(oldest.Real(2) < newest - limits.max_age)) return;
     }
     Query(connection, "DELETE FROM raw_chunk WHERE id = ?", id).Run();
     AddRawBytes(connection, machine, -size);
@@ -83,34 +85,58 @@ void DropOldest(Connection& connection, std::int64_t machine, std::int64_t max_b
   }
 }
 
+/// Flags of rows [from, from + rows) as a blob; empty if all are good.
+std::vector<std::uint8_t> PackFlags(const std::vector<std::vector<Quality>>& flags, std::size_t from,
+                                    std::size_t rows) {
+  std::vector<std::span<const Quality>> columns;
+  bool any = false;
+  for (const auto& column : flags) {
+    columns.push_back(std::span(column).subspan(from, rows));
+    any = any || std::any_of(columns.back().begin(), columns.back().end(), [](Quality q) { return q != 0; });
+  }
+  return any ? PackColumns(columns) : std::vector<std::uint8_t>();
+}
+
 }  // namespace
+
+Status AppendRaw(Connection& connection, const RunRow& run, const std::vector<std::string>& signals,
+                 const std::vector<double>& time, const std::vector<std::vector<double>>& values,
+                 const std::vector<std::vector<Quality>>& flags, const RawLimits& limits) {
+  if (const Status valid = CheckRaw(signals, time, values); !valid) return valid;
+  const auto first_new = static_cast<std::size_t>(
+      std::upper_bound(time.begin(), time.end(), StoredUntil(connection, run.id)) - time.begin());
+  if (first_new == time.size()) return {};
+  const std::string names = Joined(signals);
+  for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {
+    const std::size_t rows = std::min(kRowsPerChunk, time.size() - from);
+    std::vector<std::span<const double>> columns = {std::span(time).subspan(from, rows)};
+    for (const auto& column : values) columns.push_back(std::span(column).subspan(from, rows));
+    const auto packed = PackColumns(columns);
+    const auto packed_flags = PackFlags(flags, from, rows);
+    Query(connection,
+          "INSERT INTO raw_chunk(id, run, first_s, last_s, rows, signals, samples, flags) "
+          "VALUES((SELECT coalesce(max(id), 0) + 1 FROM raw_chunk), ?, ?, ?, ?, ?, ?, nullif(?, x''))",
+          run.id, time[from], time[from + rows - 1], static_cast<std::int64_t>(rows), names, packed,
+          packed_flags)
+        .Run();
+    AddRawBytes(connection, run.machine, static_cast<std::int64_t>(packed.size() + packed_flags.size()));
+  }
+  Query(connection, "UPDATE run SET raw_until_s = ? WHERE id = ?", time.back(), run.id).Run();
+  DropOldest(connection, run.machine, limits, time.back());
+  return {};
+}
 
 Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& signals,
                           const std::vector<double>& time, const std::vector<std::vector<double>>& values,
                           std::int64_t max_bytes) {
-  if (const Status valid = CheckRaw(signals, time, values); !valid) return valid;
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     const auto row = impl_->FindRun(run);
     if (!row) return tl::unexpected(row.error());
-    const auto first_new = static_cast<std::size_t>(
-        std::upper_bound(time.begin(), time.end(), StoredUntil(*impl_, run)) - time.begin());
-    if (first_new == time.size()) return {};
-    const std::string names = Joined(signals);
-    for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {
-      const std::size_t rows = std::min(kRowsPerChunk, time.size() - from);
-      std::vector<std::span<const double>> columns = {std::span(time).subspan(from, rows)};
-      for (const auto& column : values) columns.push_back(std::span(column).subspan(from, rows));
-      const auto packed = PackColumns(columns);
-      Query(*impl_,
-            "INSERT INTO raw_chunk(id, run, first_s, last_s, rows, signals, samples) "
-            "VALUES((SELECT coalesce(max(id), 0) + 1 FROM raw_chunk), ?, ?, ?, ?, ?, ?)",
-            run, time[from], time[from + rows - 1], static_cast<std::int64_t>(rows), names, packed)
-          .Run();
-      AddRawBytes(*impl_, row->machine, static_cast<std::int64_t>(packed.size()));
-    }
-    Query(*impl_, "UPDATE run SET raw_until_s = ? WHERE id = ?", time.back(), run).Run();
-    DropOldest(*impl_, row->machine, max_bytes);
+    constexpr double kAnyAge = std::numeric_limits<double>::infinity();
+    if (const Status stored = AppendRaw(*impl_, *row, signals, time, values, {}, {max_bytes, kAnyAge});
+        !stored)
+      return stored;
     transaction.commit();
     return {};
   });
@@ -119,16 +145,17 @@ Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& sign
 Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<RawWindow> {
     if (const auto row = impl_->FindRun(run); !row) return tl::unexpected(row.error());
-    Query query(
-        *impl_,
-        "SELECT first_s, rows, signals, samples FROM raw_chunk WHERE run = ? AND last_s >= ? AND first_s < ? "
-        "ORDER BY first_s",
-        run, from, to);
+    Query query(*impl_,
+                "SELECT first_s, rows, signals, samples, flags FROM raw_chunk WHERE run = ? AND last_s >= ? "
+                "AND first_s < ? "
+                "ORDER BY first_s",
+                run, from, to);
     RawWindow window;
     while (query.Step()) {
       const std::vector<std::string> signals = Split(query.Text(2));
       if (window.signals.empty()) window.signals = signals;
       window.values.resize(window.signals.size());
+      window.flags.resize(window.signals.size());
       const auto chunk =
           UnpackColumns(query.Blob(3), signals.size() + 1, static_cast<std::size_t>(query.Int(1)));
       if (!chunk)
@@ -143,6 +170,16 @@ Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) co
       for (std::size_t i = 0; i < signals.size(); ++i)
         window.values[i].insert(window.values[i].end(), (*chunk)[i + 1].begin() + begin,
                                 (*chunk)[i + 1].begin() + end);
+      std::vector<std::vector<Quality>> flags(signals.size(), std::vector<Quality>(time.size()));
+      if (!query.IsNull(4)) {
+        auto unpacked = UnpackFlags(query.Blob(4), signals.size(), time.size());
+        if (!unpacked)
+          return BadInput("{}: run {}, flags of raw samples from {} s: {}", impl_->path, run, query.Real(0),
+                          unpacked.error().text);
+        flags = std::move(*unpacked);
+      }
+      for (std::size_t i = 0; i < signals.size(); ++i)
+        window.flags[i].insert(window.flags[i].end(), flags[i].begin() + begin, flags[i].begin() + end);
     }
     return window;
   });

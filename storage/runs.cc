@@ -33,7 +33,8 @@ std::optional<RunInfo> FindByFingerprint(Connection& connection, std::int64_t ma
 
 void RemoveEmptyRun(Connection& connection, const RunRow& run) {
   Query(connection,
-        "UPDATE machine SET raw_bytes = raw_bytes - (SELECT coalesce(sum(length(samples)), 0) FROM raw_chunk "
+        "UPDATE machine SET raw_bytes = raw_bytes - (SELECT coalesce(sum(length(samples) + "
+        "coalesce(length(flags), 0)), 0) FROM raw_chunk "
         "WHERE run = ?) WHERE id = ?",
         run.id, run.machine)
       .Run();

@@ -134,8 +134,37 @@ constexpr const char* kVersion2 = R"sql(
 ALTER TABLE model_version ADD COLUMN promoted INTEGER NOT NULL DEFAULT 0;
 )sql";
 
+/// The live service: flags of raw samples, how far a run has come, whose rows it holds, and valve checks.
+constexpr const char* kVersion3 = R"sql(
+ALTER TABLE raw_chunk ADD COLUMN flags BLOB;
+ALTER TABLE run ADD COLUMN rows_taken INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE run ADD COLUMN sender_marks BLOB;
+
+CREATE TABLE valve_check(
+  machine INTEGER NOT NULL REFERENCES machine(id),
+  number INTEGER NOT NULL,
+  begin_s REAL NOT NULL,
+  outcome TEXT NOT NULL,
+  detail TEXT NOT NULL,
+  f0_Hz REAL,
+  f0_std_Hz REAL,
+  damping REAL,
+  damping_std REAL,
+  gain REAL,
+  gain_std REAL,
+  dead_time_s REAL,
+  dead_time_std_s REAL,
+  bandwidth_Hz REAL,
+  bandwidth_std_Hz REAL,
+  amplitude REAL,
+  supply_pressure_Pa REAL,
+  oil_temperature_K REAL,
+  PRIMARY KEY(machine, number)
+) STRICT, WITHOUT ROWID;
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3};
 
 struct FileKind {
   int application = 0;

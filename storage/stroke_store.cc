@@ -6,6 +6,7 @@
 #include "storage/database.h"
 #include "storage/gram_codec.h"
 #include "storage/gram_rollup.h"
+#include "storage/store_steps.h"
 
 namespace hydroscope {
 namespace {
@@ -114,18 +115,40 @@ Status StoreOne(Connection& connection, RunRow& run, const StrokeRecord& record,
 
 }  // namespace
 
+Status AppendStrokes(Connection& connection, RunRow& run, const std::vector<StrokeRecord>& strokes) {
+  const std::size_t columns = connection.Columns(run.machine, run.model_version).size();
+  for (const StrokeRecord& record : strokes)
+    if (const Status stored = StoreOne(connection, run, record, columns); !stored)
+      return tl::unexpected(
+          Error{stored.error().kind, fmt::format("{}: run {} ({}), stroke {}: {}", connection.path, run.id,
+                                                 run.source, record.summary.index, stored.error().text)});
+  return {};
+}
+
 Status Database::StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     auto row = impl_->FindRun(run);
     if (!row) return tl::unexpected(row.error());
-    const std::size_t columns = impl_->Columns(row->machine, row->model_version).size();
-    for (const StrokeRecord& record : strokes)
-      if (const Status stored = StoreOne(*impl_, *row, record, columns); !stored)
-        return tl::unexpected(
-            Error{stored.error().kind, fmt::format("{}: run {} ({}), stroke {}: {}", impl_->path, run,
-                                                   row->source, record.summary.index, stored.error().text)});
+    if (const Status stored = AppendStrokes(*impl_, *row, strokes); !stored) return stored;
     transaction.commit();
+    return {};
+  });
+}
+
+Status Database::CompareStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    const auto row = impl_->FindRun(run);
+    if (!row) return tl::unexpected(row.error());
+    if (static_cast<std::int64_t>(strokes.size()) < row->strokes)
+      return BadInput("run {} holds {} strokes, {} were offered", run, row->strokes, strokes.size());
+    for (std::int64_t i = 0; i < row->strokes; ++i) {
+      const StrokeRecord& record = strokes[static_cast<std::size_t>(i)];
+      const auto gram = EncodeGram(record.gram, NoisePrecision::kFloat);
+      if (const Status same = CheckSame(*impl_, run, i, ContentHash(record, gram)); !same)
+        return BadInput("run {}, stroke {} (ends at {:.3f} s): stored and offered content differ", run, i,
+                        record.summary.end);
+    }
     return {};
   });
 }

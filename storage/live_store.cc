@@ -1,0 +1,114 @@
+#include <limits>
+
+#include "storage/connection.h"
+#include "storage/database.h"
+#include "storage/store_steps.h"
+
+namespace hydroscope {
+namespace {
+
+std::vector<std::uint8_t> Copy(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
+
+void UpdateProgress(Connection& connection, std::int64_t run, const LiveBatch& batch) {
+  Query(connection,
+        "UPDATE run SET rows_taken = ?, pipeline_state = coalesce(nullif(?, x''), pipeline_state), "
+        "sender_marks = coalesce(nullif(?, x''), sender_marks) WHERE id = ?",
+        batch.rows_taken, batch.pipeline_state, batch.sender_marks, run)
+      .Run();
+}
+
+}  // namespace
+
+Status Database::StoreLive(std::int64_t run, const std::vector<std::string>& signals, const LiveBatch& batch,
+                           const RawLimits& limits) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    auto row = impl_->FindRun(run);
+    if (!row) return tl::unexpected(row.error());
+    if (row->state != "open")
+      return InternalError("{}: run {} is {} and takes nothing more", impl_->path, run, row->state);
+    if (const Status stored = AppendStrokes(*impl_, *row, batch.strokes); !stored) return stored;
+    const SampleBlock& raw = batch.raw;
+    if (raw.rows() > 0)
+      if (const Status stored = AppendRaw(*impl_, *row, signals, raw.time, raw.signal, raw.quality, limits);
+          !stored)
+        return stored;
+    UpdateProgress(*impl_, run, batch);
+    transaction.commit();
+    return {};
+  });
+}
+
+Result<std::optional<LiveProgress>> Database::NewestRun(std::int64_t machine) const {
+  using Found = std::optional<LiveProgress>;
+  const auto runs = Runs(machine);
+  if (!runs) return tl::unexpected(runs.error());
+  if (runs->empty()) return Found();
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<Found> {
+    LiveProgress progress;
+    progress.run = runs->back();
+    Query query(*impl_, "SELECT pipeline_state, sender_marks, rows_taken FROM run WHERE id = ?",
+                progress.run.id);
+    if (!query.Step()) return Found();
+    progress.pipeline_state = Copy(query.Blob(0));
+    progress.sender_marks = Copy(query.Blob(1));
+    progress.rows_taken = query.Int(2);
+    return Found(std::move(progress));
+  });
+}
+
+Result<std::vector<RawExtent>> Database::RawExtents(std::int64_t machine) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<RawExtent>> {
+    Query query(*impl_,
+                "SELECT r.id, sum(c.rows), sum(length(c.samples) + coalesce(length(c.flags), 0)), count(*), "
+                "min(c.first_s), max(c.last_s), r.rows_taken FROM run r JOIN raw_chunk c ON c.run = r.id "
+                "WHERE r.machine = ? GROUP BY r.id ORDER BY r.id",
+                machine);
+    std::vector<RawExtent> extents;
+    while (query.Step())
+      extents.push_back({.run = query.Int(0),
+                         .rows = query.Int(1),
+                         .bytes = query.Int(2),
+                         .chunks = query.Int(3),
+                         .first = query.Real(4),
+                         .last = query.Real(5),
+                         .rows_taken = query.Int(6)});
+    return extents;
+  });
+}
+
+Status Database::AddValveCheck(std::int64_t machine, const ValveCheckRecord& c) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    Query(*impl_,
+          "INSERT INTO valve_check VALUES(?1, (SELECT coalesce(max(number), 0) + 1 FROM valve_check WHERE "
+          "machine = ?1), ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)",
+          machine, c.begin, c.outcome, c.detail, c.f0, c.f0_std, c.damping, c.damping_std, c.gain, c.gain_std,
+          c.dead_time, c.dead_time_std, c.bandwidth, c.bandwidth_std, c.amplitude, c.supply_pressure,
+          c.oil_temperature)
+        .Run();
+    return {};
+  });
+}
+
+Result<std::vector<ValveCheckRecord>> Database::ValveChecks(std::int64_t machine) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<ValveCheckRecord>> {
+    Query q(*impl_,
+            "SELECT begin_s, outcome, detail, f0_Hz, f0_std_Hz, damping, damping_std, gain, gain_std, "
+            "dead_time_s, dead_time_std_s, bandwidth_Hz, bandwidth_std_Hz, amplitude, supply_pressure_Pa, "
+            "oil_temperature_K FROM valve_check WHERE machine = ? ORDER BY number",
+            machine);
+    std::vector<ValveCheckRecord> checks;
+    while (q.Step()) {
+      ValveCheckRecord c{.begin = q.Real(0), .outcome = q.Text(1), .detail = q.Text(2)};
+      int column = 3;
+      for (double* value : {&c.f0, &c.f0_std, &c.damping, &c.damping_std, &c.gain, &c.gain_std, &c.dead_time,
+                            &c.dead_time_std, &c.bandwidth, &c.bandwidth_std, &c.amplitude,
+                            &c.supply_pressure, &c.oil_temperature})
+        *value = q.Real(column++);
+      checks.push_back(std::move(c));
+    }
+    return checks;
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "storage/storage_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace storage_test;
+using testing::HasSubstr;
+
+const std::vector<std::string> kSignals = {"p_A", "z"};
+constexpr int kColumns = 20;
+
+LiveBatch Batch(std::int64_t first_row, std::int64_t last_row, std::int64_t first_stroke = 0,
+                std::int64_t last_stroke = 0) {
+  LiveBatch batch;
+  batch.raw.Resize(2, static_cast<std::size_t>(last_row - first_row));
+  for (std::int64_t row = first_row; row < last_row; ++row) {
+    const auto k = static_cast<std::size_t>(row - first_row);
+    batch.raw.time[k] = 0.001 * static_cast<double>(row);
+    batch.raw.signal[0][k] = Noise(row);
+    batch.raw.signal[1][k] = row % 50 == 0 ? std::nan("") : 1.0;
+    batch.raw.quality[1][k] = row % 50 == 0 ? quality::kMissing : quality::kGood;
+  }
+  batch.strokes = MakeStrokes(first_stroke, last_stroke, kColumns);
+  batch.pipeline_state = {1, 2, static_cast<std::uint8_t>(last_stroke)};
+  batch.sender_marks = {7, static_cast<std::uint8_t>(last_row % 256)};
+  batch.rows_taken = last_row;
+  return batch;
+}
+
+TEST(LiveStore, RowsFlagsStrokesAndStateComeBack) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  const auto run = press.Begin("live");
+  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(0, 1500, 0, 3), {}));
+  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(1500, 1600), {}));
+  const RawWindow raw = Value(press.database.LoadRaw(run.id, 0, 1e9));
+  ASSERT_EQ(raw.time.size(), 1600u);
+  EXPECT_EQ(raw.flags[1][1550], quality::kMissing);
+  EXPECT_EQ(raw.flags[1][1551], quality::kGood);
+  EXPECT_EQ(raw.flags[0][1550], quality::kGood);
+  EXPECT_EQ(raw.values[0][1234], Noise(1234));
+  const auto newest = Value(press.database.NewestRun(1));
+  ASSERT_TRUE(newest.has_value());
+  EXPECT_EQ(newest->run.strokes, 3);
+  EXPECT_EQ(newest->rows_taken, 1600);
+  EXPECT_EQ(newest->sender_marks.back(), 1600 % 256);
+}
+
+TEST(LiveStore, ARefusedBatchLeavesNothingBehind) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  const auto run = press.Begin("live");
+  const Status refused = press.database.StoreLive(run.id, kSignals, Batch(0, 100, 5, 6), {});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error().text, HasSubstr("would leave a hole"));
+  EXPECT_TRUE(Value(press.database.RawExtents(1)).empty());
+  EXPECT_EQ(Value(press.database.NewestRun(1))->rows_taken, 0);
+}
+
+TEST(LiveStore, RawRowsBeyondTheAgeGoAndTheExtentTellsThatNotAllAreKept) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  const auto run = press.Begin("live");
+  for (std::int64_t at = 0; at < 10'000; at += 1000)
+    EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(at, at + 1000), {1 << 30, 3.0}));
+  const auto extents = Value(press.database.RawExtents(1));
+  ASSERT_EQ(extents.size(), 1u);
+  EXPECT_EQ(extents[0].rows_taken, 10'000);
+  EXPECT_NEAR(extents[0].first, 6.0, 1e-9);  // the chunk that holds the limit stays
+  EXPECT_LT(extents[0].rows, extents[0].rows_taken);
+}
+
+TEST(LiveStore, StrokesThatDifferInOneBitAreNamed) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  const auto run = press.Begin("live");
+  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(0, 100, 0, 3), {}));
+  auto strokes = MakeStrokes(0, 4, kColumns);
+  EXPECT_OK(press.database.CompareStrokes(run.id, strokes));
+  strokes[1].estimates[0].value = std::nextafter(strokes[1].estimates[0].value, 1e300);
+  EXPECT_THAT(press.database.CompareStrokes(run.id, strokes).error().text, HasSubstr("stroke 1"));
+  strokes.resize(2);
+  EXPECT_THAT(press.database.CompareStrokes(run.id, strokes).error().text, HasSubstr("3 strokes, 2"));
+}
+
+TEST(LiveStore, ValveChecksAreKeptInOrder) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  ValveCheckRecord check{.begin = 5, .outcome = "measured", .detail = "fine"};
+  check.f0 = 184;
+  check.oil_temperature = std::nan("");
+  EXPECT_OK(press.database.AddValveCheck(1, check));
+  check.outcome = "refused";
+  EXPECT_OK(press.database.AddValveCheck(1, check));
+  const auto checks = Value(press.database.ValveChecks(1));
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0].f0, 184);
+  EXPECT_TRUE(std::isnan(checks[0].oil_temperature));
+  EXPECT_EQ(checks[1].outcome, "refused");
+}
+
+}  // namespace
+}  // namespace hydroscope
