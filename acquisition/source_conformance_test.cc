@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "acquisition/dds/dds_source.h"
-#include "acquisition/live_fixture.h"
+#include "tests/live_fixture.h"
 #include "acquisition/modbus/modbus_source.h"
 
 namespace hydroscope {

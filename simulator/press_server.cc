@@ -80,7 +80,7 @@ Status PressServer::Open() {
   };
   const auto on_coil = [this](int coil, std::span<std::uint16_t> registers) {
     if (coil != press_map::kSweepCoil) return;
-    std::lock_guard lock(request_mutex_);
+    registers[press_map::kSweepStatus] = 0;  // not yet decided
     sweep_request_ = {registers[press_map::kSweepAxis] - 1,
                       registers[press_map::kSweepAmplitude] * kAmplitudeUnit};
   };
@@ -115,18 +115,16 @@ void PressServer::Run(std::stop_token stop, double seconds) {
 }
 
 void PressServer::TakeSweepRequest() {
-  std::optional<std::pair<int, double>> request;
-  {
-    std::lock_guard lock(request_mutex_);
-    std::swap(request, sweep_request_);
-  }
-  if (request) press_->RequestSweep(request->first, request->second);
+  if (sweep_request_) press_->RequestSweep(sweep_request_->first, sweep_request_->second);
+  sweep_request_.reset();
 }
 
 void PressServer::ServeBatch() {
-  TakeSweepRequest();
   if (modbus_)
-    modbus_->Update([this](std::span<std::uint16_t> registers) { Produce(registers); });
+    modbus_->Update([this](std::span<std::uint16_t> registers) {
+      TakeSweepRequest();
+      Produce(registers);
+    });
   else
     Produce({});
   Publish();

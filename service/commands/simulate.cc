@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "service/commands.h"
+#include "service/commands/live_command.h"
 #include "service/commands/simulate_press.h"
+#include "service/commands/simulate_serve.h"
 #include "service/output.h"
 #include "service/text_sink.h"
 #include "simulator/log_format.h"
@@ -26,6 +28,8 @@ struct PressArguments {
   std::uint64_t random_machine = 0;
   int adc_bits = 0, cylinders = 1, effect_cylinder = 0;
   bool speed_given = false, list_effects = false;
+  ServeArguments serve;
+  bool seconds_given = false, period_given = false;
 };
 
 /// Everything the command line says, as options of one cylinder.
@@ -92,11 +96,21 @@ Status WriteLog(const PressOptions& options, const std::string& path, const std:
   return WriteJson(truth_path, TruthJson(generator.truth()));
 }
 
+/// Endless and at 1 kHz unless the command line says otherwise.
+Status RunServe(const PressArguments& a) {
+  auto options = BuildOptions(a);
+  if (!options) return tl::unexpected(options.error());
+  if (!a.seconds_given) options->seconds = 1e8;
+  if (!a.period_given) options->sample_period = 1e-3;
+  return ServePress(a.serve, *options);
+}
+
 Status RunPress(const PressArguments& a) {
   if (a.list_effects) {
     std::cout << EffectTable();
     return {};
   }
+  if (!a.serve.machine.empty()) return RunServe(a);
   if (a.out.empty()) return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
   if (a.cylinders > 1 && a.out == "-")
     return UsageError("--cylinders 4 writes four files; --out cannot be '-'");
@@ -113,13 +127,29 @@ Status RunPress(const PressArguments& a) {
   return {};
 }
 
+void AddServeOptions(CLI::App& app, ServeArguments& serve) {
+  app.add_option("--serve", serve.machine,
+                 "Serve the press of this machine file by DDS and Modbus in place of writing a log")
+      ->type_name("FILE");
+  app.add_option("--axes", serve.axes, "--serve: cylinders, if not as many as the machine file names")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--speed", serve.speed, "--serve: times real time")->capture_default_str();
+  app.add_option("--work", serve.work, "--serve: s of work before each pause; 0 = no pauses")
+      ->capture_default_str();
+  app.add_option("--pause", serve.pause, "--serve: s of rest after each work")->capture_default_str();
+  app.add_option("--clock-drift", serve.clock_drift, "--serve: the press's clock runs faster, ppm")
+      ->capture_default_str();
+}
+
 void AddPress(CLI::App& simulate, int& exit_code) {
   CLI::App* app =
       simulate.add_subcommand("press", "A die-cushion cylinder of a deep-drawing press: a log as CSV");
   auto a = std::make_shared<PressArguments>();
   PressOptions& o = a->options;
   app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")->type_name("FILE");
-  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
+  auto* seconds = app->add_option("--seconds", o.seconds,
+                                  "Length in s; --serve: of the press's time, endless if not given")
+                      ->capture_default_str();
   app->add_option("--seed", o.seed, "Seed of motion, set points and noise")->capture_default_str();
   app->add_option("--noise-seed", o.noise_seed, "Other noise over the same motion");
   app->add_option("--effect", a->effects, "Hidden effect ID[=SIZE][,NAME=VALUE...] in SI, repeatable")
@@ -149,17 +179,26 @@ void AddPress(CLI::App& simulate, int& exit_code) {
       ->check(CLI::NonNegativeNumber);
   app->add_option("--hum", o.noise.hum_amplitude, "Mains hum on p_A, Pa")->check(CLI::NonNegativeNumber);
   app->add_option("--adc-bits", a->adc_bits, "Resolution of the converters")->check(CLI::Range(8, 24));
-  app->add_option("--sample-period", o.sample_period, "s")->capture_default_str();
+  auto* period = app->add_option("--sample-period", o.sample_period, "s; --serve: 0.001 if not given")
+                     ->capture_default_str();
   app->add_option("--truth", a->truth, "Write the true parameters and strokes as JSON")->type_name("FILE");
+  AddServeOptions(*app, a->serve);
   app->footer(
-      "Examples:\n"
+      "While it serves, lines on stdin change the press; each is answered with ok or error:\n" +
+      LiveCommandHelp() +
+      "\nExamples:\n"
       "  hydroscope simulate press --out press.csv --seconds 120 --seed 1\n"
       "  hydroscope simulate press --out leak.csv --effect internal_leakage=4e-12 --truth leak.json\n"
       "  hydroscope simulate press --out relief.csv.gz --effect relief_valve=2e-11,crack=170e5 --oil 26:52\n"
       "  hydroscope simulate press --out slow.csv --speed-min 50 --speed-max 50\n"
       "  hydroscope simulate press --out bad.csv --fault stuck:p_A:30:2 --fault clock_jump:t:60:0:3600\n"
-      "  hydroscope simulate press --out c.csv --cylinders 4 --effect external_leakage --effect-cylinder 2");
-  app->callback([a, low, high, &exit_code] {
+      "  hydroscope simulate press --out c.csv --cylinders 4 --effect external_leakage --effect-cylinder 2\n"
+      "  hydroscope simulate press --serve machines/press_live.toml\n"
+      "  (sleep 60; echo 'effect internal_leakage=4e-12 axis=2 ramp=600'; sleep 3600) |\n"
+      "      hydroscope simulate press --serve machines/press_live.toml --work 60 --pause 20");
+  app->callback([a, low, high, seconds, period, &exit_code] {
+    a->seconds_given = seconds->count() > 0;
+    a->period_given = period->count() > 0;
     a->speed_given = low->count() + high->count() > 0;
     const Status status = RunPress(*a);
     exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());

@@ -35,13 +35,14 @@ class TestPress {
   ~TestPress() { Kill(); }
 
   /// Serves DDS on `network`, if given, and Modbus, on the same port in every life.
-  void Live(std::optional<DdsNetwork> network) {
+  void Live(std::optional<DdsNetwork> network, double speed = 1) {
     PressServer::Options options;
     options.press.press.sample_period = 1e-3;
     options.press.press.seconds = 1e6;
     options.press.axes = 2;
     options.axes = {"left", "right"};
     options.session = ++lives_;
+    options.speed = speed;
     options.dds = std::move(network);
     options.modbus = {.host = "127.0.0.1", .port = port_, .order = WordOrder::kAbcd};
     auto server = PressServer::Create(options, RealTime);
