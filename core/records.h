@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct Estimate {
   double excitation = 0;  ///< 0...1: share of the parameter's information not explained by the other parameters
   double last_excited = 0;///< s, time of the last sample that told something about it; NaN if never
   EstimateReason reason = EstimateReason::kNoStroke;
+  /// K, oil temperature the value stands for: an estimate that remembers follows the oil late. NaN: not known.
+  double oil_temperature = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// How much of what entered was used, and why the rest was not.

@@ -33,12 +33,14 @@ TrendSample ToSample(const TrendPoint& point) {
   sample.value = point.estimate.value;
   sample.std = point.estimate.std;
   sample.temperature = point.oil_temperature;
+  sample.remembered_temperature = point.estimate.oil_temperature;
   sample.reason = point.estimate.reason;
   sample.updated = point.estimate.reason == EstimateReason::kUpdated && std::isfinite(point.estimate.std);
   return sample;
 }
 
-/// Fills in remembered temperatures: the exponential mean over strokes that the estimate itself is.
+/// Fills in remembered temperatures: what the estimator says its value stands for; where it does not say, the
+/// exponential mean over strokes.
 void RememberTemperatures(std::vector<TrendSample>& samples, const std::map<std::int64_t, double>& used,
                           const Machine& machine, const std::string& parameter) {
   double mean = kNaN;
@@ -51,7 +53,8 @@ void RememberTemperatures(std::vector<TrendSample>& samples, const std::map<std:
       else if (sample.updated)
         mean = kept * mean + (1 - kept) * sample.temperature;
     }
-    sample.remembered_temperature = std::isfinite(sample.temperature) ? mean : kNaN;
+    if (!std::isfinite(sample.remembered_temperature))
+      sample.remembered_temperature = std::isfinite(sample.temperature) ? mean : kNaN;
   }
 }
 

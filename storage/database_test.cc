@@ -71,12 +71,14 @@ TEST(Database, KeepsTheTrendOfOneParameterInOrderWithNaNAndReason) {
     EXPECT_EQ(trend[i].estimate.value, expected.estimates[2].value);
     EXPECT_TRUE(Same(trend[i].estimate.std, expected.estimates[2].std));
     EXPECT_EQ(trend[i].estimate.reason, EstimateReason::kConfounded);
+    EXPECT_EQ(trend[i].estimate.oil_temperature, expected.estimates[2].oil_temperature);
   }
   const auto all = Value(press.database.Trend(press.machine, ""));
   ASSERT_EQ(all.size(), 48u);
   EXPECT_EQ(all[0].estimate.parameter, "K");
   EXPECT_EQ(all[3].estimate.parameter, "y_0");
   EXPECT_TRUE(std::isnan(all[3].estimate.last_excited));
+  EXPECT_TRUE(std::isnan(all[3].estimate.oil_temperature));
   EXPECT_EQ(all[4].sequence, 1);
   EXPECT_TRUE(Value(press.database.Trend(press.machine, "no_such")).empty());
 }

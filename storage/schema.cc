@@ -163,8 +163,22 @@ CREATE TABLE valve_check(
 ) STRICT, WITHOUT ROWID;
 )sql";
 
+/// The oil temperature an estimate stands for, beside that of the stroke.
+constexpr const char* kVersion4 = R"sql(
+ALTER TABLE estimate ADD COLUMN oil_temperature_K REAL;
+DROP VIEW trend;
+CREATE VIEW trend AS
+  SELECT m.name AS machine, r.id AS run, r.source AS source, e.stroke AS stroke,
+         r.first_sequence + e.stroke AS sequence, s.end_s AS time_s, p.name AS parameter, e.value AS value,
+         e.std AS std, p.unit AS unit, s.oil_temperature_K AS oil_temperature_K, e.reason AS reason,
+         e.excitation AS excitation, e.last_excited_s AS last_excited_s,
+         e.oil_temperature_K AS remembered_oil_temperature_K
+  FROM estimate e JOIN parameter p ON p.id = e.parameter JOIN run r ON r.id = e.run
+  JOIN machine m ON m.id = r.machine JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke;
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
 
 struct FileKind {
   int application = 0;

@@ -78,7 +78,8 @@ inline StrokeRecord MakeStroke(std::int64_t index, int dimension = 6, std::uint6
   record.estimates = {
       {"K", 1.4e9 * (1 + 0.01 * Noise(seed + 4)), 2e7, "Pa", 0.6, end, EstimateReason::kUpdated},
       {"V0", 2.5e-3 * (1 + 0.01 * Noise(seed + 5)), 1e-5, "m3", 0.4, end, EstimateReason::kUpdated},
-      {"Q_vn", 1.6e-3, index % 3 == 2 ? std::nan("") : 2e-6, "m3/s", 0.8, end, EstimateReason::kConfounded},
+      {"Q_vn", 1.6e-3, index % 3 == 2 ? std::nan("") : 2e-6, "m3/s", 0.8, end, EstimateReason::kConfounded,
+       311.15 + Noise(seed + 6)},
       {"y_0", 0.01 / 3, 1e-4, "1", 0, std::nan(""), EstimateReason::kNotExcited}};
   return record;
 }

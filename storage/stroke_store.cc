@@ -24,7 +24,7 @@ std::int64_t ContentHash(const StrokeRecord& record, const std::vector<std::uint
   for (const Estimate& e : record.estimates) {
     hash.Add(e.parameter);
     hash.Add(e.unit);
-    for (const double value : {e.value, e.std, e.excitation, e.last_excited}) hash.Add(value);
+    for (const double value : {e.value, e.std, e.excitation, e.last_excited, e.oil_temperature}) hash.Add(value);
     hash.Add(std::string_view(ReasonName(e.reason)));
   }
   hash.Add(std::span<const std::uint8_t>(gram));
@@ -65,9 +65,9 @@ void InsertSummary(Connection& connection, std::int64_t run, const StrokeSummary
 
 void InsertEstimates(Connection& connection, const RunRow& run, const StrokeRecord& record) {
   for (const Estimate& e : record.estimates)
-    Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+    Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
           ParameterId(connection, run.machine, e), run.id, record.summary.index, e.value, e.std, e.excitation,
-          e.last_excited, ReasonName(e.reason))
+          e.last_excited, ReasonName(e.reason), e.oil_temperature)
         .Run();
 }
 
