@@ -26,6 +26,15 @@ std::vector<int> BaseColumns(const ModelStructure& model) {
   return columns;
 }
 
+/// Centred energy that a random walk of unit variance per block leaves in the spans of a stroke, (B^2 - 1) /
+/// 6 each: full spans and the rest of one segment.
+double WalkGain(const StrokeGram& gram, int span) {
+  const auto gain = [](double blocks) { return (blocks * blocks - 1.0) / 6.0; };
+  const auto full = gram.blocks / span;
+  const auto rest = gram.blocks % span;
+  return static_cast<double>(full) * gain(span) + (rest > 0 ? gain(static_cast<double>(rest)) : 0.0);
+}
+
 /// Why a physical parameter with this value and std should not be trusted, if so.
 EstimateReason Judge(const DerivedParameter& parameter, double std) {
   if (!parameter.admissible) return EstimateReason::kOutsidePhysics;
@@ -75,7 +84,8 @@ Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
   if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * equations.h * scale.asDiagonal());
-  // A pivot is the share of a regressor the others do not explain; rcond() passes over pivots of exactly zero.
+  // A pivot is the share of a regressor the others do not explain; rcond() passes over pivots of exactly
+  // zero.
   const bool dependent = !(ldlt.vectorD().minCoeff() > 1e-13) || ldlt.rcond() < 1e-13;
   if (ldlt.info() != Eigen::Success || dependent) return {};
   return scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * equations.g);
@@ -99,19 +109,48 @@ Eigen::VectorXd Excitation(const Eigen::MatrixXd& h) {
   return share;
 }
 
+std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, const Eigen::VectorXd& theta) {
+  std::vector<int> own(derived.size(), -1);
+  std::vector<bool> taken(theta.size(), false);
+  for (bool found = true; found;) {
+    found = false;
+    for (std::size_t d = 0; d < derived.size(); ++d) {
+      int free = 0, last = -1;
+      for (int i = 0; i < theta.size(); ++i)
+        if (!taken[i] && derived[d].gradient[i] != 0) {
+          ++free;
+          last = i;
+        }
+      if (own[d] >= 0 || free != 1) continue;
+      own[d] = last;
+      taken[last] = found = true;
+    }
+  }
+  for (std::size_t d = 0; d < derived.size(); ++d)
+    if (own[d] < 0) derived[d].gradient.cwiseProduct(theta).cwiseAbs().maxCoeff(&own[d]);
+  return own;
+}
+
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
-                  const Eigen::VectorXd& theta, const WindowSamples& window) {
-  double noise = 0, equations = 0;
+                  const Eigen::VectorXd& theta, const WindowSamples& window,
+                  std::span<const int> walk_columns) {
+  double white = 0, equations = 0, walk = 0, walk_gain = 0;
   for (const StrokeGram& gram : strokes) {
-    NormalEquations e = Extract(gram.noise, columns, output);
-    noise += theta.dot(e.h * theta) - 2 * theta.dot(e.g) + e.yy;
+    const NormalEquations e = Extract(gram.noise, columns, output);
+    double walking = 0;
+    for (const int i : walk_columns)
+      for (const int j : walk_columns) walking += theta[i] * e.h(i, j) * theta[j];
+    white += theta.dot(e.h * theta) - 2 * theta.dot(e.g) + e.yy - walking;
+    walk += walking;
     equations += static_cast<double>(gram.blocks - gram.spans);
+    walk_gain += WalkGain(gram, window.span);
   }
   if (equations <= 0) return 0.0;
-  // A flow is the difference of two means of h block levels, h blocks apart: variance 2 N / (h^3 T_block^2).
+  // A walk that gains the variance q per block: means of h blocks, h blocks apart, differ by 2/3 h q.
   const double block_time = window.block * window.period;
-  const double h = window.half_window;
-  return std::sqrt(noise / equations * 2.0 / (h * h * h * block_time * block_time));
+  const double per_block = walk_gain > 0 ? walk / walk_gain : 0.0;
+  const double walk_variance = 2.0 / 3.0 * per_block / (window.half_window * block_time * block_time);
+  return std::sqrt(std::max(0.0, white / equations * window.FlowVarianceGain() + walk_variance));
 }
 
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
@@ -128,30 +167,39 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   GramFit fit;
   fit.strokes = static_cast<int>(strokes.size());
   if (fit.strokes == 0)
-    return BadInput("no drawing stroke found: check the [gate] of the machine file against the log with 'hydroscope check'");
+    return BadInput(
+        "no drawing stroke found: check the [gate] of the machine file against the log with 'hydroscope "
+        "check'");
   fit.theta = SolveNormalEquations(total);
   if (fit.theta.size() == 0)
-    return BadInput("the strokes do not excite all parameters of the base model: vary ram speed and pressure, or record longer");
+    return BadInput(
+        "the strokes do not excite all parameters of the base model: vary ram speed and pressure, or record "
+        "longer");
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);
   const double count = fit.strokes;
   Eigen::MatrixXd replicas(fit.theta.size(), fit.strokes);
   Eigen::MatrixXd derived_replicas(derived.size(), fit.strokes);
-  double squared_error = 0;
+  double squared_error = 0, judged = 0;
   for (int s = 0; s < fit.strokes; ++s) {
+    fit.windows += strokes[s].windows;
     NormalEquations rest = total;
     rest -= integral[s];
     Eigen::VectorXd theta = SolveNormalEquations(rest);
-    if (theta.size() == 0) theta = fit.theta;
+    if (theta.size() == 0) {
+      ++fit.indispensable_strokes;
+      theta = fit.theta;
+    } else if (flow[s].equations > 0) {
+      squared_error += MeanSquaredError(flow[s], theta) * flow[s].equations;
+      judged += flow[s].equations;
+    }
     replicas.col(s) = theta;
     const std::vector<DerivedParameter> values = model.derive(theta);
     for (std::size_t i = 0; i < values.size(); ++i) derived_replicas(i, s) = values[i].value;
-    if (flow[s].equations > 0) squared_error += MeanSquaredError(flow[s], theta) * flow[s].equations;
-    fit.windows += strokes[s].windows;
   }
-  fit.rms_holdout = fit.windows > 0 ? std::sqrt(std::max(0.0, squared_error / static_cast<double>(fit.windows))) : 0.0;
-  fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window);
+  fit.rms_holdout = judged > 0 ? std::sqrt(std::max(0.0, squared_error / judged)) : 0.0;
+  fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.walk_columns);
 
   const double jackknife = (count - 1) / count;
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
@@ -160,17 +208,16 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
       (derived_replicas.colwise() - derived_replicas.rowwise().mean()).rowwise().squaredNorm() * jackknife;
   const double factor = StudentFactor(count - 1);
   const Eigen::VectorXd excitation = Excitation(total.h);
+  const std::vector<int> own = OwnParameters(derived, fit.theta);
   for (std::size_t i = 0; i < derived.size(); ++i) {
-    const double random = fit.strokes > 1 ? std::sqrt(spread[i]) * factor : kInfinity;
+    const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
+    const double random = spread_known ? std::sqrt(spread[i]) * factor : kInfinity;
     Estimate estimate;
     estimate.parameter = derived[i].name;
     estimate.value = derived[i].value;
     estimate.unit = derived[i].unit;
     estimate.std = std::hypot(random, derived[i].geometry_std);
-    const Eigen::VectorXd weight = derived[i].gradient.cwiseProduct(fit.theta).cwiseAbs();
-    int dominant = 0;
-    weight.maxCoeff(&dominant);
-    estimate.excitation = excitation[dominant];
+    estimate.excitation = excitation[own[i]];
     estimate.reason = Judge(derived[i], estimate.std);
     fit.parameters.push_back(estimate);
   }

@@ -12,7 +12,8 @@
 
 namespace hydroscope {
 
-/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g + yy.
+/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g +
+/// yy.
 struct NormalEquations {
   Eigen::MatrixXd h;
   Eigen::VectorXd g;
@@ -40,24 +41,35 @@ double MeanSquaredError(const NormalEquations& equations, const Eigen::VectorXd&
 
 /// Result of a batch fit of the base model over strokes.
 struct GramFit {
-  Eigen::VectorXd theta;                ///< regression parameters, SI
-  Eigen::MatrixXd covariance;           ///< clustered by stroke (delete-one jackknife), SI
-  std::vector<Estimate> parameters;     ///< physical parameters; value +- 1.96 std is the 95 % interval
-  double rms_holdout = 0;               ///< m^3/s, flow error on strokes the fit did not see
-  double noise_floor = 0;               ///< m^3/s, flow error that sensor noise alone would cause
+  Eigen::VectorXd theta;             ///< regression parameters, SI
+  Eigen::MatrixXd covariance;        ///< clustered by stroke (delete-one jackknife), SI
+  std::vector<Estimate> parameters;  ///< physical parameters; value +- 1.96 std is the 95 % interval
+  double rms_holdout = 0;            ///< m^3/s, flow error on strokes the fit did not see
+  double noise_floor = 0;            ///< m^3/s, flow error that sensor noise alone would cause
   int strokes = 0;
+  /// Strokes without which the rest determines no fit: something is known from one stroke alone, and no
+  /// interval can be given (std is infinite). They do not enter `rms_holdout`.
+  int indispensable_strokes = 0;
   std::int64_t windows = 0;
 };
 
-/// Fits the base model to a set of strokes. The stroke is the independent unit: intervals come from deleting one
-/// stroke at a time (jackknife, Efron 1982; the CR3 estimator of MacKinnon and White 1985) with Student's t of
-/// strokes - 1 degrees of freedom. Needs at least two strokes for intervals; with fewer, std is infinite.
+/// Fits the base model to a set of strokes. The stroke is the independent unit: intervals come from deleting
+/// one stroke at a time (jackknife, Efron 1982; the CR3 estimator of MacKinnon and White 1985) with Student's
+/// t of strokes - 1 degrees of freedom. Needs at least two strokes for intervals; with fewer, std is
+/// infinite.
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
                              const WindowSamples& window);
 
-/// Flow error that sensor noise alone would cause with these parameters, m^3/s rms.
+/// The regression parameter that each physical parameter has to itself: the one left over once those of the
+/// simpler ones are taken away (K' is theta3, so V0 = A theta2 / theta3 is theta2).
+std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, const Eigen::VectorXd& theta);
+
+/// Flow error that sensor noise alone would cause with these parameters, m^3/s rms. White noise of a block
+/// mean and noise that is integrated (ModelStructure::walk_columns, entries of `columns`) reach a flow
+/// differently: a random walk grows over a span, but within the short window of a flow there is little of it.
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
-                  const Eigen::VectorXd& theta, const WindowSamples& window);
+                  const Eigen::VectorXd& theta, const WindowSamples& window,
+                  std::span<const int> walk_columns);
 
 /// Share of each regressor's information that the others do not explain, 0...1.
 Eigen::VectorXd Excitation(const Eigen::MatrixXd& h);

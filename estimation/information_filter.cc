@@ -1,37 +1,61 @@
 #include "estimation/information_filter.h"
 
+#include <cmath>
+#include <limits>
+
 namespace hydroscope {
 
-InformationFilter::InformationFilter(const Vector& initial, double covariance) {
+InformationFilter::InformationFilter(const Vector& initial, double covariance, double max_covariance)
+    : least_information_(1.0 / max_covariance) {
   const auto n = initial.size();
   information_ = Matrix::Identity(n, n) / covariance;
   state_ = initial / covariance;
+  moment_ = Matrix::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
 }
+
+InformationFilter::InformationFilter(const Matrix& information, const Vector& state, const Matrix& moment,
+                                     double least_information)
+    : least_information_(least_information), information_(information), state_(state), moment_(moment) {}
 
 void InformationFilter::Forget(const Matrix& basis, double mu) {
   if (basis.cols() == 0 || mu >= 1.0) return;
-  const auto n = information_.rows(), r = basis.cols();
-  Matrix ra = Matrix::Zero(n, r), ara = Matrix::Zero(r, r);
-  ra.noalias() = information_.lazyProduct(basis);
-  ara.noalias() = basis.transpose().lazyProduct(ra);
-  const Eigen::LLT<Matrix> factor(ara);
-  if (factor.info() != Eigen::Success) return;
-  // R A (A' R A)^-1 A' R = W' W with W = L^-1 A' R; the state loses W' L^-1 A' s.
-  Matrix w = ra.transpose();
-  factor.matrixL().solveInPlace(w);
-  Vector t = Vector::Zero(r);
-  t.noalias() = basis.transpose().lazyProduct(state_);
-  factor.matrixL().solveInPlace(t);
-  for (Eigen::Index k = 0; k < r; ++k)
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index j = 0; j < n; ++j) information_(i, j) -= (1.0 - mu) * (w(k, i) * w(k, j));
-      state_[i] -= (1.0 - mu) * w(k, i) * t[k];
-    }
+  const Vector theta = Theta();
+  const Matrix condition = ConditionMatrix();
+  const Matrix ra = information_ * basis;
+  const Matrix ara = basis.transpose() * ra;
+  // F = I - (1 - mu) R A (A' R A)^-1 A'; symmetric R <- F R, and F is applied to all that R multiplies.
+  const Matrix lost = (1.0 - mu) * ra * ara.llt().solve(basis.transpose());
+  const Matrix less = lost * information_;
+  information_ -= 0.5 * (less + less.transpose());
+  state_ -= lost * state_;
+  moment_ -= lost * moment_;
+  KeepBounded(theta, condition);
 }
 
-void InformationFilter::Add(const Matrix& gram, const Vector& cross, double weight) {
-  information_ += weight * gram;
-  state_ += weight * cross;
+void InformationFilter::Add(const Matrix& gram, const Vector& cross, double condition) {
+  const Vector theta = Theta();
+  if (std::isfinite(condition) && moment_.hasNaN()) moment_ = information_ * condition;
+  const Matrix before = ConditionMatrix();
+  information_ += gram;
+  state_ += cross;
+  if (std::isfinite(condition))
+    moment_ += gram * condition;
+  else
+    moment_ += gram * before;
+  KeepBounded(theta, before);
+}
+
+void InformationFilter::KeepBounded(const Vector& theta, const Matrix& condition) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information_);
+  for (Eigen::Index d = 0; d < theta.size(); ++d) {
+    const double missing = least_information_ - eigen.eigenvalues()[d];
+    if (!(missing > 0)) continue;
+    const Vector direction = eigen.eigenvectors().col(d);
+    information_ += missing * (direction * direction.transpose());
+    state_ += direction * (least_information_ * direction.dot(theta) - direction.dot(state_));
+    moment_ += direction *
+               (least_information_ * direction.transpose() * condition - direction.transpose() * moment_);
+  }
 }
 
 InformationFilter::Vector InformationFilter::Theta() const { return information_.ldlt().solve(state_); }
@@ -42,9 +66,10 @@ InformationFilter::Matrix InformationFilter::Covariance() const {
   return 0.5 * (inverse + inverse.transpose());
 }
 
-void InformationFilter::Restore(const Matrix& information, const Vector& state) {
-  information_ = information;
-  state_ = state;
+InformationFilter::Matrix InformationFilter::ConditionMatrix() const {
+  return information_.ldlt().solve(moment_);
 }
+
+InformationFilter::Vector InformationFilter::Condition() const { return ConditionMatrix().diagonal(); }
 
 }  // namespace hydroscope

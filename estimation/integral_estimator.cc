@@ -9,10 +9,11 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRecentStrokes = 64;
-constexpr std::size_t kMaxWaiting = 1000;   ///< spans kept while the first strokes excite too little to start
-constexpr std::size_t kSettled = 3;         ///< strokes before errors of a span are judged against the noise level
-constexpr double kSignalToNoise = 10.0;     ///< energy over the noise's share from which a direction counts as excited
-constexpr double kVarianceMemory = 20.0;    ///< strokes over which the noise level is averaged
+constexpr std::size_t kMaxWaiting = 1000;  ///< spans kept while the first strokes excite too little to start
+constexpr std::size_t kSettled = 3;  ///< strokes before errors of a span are judged against the noise level
+constexpr double kSignalToNoise =
+    10.0;  ///< energy over the noise's share from which a direction counts as excited
+constexpr double kVarianceMemory = 20.0;  ///< strokes over which the noise level is averaged
 
 std::vector<int> FirstColumns(int count) {
   std::vector<int> columns(count);
@@ -56,100 +57,125 @@ IntegralEstimator::IntegralEstimator(const EstimatorSpec& spec, std::shared_ptr<
                                                        : spec.forgetting_factor),
       last_excited_(16, std::numeric_limits<double>::quiet_NaN()) {}
 
+void IntegralEstimator::Share::Add(const Share& other, double weight) {
+  if (gram.size() == 0) gram = noise = Small::Zero(other.gram.rows(), other.gram.cols());
+  gram += weight * other.gram;
+  noise += weight * other.noise;
+  count += other.count;
+}
+
 void IntegralEstimator::AddStretch(const Stretch&, const SpanEquations& equations) {
-  const int size = model_->base_count + 1, count = equations.blocks - 1;
-  Small gram = Small::Zero(size, size), noise = Small::Zero(size, size);
+  const int size = model_->base_count + 1;
+  Share span{Small::Zero(size, size), Small::Zero(size, size), static_cast<double>(equations.equations)};
   for (int i = 0; i < size; ++i)
     for (int j = 0; j <= i; ++j) {
-      for (int k = 0; k < count; ++k) gram(i, j) += equations.integral(i, k) * equations.integral(j, k);
-      for (int k = 0; k < 2 * equations.blocks; ++k) noise(i, j) += equations.noise(i, k) * equations.noise(j, k);
-      gram(j, i) = gram(i, j);
-      noise(j, i) = noise(i, j);
+      for (int k = 0; k < equations.equations; ++k)
+        span.gram(i, j) += equations.integral(i, k) * equations.integral(j, k);
+      for (int k = 0; k < 2 * equations.blocks; ++k)
+        span.noise(i, j) += equations.noise(i, k) * equations.noise(j, k);
+      span.gram(j, i) = span.gram(i, j);
+      span.noise(j, i) = span.noise(i, j);
     }
   if (filter_)
-    LearnSpan(gram, noise, count);
+    LearnSpan(span);
   else if (waiting_.size() < kMaxWaiting)
-    waiting_.push_back({gram, noise, count});
+    waiting_.push_back(span);
 }
 
-void IntegralEstimator::Start(const NormalEquations& first) {
+void IntegralEstimator::Start(const NormalEquations& first, double oil_temperature) {
+  const int n = model_->base_count;
   const Eigen::VectorXd theta = SolveNormalEquations(first);
-  if (theta.size() == 0 || first.equations < 3 * model_->base_count) return;
+  if (theta.size() == 0 || first.equations < 3 * n) return;
   noise_ = std::sqrt(std::max(MeanSquaredError(first, theta), 1e-300));
-  scale_ = (first.h.diagonal() / first.equations).cwiseSqrt().cwiseInverse();
+  scale_.resize(n + 1);
+  scale_.head(n) = (first.h.diagonal() / first.equations).cwiseSqrt().cwiseInverse();
+  scale_[n] = 1.0 / noise_;
+  noise_ = 1.0 / scale_[n];  // exactly what a restored state has
   const double signal_variance = std::max(first.yy / first.equations / (noise_ * noise_), 1.0);
-  Eigen::VectorXd initial = Eigen::VectorXd::Constant(model_->base_count, spec_.initial_parameter);
-  if (spec_.initial_from_first_stroke) initial = theta.cwiseQuotient(scale_) / noise_;
-  filter_.emplace(initial, spec_.initial_covariance * signal_variance);
-  for (const Waiting& span : waiting_) LearnSpan(span.gram, span.noise, span.count);
+  Eigen::VectorXd initial = Eigen::VectorXd::Constant(n, spec_.initial_parameter);
+  if (spec_.initial_from_first_stroke) initial = theta.cwiseQuotient(scale_.head(n)) / noise_;
+  filter_.emplace(initial, spec_.initial_covariance * signal_variance,
+                  std::max(spec_.max_covariance, spec_.initial_covariance) * signal_variance);
+  RelateParameters(theta);
+  for (const Share& span : waiting_) LearnSpan(span);
   waiting_.clear();
   waiting_.shrink_to_fit();
+  LearnStroke(oil_temperature);
 }
 
-IntegralEstimator::Small IntegralEstimator::ExcitedDirections(const Small& gram, const Small& noise, int count) {
-  const auto n = gram.rows();
-  Eigen::SelfAdjointEigenSolver<Small> eigen(n);
-  eigen.compute(gram);
+IntegralEstimator::Small IntegralEstimator::ExcitedDirections(const Share& stroke) {
+  const auto n = stroke.gram.rows() - 1;
+  const Eigen::SelfAdjointEigenSolver<Small> eigen(stroke.gram.topLeftCorner(n, n));
   Small basis = Small::Zero(n, n);
   int excited = 0;
   for (Eigen::Index d = 0; d < n; ++d) {
-    const auto direction = eigen.eigenvectors().col(d);
-    double noise_energy = 0;
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index j = 0; j < n; ++j) noise_energy += direction[i] * noise(i, j) * direction[j];
+    const InformationFilter::Vector direction = eigen.eigenvectors().col(d);
+    const double noise_energy = direction.dot(stroke.noise.topLeftCorner(n, n) * direction);
     const double energy = eigen.eigenvalues()[d];
-    if (energy > kSignalToNoise * noise_energy && energy > 1e-9 * count) basis.col(excited++) = direction;
+    if (energy > kSignalToNoise * noise_energy && energy > 1e-9 * stroke.count)
+      basis.col(excited++) = direction;
   }
   basis.conservativeResize(n, excited);
   return basis;
 }
 
-void IntegralEstimator::Forget(const Small& basis, int count) {
+void IntegralEstimator::Forget(const Small& basis, double count) {
   if (spec_.time_constants.empty() || spec_.form == EstimatorForm::kExponential) {
     filter_->Forget(basis, std::pow(memory_, count));
     return;
   }
-  // One time constant per parameter: a direction forgets at the mean of its parameters' rates, by their shares in it.
+  // One time constant per parameter: a direction forgets at the mean of its parameters' rates, by their
+  // shares in it.
   for (Eigen::Index d = 0; d < basis.cols(); ++d) {
     double rate = 0;
-    for (int i = 0; i < model_->base_count; ++i) {
-      const auto own = spec_.time_constants.find(model_->parameters[i]);
-      const double time_constant = own != spec_.time_constants.end() ? own->second : spec_.time_constant;
-      rate += basis(i, d) * basis(i, d) / time_constant;
-    }
+    for (int i = 0; i < model_->base_count; ++i) rate += basis(i, d) * basis(i, d) / time_constants_[i];
     filter_->Forget(basis.col(d), std::exp(-rate * block_time_ * count));
   }
 }
 
-void IntegralEstimator::LearnSpan(const Small& gram, const Small& noise, int count) {
-  const int n = model_->base_count;
-  Small signal(n, n), noise_share(n, n);
-  InformationFilter::Vector cross(n);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      noise_share(i, j) = scale_[i] * noise(i, j) * scale_[j];
-      signal(i, j) = scale_[i] * gram(i, j) * scale_[j];
-    }
-    cross[i] = scale_[i] * (gram(i, n) - noise(i, n)) / noise_;
-  }
-  const InformationFilter::Vector theta = filter_->Theta();
-  double error = gram(n, n) / (noise_ * noise_);
-  for (int i = 0; i < n; ++i) {
-    error -= 2 * theta[i] * scale_[i] * gram(i, n) / noise_;
-    for (int j = 0; j < n; ++j) error += theta[i] * signal(i, j) * theta[j];
-  }
-  const double allowed = spec_.clip * spec_.clip * variance_ * count;
-  const double weight = settled_ && spec_.clip > 0 && error > allowed ? allowed / error : 1.0;
+void IntegralEstimator::RelateParameters(const Eigen::VectorXd& theta) {
+  const std::vector<DerivedParameter> derived = model_->derive(theta);
+  own_ = OwnParameters(derived, theta);
+  time_constants_.assign(model_->base_count, spec_.time_constant);
+  const auto set = [&](const std::string& name, int parameter) {
+    if (const auto own = spec_.time_constants.find(name); own != spec_.time_constants.end())
+      time_constants_[parameter] = own->second;
+  };
+  for (std::size_t i = 0; i < derived.size(); ++i) set(derived[i].name, own_[i]);
+  for (int i = 0; i < model_->base_count; ++i) set(model_->parameters[i], i);
+}
 
-  Forget(spec_.form == EstimatorForm::kDirectional ? ExcitedDirections(signal, noise_share, count) : Small::Identity(n, n),
-         count);
-  signal -= noise_share;
-  filter_->Add(signal, cross, weight);
+void IntegralEstimator::LearnSpan(const Share& span) {
+  const int n = model_->base_count;
+  const Share scaled{scale_.asDiagonal() * span.gram * scale_.asDiagonal(),
+                     scale_.asDiagonal() * span.noise * scale_.asDiagonal(), span.count};
+  Eigen::VectorXd coefficients(n + 1);
+  coefficients << -filter_->Theta(), 1.0;
+  // Mean square of the innovations in noise variances.
+  const double innovation = coefficients.dot(scaled.gram * coefficients) / (variance_ * span.count);
+  if (settled_ && innovation < spec_.dead_zone * spec_.dead_zone) {
+    ++counts_.in_dead_zone;
+    return;
+  }
+  const bool clip = settled_ && spec_.clip > 0 && innovation > spec_.clip * spec_.clip;
+  ++(clip ? counts_.clipped : counts_.learned);
+  stroke_.Add(scaled, clip ? spec_.clip * spec_.clip / innovation : 1.0);
+}
+
+void IntegralEstimator::LearnStroke(double oil_temperature) {
+  if (stroke_.count == 0) return;
+  const int n = model_->base_count;
+  Forget(
+      spec_.form == EstimatorForm::kDirectional ? ExcitedDirections(stroke_) : Small(Small::Identity(n, n)),
+      stroke_.count);
+  const Small signal = stroke_.gram - stroke_.noise;
+  filter_->Add(signal.topLeftCorner(n, n), signal.col(n).head(n), oil_temperature);
+  stroke_ = {};
 }
 
 Eigen::VectorXd IntegralEstimator::theta() const {
   if (!filter_) return {};
-  return filter_->Theta().cwiseProduct(scale_) * noise_;
+  return filter_->Theta().cwiseProduct(scale_.head(model_->base_count)) * noise_;
 }
 
 IntegralEstimator::Weighted IntegralEstimator::Weigh(const Eigen::VectorXd& theta) const {
@@ -178,10 +204,12 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
   noise -= clean;
   recent_.push_front({raw, noise});
   if (recent_.size() > kRecentStrokes) recent_.pop_back();
-  if (!filter_) {
+  if (filter_) {
+    LearnStroke(stroke.oil_temperature);
+  } else {
     NormalEquations all;
     for (const Recent& r : recent_) all += r.raw;
-    Start(all);
+    Start(all, stroke.oil_temperature);
     if (!filter_) return {};
   }
   const Eigen::VectorXd present = theta();
@@ -191,27 +219,31 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
   settled_ = recent_.size() >= kSettled;
 
   const Weighted recent = Weigh(present);
-  const Eigen::VectorXd unit = scale_ * noise_;
-  const Eigen::MatrixXd covariance = variance_ * (unit.asDiagonal() * filter_->Covariance() * unit.asDiagonal());
+  const Eigen::VectorXd unit = scale_.head(model_->base_count) * noise_;
+  const Eigen::MatrixXd covariance =
+      variance_ * (unit.asDiagonal() * filter_->Covariance() * unit.asDiagonal());
+  const InformationFilter::Vector condition = filter_->Condition();
   std::vector<Estimate> estimates;
   for (const DerivedParameter& parameter : model_->derive(present)) {
     const std::size_t index = estimates.size();
-    Estimate estimate = Describe(parameter, recent, covariance, OwnStd(parameter, recent_.front(), present));
+    Estimate estimate =
+        Describe(parameter, recent, covariance, OwnStd(parameter, own_[index], recent_.front()));
     if (estimate.reason == EstimateReason::kUpdated || estimate.reason == EstimateReason::kOutsidePhysics)
       last_excited_[index] = stroke.end;
     estimate.last_excited = last_excited_[index];
+    estimate.oil_temperature = condition[own_[index]];
     estimates.push_back(estimate);
   }
   return estimates;
 }
 
-double IntegralEstimator::OwnStd(const DerivedParameter& parameter, const Recent& stroke,
-                                 const Eigen::VectorXd& theta) const {
+double IntegralEstimator::OwnStd(const DerivedParameter& parameter, int own_regressor,
+                                 const Recent& stroke) const {
   const double equations = std::max(stroke.raw.equations, 1.0);
-  int dominant = 0;
-  parameter.gradient.cwiseProduct(theta).cwiseAbs().maxCoeff(&dominant);
-  // Share of the regressor's energy that is signal; the noise share itself is only known to sqrt(2 / equations).
-  const double noise_share = stroke.noise.h(dominant, dominant) / std::max(stroke.raw.h(dominant, dominant), 1e-300);
+  // Share of the regressor's energy that is signal; the noise share itself is only known to sqrt(2 /
+  // equations).
+  const double noise_share = stroke.noise.h(own_regressor, own_regressor) /
+                             std::max(stroke.raw.h(own_regressor, own_regressor), 1e-300);
   const double signal_share = 1.0 - noise_share - 3.0 * std::sqrt(2.0 / equations);
   if (!(signal_share > 0)) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd ridge = stroke.raw.h.diagonal().cwiseMax(1e-300) * (1e-9 / equations);
@@ -228,7 +260,8 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
   if (recent.strokes > 2) {
     const Eigen::VectorXd bread = recent.h.ldlt().solve(gradient);
     const double small_sample = recent.strokes / (recent.strokes - 1);
-    scattered = std::sqrt(std::max(0.0, bread.dot(recent.meat * bread)) * small_sample) * StudentFactor(recent.strokes - 1);
+    scattered = std::sqrt(std::max(0.0, bread.dot(recent.meat * bread)) * small_sample) *
+                StudentFactor(recent.strokes - 1);
   } else {
     scattered = 2.0 * promised;  // one or two strokes do not show how strokes scatter
   }
@@ -258,9 +291,10 @@ void IntegralEstimator::Save(ByteWriter& out) const {
     PutEquations(out, r.noise);
   }
   for (double t : last_excited_) out.Put(t);
+  out.Put(counts_);
   if (!filter_) {
     out.Put<std::uint32_t>(static_cast<std::uint32_t>(waiting_.size()));
-    for (const Waiting& span : waiting_) {
+    for (const Share& span : waiting_) {
       for (double x : span.gram.reshaped()) out.Put(x);
       for (double x : span.noise.reshaped()) out.Put(x);
       out.Put(span.count);
@@ -268,10 +302,11 @@ void IntegralEstimator::Save(ByteWriter& out) const {
     return;
   }
   PutVector(out, scale_);
-  out.Put(noise_);
   out.Put(variance_);
+  out.Put(filter_->least_information());
   for (double x : filter_->information().reshaped()) out.Put(x);
   PutVector(out, filter_->state());
+  for (double x : filter_->moment().reshaped()) out.Put(x);
 }
 
 bool IntegralEstimator::Restore(ByteReader& in) {
@@ -282,35 +317,46 @@ bool IntegralEstimator::Restore(ByteReader& in) {
   recent_.clear();
   for (std::uint32_t s = 0; s < strokes; ++s) recent_.push_back({GetEquations(in, n), GetEquations(in, n)});
   for (double& t : last_excited_) t = in.Get<double>();
+  counts_ = in.Get<SpanCounts>();
   filter_.reset();
   waiting_.clear();
-  if (!running) {
-    noise_ = variance_ = 1.0;
-    settled_ = false;
-    const auto size = in.Get<std::uint32_t>();
-    if (size > kMaxWaiting) return false;
-    for (std::uint32_t k = 0; k < size && in.ok(); ++k) {
-      Waiting span{Small(n + 1, n + 1), Small(n + 1, n + 1), 0};
-      for (double& x : span.gram.reshaped()) x = in.Get<double>();
-      for (double& x : span.noise.reshaped()) x = in.Get<double>();
-      span.count = in.Get<int>();
-      waiting_.push_back(std::move(span));
-    }
-    return in.ok();
+  stroke_ = {};
+  return running ? RestoreFilter(in) : RestoreWaiting(in);
+}
+
+bool IntegralEstimator::RestoreWaiting(ByteReader& in) {
+  const int size = model_->base_count + 1;
+  noise_ = variance_ = 1.0;
+  settled_ = false;
+  const auto spans = in.Get<std::uint32_t>();
+  if (spans > kMaxWaiting) return false;
+  for (std::uint32_t k = 0; k < spans && in.ok(); ++k) {
+    Share span{Small(size, size), Small(size, size), 0};
+    for (double& x : span.gram.reshaped()) x = in.Get<double>();
+    for (double& x : span.noise.reshaped()) x = in.Get<double>();
+    span.count = in.Get<double>();
+    waiting_.push_back(std::move(span));
   }
-  scale_.resize(n);
+  return in.ok();
+}
+
+bool IntegralEstimator::RestoreFilter(ByteReader& in) {
+  const int n = model_->base_count;
+  scale_.resize(n + 1);
   for (double& x : scale_) x = in.Get<double>();
-  noise_ = in.Get<double>();
+  noise_ = 1.0 / scale_[n];
   variance_ = in.Get<double>();
-  Small information(n, n);
+  const auto least_information = in.Get<double>();
+  Small information(n, n), moment(n, n);
   InformationFilter::Vector state(n);
   for (double& x : information.reshaped()) x = in.Get<double>();
   for (double& x : state) x = in.Get<double>();
-  if (!in.ok()) return false;
-  filter_.emplace(InformationFilter::Vector::Zero(n), 1.0);
-  filter_->Restore(information, state);
+  for (double& x : moment.reshaped()) x = in.Get<double>();
+  if (!in.ok() || !(least_information > 0)) return false;
+  filter_.emplace(information, state, moment, least_information);
   settled_ = recent_.size() >= kSettled;
-  return in.ok();
+  RelateParameters(theta());
+  return true;
 }
 
 }  // namespace hydroscope

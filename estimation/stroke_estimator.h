@@ -17,6 +17,8 @@ class StrokeEstimator {
  public:
   virtual ~StrokeEstimator() = default;
   virtual void AddStretch(const Stretch& stretch, const SpanEquations& equations) = 0;
+  /// The stretches since the last stroke were no stroke.
+  virtual void DiscardStroke() {}
   /// Physical parameters with intervals after the stroke that `gram` sums up.
   virtual std::vector<Estimate> EndStroke(const StrokeSummary& stroke, const StrokeGram& gram) = 0;
   /// Regression parameters in force, empty before the first stroke.

@@ -1,17 +1,23 @@
 #include "service/benchmarks/thirty_runs.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include "acquisition/quality_monitor.h"
+#include "estimation/gram_fit.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/output.h"
-#include "service/report_statistics.h"
+#include "service/replay_runner.h"
+#include "service/report_analysis.h"
+#include "simulator/log_format.h"
+#include "storage/database.h"
 
 namespace hydroscope {
 namespace {
@@ -20,25 +26,55 @@ constexpr double kZeroCelsius = 273.15;  ///< K
 
 struct Watched {
   const char* name;
+  const char* parameter;
   int estimate;   ///< index in StrokeRecord::estimates
   double factor;  ///< SI to the unit shown
   const char* unit;
+  bool follows;  ///< should follow the oil
 };
-constexpr std::array<Watched, 3> kWatched = {
-    {{"Q_vn", 2, 6e4, "l/min"}, {"K'", 0, 1e-9, "GPa"}, {"V0", 1, 1e3, "l"}}};
+constexpr std::array<Watched, 3> kWatched = {{{"Q_vn", "Q_vn", 2, 6e4, "l/min", true},
+                                              {"K'", "K", 0, 1e-9, "GPa", false},
+                                              {"V0", "V0", 1, 1e3, "l", false}}};
+using Values = std::array<double, 3>;  ///< of kWatched, in shown units
 
-/// What was known after one run.
+/// What was known of one run.
 struct RunResult {
-  double oil = 0;         ///< degC, mean over the strokes
+  double oil = 0;         ///< K, mean over the strokes
   double gated_time = 0;  ///< s that entered the equations
-  int strokes = 0;
-  std::vector<Estimate> estimates;
+  std::int64_t strokes = 0;
+  Values value, std;  ///< fitted to this run by itself
+  Values trend;       ///< of the recursive estimator after the run ...
+  Values trend_oil;   ///< ... and the oil temperature it stands for, K
 };
 
-PressOptions RunOptions(const ThirtyRunsOptions& o, int run) {
+struct Slopes {
+  std::array<TestedValue, 3> by_itself, trend;  ///< shown units per K
+  std::array<OilOutcome, 3> report;
+  double memory = 0;  ///< correlation of successive trend values
+};
+
+/// A folder that goes when the study is over.
+class WorkFolder {
+ public:
+  WorkFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("hydroscope_runs_{}", getpid())) {
+    std::filesystem::create_directories(path_);
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  std::string File(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+PressOptions RunOptions(const ThirtyRunsOptions& o, std::uint64_t seed, int run) {
   PressOptions press;
   press.seconds = o.seconds;
-  press.seed = o.seed * 1000 + run;
+  press.seed = seed * 1000 + static_cast<std::uint64_t>(run);
   const double step = (o.oil_last - o.oil_first) / o.runs;
   press.oil_start = o.oil_first + step * run + kZeroCelsius;
   press.oil_end = press.oil_start + step;
@@ -46,97 +82,263 @@ PressOptions RunOptions(const ThirtyRunsOptions& o, int run) {
   return press;
 }
 
-/// One run through a pipeline of its own that starts from `state` and leaves its own there.
-Result<RunResult> Run(const PressOptions& press, std::vector<std::uint8_t>& state) {
-  const Machine machine = MachineFor(press);
+Status WriteLog(const PressOptions& options, const std::string& path) {
+  PressGenerator press(options);
+  std::string text(kPressLogHeader);
+  for (PressRow row; press.Next(row);) AppendPressLine(row, text);
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) return BadInput("cannot write {}", path);
+  return {};
+}
+
+/// Machine file and logs of one seed, replayed.
+Result<ReplayOutcome> Replay(const ThirtyRunsOptions& o, std::uint64_t seed, const WorkFolder& folder,
+                             const std::string& database, const std::string& report) {
+  Machine machine = MachineFor(RunOptions(o, seed, 0));
+  for (SignalSpec& signal : machine.signals)
+    if (signal.name == "T_oil") signal.unit = "degC";
+  ReplayOptions replay;
+  replay.machine_file = folder.File("machine.toml");
+  replay.database = database;
+  replay.report = report;
+  std::ofstream file(replay.machine_file);
+  file << FormatMachine(machine);
+  if (!file.flush()) return BadInput("cannot write {}", replay.machine_file);
+  for (int run = 0; run < o.runs; ++run) {
+    replay.logs.push_back(folder.File(fmt::format("run_{:02}.csv", run + 1)));
+    if (const Status written = WriteLog(RunOptions(o, seed, run), replay.logs.back()); !written)
+      return tl::unexpected(written.error());
+  }
+  return RunReplay(replay);
+}
+
+/// What the database holds of one run; `trends` are those of the machine in order.
+Result<RunResult> RunFrom(const Database& database, std::int64_t machine_id, const RunInfo& run,
+                          const ReplayOutcome& outcome, const std::vector<TrendPoint>& trends) {
+  const double period = RunOptions({}, 1, 0).sample_period;
+  const auto strokes = database.Strokes(run.id);
+  if (!strokes) return tl::unexpected(strokes.error());
+  const auto grams = database.Grams(machine_id, run.first_sequence, run.first_sequence + run.strokes);
+  if (!grams) return tl::unexpected(grams.error());
+  const auto model = BuildModel(outcome.machine);
+  if (!model) return tl::unexpected(model.error());
+  const auto fit = FitBaseModel(**model, *grams, WindowSamples::From(outcome.machine.window, period));
+  if (!fit) return tl::unexpected(fit.error());
   RunResult result;
-  auto pipeline = Pipeline::Create(machine, press.sample_period, [&](StrokeRecord&& record) {
-    ++result.strokes;
-    result.oil += record.summary.oil_temperature - kZeroCelsius;
-    result.gated_time += static_cast<double>(record.summary.counters.used) * press.sample_period;
-    if (!record.estimates.empty()) result.estimates = std::move(record.estimates);
-  });
-  if (!pipeline) return tl::unexpected(pipeline.error());
-  if (!state.empty())
-    if (const Status restored = (*pipeline)->RestoreState(state); !restored)
-      return tl::unexpected(restored.error());
-  SampleBlock rows = RowsOf(SimulatePress(press), machine);
-  QualityMonitor monitor(machine, press.sample_period);
-  monitor.Inspect(rows);
-  (*pipeline)->Process(rows);
-  monitor.Flush(rows);
-  (*pipeline)->Process(rows);
-  (*pipeline)->Finish();
-  state = (*pipeline)->SaveState();
-  if (result.strokes == 0 || result.estimates.empty())
-    return BadInput("a run of {:.0f} s gave no estimate; take --seconds 20 or more", press.seconds);
-  result.oil /= result.strokes;
+  result.strokes = run.strokes;
+  for (const StrokeSummary& stroke : *strokes) {
+    result.oil += stroke.oil_temperature / static_cast<double>(run.strokes);
+    result.gated_time += static_cast<double>(stroke.counters.used) * period;
+  }
+  for (std::size_t w = 0; w < kWatched.size(); ++w) {
+    const Estimate& own = fit->parameters[kWatched[w].estimate];
+    result.value[w] = own.value * kWatched[w].factor;
+    result.std[w] = own.std * kWatched[w].factor;
+    for (const TrendPoint& point : trends)
+      if (point.run == run.id && point.estimate.parameter == kWatched[w].parameter) {
+        result.trend[w] = point.estimate.value * kWatched[w].factor;
+        result.trend_oil[w] = point.estimate.oil_temperature;
+      }
+  }
   return result;
 }
 
-void PrintRun(int run, const RunResult& r) {
-  std::cout << fmt::format("{:>3} {:>7.2f} {:>8}", run + 1, r.oil, r.strokes);
-  for (const Watched& w : kWatched)
-    std::cout << fmt::format(" {:>10.4f} ± {:<7.4f}", r.estimates[w.estimate].value * w.factor,
-                             r.estimates[w.estimate].std * w.factor);
-  std::cout << "\n";
+/// Slope of `value` over `oil`, per K; the temperature is centred, which keeps the regression well
+/// conditioned.
+TestedValue SlopeOf(const std::vector<double>& oil, const std::vector<double>& value,
+                    double least_correlation) {
+  std::vector<double> ones(oil.size(), 1.0), centred = oil, std(oil.size(), 0.0);
+  double mean = 0;
+  for (double t : oil) mean += t / static_cast<double>(oil.size());
+  for (double& t : centred) t -= mean;
+  const CorrelatedFit fit = FitCorrelated({ones, centred}, value, std, least_correlation);
+  return fit.coefficients.empty() ? TestedValue() : fit.coefficients[1];
 }
 
-/// Slope of a watched parameter over the oil temperature, in shown units per K.
-TestedValue SlopeOf(const Watched& w, const std::vector<RunResult>& runs, double least_correlation) {
-  std::vector<double> ones, oil, value, std;
-  for (const RunResult& r : runs) {
-    ones.push_back(1);
-    oil.push_back(r.oil);
-    value.push_back(r.estimates[w.estimate].value * w.factor);
-    std.push_back(0);  // successive estimates scatter alike
+Slopes SlopesOf(const std::vector<RunResult>& runs, const Machine& machine, const ReportAnalysis& report) {
+  Slopes slopes;
+  double gated_time = 0;
+  for (const RunResult& run : runs) gated_time += run.gated_time / static_cast<double>(runs.size());
+  slopes.memory = std::exp(-gated_time / machine.estimator.time_constant);
+  for (std::size_t w = 0; w < kWatched.size(); ++w) {
+    std::vector<double> oil, value, trend_oil, trend;
+    for (const RunResult& run : runs) {
+      oil.push_back(run.oil);
+      value.push_back(run.value[w]);
+      trend_oil.push_back(run.trend_oil[w]);
+      trend.push_back(run.trend[w]);
+    }
+    slopes.by_itself[w] = SlopeOf(oil, value, 0);
+    slopes.trend[w] = SlopeOf(trend_oil, trend, slopes.memory);
+    for (const ParameterAnalysis& parameter : report.parameters)
+      if (parameter.parameter == kWatched[w].parameter) slopes.report[w] = parameter.oil.outcome;
   }
-  const CorrelatedFit fit = FitCorrelated({ones, oil}, value, std, least_correlation);
-  return fit.coefficients.empty() ? TestedValue() : fit.coefficients[1];
+  return slopes;
+}
+
+struct Study {
+  std::vector<RunResult> runs;
+  Slopes slopes;
+};
+
+Result<Study> StudySeed(const ThirtyRunsOptions& o, std::uint64_t seed, const std::string& database_path,
+                        const std::string& report_path) {
+  const WorkFolder folder;
+  const std::string path = database_path.empty() ? folder.File("runs.db") : database_path;
+  const auto outcome = Replay(o, seed, folder, path, report_path);
+  if (!outcome) return tl::unexpected(outcome.error());
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto machine_id = database->MachineId(outcome->machine.name);
+  if (!machine_id) return tl::unexpected(machine_id.error());
+  const auto trends = database->Trend(*machine_id, "");
+  if (!trends) return tl::unexpected(trends.error());
+  const auto strokes = database->SummariesOf(*machine_id, 0, outcome->strokes, outcome->strokes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  Study study;
+  for (const RunInfo& run : outcome->runs) {
+    auto result = RunFrom(*database, *machine_id, run, *outcome, *trends);
+    if (!result) return tl::unexpected(result.error());
+    study.runs.push_back(*result);
+  }
+  ReportInput input;
+  input.machine = outcome->machine;
+  input.runs = outcome->runs;
+  input.strokes = *strokes;
+  input.trends = *trends;
+  study.slopes = SlopesOf(study.runs, outcome->machine, AnalyseReport(input));
+  return study;
+}
+
+void PrintRuns(const std::vector<RunResult>& runs) {
+  std::cout << fmt::format("{:>3} {:>7} {:>8}", "run", "oil °C", "strokes");
+  for (const Watched& w : kWatched)
+    std::cout << fmt::format(" {:>12} ± std     {:>8}", fmt::format("{} {}", w.name, w.unit), "trend");
+  std::cout << "\n";
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::cout << fmt::format("{:>3} {:>7.2f} {:>8}", i + 1, runs[i].oil - kZeroCelsius, runs[i].strokes);
+    for (std::size_t w = 0; w < kWatched.size(); ++w)
+      std::cout << fmt::format(" {:>12.4f} ± {:<7.4f} {:>8.4f}", runs[i].value[w], runs[i].std[w],
+                               runs[i].trend[w]);
+    std::cout << "\n";
+  }
+}
+
+double TrueSlope(const ThirtyRunsOptions& o, const Watched& w) {
+  return w.follows ? o.viscosity * RunOptions(o, 1, 0).machine.Q_vn * w.factor : 0.0;
+}
+
+bool Holds(const TestedValue& slope, double value) {
+  return std::abs(slope.value - value) <= slope.HalfWidth();
+}
+
+/// Interval holds the truth, and excludes 0 where the parameter follows the oil.
+bool Right(const TestedValue& slope, double truth) {
+  return Holds(slope, truth) && (truth == 0 || !Holds(slope, 0));
+}
+
+bool PrintSlopes(const char* title, const std::array<TestedValue, 3>& slopes, const ThirtyRunsOptions& o) {
+  std::cout << "\n" << title << "\n";
+  bool reached = true;
+  for (std::size_t i = 0; i < kWatched.size(); ++i) {
+    const Watched& w = kWatched[i];
+    const double truth = TrueSlope(o, w);
+    const bool right = Right(slopes[i], truth);
+    reached = reached && right;
+    std::cout << fmt::format("{:<5} {:>9.4f} ± {:<8.4f} {}/K, truth {:.4f}: {} the truth, {} 0{}\n", w.name,
+                             slopes[i].value, slopes[i].HalfWidth(), w.unit, truth,
+                             Holds(slopes[i], truth) ? "holds" : "does NOT hold",
+                             Holds(slopes[i], 0) ? "holds" : "excludes", right ? "" : "  <- missed");
+  }
+  return reached;
+}
+
+const char* ReportWords(OilOutcome outcome) {
+  switch (outcome) {
+    case OilOutcome::kFollows:
+      return "follows the oil";
+    case OilOutcome::kHint:
+      return "hint of a dependence";
+    case OilOutcome::kNotSeen:
+      return "no dependence seen";
+    case OilOutcome::kNotInStep:
+      return "moves, but not in step with the oil";
+    default:
+      return "cannot be told";
+  }
+}
+
+bool PrintReport(const Slopes& slopes, const ThirtyRunsOptions& o) {
+  std::cout << "\nthe report says\n";
+  bool reached = true;
+  for (std::size_t i = 0; i < kWatched.size(); ++i) {
+    const bool follows = o.viscosity != 0 && kWatched[i].follows;
+    const bool right = slopes.report[i] == (follows ? OilOutcome::kFollows : OilOutcome::kNotSeen);
+    reached = reached && right;
+    std::cout << fmt::format("{:<5} {}{}\n", kWatched[i].name, ReportWords(slopes.report[i]),
+                             right ? "" : "  <- missed");
+  }
+  return reached;
+}
+
+void PrintSeeds(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
+  std::cout << fmt::format(
+      "\nslopes over {} seeds; 95 % intervals that hold the truth, about 95 % are due\n{:<5}", all.size(),
+      "seed");
+  for (const Watched& w : kWatched)
+    std::cout << fmt::format(" {:>20} {:>20}", fmt::format("{} by itself", w.name),
+                             fmt::format("{} trend", w.name));
+  std::cout << "\n";
+  std::array<std::array<int, 2>, 3> held{};
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    std::cout << fmt::format("{:<5}", o.seed + s);
+    for (std::size_t w = 0; w < kWatched.size(); ++w) {
+      const std::array<TestedValue, 2> both = {all[s].by_itself[w], all[s].trend[w]};
+      for (std::size_t k = 0; k < both.size(); ++k) {
+        const bool holds = Holds(both[k], TrueSlope(o, kWatched[w]));
+        held[w][k] += holds;
+        std::cout << fmt::format(" {:>9.4f} ± {:.4f} {}", both[k].value, both[k].HalfWidth(),
+                                 holds ? " " : "!");
+      }
+    }
+    std::cout << "\n";
+  }
+  std::cout << fmt::format("{:<5}", "held");
+  for (const auto& h : held)
+    for (int count : h) std::cout << fmt::format(" {:>20}", fmt::format("{} of {}", count, all.size()));
+  std::cout << "\n";
 }
 
 }  // namespace
 
-int RunThirtyRuns(const ThirtyRunsOptions& options) {
-  std::vector<RunResult> runs;
-  std::vector<std::uint8_t> state;
+int RunThirtyRuns(const ThirtyRunsOptions& o) {
+  if (!o.database.empty() && std::filesystem::exists(o.database))
+    return ReportError(BadInput("{} exists already; the study needs a new database", o.database).value());
   std::cout << fmt::format(
-      "{} consecutive runs of {:.0f} s, oil {} -> {} degC, flow gain {:+.2f} %/K, seed {}\n\n", options.runs,
-      options.seconds, options.oil_first, options.oil_last, 100 * options.viscosity, options.seed);
-  std::cout << fmt::format("{:>3} {:>7} {:>8}", "run", "oil °C", "strokes");
-  for (const Watched& w : kWatched)
-    std::cout << fmt::format(" {:>12} ± std   ", fmt::format("{} {}", w.name, w.unit));
-  std::cout << "\n";
-  ProgressBar progress("thirty runs", "runs");
-  double gated_time = 0;
-  for (int run = 0; run < options.runs; ++run) {
-    auto result = Run(RunOptions(options, run), state);
-    if (!result) return ReportError(result.error());
-    PrintRun(run, *result);
-    gated_time += result->gated_time;
-    runs.push_back(std::move(*result));
-    progress.Update((run + 1.0) / options.runs, run + 1);
-  }
-  const PressOptions first = RunOptions(options, 0);
-  // One run is forgotten at the pace of the estimator's time constant, so successive values are correlated.
-  const double memory = std::exp(-gated_time / options.runs / MachineFor(first).estimator.time_constant);
-  const double true_flow_slope = options.viscosity * first.machine.Q_vn * kWatched[0].factor;
-  std::cout << fmt::format(
-      "\nslope over the oil temperature, 95 % interval (successive runs correlated by {:.2f} or more)\n",
-      memory);
+      "{} consecutive runs of {:.0f} s, oil {} -> {} degC, flow gain {:+.2f} %/K, seed {}\n\n", o.runs,
+      o.seconds, o.oil_first, o.oil_last, 100 * o.viscosity, o.seed);
+  std::vector<Slopes> all;
   bool reached = true;
-  for (const Watched& w : kWatched) {
-    const bool follows = w.estimate == 2;
-    const TestedValue slope = SlopeOf(w, runs, memory);
-    const double truth = follows ? true_flow_slope : 0, half = slope.HalfWidth();
-    const bool holds = std::abs(slope.value - truth) <= half;
-    const bool zero = std::abs(slope.value) <= half;
-    const bool right = holds && zero != follows;
-    reached = reached && right;
-    std::cout << fmt::format("{:<5} {:>9.4f} ± {:<8.4f} {}/K, truth {:.4f}: {} the truth, {} 0{}\n", w.name,
-                             slope.value, half, w.unit, truth, holds ? "holds" : "does NOT hold",
-                             zero ? "holds" : "excludes", right ? "" : "  <- missed");
+  for (int s = 0; s < o.seeds; ++s) {
+    const bool first = s == 0;
+    auto study =
+        StudySeed(o, o.seed + static_cast<std::uint64_t>(s), first ? o.database : "", first ? o.report : "");
+    if (!study) return ReportError(study.error());
+    all.push_back(study->slopes);
+    if (!first) continue;
+    PrintRuns(study->runs);
+    reached = PrintSlopes("slope over the oil temperature, each run fitted by itself, 95 % interval",
+                          study->slopes.by_itself, o);
+    const std::string title = fmt::format(
+        "slope of the recorded trend over the oil temperature it stands for (successive runs correlated by "
+        "{:.2f} "
+        "or more)",
+        study->slopes.memory);
+    reached = PrintSlopes(title.c_str(), study->slopes.trend, o) && reached;
+    reached = PrintReport(study->slopes, o) && reached;
   }
+  if (o.seeds > 1) PrintSeeds(all, o);
   std::cout << (reached ? "\nreached" : "\nNOT reached")
             << ": Q_vn follows the oil temperature, K' and V0 do not\n";
   return reached ? 0 : 1;
