@@ -1,0 +1,148 @@
+// `hydroscope simulate press --serve` as a process of its own, read through the sources of a machine file.
+#include <fcntl.h>
+
+#include <csignal>
+
+#include "acquisition/live_sources.h"
+#include "tests/command_line_fixture.h"
+#include "tests/live_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using ::testing::HasSubstr;
+
+/// The program with its stdin in our hands and its stdout in a file.
+class PressProcess {
+ public:
+  PressProcess(const std::string& machine, const std::string& out, const std::vector<std::string>& more = {})
+      : out_(out) {
+    int ends[2];
+    EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    std::vector<std::string> words = {HYDROSCOPE_BINARY, "simulate", "press", "--serve", machine};
+    words.insert(words.end(), more.begin(), more.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    child_ = fork();
+    if (child_ == 0) {
+      dup2(ends[0], STDIN_FILENO);
+      if (freopen(out.c_str(), "w", stdout) == nullptr) _exit(99);
+      if (freopen((out + ".err").c_str(), "w", stderr) == nullptr) _exit(99);
+      execv(HYDROSCOPE_BINARY, argv.data());
+      _exit(99);
+    }
+    close(ends[0]);
+    input_ = ends[1];
+  }
+  ~PressProcess() {
+    if (child_ > 0) Kill(SIGKILL);
+    close(input_);
+  }
+
+  void Say(const std::string& line) {
+    const std::string text = line + "\n";
+    EXPECT_EQ(write(input_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  bool WaitFor(const std::string& answer) const {
+    return WaitUntil([&] { return ReadText(out_).find(answer) != std::string::npos; });
+  }
+  int Wait() {
+    int state = 0;
+    waitpid(child_, &state, 0);
+    child_ = 0;
+    return WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+  }
+  int Kill(int signal) {
+    kill(child_, signal);
+    return Wait();
+  }
+
+ private:
+  std::string out_;
+  pid_t child_ = 0;
+  int input_ = -1;
+};
+
+class SimulateServe : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    TestPress reserve;
+    std::string text = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/press_live.toml");
+    Replace(text, "domain = 0", fmt::format("domain = {}", OwnDomain()));
+    Replace(text, "port = 1502", fmt::format("port = {}", reserve.port()));
+    machine_ = File("press.toml");
+    WriteText(machine_, text);
+  }
+  static void Replace(std::string& text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  }
+  std::string machine_;
+};
+
+TEST_F(SimulateServe, ObeysLinesAndStopsWhenTold) {
+  PressProcess press(machine_, File("out"));
+  ASSERT_TRUE(press.WaitFor("serving 4 axes at 1000 Hz"));
+  press.Say("effect internal_leakage=4e-12 axis=2 ramp=10");
+  EXPECT_TRUE(press.WaitFor("ok effect internal_leakage"));
+  press.Say("effect internal_leakage=4e-12 axis=5");
+  EXPECT_TRUE(press.WaitFor("error axis 5: the press has 4 axes"));
+  press.Say("leak a little");
+  EXPECT_TRUE(press.WaitFor("error 'leak a little' is not understood"));
+  press.Say("quit");
+  EXPECT_EQ(press.Wait(), 0);
+  EXPECT_THAT(ReadText(File("out")), HasSubstr("stopped after"));
+}
+
+TEST_F(SimulateServe, StopsCleanlyOnATerminationSignal) {
+  PressProcess press(machine_, File("out"));
+  ASSERT_TRUE(press.WaitFor("serving"));
+  EXPECT_EQ(press.Kill(SIGTERM), 0);
+  EXPECT_THAT(ReadText(File("out")), HasSubstr("stopped after"));
+}
+
+TEST_F(SimulateServe, KilledAndStartedAgainItIsHeardAgainWithinTwoSecondsAndNothingIsLostOrDoubled) {
+  const auto machine = LoadMachine(machine_);
+  ASSERT_TRUE(machine) << machine.error().text;
+  auto sources = MakeSources(*machine, RealTime, 1);
+  ASSERT_EQ(sources.size(), 2u);
+  std::vector<TestSink> sinks(sources.size());
+  for (std::size_t k = 0; k < sources.size(); ++k) ASSERT_TRUE(sources[k]->Start(sinks[k].sink()));
+  for (int life = 0; life < 3; ++life) {
+    PressProcess press(machine_, File("out"));
+    ASSERT_TRUE(press.WaitFor("serving"));
+    for (std::size_t k = 0; k < sources.size(); ++k)
+      EXPECT_TRUE(sinks[k].WaitForMore(1, life == 0 ? 10 : 2.5))
+          << sources[k]->status().name << ": " << sources[k]->status().state;
+    EXPECT_TRUE(sinks[0].WaitForMore(200));
+    press.Kill(SIGKILL);
+  }
+  for (const auto& source : sources) {
+    source->Stop();
+    EXPECT_EQ(source->status().lost_rows, 0) << source->status().name;
+    EXPECT_EQ(source->status().duplicate_rows, 0) << source->status().name;
+    EXPECT_EQ(source->status().malformed, 0) << source->status().name;
+  }
+}
+
+TEST_F(SimulateServe, TellsWhatItsRingLooksLikeWhenTheMachineFileSaysOtherwise) {
+  std::string text = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/press_live_modbus.toml");
+  Replace(text, "width = 58", "width = 60");
+  WriteText(machine_, text);
+  PressProcess press(machine_, File("out"));
+  EXPECT_EQ(press.Wait(), 3);
+  EXPECT_THAT(ReadText(File("out.err")), HasSubstr("records = 1024, width = 58"));
+}
+
+TEST_F(SimulateServe, AMachineFileWithoutLiveIsRefused) {
+  PressProcess press(kMachine, File("out"));
+  EXPECT_EQ(press.Wait(), 3);
+  EXPECT_THAT(ReadText(File("out.err")), HasSubstr("[live]"));
+}
+
+}  // namespace
+}  // namespace hydroscope
