@@ -7,7 +7,7 @@
 namespace hydroscope {
 namespace {
 
-bool IsDigit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
+using decimal_detail::IsDigit;
 
 /// A number taken apart: (-1)^negative * mantissa * 10^exponent.
 struct Parts {

@@ -27,6 +27,10 @@ inline constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  
                                                         1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                         1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
+inline constexpr int kExactDigits = 15;  ///< any integer of so many digits is a double
+
+inline bool IsDigit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
+
 /// Eight characters as digit values 0...9, one per byte, first character in the lowest byte.
 inline std::uint64_t LoadDigits(const char* text) {
   std::uint64_t bytes;
@@ -60,40 +64,32 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
   const bool negative = *p == '-';
   p += negative;
   const std::uint64_t whole = LoadDigits(p);
-  const std::uint64_t whole_end = NonDigits(whole);
+  const int whole_bits = std::countr_zero(NonDigits(whole)) & ~7;  // 8 x number of digits before the point
+  p += whole_bits >> 3;
   double magnitude;
-  if (whole_end == 0) {
-    p += 8;
-    if (*p == point || static_cast<unsigned char>(*p - '0') < 10)
-      return ParseDecimalFinite(text, point, value);
-    magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole)));
-  } else {
-    const int whole_bits = std::countr_zero(whole_end) & ~7;  // 8 x number of digits before the point
-    p += whole_bits >> 3;
-    if (*p == point) {
-      ++p;
-      const std::uint64_t fraction = LoadDigits(p);
-      const std::uint64_t fraction_end = NonDigits(fraction);
-      if (fraction_end == 0) return ParseDecimalFinite(text, point, value);
-      const int fraction_bits = std::countr_zero(fraction_end) & ~7;
-      p += fraction_bits >> 3;
-      const int bits = whole_bits + fraction_bits;
-      std::uint64_t mantissa;
-      if (bits <= 64) {
-        if (bits == 0) return nullptr;
-        const std::uint64_t digits =
-            (whole & ((std::uint64_t{1} << whole_bits) - 1)) | (fraction << whole_bits);
-        mantissa = EightDigits(digits << (64 - bits));
-      } else {
-        mantissa = EightDigits(whole << (64 - whole_bits)) *
-                       static_cast<std::uint64_t>(kPowersOfTen[fraction_bits >> 3]) +
-                   EightDigits(fraction << (64 - fraction_bits));
-      }
-      magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowersOfTen[fraction_bits >> 3];
+  if (*p == point) {
+    ++p;
+    const std::uint64_t fraction = LoadDigits(p);
+    const int fraction_bits = std::countr_zero(NonDigits(fraction)) & ~7;
+    p += fraction_bits >> 3;
+    const int bits = whole_bits + fraction_bits;
+    std::uint64_t mantissa;
+    if (bits <= 64) {
+      if (bits == 0) return nullptr;
+      if (whole_bits == 64 || fraction_bits == 64) return ParseDecimalFinite(text, point, value);
+      const std::uint64_t digits =
+          (whole & ((std::uint64_t{1} << whole_bits) - 1)) | (fraction << whole_bits);
+      mantissa = EightDigits(digits << (64 - bits));
     } else {
-      if (whole_bits == 0) return ParseDecimalFinite(text, point, value);
-      magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole << (64 - whole_bits))));
+      if (bits > 8 * kExactDigits || IsDigit(*p)) return ParseDecimalFinite(text, point, value);
+      mantissa = EightDigits(whole << (64 - whole_bits)) *
+                     static_cast<std::uint64_t>(kPowersOfTen[fraction_bits >> 3]) +
+                 EightDigits(fraction << (64 - fraction_bits));
     }
+    magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowersOfTen[fraction_bits >> 3];
+  } else {
+    if (whole_bits == 0 || IsDigit(*p)) return ParseDecimalFinite(text, point, value);
+    magnitude = static_cast<double>(static_cast<std::int64_t>(EightDigits(whole << (64 - whole_bits))));
   }
   value = std::bit_cast<double>(std::bit_cast<std::uint64_t>(magnitude) | (std::uint64_t{negative} << 63));
   return p;
