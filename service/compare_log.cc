@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/free_run.h"
+
 namespace hydroscope {
 namespace {
 
@@ -31,6 +33,23 @@ struct Energy {
     return out;
   }
 };
+
+void AddFreeRun(CompareResult& out) {
+  const auto runs = FreeRun(*out.model.structure, out.log.stretches, out.log.window,
+                            ColumnWeights(*out.model.structure, out.model.fit));
+  if (!runs) return;
+  double error = 0, pressure = 0, blocks = 0;
+  for (std::size_t s = 0; s < out.strokes; ++s) {
+    const FreeRunStroke& run = (*runs)[s];
+    out.per_stroke[s].free_run = run.rms;
+    error += run.rms * run.rms * static_cast<double>(run.measured.size());
+    for (const double p : run.measured) pressure += p * p;
+    blocks += static_cast<double>(run.measured.size());
+  }
+  if (blocks <= 0) return;
+  out.overall.free_run = std::sqrt(error / blocks);
+  out.rms_pressure = std::sqrt(pressure / blocks);
+}
 
 }  // namespace
 
@@ -71,6 +90,7 @@ Result<CompareResult> CompareLog(const std::string& log, const std::string& mach
     out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
   }
   out.overall = overall.Comparison();
+  AddFreeRun(out);
   out.whiteness = WhitenessOf(out.residuals);
   out.correlations = CorrelationsOf(out.residuals);
   out.location = Locate(out.residuals);

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/locate.h"
 #include "diagnosis/whiteness.h"
 #include "service/machine_model.h"
+#include "service/stroke_history.h"
 
 namespace hydroscope {
 
@@ -15,15 +17,19 @@ struct StrokeComparison {
   double begin = 0;         ///< s
   int windows = 0;
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0, noise_floor = 0;
+  std::optional<double>
+      free_run;  ///< Pa, rms error of the pressure that the model runs by itself; see FreeRun
 };
 
 /// Everything `hydroscope compare` knows of one log.
 struct CompareResult {
   LogStrokes log;
   std::size_t strokes = 0;  ///< compared: those whose samples were kept
+  std::string described;    ///< which strokes these are, a line; "" = all of a log
   MachineModel model;
   Residuals residuals;
   StrokeComparison overall;
+  double rms_pressure = 0;  ///< Pa, measured, beside overall.free_run
   std::vector<StrokeComparison> per_stroke;
   Whiteness whiteness;
   std::vector<SignalCorrelation> correlations;
@@ -36,5 +42,10 @@ struct CompareResult {
 /// Fits the machine file's model (base and added effects) to the log and compares it with the measurement.
 /// Errors: log or machine file are wrong, fewer than two strokes, or strokes that do not excite the model.
 Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file);
+
+/// Compares the stored model of a history with its strokes, from their sums alone: errors per group of
+/// strokes, without what needs samples (whiteness, correlations, maps, free run). `per_stroke` holds a group
+/// each, `stroke` its first number. Errors: fewer than two groups, or strokes that do not excite the model.
+Result<CompareResult> CompareHistory(const StrokeHistory& history);
 
 }  // namespace hydroscope

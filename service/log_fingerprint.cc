@@ -61,6 +61,8 @@ std::string FingerprintSettings(const Machine& machine, const std::string& state
   identified.name.clear();
   identified.description.clear();
   identified.monitors.clear();
+  identified.model_history.clear();
+  identified.model_version = 1;
   const std::string text = FormatMachine(identified) + state_layout;
   const auto crc = crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
   return fmt::format("{:08x}-v{}", static_cast<std::uint32_t>(crc), kReplayVersion);

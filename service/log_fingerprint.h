@@ -26,8 +26,8 @@ Result<LogFingerprint> FingerprintLog(const std::string& path);
 /// the same recording, continued. False if they are equal.
 Result<bool> Continues(const std::string& path, const LogFingerprint& earlier);
 
-/// Everything but the log that the strokes of a replay depend on: machine file without name, description and
-/// limits, and the layout of the estimator's state. `state_layout` is that of Pipeline::SaveState.
+/// Everything but the log that the strokes of a replay depend on: machine file without name, description,
+/// limits and history of the model, and the layout of the estimator's state. `state_layout` is that of Pipeline::SaveState.
 std::string FingerprintSettings(const Machine& machine, const std::string& state_layout);
 
 /// Fingerprint of a run as Database::BeginRun takes it: "log/settings".

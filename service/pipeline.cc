@@ -1,5 +1,6 @@
 #include "service/pipeline.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,31 +12,64 @@ namespace hydroscope {
 namespace {
 
 constexpr std::uint32_t kStateMagic = 0x54535948;  // "HYST"
-constexpr std::uint32_t kStateVersion = 1;
+constexpr std::uint32_t kStateVersion = 2;
 constexpr int kHeaderFields = 4;  ///< magic, version, base columns, columns
+/// The published equations identify the base model alone.
+bool HasAddedEffects(const Machine& machine) {
+  return !machine.added_effects.empty() && machine.estimator.equation == EquationForm::kIntegral;
+}
+
+/// The first columns alone: triangles are packed by columns.
+void KeepFirst(int columns, SymmetricMatrix& matrix) {
+  if (matrix.dimension() <= columns) return;
+  SymmetricMatrix kept(columns);
+  std::copy_n(matrix.packed().begin(), kept.packed().size(), kept.packed().begin());
+  matrix = std::move(kept);
+}
 
 }  // namespace
 
-Result<std::unique_ptr<Pipeline>> Pipeline::Create(const Machine& machine, double sample_period, RecordSink sink) {
+Result<std::unique_ptr<Pipeline>> Pipeline::Create(const Machine& machine, double sample_period,
+                                                   RecordSink sink) {
   if (!(sample_period > 0))
-    return BadInput("sample period is {} s, expected above 0: give [log] sample_period in the machine file", sample_period);
+    return BadInput("sample period is {} s, expected above 0: give [log] sample_period in the machine file",
+                    sample_period);
   auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
-  const WindowSamples window = WindowSamples::From(machine.window, sample_period);
-  return std::unique_ptr<Pipeline>(new Pipeline(machine, *model, window, std::move(sink)));
+  WindowSamples window = WindowSamples::From(machine.window, sample_period);
+  window.level_form = (*model)->level_form;
+  std::shared_ptr<const ModelStructure> wide = *model;
+  if (HasAddedEffects(machine)) {
+    auto widened = AddedEffectsEstimator::Widen(machine, **model);
+    if (!widened) return tl::unexpected(widened.error());
+    wide = std::move(*widened);
+  }
+  return std::unique_ptr<Pipeline>(new Pipeline(machine, *model, wide, window, std::move(sink)));
 }
 
-Pipeline::Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window,
-                   RecordSink sink)
+Pipeline::Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+                   std::shared_ptr<const ModelStructure> wide, WindowSamples window, RecordSink sink)
     : model_(model),
+      wide_(wide),
       window_(window),
       sink_(std::move(sink)),
-      equations_(model, window),
-      accumulator_(model->column_count()),
-      estimator_(MakeEstimator(machine, model, window)),
+      equations_(wide, window),
+      accumulator_(wide->column_count()),
+      estimator_(Estimator(machine)),
       segmenter_(machine, model, window,
                  {[this](Stretch& stretch, double begin) { OnStretch(stretch, begin); },
-                  [this](const StrokeSummary& summary) { OnStroke(summary); }, [this] { accumulator_.Take(); }}) {}
+                  [this](const StrokeSummary& summary) { OnStroke(summary); },
+                  [this] {
+                    accumulator_.Take();
+                    estimator_->DiscardStroke();
+                  }}) {}
+
+std::unique_ptr<StrokeEstimator> Pipeline::Estimator(const Machine& machine) {
+  if (!HasAddedEffects(machine)) return MakeEstimator(machine, model_, window_);
+  auto estimator = std::make_unique<AddedEffectsEstimator>(machine, wide_, window_);
+  added_ = estimator.get();
+  return estimator;
+}
 
 void Pipeline::OnStretch(Stretch& stretch, double begin) {
   const SpanEquations& equations = equations_.Build(stretch, begin);
@@ -47,27 +81,38 @@ void Pipeline::OnStretch(Stretch& stretch, double begin) {
 
 void Pipeline::OnStroke(const StrokeSummary& summary) {
   StrokeRecord record{summary, accumulator_.Take(), {}};
-  std::vector<int> base(model_->base_count);
-  std::iota(base.begin(), base.end(), 0);
-  record.estimates = estimator_->EndStroke(record.summary, record.gram);
-  const Eigen::VectorXd after = estimator_->theta();
   record.summary.rms_error = std::numeric_limits<double>::quiet_NaN();
-  const Eigen::VectorXd& judged = theta_before_.size() > 0 ? theta_before_ : after;
-  if (judged.size() > 0 && record.gram.windows > 0) {
-    const int output = model_->output_column();
-    record.summary.rms_error =
-        std::sqrt(std::max(0.0, MeanSquaredError(FlowEquations(record.gram, base, output), judged)));
-    record.summary.noise_floor = NoiseFloor({&record.gram, 1}, base, output, judged, window_);
+  const bool known = theta_before_.size() > 0;
+  if (known) Judge(record.gram, record.summary);
+  record.estimates = estimator_->EndStroke(summary, record.gram);
+  if (!known) {
+    theta_before_ = estimator_->theta();
+    Judge(record.gram, record.summary);
   }
+  column_weights_ = added_ != nullptr ? added_->ColumnWeights(estimator_->theta()) : estimator_->theta();
+  for (SymmetricMatrix* matrix : {&record.gram.integral, &record.gram.noise, &record.gram.flow})
+    KeepFirst(model_->column_count(), *matrix);
   sink_(std::move(record));
+}
+
+void Pipeline::Judge(const StrokeGram& gram, StrokeSummary& summary) {
+  const Eigen::VectorXd& theta = theta_before_;
+  if (theta.size() == 0 || gram.windows == 0) return;
+  const StrokeGram reduced = added_ != nullptr ? added_->Reduced(gram) : gram;
+  std::vector<int> regressors(theta.size());
+  std::iota(regressors.begin(), regressors.end(), 0);
+  const int output = added_ != nullptr ? added_->regressors() : model_->output_column();
+  summary.rms_error =
+      std::sqrt(std::max(0.0, MeanSquaredError(FlowEquations(reduced, regressors, output), theta)));
+  summary.noise_floor = NoiseFloor({&reduced, 1}, regressors, output, theta, window_, model_->walk_columns);
 }
 
 std::vector<std::uint8_t> Pipeline::SaveState() const {
   ByteWriter out;
   out.Put(kStateMagic);
   out.Put(kStateVersion);
-  out.Put<std::uint32_t>(static_cast<std::uint32_t>(model_->base_count));
-  out.Put<std::uint32_t>(static_cast<std::uint32_t>(model_->column_count()));
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(Regressors()));
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(wide_->column_count()));
   estimator_->Save(out);
   return out.Take();
 }
@@ -75,14 +120,15 @@ std::vector<std::uint8_t> Pipeline::SaveState() const {
 Status Pipeline::RestoreState(const std::vector<std::uint8_t>& state) {
   ByteReader in(state);
   const bool ours = in.Get<std::uint32_t>() == kStateMagic && in.Get<std::uint32_t>() == kStateVersion &&
-                    in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model_->base_count) &&
-                    in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model_->column_count());
+                    in.Get<std::uint32_t>() == static_cast<std::uint32_t>(Regressors()) &&
+                    in.Get<std::uint32_t>() == static_cast<std::uint32_t>(wide_->column_count());
   const std::vector<std::uint8_t> present = SaveState();
   if (!ours || !estimator_->Restore(in) || !in.at_end()) {
     ByteReader back(present);
     for (int k = 0; k < kHeaderFields; ++k) back.Get<std::uint32_t>();
     estimator_->Restore(back);  // a torn state may have been taken over in part
-    return BadInput("the stored estimator state belongs to another model or program version; start without it");
+    return BadInput(
+        "the stored estimator state belongs to another model or program version; start without it");
   }
   return {};
 }

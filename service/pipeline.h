@@ -12,11 +12,12 @@
 #include "estimation/stroke_segmenter.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
+#include "service/added_effects_estimator.h"
 
 namespace hydroscope {
 
 /// The way of one sample, for live service and replay alike: samples -> strokes -> equations -> recursive estimator
-/// and Gram -> StrokeRecord. Pure: no clock, no files; the same rows give the same bytes however they are cut into
+/// and Gram -> StrokeRecord. Effects that the machine file adds to the model are identified with it. Pure: no clock, no files; the same rows give the same bytes however they are cut into
 /// blocks. Blocks come in with their quality flags set (acquisition/quality_monitor.h).
 class Pipeline {
  public:
@@ -26,6 +27,7 @@ class Pipeline {
 
   static Result<std::unique_ptr<Pipeline>> Create(const Machine& machine, double sample_period, RecordSink sink);
 
+  /// The tap runs before the equations are forgotten and sees them with all columns, those of added effects behind.
   void set_tap(EquationTap tap) { tap_ = std::move(tap); }
   void Process(const SampleBlock& block) { segmenter_.Process(block); }
   void Finish() { segmenter_.Finish(); }
@@ -38,21 +40,31 @@ class Pipeline {
   std::shared_ptr<const ModelStructure> shared_model() const { return model_; }
   const WindowSamples& window() const { return window_; }
   const StrokeCounters& totals() const { return segmenter_.totals(); }
+  /// The model after the stroke handed over last: modelled output = weights . first rows of SpanEquations::flow. Empty
+  /// before the first estimate.
+  const Eigen::VectorXd& column_weights() const { return column_weights_; }
   std::int64_t discarded_strokes() const { return segmenter_.discarded_strokes(); }
 
  private:
-  Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window, RecordSink sink);
+  /// `wide` has the columns of added effects behind those of `model`, which are the ones a record's Gram keeps.
+  Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+           std::shared_ptr<const ModelStructure> wide, WindowSamples window, RecordSink sink);
+  std::unique_ptr<StrokeEstimator> Estimator(const Machine& machine);
+  int Regressors() const { return added_ != nullptr ? added_->regressors() : model_->base_count; }
+  void Judge(const StrokeGram& gram, StrokeSummary& summary);
   void OnStretch(Stretch& stretch, double begin);
   void OnStroke(const StrokeSummary& summary);
 
-  std::shared_ptr<const ModelStructure> model_;
+  std::shared_ptr<const ModelStructure> model_, wide_;
   WindowSamples window_;
   RecordSink sink_;
   EquationTap tap_;
   SpanEquationBuilder equations_;
   StrokeAccumulator accumulator_;
+  AddedEffectsEstimator* added_ = nullptr;  ///< the estimator, if the model has added effects
   std::unique_ptr<StrokeEstimator> estimator_;
   Eigen::VectorXd theta_before_;  ///< regression parameters when the present stroke began
+  Eigen::VectorXd column_weights_;
   StrokeSegmenter segmenter_;
 };
 

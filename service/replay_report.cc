@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "estimation/gram_fit.h"
+#include "service/model_record.h"
 
 namespace hydroscope {
 namespace {
@@ -107,10 +107,18 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   if (!grams) return tl::unexpected(grams.error());
   const double period = ParseRunSummary(run->summary_json).sample_period;
   if (!(period > 0) || grams->empty() || grams->front().flow.dimension() != model.column_count()) return {};
-  const auto fit = FitBaseModel(model, *grams, WindowSamples::From(outcome.machine.window, period));
-  if (!fit) return {};  // too little excitation is told parameter by parameter
-  outcome.noise_floor = fit->noise_floor;
-  outcome.rms_holdout = fit->rms_holdout;
+  StrokeHistory history;
+  auto structure = BuildModel(outcome.machine);
+  if (!structure) return tl::unexpected(structure.error());
+  history.machine = outcome.machine;
+  history.model = std::move(*structure);
+  history.window = WindowSamples::From(outcome.machine.window, period);
+  history.window.level_form = history.model->level_form;
+  history.units = std::move(*grams);
+  const auto fitted = FitHistoryModel(outcome.machine, history);
+  if (!fitted) return {};  // too little excitation is told parameter by parameter
+  outcome.noise_floor = fitted->fit.noise_floor;
+  outcome.rms_holdout = fitted->fit.rms_holdout;
   return {};
 }
 

@@ -6,8 +6,11 @@
 #include <optional>
 #include <sstream>
 
+#include "service/explain_report.h"
+#include "service/live/raw_log.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
+#include "service/model_edit.h"
 #include "service/replay_report.h"
 #include "service/stroke_overlays.h"
 
@@ -30,6 +33,25 @@ std::string StateLayout(const Pipeline& pipeline) {
   const std::vector<std::uint8_t> state = pipeline.SaveState();
   return std::string(state.begin(), state.begin() + std::min(kHeader, state.size()));
 }
+
+/// What the report shows of a log in detail.
+struct ReportCollector {
+  ReportCollector(Pipeline& log, const Machine& machine)
+      : pipeline(log), overlays(log), strokes(machine, KeepSamples::kYes) {
+    pipeline.set_tap([this, tap = strokes.Tap()](const Stretch& stretch, const SpanEquations& equations) {
+      overlays.AddFlows(equations);
+      tap(stretch, equations);
+    });
+  }
+  void AddStroke(const StrokeRecord& record) {
+    overlays.AddStroke(record);
+    strokes.Sink()(StrokeRecord(record));
+  }
+
+  Pipeline& pipeline;
+  StrokeOverlays overlays;
+  StrokeCollector strokes;
+};
 
 class ReplayRunner {
  public:
@@ -54,11 +76,18 @@ class ReplayRunner {
 
  private:
   Status Prepare();
+  Status TakePromoted(std::string& definition);
+  Status ReadEarlierSettings();
+  bool IsOfEarlierModel(const std::string& settings) const {
+    return std::find(earlier_settings_.begin(), earlier_settings_.end(), settings) != earlier_settings_.end();
+  }
+  Result<int> StoreVersion(const std::string& definition);
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
   Status Report(const ReplayOutcome& outcome);
   Status CollectOverlays(const ReplayOutcome& outcome);
+  void Take(ReportCollector& collector, const RunInfo& run);
 
   const ReplayOptions& options_;
   Machine machine_;
@@ -66,29 +95,82 @@ class ReplayRunner {
   std::int64_t machine_id_ = 0;
   int model_version_ = 0;
   std::string settings_;
+  std::vector<std::string> earlier_settings_;
+  std::string promoted_note_;
   std::shared_ptr<const ModelStructure> model_;
+  /// Of the log read last, for the report.
   std::vector<StrokeOverlay> overlays_;
+  std::optional<LogStrokes> strokes_;
   std::int64_t overlay_run_ = 0;
 };
 
+/// Takes over effects, their values and history of the model promoted last. Without one the machine file's
+/// stand.
+Status ReplayRunner::TakePromoted(std::string& definition) {
+  const auto promoted = database_.PromotedModel(machine_id_);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (!*promoted) return {};
+  const auto model = ParseMachine((*promoted)->definition, machine_.name);
+  if (!model)
+    return BadInput("{}: the promoted model (version {}) cannot be read: {}", options_.database,
+                    (*promoted)->version, model.error().text);
+  if (model->added_effects == machine_.added_effects && model->effect_values == machine_.effect_values)
+    return {};
+  promoted_note_ = fmt::format("model version {} of the database is used, as it was promoted: {}",
+                               (*promoted)->version, ModelName(*model));
+  machine_.added_effects = model->added_effects;
+  machine_.effect_values = model->effect_values;
+  machine_.model_version = model->model_version;
+  machine_.model_history = model->model_history;
+  definition = *model == machine_ ? (*promoted)->definition : EditedMachineText(definition, machine_);
+  return {};
+}
+
 Status ReplayRunner::Prepare() {
+  const auto id = database_.MachineId(machine_.name);
+  if (!id) return tl::unexpected(id.error());
+  machine_id_ = *id;
+  std::string definition = ReadText(options_.machine_file);
+  if (const Status taken = TakePromoted(definition); !taken) return taken;
   const auto pipeline = Pipeline::Create(machine_, kAnyPeriod, [](StrokeRecord&&) {});
   if (!pipeline) return tl::unexpected(pipeline.error());
   model_ = (*pipeline)->shared_model();
   settings_ = FingerprintSettings(machine_, StateLayout(**pipeline));
-  const auto id = database_.MachineId(machine_.name);
-  if (!id) return tl::unexpected(id.error());
-  machine_id_ = *id;
-  const auto version =
-      database_.PutModelVersion(machine_id_, {1, ReadText(options_.machine_file), model_->ColumnNames()});
+  if (const Status read = ReadEarlierSettings(); !read) return read;
+  const auto version = StoreVersion(definition);
   if (!version) return tl::unexpected(version.error());
   model_version_ = *version;
   return {};
 }
 
+/// Settings of a replay with this machine file and the model of any stored version.
+Status ReplayRunner::ReadEarlierSettings() {
+  const auto versions = database_.ModelVersions(machine_id_);
+  if (!versions) return tl::unexpected(versions.error());
+  for (const ModelVersion& version : *versions) {
+    const auto stored = ParseMachine(version.definition, machine_.name);
+    if (!stored) continue;
+    Machine machine = machine_;
+    machine.added_effects = stored->added_effects;
+    machine.effect_values = stored->effect_values;
+    if (const auto pipeline = Pipeline::Create(machine, kAnyPeriod, [](StrokeRecord&&) {}))
+      earlier_settings_.push_back(FingerprintSettings(machine, StateLayout(**pipeline)));
+  }
+  return {};
+}
+
+/// The promoted version itself if it is the same, else the definition as a version of its own.
+Result<int> ReplayRunner::StoreVersion(const std::string& definition) {
+  const auto promoted = database_.PromotedModel(machine_id_);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (*promoted && (*promoted)->definition == definition && (*promoted)->columns == model_->ColumnNames())
+    return (*promoted)->version;
+  return database_.PutModelVersion(machine_id_, {1, definition, model_->ColumnNames()});
+}
+
 /// Fingerprint of the log; an error if its strokes are in the database already under other settings.
 Result<RunFingerprint> ReplayRunner::Recognise(const std::string& log, LogReplay& replay) const {
-  const auto print = FingerprintLog(log);
+  const auto print = FingerprintRecording(log);
   if (!print) return tl::unexpected(print.error());
   const RunFingerprint own{*print, settings_};
   const auto runs = database_.Runs(machine_id_);
@@ -96,13 +178,14 @@ Result<RunFingerprint> ReplayRunner::Recognise(const std::string& log, LogReplay
   for (const RunInfo& run : *runs) {
     RunFingerprint known;
     if (!RunFingerprint::Parse(run.fingerprint, known)) continue;
-    if (known.log == own.log && known.settings != own.settings)
+    if (known.log == own.log && known.settings != own.settings) {
+      if (run.complete && IsOfEarlierModel(known.settings)) return known;  // it stays as it is
       return BadInput(
           "{}: the database holds its strokes already (run {}), identified with other settings in the "
-          "machine "
-          "file or by another version of the program; a stroke is kept once. Replay all logs into a new "
-          "database",
+          "machine file or by "
+          "another version of the program; a stroke is kept once. Replay all logs into a new database",
           log, run.id);
+    }
     const auto grown = Continues(log, known.log);
     if (grown && *grown)
       return BadInput(
@@ -120,12 +203,13 @@ Result<RunFingerprint> ReplayRunner::Recognise(const std::string& log, LogReplay
 LogReplay ReplayRunner::ReplayLog(const std::string& log, const std::string& count) {
   LogReplay replay;
   replay.log = log;
+  if (!promoted_note_.empty()) replay.notes.push_back(promoted_note_);
   const auto fail = [&](const Error& error) {
     replay.status = ReplayStatus::kFailed;
     replay.problem = error.text;
     return replay;
   };
-  auto reader = OpenLog(log, machine_);
+  auto reader = OpenRecording(log, machine_);
   if (!reader) return fail(reader.error());
   const auto fingerprint = Recognise(log, replay);
   if (!fingerprint) return fail(fingerprint.error());
@@ -147,14 +231,14 @@ LogReplay ReplayRunner::ReplayLog(const std::string& log, const std::string& cou
 
 Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
-  std::optional<StrokeOverlays> overlays;
+  std::optional<ReportCollector> collector;
   auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
-    if (overlays) overlays->AddStroke(record);
+    if (collector) collector->AddStroke(record);
     batch.push_back(std::move(record));
   });
   if (!created) return tl::unexpected(created.error());
   Pipeline& pipeline = **created;
-  if (!options_.report.empty()) overlays.emplace(pipeline, machine_);
+  if (!options_.report.empty()) collector.emplace(pipeline, machine_);
   const auto state = database_.PipelineStateBefore(replay.run.id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
@@ -181,11 +265,14 @@ Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogRep
     return finished;
   replay.run.strokes = strokes;
   replay.run.complete = true;
-  if (overlays) {
-    overlays_ = overlays->Choose(replay.run.first_sequence);
-    overlay_run_ = replay.run.id;
-  }
+  if (collector) Take(*collector, replay.run);
   return {};
+}
+
+void ReplayRunner::Take(ReportCollector& collector, const RunInfo& run) {
+  overlays_ = collector.overlays.Choose(run.first_sequence);
+  strokes_ = collector.strokes.Finish(collector.pipeline);
+  overlay_run_ = run.id;
 }
 
 /// If the last log had been replayed before, it is read again for its overlays; nothing is stored.
@@ -194,27 +281,33 @@ Status ReplayRunner::CollectOverlays(const ReplayOutcome& outcome) {
   for (const LogReplay& replay : outcome.logs)
     if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;
   if (last == nullptr || last->run.id == overlay_run_) return {};
-  auto reader = OpenLog(last->log, machine_);
+  auto reader = OpenRecording(last->log, machine_);
   if (!reader) return tl::unexpected(reader.error());
-  std::optional<StrokeOverlays> overlays;
+  std::optional<ReportCollector> collector;
   auto pipeline = Pipeline::Create(machine_, (*reader)->SamplePeriod(),
-                                   [&](StrokeRecord&& record) { overlays->AddStroke(record); });
+                                   [&](StrokeRecord&& record) { collector->AddStroke(record); });
   if (!pipeline) return tl::unexpected(pipeline.error());
-  overlays.emplace(**pipeline, machine_);
+  collector.emplace(**pipeline, machine_);
   const auto state = database_.PipelineStateBefore(last->run.id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
     static_cast<void>((*pipeline)->RestoreState(**state));  // as the run itself: anew if it does not fit
   const auto pass = PassLog(**reader, machine_, pipeline->get(), "overlay for the report");
   if (!pass) return tl::unexpected(pass.error());
-  overlays_ = overlays->Choose(last->run.first_sequence);
+  Take(*collector, last->run);
   return {};
 }
 
 Status ReplayRunner::Report(const ReplayOutcome& outcome) {
   if (const Status collected = CollectOverlays(outcome); !collected) return collected;
-  const auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
+  auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
   if (!input) return tl::unexpected(input.error());
+  if (strokes_)
+    if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained) {
+      input->explanation_verdict = ExplainVerdictBox(*explained);
+      input->explanation_leads = explained->explanation.verdict != Verdict::kAdequate;
+      input->explanation = ExplainSections(*explained, false);
+    }
   return WriteReport(options_.report, *input);
 }
 

@@ -172,6 +172,16 @@ std::string Figure(const std::string& svg, const std::string& caption) {
          "</figure>\n";
 }
 
+/// "Stroke 12, the one of largest error."
+std::string OverlayFigure(const StrokeOverlay& overlay) {
+  return Figure(
+      OverlayPlot(overlay),
+      fmt::format("Stroke {}{}. Below: what the model leaves unexplained; the grey band holds 95 % of what "
+                  "sensor noise alone would leave. Swings beyond the band are model error.",
+                  FormatCount(overlay.sequence),
+                  overlay.label.empty() ? "" : ", the one of " + EscapeText(overlay.label)));
+}
+
 std::string TrendsNote(const Report& report, bool with_oil) {
   std::string out = "<p class=\"note\">";
   out += with_oil ? "Left: every stroke's estimate with its 95 % interval"
@@ -211,12 +221,7 @@ std::string Trends(const Report& report) {
 
 std::string ModelAgainstMeasurement(const Report& report) {
   std::string out = "<h2>Model against measurement</h2>\n";
-  for (const StrokeOverlay& overlay : report.input.overlays)
-    out +=
-        Figure(OverlayPlot(overlay), fmt::format("Stroke {}. Below: what the model leaves unexplained; the "
-                                                 "grey band holds 95 % of what sensor noise alone would "
-                                                 "leave. Swings beyond the band are model error.",
-                                                 FormatCount(overlay.sequence)));
+  for (const StrokeOverlay& overlay : report.input.overlays) out += OverlayFigure(overlay);
   if (!report.input.strokes.empty())
     out += Figure(ErrorPlot(report.input),
                   "Error of each stroke, predicted with the model as it stood before that stroke. The "
@@ -341,8 +346,10 @@ std::string Method(const Report& report) {
 
 std::string FormatReport(const ReportInput& input) {
   const Report report = Prepare(input);
-  const std::string body = Header(report) + VerdictBox(report) + Cards(report) + Tiles(report) +
-                           Trends(report) + ModelAgainstMeasurement(report) + Skipped(report) +
+  const std::string verdicts = input.explanation_leads ? input.explanation_verdict + VerdictBox(report)
+                                                       : VerdictBox(report) + input.explanation_verdict;
+  const std::string body = Header(report) + verdicts + Cards(report) + Tiles(report) + Trends(report) +
+                           ModelAgainstMeasurement(report) + input.explanation + Skipped(report) +
                            Method(report);
   return HtmlPage("Maintenance report: " + input.machine.name, "<main>" + body + "</main>\n");
 }

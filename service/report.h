@@ -18,6 +18,8 @@ struct StrokeOverlay {
   std::vector<double> time;      ///< s
   std::vector<double> measured;  ///< m^3/s
   std::vector<double> modelled;  ///< m^3/s
+  std::vector<double> extended;  ///< m^3/s, with the effects that were found; empty without any
+  std::string label;             ///< "median error", "largest error"
   double noise_floor = 0;        ///< m^3/s, rms that sensor noise alone would cause
 };
 
@@ -35,6 +37,9 @@ struct ReportInput {
   std::vector<TrendPoint> trends;       ///< all parameters, in order of sequence
   std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
+  std::string explanation_verdict;   ///< HTML of ExplainVerdictBox, "" = nothing was explained
+  bool explanation_leads = false;  ///< it stands before the verdict on the parameters
+  std::string explanation;           ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read
   double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
   std::string program_version;              ///< "" = not shown

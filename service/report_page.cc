@@ -52,23 +52,25 @@ dt{color:var(--soft)}dd{margin:0}
 .tile span{color:var(--soft);font-size:13.5px}
 figure{margin:12px 0 0;padding:12px 14px 8px}
 figcaption{margin:2px 4px 4px}
+.halves{display:grid;grid-template-columns:repeat(2,minmax(0,1fr));gap:14px}
 .pair{display:grid;grid-template-columns:calc(30px + (100% - 74px)*.61538) minmax(0,1fr);gap:14px}
 table{border-collapse:collapse;width:100%;font-size:14.5px}
 th,td{text-align:left;padding:6px 12px 6px 0;border-bottom:1px solid var(--rule);vertical-align:top}
 th{color:var(--soft);font-weight:600}
 .number{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
-.sheet{padding:8px 18px 12px;margin-top:12px}
+.sheet{padding:8px 18px 12px;margin-top:12px;overflow-x:auto}
+.ids td:first-child{white-space:nowrap}
 .terms{grid-template-columns:15em minmax(0,1fr);font-size:14.5px;gap:6px 16px}
 .terms dt{color:var(--ink);font-weight:600}
 sub{line-height:0;font-size:72%}
-@media screen and (max-width:820px){.cards,.trends,.pair{grid-template-columns:minmax(0,1fr)}.tiles{grid-template-columns:repeat(2,minmax(0,1fr))}
+@media screen and (max-width:820px){.cards,.trends,.pair,.halves{grid-template-columns:minmax(0,1fr)}.tiles{grid-template-columns:repeat(2,minmax(0,1fr))}
 .terms,dl{grid-template-columns:minmax(0,1fr)}dd{margin-bottom:5px}body{padding:16px 12px 32px}
-figure{overflow-x:auto}figure svg{min-width:520px}.pair figure:last-child svg{min-width:330px}}
+figure{overflow-x:auto}figure svg{min-width:520px}.pair figure:last-child svg,.halves svg{min-width:330px}}
 @page{size:A4;margin:14mm 13mm}
 @media print{html,body{background:#fff}body{max-width:none;padding:0;font-size:9.6pt;line-height:1.4}
 button{display:none}h1{font-size:17pt}h2{font-size:13pt;margin-top:18pt;padding-top:6pt;break-after:avoid}.verdict h2{font-size:14pt}
 .value{font-size:13pt}.reading{margin:2pt 0 4pt}dl,.soft,figcaption,.note,table,.tile span,.value span,.terms{font-size:8.6pt}.pill{font-size:8pt}
-.tile b{font-size:12pt}.card,figure,.tile,.verdict,.sheet,tr,.terms div{break-inside:avoid}.pair{break-inside:avoid;gap:8px}
+.tile b{font-size:12pt}.card,figure,.tile,.verdict,.sheet,tr,.terms div{break-inside:avoid}.pair,.halves{break-inside:avoid;gap:8px}
 .cards{gap:8px}.card{padding:8px 11px}figure{padding:6px 8px 4px}h2+p,figcaption{break-after:avoid}
 .tiles{grid-template-columns:repeat(5,minmax(0,1fr))}.cards{grid-template-columns:repeat(2,minmax(0,1fr))}
 .pair{grid-template-columns:calc(18px + (100% - 44px)*.61538) minmax(0,1fr)}dl{grid-template-columns:8.2em minmax(0,1fr)}.terms{grid-template-columns:13em minmax(0,1fr)}

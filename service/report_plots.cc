@@ -161,12 +161,16 @@ std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis,
 
 std::string OverlayPlot(const StrokeOverlay& overlay) {
   const std::size_t n = std::min({overlay.time.size(), overlay.measured.size(), overlay.modelled.size()});
-  std::vector<double> time, measured, modelled, residual;
+  const bool extended = overlay.extended.size() >= n && n > 0;
+  std::vector<double> time, measured, modelled, residual, better, rest;
   for (std::size_t i = 0; i < n; ++i) {
     time.push_back(overlay.time[i] - overlay.time[0]);
     measured.push_back(overlay.measured[i] * kLitresPerMinute);
     modelled.push_back(overlay.modelled[i] * kLitresPerMinute);
     residual.push_back(measured[i] - modelled[i]);
+    if (!extended) continue;
+    better.push_back(overlay.extended[i] * kLitresPerMinute);
+    rest.push_back(measured[i] - better[i]);
   }
   const AxisRange span = PaddedRange(0, time.empty() ? 1 : time.back(), 0.01);
   SvgPlot::Options options;
@@ -178,7 +182,8 @@ std::string OverlayPlot(const StrokeOverlay& overlay) {
   options.x_tick_labels = false;
   SvgPlot flow(options);
   flow.Line(time, measured, {Ink::kBlue, Dash::kSolid, 2.4}, "measured");
-  flow.Line(time, modelled, {Ink::kVermillion, Dash::kDashed, 1.7}, "model");
+  flow.Line(time, modelled, {Ink::kVermillion, Dash::kDashed, 1.7}, extended ? "model as it is" : "model");
+  if (extended) flow.Line(time, better, {Ink::kGreen, Dash::kDotted, 1.7}, "extended");
 
   options.height = 165;
   options.title = fmt::format("flow of stroke {}, measured minus modelled", overlay.sequence);
@@ -191,7 +196,9 @@ std::string OverlayPlot(const StrokeOverlay& overlay) {
     error.Band({span.low, span.high}, {-half, -half}, {half, half}, Ink::kNeutral, "95 % of sensor noise");
   }
   error.Level(0, {Ink::kNeutral, Dash::kSolid, 1}, "");
-  error.Line(time, residual, {Ink::kGreen, Dash::kSolid, 1.4}, "measured − model");
+  error.Line(time, residual, {extended ? Ink::kVermillion : Ink::kGreen, Dash::kSolid, 1.4},
+             extended ? "measured − model as it is" : "measured − model");
+  if (extended) error.Line(time, rest, {Ink::kGreen, Dash::kSolid, 1.4}, "measured − extended");
   return flow.Render() + error.Render();
 }
 

@@ -90,8 +90,9 @@ std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
     case OilOutcome::kTooFewStrokes:
       return "too few strokes to ask";
     case OilOutcome::kOilHardlyMoved:
-      return fmt::format("cannot be asked: the oil temperature moved by {} K only",
-                         FormatFixed(oil.warmest - oil.coldest, 1));
+      return fmt::format(
+          "cannot be asked: averaged over the estimator's memory the oil temperature moved by {} K only",
+          FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return fmt::format("no dependence seen: {} ({}); up to {} cannot be ruled out",
                          Signed(oil.slope, scale, "/K"), PText(oil.slope),
@@ -180,8 +181,10 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
       return "It changed over the record; there are too few strokes to tell whether the oil temperature did "
              "it.";
     case OilOutcome::kOilHardlyMoved:
-      return fmt::format("It changed over the record while the oil temperature stayed within {} K.",
-                         FormatFixed(oil.warmest - oil.coldest, 1));
+      return fmt::format(
+          "It changed over the record while the oil temperature, averaged over the estimator's memory, "
+          "stayed within {} K.",
+          FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return "It changed over the record, and no dependence on the oil temperature is seen that would "
              "account for it.";

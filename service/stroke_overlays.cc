@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-
-#include "estimation/gram_fit.h"
 
 namespace hydroscope {
 namespace {
@@ -13,62 +10,39 @@ constexpr std::size_t kMaxKept = 512;
 
 }  // namespace
 
-StrokeOverlays::StrokeOverlays(Pipeline& pipeline, const Machine& machine)
-    : pipeline_(pipeline),
-      time_constant_(machine.estimator.time_constant),
-      column_(static_cast<std::size_t>(pipeline.model().base_count) + 1) {
-  pipeline_.set_tap([this](const Stretch&, const SpanEquations& equations) { AddFlows(equations); });
-}
-
 void StrokeOverlays::AddFlows(const SpanEquations& equations) {
   if (pipeline_.discarded_strokes() !=
       discarded_) {  // what was collected belongs to a stroke that was too short
     discarded_ = pipeline_.discarded_strokes();
     time_.clear();
-    for (auto& column : column_) column.clear();
+    flows_.clear();
   }
   // The matrix keeps the room of the longest span; the times say how many windows there are.
   for (std::size_t window = 0; window < equations.flow_time.size(); ++window) {
     time_.push_back(equations.flow_time[window]);
-    for (std::size_t c = 0; c < column_.size(); ++c)
-      column_[c].push_back(equations.flow(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(window)));
+    flows_.push_back(equations.flow.col(static_cast<Eigen::Index>(window)));
   }
 }
 
-Eigen::VectorXd StrokeOverlays::Learn(const StrokeRecord& record) {
-  const ModelStructure& model = pipeline_.model();
-  std::vector<int> base(static_cast<std::size_t>(model.base_count));
-  std::iota(base.begin(), base.end(), 0);
-  const double used = static_cast<double>(record.summary.counters.used) * pipeline_.window().period;
-  const double kept = std::exp(-used / time_constant_);
-  recent_.h *= kept;
-  recent_.g *= kept;
-  recent_.yy *= kept;
-  recent_.equations *= kept;
-  recent_ += IntegralEquations(record.gram, base, model.output_column());
-  return SolveNormalEquations(recent_);
-}
-
 void StrokeOverlays::AddStroke(const StrokeRecord& record) {
-  const Eigen::VectorXd theta = Learn(record);
-  if (theta.size() > 0 && !time_.empty()) Keep(Compare(record, theta));
+  const Eigen::VectorXd& weights = pipeline_.column_weights();
+  if (weights.size() > 0 && !time_.empty()) Keep(Compare(record, weights));
   time_.clear();
-  for (auto& column : column_) column.clear();
+  flows_.clear();
 }
 
-StrokeOverlays::Kept StrokeOverlays::Compare(const StrokeRecord& record, const Eigen::VectorXd& theta) const {
+StrokeOverlays::Kept StrokeOverlays::Compare(const StrokeRecord& record,
+                                             const Eigen::VectorXd& weights) const {
+  const int output = pipeline_.model().output_column();
   Kept stroke;
   stroke.overlay.sequence = record.summary.index;
   stroke.overlay.noise_floor = record.summary.noise_floor;
   stroke.overlay.time = time_;
-  stroke.overlay.measured = column_.back();
   double squares = 0;
-  for (std::size_t k = 0; k < time_.size(); ++k) {
-    double modelled = 0;
-    for (std::size_t c = 0; c + 1 < column_.size(); ++c)
-      modelled += theta[static_cast<int>(c)] * column_[c][k];
-    stroke.overlay.modelled.push_back(modelled);
-    squares += (column_.back()[k] - modelled) * (column_.back()[k] - modelled);
+  for (const Eigen::VectorXd& flow : flows_) {
+    stroke.overlay.measured.push_back(flow[output]);
+    stroke.overlay.modelled.push_back(weights.dot(flow.head(weights.size())));
+    squares += std::pow(flow[output] - stroke.overlay.modelled.back(), 2);
   }
   stroke.rms = std::sqrt(squares / static_cast<double>(time_.size()));
   return stroke;
@@ -93,8 +67,12 @@ std::vector<StrokeOverlay> StrokeOverlays::Choose(std::int64_t first_sequence) c
       return a->rms != b->rms ? a->rms < b->rms : a->overlay.sequence < b->overlay.sequence;
     });
     chosen.push_back(by_error[by_error.size() / 2]->overlay);
+    chosen.back().label = "median error";
   }
-  if (chosen.empty() || chosen.front().sequence != worst_.overlay.sequence) chosen.push_back(worst_.overlay);
+  if (chosen.empty() || chosen.front().sequence != worst_.overlay.sequence) {
+    chosen.push_back(worst_.overlay);
+    chosen.back().label = "largest error";
+  }
   for (StrokeOverlay& overlay : chosen) overlay.sequence += first_sequence;
   return chosen;
 }

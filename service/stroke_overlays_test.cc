@@ -29,7 +29,9 @@ Pass PassPress(double min_stroke) {
     pass.strokes.push_back(record.summary);
     overlays->AddStroke(record);
   });
-  overlays.emplace(**pipeline, machine);
+  overlays.emplace(**pipeline);
+  (*pipeline)->set_tap(
+      [&](const Stretch&, const SpanEquations& equations) { overlays->AddFlows(equations); });
   (*pipeline)->Process(RowsOf(SimulatePress(press), machine));
   (*pipeline)->Finish();
   pass.chosen = overlays->Choose(100);

@@ -4,34 +4,76 @@
 
 #include "service/commands.h"
 #include "service/compare_output.h"
+#include "service/history_options.h"
+#include "service/history_output.h"
 #include "service/output.h"
 
 namespace hydroscope {
+namespace {
+
+struct Arguments {
+  std::string log, machine, json;
+  HistoryOptions history;
+};
+
+Result<std::vector<CompareResult>> CompareDatabase(const Arguments& a) {
+  const auto chosen = OpenHistory(a.history, a.machine);
+  if (!chosen) return tl::unexpected(chosen.error());
+  std::vector<CompareResult> results;
+  for (const HistoryChoice& choice : chosen->choices) {
+    const auto history = LoadHistory(chosen->database, a.history.db, choice.parts, choice.machine);
+    if (!history) return tl::unexpected(history.error());
+    auto result = CompareHistory(*history);
+    if (!result) return tl::unexpected(result.error());
+    result->described = HistoryLine(*history);
+    results.push_back(std::move(*result));
+  }
+  return results;
+}
+
+Result<std::vector<CompareResult>> Compare(const Arguments& a) {
+  if (!a.history.db.empty()) return CompareDatabase(a);
+  auto result = CompareLog(a.log, a.machine);
+  if (!result) return tl::unexpected(result.error());
+  std::vector<CompareResult> results;
+  results.push_back(std::move(*result));
+  return results;
+}
+
+Status Run(const Arguments& a) {
+  if (a.log.empty() == a.history.db.empty())
+    return UsageError("compare needs either a LOG with --machine, or --db DATABASE");
+  if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
+  const auto results = Compare(a);
+  if (!results) return tl::unexpected(results.error());
+  nlohmann::json json = nlohmann::json::array();
+  for (const CompareResult& result : *results) {
+    if (a.json != "-") std::cout << (json.empty() ? "" : "\n") << CompareText(result);
+    json.push_back(CompareJson(result));
+    json.back()["machine"] = result.log.machine.name;
+  }
+  if (a.json.empty()) return {};
+  return WriteJson(a.json, json.size() == 1 ? json.front() : nlohmann::json{{"machines", json}});
+}
+
+}  // namespace
 
 void AddCompareCommand(CLI::App& app, int& exit_code) {
-  struct Options {
-    std::string log, machine, json;
-  };
-  auto options = std::make_shared<Options>();
+  auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
-  command->add_option("log", options->log, "Log of press strokes (CSV, CSV.gz or MAT)")->required();
-  command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
-  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  command->add_option("log", a->log, "Log of press strokes (CSV, CSV.gz or MAT)");
+  command->add_option("--machine,-m", a->machine,
+                      "Machine file (TOML); with --db the model stored there if it is not given");
+  AddHistoryOptions(*command, a->history);
+  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
       "Examples:\n"
       "  hydroscope compare press.csv --machine machines/die_cushion.toml\n"
-      "  hydroscope compare press.csv -m machines/die_cushion.toml --json -");
-  command->callback([options, &exit_code] {
-    const auto result = CompareLog(options->log, options->machine);
-    if (!result) {
-      exit_code = ReportError(result.error());
-      return;
-    }
-    if (options->json != "-") std::cout << CompareText(*result);
-    if (!options->json.empty())
-      if (const Status written = WriteJson(options->json, CompareJson(*result)); !written)
-        exit_code = ReportError(written.error());
+      "  hydroscope compare press.csv -m machines/die_cushion.toml --json -\n"
+      "  hydroscope compare --db press.db --from run:3");
+  command->callback([a, &exit_code] {
+    if (const Status done = Run(*a); !done) exit_code = ReportError(done.error());
   });
 }
 

@@ -4,35 +4,117 @@
 
 #include "service/commands.h"
 #include "service/explain_output.h"
+#include "service/explain_report.h"
+#include "service/history_options.h"
+#include "service/history_output.h"
 #include "service/output.h"
 
 namespace hydroscope {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> logs;
+  std::string machine, json, report, since;
+  HistoryOptions history;
+};
+
+/// What was explained: a text for people, JSON, and what the report is made of.
+struct Explained {
+  std::string text;
+  nlohmann::json json;
+  std::vector<ExplainResult> results;
+};
+
+void Add(Explained& all, const std::string& text, nlohmann::json json, ExplainResult result) {
+  all.text += (all.text.empty() ? "" : "\n") + text;
+  if (all.json.is_null())
+    all.json = std::move(json);
+  else if (all.json.is_object())
+    all.json = nlohmann::json::array({std::move(all.json), std::move(json)});
+  else
+    all.json.push_back(std::move(json));
+  all.results.push_back(std::move(result));
+}
+
+Result<Explained> ExplainOneLog(const Arguments& a) {
+  auto result = ExplainLogs(a.logs, a.machine);
+  if (!result) return tl::unexpected(result.error());
+  Explained out;
+  const std::string text = ExplainText(*result);
+  nlohmann::json json = ExplainJson(*result);
+  Add(out, text, std::move(json), std::move(*result));
+  return out;
+}
+
+Result<Explained> ExplainDatabase(const Arguments& a) {
+  const auto chosen = OpenHistory(a.history, a.machine);
+  if (!chosen) return tl::unexpected(chosen.error());
+  Explained out;
+  for (const HistoryChoice& choice : chosen->choices) {
+    if (a.since.empty()) {
+      const auto history = LoadHistory(chosen->database, a.history.db, choice.parts, choice.machine);
+      if (!history) return tl::unexpected(history.error());
+      auto result = ExplainHistory(*history);
+      if (!result) return tl::unexpected(result.error());
+      result->described = HistoryLine(*history);
+      result->target = choice.target;
+      const std::string text = ExplainText(*result);
+      nlohmann::json json = HistoryJson(*history, *result);
+      Add(out, text, std::move(json), std::move(*result));
+      continue;
+    }
+    const auto sides = Split(chosen->database, a.history.db, choice, a.since);
+    if (!sides) return tl::unexpected(sides.error());
+    auto result = ExplainChange(sides->first, sides->second);
+    if (!result) return tl::unexpected(result.error());
+    result->before.described = HistoryLine(sides->first);
+    result->after.described = HistoryLine(sides->second);
+    result->after.target = choice.target;
+    const std::string text = ChangeText(*result);
+    nlohmann::json json = ChangeJson(sides->first, sides->second, *result);
+    Add(out, text, std::move(json), std::move(result->after));
+  }
+  if (out.results.size() > 1) out.json = {{"machines", std::move(out.json)}};
+  return out;
+}
+
+Status Run(const Arguments& a) {
+  if (a.logs.empty() == a.history.db.empty())
+    return UsageError("explain needs either a LOG with --machine, or --db DATABASE");
+  if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
+  if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
+  auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
+  if (!explained) return tl::unexpected(explained.error());
+  if (a.json != "-") std::cout << explained->text;
+  if (!a.report.empty())
+    if (const Status written = WriteExplainReport(a.report, explained->results); !written) return written;
+  return a.json.empty() ? Status() : WriteJson(a.json, explained->json);
+}
+
+}  // namespace
 
 void AddExplainCommand(CLI::App& app, int& exit_code) {
-  struct Options {
-    std::string log, machine, json;
-  };
-  auto options = std::make_shared<Options>();
+  auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "explain", "Which physical effect the model misses: verdict, evidence and what to do next");
-  command->add_option("log", options->log, "Log of press strokes (CSV, CSV.gz or MAT)")->required();
-  command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
-  command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
+  command->add_option("logs", a->logs, "Logs of one machine, their strokes summed (CSV, CSV.gz or MAT)");
+  command->add_option("--machine,-m", a->machine,
+                      "Machine file (TOML); with --db the model stored there if it is not given");
+  AddHistoryOptions(*command, a->history);
+  command->add_option("--since", a->since,
+                      "What changed at this stroke number, log (run:3), time (81.5s) or date; with --db");
+  command->add_option("--report,-r", a->report, "Write the explanation as one HTML page to this file");
+  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
       "Verdicts: adequate, named, ambiguous, unknown (docs/workbench.md). The exit code is 0 for all four.\n"
       "Examples:\n"
-      "  hydroscope explain press.csv --machine machines/die_cushion.toml\n"
-      "  hydroscope explain press.csv -m machines/die_cushion.toml --json -");
-  command->callback([options, &exit_code] {
-    const auto result = ExplainLog(options->log, options->machine);
-    if (!result) {
-      exit_code = ReportError(result.error());
-      return;
-    }
-    if (options->json != "-") std::cout << ExplainText(*result);
-    if (!options->json.empty())
-      if (const Status written = WriteJson(options->json, ExplainJson(*result)); !written)
-        exit_code = ReportError(written.error());
+      "  hydroscope explain press.csv --machine machines/die_cushion.toml --report press.html\n"
+      "  hydroscope explain X-ring257_*bar.csv --machine machines/seal_friction.toml\n"
+      "  hydroscope explain --db press.db --from run:3\n"
+      "  hydroscope explain --db press.db --since 1200 --json -\n"
+      "  hydroscope explain --db works.db --fleet");
+  command->callback([a, &exit_code] {
+    if (const Status done = Run(*a); !done) exit_code = ReportError(done.error());
   });
 }
 

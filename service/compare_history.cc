@@ -1,0 +1,75 @@
+#include <cmath>
+
+#include "service/compare_log.h"
+#include "service/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+double Energy(const SymmetricMatrix& gram, const Eigen::VectorXd& weights) {
+  double sum = 0;
+  for (int i = 0; i < weights.size(); ++i) {
+    if (weights[i] == 0) continue;
+    for (int j = 0; j < weights.size(); ++j) sum += weights[i] * weights[j] * gram(i, j);
+  }
+  return std::max(0.0, sum);
+}
+
+/// Errors of one group of strokes; `modelled` are the model's column weights.
+StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled, int output,
+                         const WindowSamples& window) {
+  StrokeComparison out;
+  const double windows = static_cast<double>(gram.windows),
+               equations = static_cast<double>(gram.blocks - gram.spans);
+  out.windows = static_cast<int>(gram.windows);
+  if (windows <= 0 || equations <= 0) return out;
+  Eigen::VectorXd residual = -modelled;
+  residual[output] += 1;
+  out.rms_measured = std::sqrt(gram.flow(output, output) / windows);
+  out.rms_modelled = std::sqrt(Energy(gram.flow, modelled) / windows);
+  out.rms_residual = std::sqrt(Energy(gram.flow, residual) / windows);
+  out.noise_floor = std::sqrt(Energy(gram.noise, residual) / equations * window.FlowVarianceGain());
+  return out;
+}
+
+/// Begin of a single stroke in the time of its log; NaN for a group, or a stroke whose summary was not read.
+double BeginOf(const StrokeHistory& history, const HistoryPart& unit) {
+  for (const StrokeSummary& summary : history.sample)
+    if (unit.strokes() == 1 && summary.index == unit.first && history.parts.size() == 1) return summary.begin;
+  return std::nan("");
+}
+
+}  // namespace
+
+Result<CompareResult> CompareHistory(const StrokeHistory& history) {
+  CompareResult out;
+  auto model = FitHistoryModel(history.machine, history);
+  if (!model) return tl::unexpected(model.error());
+  out.model = std::move(*model);
+  out.log.machine = history.machine;
+  out.log.model = history.model;
+  out.log.window = history.window;
+  out.strokes = static_cast<std::size_t>(history.strokes());
+  const Eigen::VectorXd weights = ColumnWeights(*out.model.structure, out.model.fit);
+  StrokeGram total;
+  for (std::size_t k = 0; k < history.units.size(); ++k) {
+    const StrokeGram& unit = history.units[k];
+    out.per_stroke.push_back(Compare(unit, weights, history.model->output_column(), history.window));
+    out.per_stroke.back().stroke = history.unit_parts[k].first;
+    out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
+    if (total.windows == 0) {
+      total = unit;
+      continue;
+    }
+    total.blocks += unit.blocks;
+    total.spans += unit.spans;
+    total.windows += unit.windows;
+    total.integral += unit.integral;
+    total.noise += unit.noise;
+    total.flow += unit.flow;
+  }
+  out.overall = Compare(total, weights, history.model->output_column(), history.window);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,143 @@
+#include "service/explain_change.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+/// Standard errors by which a parameter must move (p = 0.01, two-sided).
+constexpr double kMoved = 2.576;
+
+std::vector<std::string> IdsOf(const ModelStructure& model, std::span<const EffectChoice> choices) {
+  std::vector<std::string> ids;
+  for (const EffectChoice& choice : choices) ids.push_back(model.effects[choice.effect]->id);
+  return ids;
+}
+
+void AddOnce(std::vector<std::string>& ids, const std::string& id) {
+  if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
+}
+
+double Equations(const StrokeHistory& history) {
+  double equations = 0;
+  for (const StrokeGram& unit : history.units) equations += static_cast<double>(unit.blocks - unit.spans);
+  return equations;
+}
+
+/// The last effect of `fit` in the strokes before, in the same model and shape.
+class Reference {
+ public:
+  Reference(const StrokeHistory& before, const Explanation& after)
+      : strokes_(after.model, before.units, before.window), after_(after) {}
+
+  /// Whether its size differs from that before by `min_t` standard errors. What the strokes before cannot
+  /// tell counts as not there.
+  bool Differs(const ExtendedFit& fit, double min_t) const {
+    std::vector<EffectChoice> choices;
+    for (const EffectEstimate& effect : fit.effects) choices.push_back(effect.choice);
+    const ExtendedFit earlier = strokes_.Fit(choices);
+    if (!earlier.solved) return true;
+    const EffectEstimate &now = fit.effects.back(), &then = earlier.effects.back();
+    return std::abs(now.size - then.size) > min_t * std::hypot(now.std, then.std);
+  }
+
+  /// Effects that stand out after but are no larger than before.
+  std::vector<std::string> Unchanged(double min_t) const {
+    std::vector<std::string> ids;
+    for (const auto* ranking : {&after_.ranking, &after_.second})
+      for (const RankedEffect& ranked : *ranking)
+        if (ranked.fit.solved && ranked.significant && !Differs(ranked.fit, min_t)) AddOnce(ids, ranked.id);
+    return ids;
+  }
+
+ private:
+  StrokeSet strokes_;
+  const Explanation& after_;
+};
+
+/// Explains the strokes after without the effects that are no larger than before.
+Result<ExplainResult> ExplainAfter(const StrokeHistory& before, const StrokeHistory& after,
+                                   ExplainOptions options) {
+  for (;;) {
+    auto result = ExplainUnits(after, options);
+    if (!result) return result;
+    const std::vector<std::string> unchanged =
+        Reference(before, result->explanation).Unchanged(options.min_t);
+    if (unchanged.empty()) return result;
+    options.exclude.insert(options.exclude.end(), unchanged.begin(), unchanged.end());
+  }
+}
+
+std::vector<ValueChange> ParameterChanges(const StrokeHistory& before, const StrokeHistory& after,
+                                          const ChangeResult& result) {
+  const auto then =
+      BaseParameters(*before.model, result.before.explanation.final, static_cast<int>(before.units.size()));
+  const auto now =
+      BaseParameters(*after.model, result.after.explanation.final, static_cast<int>(after.units.size()));
+  std::vector<ValueChange> out;
+  for (std::size_t i = 0; i < std::min(then.size(), now.size()); ++i) {
+    out.push_back(
+        {now[i].parameter, now[i].unit, then[i].value, then[i].std, now[i].value, now[i].std, false});
+    out.back().significant = std::abs(out.back().change()) > kMoved * out.back().std();
+  }
+  return out;
+}
+
+/// Sizes of the effects both sets have, before with the model that explains those strokes.
+std::vector<ValueChange> EffectChanges(const ChangeResult& result, double min_t) {
+  std::vector<ValueChange> out;
+  const Explanation &before = result.before.explanation, &after = result.after.explanation;
+  for (const EffectEstimate& then : before.final.effects)
+    for (const EffectEstimate& now : after.final.effects) {
+      if (now.choice.effect != then.choice.effect) continue;
+      const Effect& effect = result.after.effect(now.choice.effect);
+      out.push_back({effect.id, effect.unit, then.size, then.std, now.size, now.std, false});
+      out.back().significant = std::abs(out.back().change()) > min_t * out.back().std();
+    }
+  return out;
+}
+
+}  // namespace
+
+double ValueChange::std() const { return std::hypot(before_std, after_std); }
+
+Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHistory& after,
+                                   const ExplainOptions& options) {
+  auto then = ExplainHistory(before, options);
+  if (!then) return tl::unexpected(then.error());
+  ChangeResult result{std::move(*then), {}, {}, {}, {}};
+  const Explanation& earlier = result.before.explanation;
+  ExplainOptions own = OptionsForEquations(options, Equations(after));
+  own.start = IdsOf(*earlier.model, earlier.chosen);
+  own.floor_excess += std::max(0.0, earlier.final.excess_ratio);
+  auto now = ExplainAfter(before, after, own);
+  if (!now) return tl::unexpected(now.error());
+  result.after = std::move(*now);
+
+  Explanation& later = result.after.explanation;
+  result.appeared = later.set;
+  result.parameters = ParameterChanges(before, after, result);
+  result.effects = EffectChanges(result, own.min_t);
+  for (const ValueChange& effect : result.effects) {
+    if (!effect.significant || later.verdict == Verdict::kUnknown) continue;
+    AddOnce(later.set, effect.name);  // it was there and grew or shrank
+    later.groups.push_back({effect.name});
+    if (later.verdict == Verdict::kAdequate) later.verdict = Verdict::kNamed;
+  }
+  return result;
+}
+
+Result<ChangeResult> ExplainChange(const Database& database, const std::string& path,
+                                   const HistoryPart& before, const HistoryPart& after,
+                                   const ExplainOptions& options) {
+  const auto machine = StoredMachine(database, path, after);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto then = LoadHistory(database, path, {before}, *machine);
+  if (!then) return tl::unexpected(then.error());
+  const auto now = LoadHistory(database, path, {after}, *machine);
+  if (!now) return tl::unexpected(now.error());
+  return ExplainChange(*then, *now, options);
+}
+
+}  // namespace hydroscope

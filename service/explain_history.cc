@@ -1,0 +1,92 @@
+#include "service/explain_history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "diagnosis/interpolated_shapes.h"
+#include "service/machine_model.h"
+
+namespace hydroscope {
+namespace {
+
+/// Equations up to which the thresholds of ExplainOptions hold as they are: a log of some minutes.
+constexpr double kEquationsOfALog = 2000.0;
+/// Effects of the ranking whose nonlinear parameters are looked at between the grid values.
+constexpr std::size_t kRefined = 5;
+
+double Equations(const StrokeHistory& history) {
+  double equations = 0;
+  for (const StrokeGram& unit : history.units) equations += static_cast<double>(unit.blocks - unit.spans);
+  return equations;
+}
+
+/// Shapes between the grid values for the effects that matter.
+std::shared_ptr<const ModelStructure> Refined(const Explanation& x) {
+  auto model = std::make_shared<ModelStructure>(*x.model);
+  std::vector<int> effects;
+  for (const EffectChoice& choice : x.chosen) effects.push_back(choice.effect);
+  for (const auto* ranking : {&x.ranking, &x.second})
+    for (std::size_t k = 0; k < std::min(kRefined, ranking->size()); ++k)
+      effects.push_back((*ranking)[k].effect);
+  std::sort(effects.begin(), effects.end());
+  effects.erase(std::unique(effects.begin(), effects.end()), effects.end());
+  for (const int effect : effects) AddInterpolatedShapes(*model, effect);
+  return model;
+}
+
+}  // namespace
+
+ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
+  const double times = std::max(1.0, equations / kEquationsOfALog);
+  options.min_gain *= times;
+  options.max_remainder *= times;
+  options.rival_gain *= times;
+  return options;
+}
+
+Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& options) {
+  if (history.units.size() < kMinExplainStrokes)
+    return BadInput(
+        "{}: {} strokes in the chosen part of the history, expected at least {}: the error is judged on "
+        "strokes left out",
+        history.database, history.units.size(), kMinExplainStrokes);
+  for (const std::string& id : options.start)
+    if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());
+  ExplainResult out;
+  out.explanation = Explain(StrokeSet(history.model, history.units, history.window), options);
+  if (out.explanation.base.solved &&
+      (out.explanation.verdict != Verdict::kAdequate || !options.start.empty()))
+    out.explanation = Explain(StrokeSet(Refined(out.explanation), history.units, history.window), options);
+  if (!out.explanation.base.solved)
+    return BadInput(
+        "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
+        "--to, or record "
+        "strokes at different ram speeds and pressures",
+        history.database);
+  out.log.machine = history.machine;
+  out.log.machine.added_effects = options.start;
+  out.log.model = history.model;
+  out.log.window = history.window;
+  for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
+  out.strokes = static_cast<std::size_t>(history.strokes());
+  const ExtendedFit& fit = out.explanation.base;
+  const int units = static_cast<int>(history.units.size());
+  out.base = {fit.theta,
+              fit.covariance,
+              BaseParameters(*history.model, fit, units),
+              fit.rms_holdout,
+              fit.noise_floor,
+              units,
+              0};
+  out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
+  return out;
+}
+
+Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+  ExplainOptions own = OptionsForEquations(options, Equations(history));
+  own.start = history.machine.added_effects;
+  return ExplainUnits(history, own);
+}
+
+}  // namespace hydroscope

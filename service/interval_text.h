@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace hydroscope {
+
+/// "1.21 ± 0.02", both with the same number of decimals, two digits of the half width.
+std::string WithInterval(double value, double half_width);
+
+/// A value with its 95 % interval in the unit people read: "1.210 ± 0.012 GPa", from SI.
+std::string ShownWithInterval(double value, double std, const std::string& si_unit);
+
+}  // namespace hydroscope

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "models/machine.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+
+/// The versions of a model as a staircase: error on strokes left out beside sensor noise, and every parameter
+/// with its 95 % interval from version to version.
+std::string ModelHistoryText(const Machine& machine);
+/// The JSON of docs/command_line.md: errors in l/min, parameters in SI.
+nlohmann::json ModelHistoryJson(const Machine& machine);
+
+/// What a change of the model achieved: the last two versions of the history; "" if they were not judged.
+std::string LastStepText(const Machine& machine);
+
+/// The versions a database holds, and which one is in force.
+std::string StoredVersionsText(const std::vector<ModelVersion>& versions);
+nlohmann::json StoredVersionsJson(const std::vector<ModelVersion>& versions);
+
+}  // namespace hydroscope

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "estimation/span_equations.h"
+#include "models/machine.h"
+#include "models/model_structure.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+
+/// Strokes of one machine of a database: first <= sequence < last.
+struct HistoryPart {
+  std::string machine;
+  std::int64_t id = 0;
+  std::int64_t first = 0, last = 0;
+
+  std::int64_t strokes() const { return last - first; }
+};
+
+/// Stored strokes as Grams, without their samples. Few strokes stand for themselves; of many, groups of
+/// consecutive ones are the independent units of every fit, read from the stored sums.
+struct StrokeHistory {
+  std::string database;
+  Machine machine;  ///< with the model in force
+  std::shared_ptr<const ModelStructure> model;
+  WindowSamples window;
+  std::vector<HistoryPart> parts;
+  std::vector<StrokeGram> units;
+  std::vector<HistoryPart> unit_parts;  ///< the strokes of each of `units`
+  std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
+
+  std::int64_t strokes() const;
+  /// Strokes of the largest unit; 1 = single strokes.
+  std::int64_t strokes_per_unit() const;
+};
+
+/// Machines chosen by name, all if `names` is empty. Error: an unknown name (suggests the nearest), or no
+/// machine.
+Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::string& path,
+                                                const std::vector<std::string>& names);
+
+/// A place in a machine's history as people write it: "1234" (stroke number), "run:3" (where a log begins),
+/// "81.5s" (time of the logs), "2025-03-01" or "2025-03-01T06:30" (UTC, where the logs' time counts from
+/// 1970).
+Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, const std::string& text);
+
+/// Narrows a part to the strokes from `from` up to, not including, `to`; "" leaves that end as it is.
+Status Narrow(const Database& database, const std::string& from, const std::string& to, HistoryPart& part);
+
+/// The machine as the database has it: the version promoted last, else that of the newest run.
+Result<Machine> StoredMachine(const Database& database, const std::string& path, const HistoryPart& part);
+
+/// Reads the Grams of `parts`, several machines as one fleet. Errors: no strokes, strokes recorded with other
+/// Gram columns than `machine` has, or logs of different sample periods.
+Result<StrokeHistory> LoadHistory(const Database& database, const std::string& path,
+                                  const std::vector<HistoryPart>& parts, const Machine& machine);
+
+}  // namespace hydroscope

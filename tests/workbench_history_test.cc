@@ -1,0 +1,167 @@
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class WorkbenchHistory : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    machine_ = File("press.toml");
+    WriteText(machine_, ReadText(kMachine));
+  }
+  std::string Healthy(int seed) { return Simulate(std::to_string(seed) + ".csv", 60, seed); }
+  std::string Leaking(int seed) {
+    return Simulate("leak" + std::to_string(seed) + ".csv", 60, seed, {"--effect", "internal_leakage=5e-12"});
+  }
+  Ran Good(const std::vector<std::string>& words) {
+    const Ran ran = Run(words);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    return ran;
+  }
+  void Replay(const std::vector<std::string>& logs) {
+    std::vector<std::string> words = {"replay"};
+    words.insert(words.end(), logs.begin(), logs.end());
+    words.insert(words.end(), {"-m", machine_, "--db", Db()});
+    Good(words);
+  }
+  std::string Db() { return File("press.db"); }
+
+  std::string machine_;
+};
+
+TEST_F(WorkbenchHistory, AddedTheErrorFallsAndRemovedTheBytesOfTheFileAreBack) {
+  const std::string log = Leaking(4);
+  const Ran add = Good({"model", "add", "internal_leakage", log, "-m", machine_, "--json", "-"});
+  const nlohmann::json versions = add.Json()["versions"];
+  ASSERT_EQ(versions.size(), 2u);
+  EXPECT_LT(versions[1]["rms_holdout"].get<double>(), 0.95 * versions[0]["rms_holdout"].get<double>());
+  EXPECT_LT(versions[1]["rms_holdout"].get<double>(), 1.1 * versions[1]["noise_floor"].get<double>());
+  EXPECT_EQ(versions[1]["name"], "base + internal_leakage");
+  EXPECT_TRUE(versions[0]["parameters"].contains("K"));
+  EXPECT_NEAR(versions[1]["parameters"]["internal_leakage.G"]["value"].get<double>(), 5e-12, 1e-12);
+
+  const Ran history = Good({"model", "history", "-m", machine_});
+  EXPECT_THAT(history.out,
+              AllOf(HasSubstr("base + internal_leakage"), HasSubstr("version 2"), HasSubstr("Q_vn")));
+  EXPECT_EQ(Good({"model", "history", "-m", machine_, "--json", "-"}).Json()["versions"], versions);
+
+  const Ran remove = Good({"model", "remove", "internal_leakage", "-m", machine_, "--json", "-"});
+  EXPECT_TRUE(remove.Json()["restored"]);
+  EXPECT_EQ(ReadText(machine_), ReadText(kMachine));
+  EXPECT_THAT(ReadText(File("press.v2.toml")), HasSubstr("effects = [\"internal_leakage\"]"));
+}
+
+TEST_F(WorkbenchHistory, UndoTakesTheLastChangeBack) {
+  Good({"model", "add", "internal_leakage", "-m", machine_});
+  const std::string with_leak = ReadText(machine_);
+  Good({"model", "add", "relief_valve", "-m", machine_});
+  Good({"model", "undo", "-m", machine_});
+  EXPECT_EQ(ReadText(machine_), with_leak);
+  Good({"model", "undo", "-m", machine_});
+  EXPECT_EQ(ReadText(machine_), ReadText(kMachine));
+  const Ran again = Run({"model", "undo", "-m", machine_});
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("no version before"));
+}
+
+TEST_F(WorkbenchHistory, APromotedModelIsTheOneOfLaterReplays) {
+  Replay({Healthy(1)});
+  const std::string next = File("next.toml");
+  Good({"model", "add", "internal_leakage", "-m", machine_, "--out", next});
+  Good({"model", "promote", "-m", next, "--db", Db()});
+  Replay({Leaking(2)});  // with the machine file as it was
+  const nlohmann::json points =
+      Good({"trends", "--db", Db(), "--parameter", "internal_leakage.G", "--json", "-"}).Json()["points"];
+  ASSERT_FALSE(points.empty());
+  for (const nlohmann::json& point : points) EXPECT_EQ(point["run"], 2) << "what was replayed before stays";
+  EXPECT_NEAR(points.back()["value"].get<double>(), 5e-12, 2.5e-12);
+
+  const nlohmann::json stored = Good({"model", "history", "--db", Db(), "--json", "-"}).Json()["stored"];
+  ASSERT_EQ(stored.size(), 2u);
+  EXPECT_FALSE(stored[0]["in_force"]);
+  EXPECT_TRUE(stored[1]["in_force"]);
+  EXPECT_THAT(stored[1]["effects"], ElementsAre("internal_leakage"));
+
+  Good({"model", "promote", "--db", Db(), "--version", "1"});
+  Replay({Healthy(3)});
+  const nlohmann::json later =
+      Good({"trends", "--db", Db(), "--parameter", "internal_leakage.G", "--json", "-"}).Json()["points"];
+  EXPECT_EQ(later.size(), points.size()) << "the old model is back";
+  const Ran again = Good({"replay", File("1.csv"), File("leak2.csv"), File("3.csv"), "-m", machine_, "--db",
+                          Db(), "--json", "-"});
+  for (const nlohmann::json& log : again.Json()["logs"]) EXPECT_EQ(log["status"], "already_replayed");
+}
+
+TEST_F(WorkbenchHistory, TheDatabaseAloneSaysWhatAppearedHalfWay) {
+  Replay({Healthy(1), Healthy(2), Leaking(3), Leaking(4)});
+  const Ran change = Good({"explain", "--db", Db(), "--since", "run:3", "--json", "-"});
+  const nlohmann::json json = change.Json();
+  EXPECT_THAT(json["set"], Contains("internal_leakage")) << json.dump(1);
+  EXPECT_THAT(json["change"]["appeared"], Contains("internal_leakage"));
+  EXPECT_EQ(json["change"]["verdict_before"], "adequate");
+  EXPECT_EQ(json["change"]["before"]["machines"][0]["last"].get<int>() + 1,
+            json["change"]["since"].get<int>());
+  for (const char* name : {"K", "V0", "Q_vn", "y_0"})
+    EXPECT_TRUE(json["change"]["parameters"][name].contains("before")) << name;
+  EXPECT_THAT(Good({"explain", "--db", Db(), "--since", "run:3"}).out, HasSubstr("internal_leakage"));
+
+  const nlohmann::json before = Good({"explain", "--db", Db(), "--to", "run:3", "--json", "-"}).Json();
+  EXPECT_EQ(before["verdict"], "adequate");
+  const nlohmann::json after = Good({"explain", "--db", Db(), "--from", "run:3", "--json", "-"}).Json();
+  EXPECT_THAT(after["set"], Contains("internal_leakage"));
+  EXPECT_EQ(before["strokes"].get<int>() + after["strokes"].get<int>(),
+            Good({"explain", "--db", Db(), "--json", "-"}).Json()["strokes"].get<int>());
+}
+
+TEST_F(WorkbenchHistory, TheModelOfADatabaseIsExtendedOnItsOwnStrokes) {
+  Replay({Leaking(1), Leaking(2)});
+  const nlohmann::json before = Good({"compare", "--db", Db(), "--json", "-"}).Json();
+  EXPECT_TRUE(before["model_error_seen"]);
+  const nlohmann::json added = Good({"model", "add", "internal_leakage", "--db", Db(), "--json", "-"}).Json();
+  ASSERT_EQ(added["versions"].size(), 2u);
+  EXPECT_LT(added["versions"][1]["rms_holdout"].get<double>(),
+            added["versions"][0]["rms_holdout"].get<double>());
+  Good({"model", "promote", "--db", Db()});
+  const nlohmann::json after = Good({"compare", "--db", Db(), "--json", "-"}).Json();
+  EXPECT_THAT(after["effects"], ElementsAre("internal_leakage"));
+  EXPECT_FALSE(after["model_error_seen"]);
+  EXPECT_NEAR(after["rms_holdout"].get<double>(), added["versions"][1]["rms_holdout"].get<double>(), 1e-9);
+}
+
+TEST_F(WorkbenchHistory, ReportsLeadWithTheVerdictAndShowEveryPart) {
+  const std::string log = Leaking(4), page = File("page.html");
+  Good({"explain", log, "-m", machine_, "--report", page});
+  const std::string text = ReadText(page);
+  EXPECT_THAT(
+      text, AllOf(HasSubstr("The error falls"), HasSubstr("Where the model errs"), HasSubstr("tried alone"),
+                  HasSubstr("median error"), HasSubstr("largest error"), HasSubstr("Check on the machine")));
+  EXPECT_LT(text.find("class=\"verdict"), text.find("The error falls"));
+  EXPECT_EQ(text.find("http://", text.find("</style>")), text.find("http://www.w3.org"));
+  Good({"replay", log, "-m", machine_, "--db", Db(), "--report", page});
+  EXPECT_THAT(ReadText(page), AllOf(HasSubstr("Maintenance report"), HasSubstr("The error falls")));
+}
+
+TEST_F(WorkbenchHistory, WrongUseAndUnknownPlacesAreNamed) {
+  EXPECT_EQ(Run({"explain", "-m", machine_}).exit_code, 2);
+  EXPECT_EQ(Run({"explain", "x.csv", "-m", machine_, "--since", "3"}).exit_code, 2);
+  Replay({Healthy(1)});
+  const Ran place = Run({"explain", "--db", Db(), "--since", "yesterday"});
+  EXPECT_EQ(place.exit_code, 2);
+  EXPECT_THAT(place.err, HasSubstr("run:3"));
+  const Ran run = Run({"explain", "--db", Db(), "--from", "run:9"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, HasSubstr("no run 9"));
+  const Ran machine = Run({"explain", "--db", Db(), "--machine-name", "nothing"});
+  EXPECT_EQ(machine.exit_code, 3);
+  EXPECT_THAT(machine.err, HasSubstr("it holds"));
+}
+
+}  // namespace
+}  // namespace hydroscope
