@@ -49,7 +49,8 @@ struct QualityMonitor::Counts {
   std::int64_t reversals = 0;   ///< changes of direction
 };
 
-QualityMonitor::QualityMonitor(const Machine& machine, double sample_period) {
+QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
+    : guard_(ExpressionGuard::For(machine)) {
   for (const SignalSpec& spec : machine.signals) {
     Track track;
     track.low = spec.min.value_or(-kInfinity);
@@ -81,6 +82,7 @@ void QualityMonitor::Inspect(SampleBlock& block) {
   }
   DelayTimes(rows, kept, block);
   block.Resize(tracks_.size(), rows);
+  if (guard_) guard_->Flag(block, rows);
   CountFlags(block, rows);
 }
 
@@ -102,6 +104,7 @@ void QualityMonitor::Flush(SampleBlock& block) {
   }
   std::copy_n(held_time_.begin(), rows, block.time.begin());
   held_ = 0;
+  if (guard_) guard_->Flag(block, rows);
   CountFlags(block, rows);
 }
 

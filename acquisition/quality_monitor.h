@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/sample_block.h"
+#include "models/expression_guard.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -32,6 +33,7 @@ struct ChannelQuality {
 ///                of reading seen, two in three readings different from the one before, and three in ten
 ///                changes back in the direction they came from (white noise: two in three; smooth motion:
 ///                none). A command that rests at one value between noisy phases needs `stuck_time = 0`.
+///   kExpression  an expression of the machine file is no finite number on this row (models/expression_guard.h).
 ///   kSpike       one value off the mean of its neighbours by more than 12 standard deviations of that
 ///   distance and by
 ///                3 times each of the steps around it: between its neighbours, into the one before, out of
@@ -98,6 +100,7 @@ class QualityMonitor {
   void CountFlags(const SampleBlock& block, std::size_t rows);
 
   std::vector<Track> tracks_;
+  std::shared_ptr<const ExpressionGuard> guard_;  ///< nullptr: no expression can fail
   std::vector<ChannelQuality> channels_;
   std::vector<double> column_;             ///< history, rows held back, new rows of the channel being judged
   std::vector<Quality> flags_;             ///< of the same rows without history

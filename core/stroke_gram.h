@@ -11,7 +11,7 @@ namespace hydroscope {
 /// Sums of Grams over strokes are exact least squares over those strokes.
 struct StrokeGram {
   std::int64_t blocks = 0;  ///< block means that entered `integral`
-  std::int64_t spans = 0;   ///< spans, each of which spent one intercept
+  std::int64_t spans = 0;   ///< spans, each of which spent one intercept; 0 in the level form, which has none
   std::int64_t windows = 0; ///< flow windows that entered `flow`
   SymmetricMatrix integral; ///< m^3 units: volumes, block means, each span about its own mean
   SymmetricMatrix noise;    ///< share of `integral` that is sensor noise, from odd minus even samples

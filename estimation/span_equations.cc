@@ -15,6 +15,11 @@ WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
   return w;
 }
 
+double WindowSamples::FlowVarianceGain() const {
+  const double h = half_window, block_time = block * period;
+  return level_form ? 1.0 / (2 * h) : 2.0 / (h * h * h * block_time * block_time);
+}
+
 SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
     : model_(std::move(model)), window_(window) {
   const int columns = model_->column_count();
@@ -24,8 +29,8 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
   level_.resize(columns, window_.span + 2 * window_.half_window);
   out_.integral.resize(columns, window_.span);
   out_.noise = Eigen::MatrixXd::Zero(columns, 2 * window_.span);
-  out_.integrated_rows = model_->base_count;
-  rate_noise_.resize(model_->base_count);
+  out_.integrated_rows = model_->integrated_columns();
+  rate_noise_.resize(model_->integrated_columns());
   out_.flow.resize(columns, window_.span);
   out_.flow_time.reserve(window_.span);
 }
@@ -34,10 +39,15 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   const int blocks = (stretch.samples - (stretch.continues ? 1 : 0)) / window_.block;
   model_->derive_channels(stretch);
   if (!stretch.continues) history_ = 0;
-  FillLevels(stretch, blocks);
-  FillContrasts(blocks);
-  FillIntegratedNoise(stretch, blocks);
+  if (window_.level_form) {
+    FillValues(stretch, blocks);
+  } else {
+    FillLevels(stretch, blocks);
+    FillContrasts(blocks);
+    FillIntegratedNoise(stretch, blocks);
+  }
   FillFlows(blocks, stretch.continues, begin);
+  out_.equations = window_.level_form ? blocks : blocks - 1;
   out_.blocks = blocks;
   out_.begin = begin;
   return out_;
@@ -72,6 +82,27 @@ void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
   }
 }
 
+void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
+  const int m = window_.block, lead = stretch.continues ? 1 : 0;
+  const int paired = m / 4 * 4;
+  const double contrast = 1.0 / std::sqrt(static_cast<double>(m) * paired);
+  const std::span<double> values(increments_.data(), stretch.samples);
+  for (int c = 0; c < model_->column_count(); ++c) {
+    model_->columns[c].fill(stretch, column_state_[c], values);
+    for (int b = 0; b < blocks; ++b) {
+      const double* x = values.data() + lead + b * m;
+      double sum = 0, signs = 0;
+      for (int k = 0; k < m; ++k) {
+        sum += x[k];
+        if (k < paired) signs += ((k & 3) == 0 || (k & 3) == 3) ? x[k] : -x[k];
+      }
+      level_(c, history_ + b) = out_.integral(c, b) = sum / m;
+      out_.noise(c, b) = signs * contrast;
+    }
+  }
+  out_.noise.middleCols(blocks, blocks).setZero();
+}
+
 void SpanEquationBuilder::FillContrasts(int blocks) {
   // Helmert contrasts: block j against the mean of those before it, scaled to keep white noise white.
   Eigen::VectorXd mean = level_.col(history_);
@@ -88,8 +119,8 @@ void SpanEquationBuilder::FillIntegratedNoise(const Stretch& stretch, int blocks
   for (int b = 0; b < blocks; ++b) {
     rate_noise_.setZero();
     model_->integrated_noise(stretch, lead + b * window_.block + window_.block / 2, rate_noise_);
-    out_.noise.col(blocks + b).head(model_->base_count) = walk * rate_noise_;
-    out_.noise.col(blocks + b).tail(model_->column_count() - model_->base_count).setZero();
+    out_.noise.col(blocks + b).head(out_.integrated_rows) = walk * rate_noise_;
+    out_.noise.col(blocks + b).tail(model_->column_count() - out_.integrated_rows).setZero();
   }
 }
 
@@ -100,8 +131,11 @@ void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {
   out_.flow_time.clear();
   int windows = 0;
   for (int last = continues ? std::max(history_, 2 * h - 1) : 2 * h - 1; last < total; ++last, ++windows) {
-    out_.flow.col(windows) = scale * (level_.middleCols(last - h + 1, h).rowwise().sum() -
-                                      level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
+    if (window_.level_form)
+      out_.flow.col(windows) = level_.middleCols(last - 2 * h + 1, 2 * h).rowwise().mean();
+    else
+      out_.flow.col(windows) = scale * (level_.middleCols(last - h + 1, h).rowwise().sum() -
+                                        level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
     out_.flow_time.push_back(begin + (last - history_ - h + 1) * block_time);
   }
   const int keep = std::min(total, 2 * h - 1);

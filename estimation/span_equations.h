@@ -24,6 +24,9 @@ namespace hydroscope {
 /// the model says how much of it there is, and a random walk over B blocks of M samples has the centred
 /// energy M (B^2 - 1) / 6 per sample variance.
 ///
+/// Level form. A balance without d/dt needs no integration: its equations are the block means themselves, and
+/// none of them is spent on an intercept. Its windows are means over the same time as those of the flow form.
+///
 /// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
 struct SpanEquations {
   Eigen::MatrixXd integral;       ///< columns x (blocks - 1), integrated output unit (m^3)
@@ -31,6 +34,7 @@ struct SpanEquations {
   Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
+  int equations = 0;        ///< columns of `integral` that hold: blocks - 1, in the level form blocks
   int integrated_rows = 0;  ///< first rows of `noise` whose integrated part is not zero
   double begin = 0;         ///< s, first new sample
 };
@@ -42,7 +46,11 @@ struct WindowSamples {
   int half_window = 2;    ///< blocks in each half of the flow window
   int min_span = 5;       ///< blocks below which the rest of a segment is not used
   double period = 0.002;  ///< s
+  bool level_form = false;  ///< of ModelStructure
   static WindowSamples From(const WindowSpec& spec, double period);
+  /// Variance of a window of the flow form per variance of a block mean: the difference of two means of h block
+  /// levels, h blocks apart, has 2 / (h^3 T_block^2); in the level form the mean of 2 h blocks has 1 / (2 h).
+  double FlowVarianceGain() const;
 };
 
 class SpanEquationBuilder {
@@ -58,6 +66,7 @@ class SpanEquationBuilder {
 
  private:
   void FillLevels(const Stretch& stretch, int blocks);
+  void FillValues(const Stretch& stretch, int blocks);
   void FillContrasts(int blocks);
   void FillIntegratedNoise(const Stretch& stretch, int blocks);
   void FillFlows(int blocks, bool continues, double begin);

@@ -29,12 +29,12 @@ StrokeAccumulator::StrokeAccumulator(int columns)
 
 void StrokeAccumulator::Add(const SpanEquations& span) {
   const int windows = static_cast<int>(span.flow_time.size());
-  AddOuter(span.integral, span.blocks - 1, integral_);
+  AddOuter(span.integral, span.equations, integral_);
   AddOuter(span.noise, span.blocks, noise_);
   AddIntegratedNoise(span, noise_);
   AddOuter(span.flow, windows, flow_);
   blocks_ += span.blocks;
-  spans_ += 1;
+  spans_ += span.blocks - span.equations;
   windows_ += windows;
 }
 

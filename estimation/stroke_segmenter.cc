@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kRingSize = 5;
 constexpr int kLookAhead = 2;
+constexpr double kHoldTime = 0.1;  ///< s
 /// Flags that say a row does not follow the one before at the sample period.
 constexpr Quality kTimeBroken =
     quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
@@ -34,7 +35,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
     needed_[signal] = true;
     auto slot = std::find(gate_signal_.begin(), gate_signal_.end(), signal);
     if (slot == gate_signal_.end()) slot = gate_signal_.insert(slot, signal);
-    bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate,
+    bounds_.push_back({static_cast<int>(slot - gate_signal_.begin()), bound.rate, bound.magnitude,
                        bound.min.value_or(-kInfinity), bound.max.value_or(kInfinity)});
   }
   const std::size_t channels = model_->channel_source.size();
@@ -43,7 +44,9 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
   empty.mean.resize(gate_signal_.size());
   ring_.assign(kRingSize, empty);
   filling_ = empty;
-  held_.assign(channels, 0.0);
+  held_.assign(channels, std::numeric_limits<double>::quiet_NaN());
+  held_for_.assign(channels, 0);
+  hold_ = static_cast<int>(std::lround(kHoldTime / window_.period));
   const int capacity = window_.span * window_.block + 1;
   stretch_.period = window_.period;
   stretch_.channel.assign(model_->channel_names.size(), std::vector<double>(capacity));
@@ -110,8 +113,9 @@ void StrokeSegmenter::Fill(const SampleBlock& block, std::size_t first, int coun
     if (needed_[signal] || block.quality[signal][first] == quality::kGood) {
       std::copy_n(&block.signal[signal][first], count, place);
       held_[c] = place[count - 1];
-    } else {
-      *place = held_[c];  // a flagged row comes alone
+      held_for_[c] = 0;
+    } else {  // a flagged row comes alone
+      *place = ++held_for_[c] <= hold_ ? held_[c] : std::numeric_limits<double>::quiet_NaN();
     }
   }
   for (std::size_t g = 0; g < gate_signal_.size(); ++g) {
@@ -158,6 +162,7 @@ bool StrokeSegmenter::GateOpen(int index) const {
       const double distance = (last - 0.5 * (after - 1)) - (first + 0.5 * (before - 1));
       x = (sum_after / after - sum_before / before) / (distance * window_.block * window_.period);
     }
+    if (bound.magnitude) x = std::abs(x);
     if (!(x >= bound.min && x <= bound.max)) return false;
   }
   return true;
@@ -176,7 +181,7 @@ void StrokeSegmenter::Append(const Pending& block) {
     in_stroke_ = true;
     summary_ = StrokeSummary{};
     summary_.begin = block.begin;
-    sum_pressure_ = sum_temperature_ = sum_blocks_ = travel_ = 0;
+    sum_pressure_ = sum_temperature_ = temperature_blocks_ = sum_blocks_ = travel_ = 0;
     last_position_ = std::numeric_limits<double>::quiet_NaN();
   }
   last_gated_ = block.begin + window_.block * window_.period;
@@ -197,7 +202,13 @@ void StrokeSegmenter::Append(const Pending& block) {
     sum_pressure_ += p;
     summary_.max_pressure = std::max(summary_.max_pressure, p);
   }
-  if (temperature_channel_ >= 0) sum_temperature_ += mean_of(temperature_channel_);
+  if (temperature_channel_ >= 0) {
+    const double oil = mean_of(temperature_channel_);
+    if (std::isfinite(oil)) {
+      sum_temperature_ += oil;
+      temperature_blocks_ += 1;
+    }
+  }
   if (position_channel_ >= 0) {
     const double z = mean_of(position_channel_);
     if (!std::isnan(last_position_)) travel_ += std::abs(z - last_position_);
@@ -245,8 +256,8 @@ void StrokeSegmenter::EndStroke() {
   summary_.counters = since_stroke_;
   summary_.mean_speed = gated_time > 0 ? travel_ / gated_time : 0.0;
   summary_.mean_pressure = sum_blocks_ > 0 ? sum_pressure_ / sum_blocks_ : 0.0;
-  summary_.oil_temperature = temperature_channel_ >= 0 && sum_blocks_ > 0
-                                 ? sum_temperature_ / sum_blocks_
+  summary_.oil_temperature = temperature_blocks_ > 0
+                                 ? sum_temperature_ / temperature_blocks_
                                  : std::numeric_limits<double>::quiet_NaN();
   AddToTotals();
   sink_.on_stroke(summary_);

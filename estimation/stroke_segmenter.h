@@ -52,7 +52,7 @@ class StrokeSegmenter {
   };
   struct Bound {
     int slot;  ///< index into Pending::mean
-    bool rate;
+    bool rate, magnitude;
     double min, max;
   };
 
@@ -83,14 +83,17 @@ class StrokeSegmenter {
   Pending filling_;
   int rows_in_block_ = 0;
   std::vector<Quality> row_flags_;  ///< flags of all signals of each row of the block being processed
-  std::vector<double> held_;  ///< last good value of each channel, for channels the base model does not need
+  /// Last good value of each channel, for channels the base model does not need, and for how many samples it is held.
+  std::vector<double> held_;
+  std::vector<int> held_for_;
+  int hold_ = 0;  ///< samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged
   Stretch stretch_;
   int stretch_blocks_ = 0;
   double stretch_begin_ = 0;
   bool in_stroke_ = false;
   double last_gated_ = 0;
   StrokeSummary summary_;
-  double sum_pressure_ = 0, sum_temperature_ = 0, sum_blocks_ = 0, last_position_ = 0, travel_ = 0;
+  double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0, last_position_ = 0, travel_ = 0;
   int pressure_channel_ = -1, position_channel_ = -1, temperature_channel_ = -1;
   std::int64_t next_index_ = 0, discarded_ = 0;
   StrokeCounters totals_, since_stroke_;

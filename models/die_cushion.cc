@@ -4,18 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "models/smooth_rate.h"
+#include "models/user_effect.h"
+
 namespace hydroscope {
 namespace {
-
-/// Variance of white noise on a smooth signal, from third differences (their noise gain is 1 + 9 + 9 + 1 = 20).
-double WhiteNoiseVariance(const double* x, int n) {
-  double sum = 0;
-  for (int k = 3; k < n; ++k) {
-    const double third = x[k] - 3 * x[k - 1] + 3 * x[k - 2] - x[k - 3];
-    sum += third * third;
-  }
-  return n > 3 ? sum / (20.0 * (n - 3)) : 0.0;
-}
 
 /// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put back.
 double NoiseCorrectedRoot(double dp, double variance) {
@@ -24,49 +17,12 @@ double NoiseCorrectedRoot(double dp, double variance) {
   return std::copysign(std::sqrt(magnitude) * correction, dp);
 }
 
-/// What the first and last samples of a smoothed derivative get, where a full window does not fit.
-enum class Ends {
-  kHold,    ///< the nearest full window's value: fast signals
-  kExtend,  ///< the line through the nearest windows: smooth signals
-};
-
-/// Derivative by a triangular window of +-`half` samples: mean of the samples after minus mean of those before.
-void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends, std::vector<double>& rate) {
-  const int m = std::clamp((n - 1) / 2, 1, half);
-  if (n < 3) {
-    std::fill_n(rate.begin(), n, 0.0);
-    return;
-  }
-  double before = 0, after = 0;
-  for (int k = 0; k < m; ++k) {
-    before += x[k];
-    after += x[m + 1 + k];
-  }
-  const double scale = 1.0 / (m * (m + 1) * period);
-  for (int k = m; k + m < n; ++k) {
-    rate[k] = scale * (after - before);
-    if (k + m + 1 < n) {
-      before += x[k] - x[k - m];
-      after += x[k + m + 1] - x[k + 1];
-    }
-  }
-  const int last = n - m - 1;
-  const int reach = std::min(2 * m, last - m);
-  const bool extend = ends == Ends::kExtend && reach > 0;
-  const double rise = extend ? (rate[m + reach] - rate[m]) / reach : 0.0;
-  const double fall = extend ? (rate[last] - rate[last - reach]) / reach : 0.0;
-  for (int k = 1; k <= m; ++k) {
-    rate[m - k] = rate[m] - k * rise;
-    rate[last + k] = rate[last] + k * fall;
-  }
-}
-
 void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   const auto& p = s.channel[kPressureA];
   const double variance = WhiteNoiseVariance(p.data(), s.samples);
   auto& root = s.channel[kFlowRoot];
   for (int k = 0; k < s.samples; ++k) {
-    const bool to_tank = s.channel[kSpool][k] >= 0.0 || !has_supply;
+    const bool to_tank = s.channel[kSpool][k] >= 0.0 || !has_supply || std::isnan(s.channel[kSupplyPressure][k]);
     const double dp = to_tank ? p[k] - tank_pressure : s.channel[kSupplyPressure][k] - p[k];
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
@@ -164,10 +120,13 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) { DeriveChannels(tank, has_supply, s); };
   model->integrated_noise = IntegratedNoise;
+  model->walk_columns = {0, 3};
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](const Eigen::VectorXd& theta) {
     return Derive(a, a_std, root, theta);
   };
   AddLibrary(DieCushionEffects(geometry), *model);
+  // Own effects are flows out of chamber A, as leaks are.
+  if (const Status added = AddUserEffects(machine, -1.0, *model); !added) return tl::unexpected(added.error());
   return model;
 }
 

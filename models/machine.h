@@ -33,6 +33,7 @@ struct SignalSpec {
 struct KnownValue {
   double value = 0.0;
   double std = 0.0;
+  std::string unit = {};  ///< SI unit, where the file says it; "" = that of the built-in model, or not known
 
   bool operator==(const KnownValue&) const = default;
 };
@@ -56,6 +57,7 @@ struct GateBound {
   std::string signal;              ///< signal name
   bool rate = false;               ///< true: bounds are on d/dt (written as "ddt(z)" in the file)
   std::optional<double> min, max;  ///< SI
+  bool magnitude = false;          ///< true: bounds are on the absolute value ("abs(z)", "abs(ddt(z))")
 
   bool operator==(const GateBound&) const = default;
 };
@@ -70,7 +72,7 @@ struct GateSpec {
 
 struct WindowSpec {
   double block = 0.02;       ///< s averaged into one equation
-  double span = 0.4;         ///< s that share one intercept (integration constant)
+  double span = 0.8;         ///< s that share one intercept (integration constant)
   double half_width = 0.04;  ///< s, half width of the triangular window in which flows are shown and compared
 
   bool operator==(const WindowSpec&) const = default;
@@ -88,8 +90,8 @@ struct EstimatorSpec {
   double initial_covariance = 500.0;             ///< alpha of P(0) = alpha I, in scaled units
   double initial_parameter = 1.0;                ///< theta(0), in scaled units (as published) ...
   bool initial_from_first_stroke = true;         ///< ... or start from the first stroke's least squares
-  double max_covariance = 1e6;                   ///< bound on the diagonal of P, scaled units
-  double dead_zone = 0.0;                        ///< innovations below this many noise std do not update
+  double max_covariance = 1e6;                   ///< bound on the eigenvalues of P, scaled units
+  double dead_zone = 0.0;                        ///< innovations (rms over a span) below this many noise std do not update
   double clip = 4.0;                ///< innovations beyond this many noise std are clipped; 0 = never
   int moving_average = 31;          ///< samples, published form
   int symmetrical_derivative = 25;  ///< samples, published form
@@ -116,6 +118,16 @@ struct ValveSpec {
   bool operator==(const ValveSpec&) const = default;
 };
 
+/// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes recorded.
+struct ExperimentSpec {
+  std::optional<double> speed_min, speed_max;        ///< m/s, ram speeds
+  std::optional<double> pressure_min, pressure_max;  ///< Pa, pressures in chamber A
+  double warm_up = 0.0;                              ///< K by which the oil may warm on the way
+  int max_strokes = 200;                             ///< more than these nobody records
+
+  bool operator==(const ExperimentSpec&) const = default;
+};
+
 /// A term the user wrote: parameter name -> expression over the machine's signals.
 struct TermSpec {
   std::string parameter;
@@ -125,11 +137,23 @@ struct TermSpec {
   bool operator==(const TermSpec&) const = default;
 };
 
+/// A constant of a user's effect that is found from the data, within limits (a threshold, a width).
+struct ShapeSpec {
+  std::string name;
+  double min = 0.0, max = 0.0;  ///< SI
+  std::string unit;             ///< SI, optional
+
+  bool operator==(const ShapeSpec&) const = default;
+};
+
 /// An effect the user wrote.
 struct UserEffectSpec {
   std::string id;
   std::string description;
-  std::vector<TermSpec> terms;
+  std::vector<TermSpec> terms;                 ///< exactly one
+  std::vector<ShapeSpec> shape = {};           ///< names that its expression may use beside the signals
+  std::optional<double> min = {}, max = {};    ///< SI, sizes of the parameter that physics allows
+  std::optional<double> typical = {};          ///< SI, a size worth knowing about
 
   bool operator==(const UserEffectSpec&) const = default;
 };
@@ -139,6 +163,7 @@ struct BalanceSpec {
   std::string output;
   std::string unit;
   std::vector<TermSpec> terms;
+  std::vector<TermSpec> derived = {};  ///< quantities computed from the parameters
 
   bool operator==(const BalanceSpec&) const = default;
 };
@@ -157,6 +182,7 @@ struct Machine {
   EstimatorSpec estimator;
   std::vector<MonitorSpec> monitors;
   ValveSpec valve;
+  ExperimentSpec experiment;
   BalanceSpec balance;
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding

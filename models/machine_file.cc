@@ -58,6 +58,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadEstimator(file, machine);
   ReadMonitors(file, machine);
   ReadValve(file, machine);
+  ReadExperiment(file, machine);
   ReadBalance(file, machine);
   ReadEffects(file, machine);
   ReadLive(file, machine);

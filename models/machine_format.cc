@@ -183,7 +183,8 @@ std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
   if (machine.geometry.empty() && !notes.section.contains("geometry")) return "";
   Pairs pairs;
   for (const auto& [name, known] : machine.geometry) {
-    const std::string si = SiOfInput(FindModelInputs(machine.model)->geometry, name);
+    const std::string si =
+        known.unit.empty() ? SiOfInput(FindModelInputs(machine.model)->geometry, name) : known.unit;
     const std::string unit = si == "m2" ? si : ReadableUnit(si, {{known.value, false}, {known.std, true}});
     Pairs value = {{"value", NumberIn(known.value, unit)}};
     if (known.std != 0.0) value.emplace_back("std", NumberIn(known.std, unit, true));
@@ -204,7 +205,9 @@ std::string GateSection(const Machine& machine, const MachineNotes& notes) {
     if (bound.min) limits.emplace_back("min", Plain(*bound.min));
     if (bound.max) limits.emplace_back("max", Plain(*bound.max));
     if (si != "1") limits.emplace_back("unit", Quoted(si));
-    conditions.emplace_back(bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal, Inline(limits));
+    std::string name = bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal;
+    if (bound.magnitude) name = fmt::format("abs({})", name);
+    conditions.emplace_back(name, Inline(limits));
   }
   Pairs pairs;
   if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
@@ -277,6 +280,26 @@ std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
                  notes, "valve");
 }
 
+std::string ExperimentSection(const Machine& machine, const MachineNotes& notes) {
+  const ExperimentSpec& spec = machine.experiment;
+  if (spec == ExperimentSpec{}) return "";
+  const auto range = [](std::optional<double> min, std::optional<double> max, const char* unit) {
+    Pairs limits;
+    if (min) limits.emplace_back("min", Plain(*min));
+    if (max) limits.emplace_back("max", Plain(*max));
+    limits.emplace_back("unit", Quoted(unit));
+    return Inline(limits);
+  };
+  Pairs pairs;
+  if (spec.speed_min || spec.speed_max) pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
+  if (spec.pressure_min || spec.pressure_max)
+    pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
+  pairs.emplace_back("warm_up", Plain(spec.warm_up));
+  pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
+  return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.", pairs, notes,
+                 "experiment");
+}
+
 std::string Terms(const std::vector<TermSpec>& terms) {
   Pairs pairs;
   for (const TermSpec& term : terms)
@@ -291,6 +314,7 @@ std::string BalanceSection(const Machine& machine, const MachineNotes& notes) {
   Pairs pairs = {{"output", Quoted(machine.balance.output)}};
   if (!machine.balance.unit.empty()) pairs.emplace_back("unit", Quoted(machine.balance.unit));
   pairs.emplace_back("terms", Terms(machine.balance.terms));
+  if (!machine.balance.derived.empty()) pairs.emplace_back("derived", Terms(machine.balance.derived));
   return Section("[balance]", "output = sum of parameter * expression, in SI.", pairs, notes, "balance");
 }
 
@@ -300,12 +324,20 @@ std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
     Pairs pairs = {{"id", Quoted(effect.id)}};
     if (!effect.description.empty()) pairs.emplace_back("description", Quoted(effect.description));
     pairs.emplace_back("terms", Terms(effect.terms));
+    if (effect.min) pairs.emplace_back("min", Plain(*effect.min));
+    if (effect.max) pairs.emplace_back("max", Plain(*effect.max));
+    if (effect.typical) pairs.emplace_back("typical", Plain(*effect.typical));
+    Pairs shape;
+    for (const ShapeSpec& s : effect.shape) {
+      Pairs limits = {{"min", Plain(s.min)}, {"max", Plain(s.max)}};
+      if (!s.unit.empty()) limits.emplace_back("unit", Quoted(s.unit));
+      shape.emplace_back(s.name, Inline(limits));
+    }
+    if (!shape.empty()) pairs.emplace_back("shape", Inline(shape));
     text += Section("[[effect]]", "An effect that may be missing in the balance.", pairs, notes, "effect");
   }
   return text;
 }
-
-}  // namespace
 
 std::string RingValue(const ModbusRingSpec& ring) {
   Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
@@ -362,13 +394,16 @@ std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
   return text;
 }
 
+}  // namespace
+
 std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
   std::string text;
   for (const std::string& line : notes.head) text += Comment(line) + "\n";
   text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
           GeometrySection(machine, notes) + GateSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
-          MonitorSections(machine, notes) + ValveSection(machine, notes) + BalanceSection(machine, notes) +
+          MonitorSections(machine, notes) + ValveSection(machine, notes) +
+          ExperimentSection(machine, notes) + BalanceSection(machine, notes) +
           EffectSections(machine, notes) + LiveSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();

@@ -96,6 +96,13 @@ void ReadSignal(TableReader& signal, const toml::table& table, const LogFormat& 
   signal.Flag("required", spec.required);
 }
 
+/// Takes "abs(" ... ")" off; false if `text` is not so wrapped.
+bool Unwrap(std::string_view wrapper, std::string& text) {
+  if (!text.starts_with(wrapper) || !text.ends_with(")")) return false;
+  text = text.substr(wrapper.size(), text.size() - wrapper.size() - 1);
+  return true;
+}
+
 /// Names are used in expressions: letters, digits and _, not starting with a digit.
 bool IsIdentifier(const std::string& name) {
   const auto word = [](char c) {
@@ -194,6 +201,7 @@ void ReadGeometry(TableReader& file, Machine& machine) {
       std::string unit = si;
       reader.UnitName("unit", unit, si);
       quantity.default_unit = unit;
+      if (!is_known && !unit.empty()) value.unit = SiOf(unit);
       if (!reader.Has("value"))
         reader.Problem("value is missing; write e.g. { value = 125, unit = \"cm2\" }");
       reader.Number("value", value.value, quantity);
@@ -214,12 +222,13 @@ void ReadGate(TableReader& file, Machine& machine) {
     for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
     for (const TableReader::Entry& entry : conditions.Entries()) {
       GateBound bound;
-      bound.rate = entry.key.starts_with("ddt(") && entry.key.ends_with(")");
-      bound.signal = bound.rate ? entry.key.substr(4, entry.key.size() - 5) : entry.key;
+      bound.signal = entry.key;
+      bound.magnitude = Unwrap("abs(", bound.signal);
+      bound.rate = Unwrap("ddt(", bound.signal);
       const int index = machine.SignalIndex(bound.signal);
       if (index < 0) {
         conditions.Problem(entry.where,
-                           fmt::format("\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\"",
+                           fmt::format("\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
                                        bound.signal, DidYouMean(bound.signal, names), Listed(names)));
         continue;
       }

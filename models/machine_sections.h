@@ -1,5 +1,6 @@
 #pragma once
 
+#include "models/expression_check.h"
 #include "models/machine.h"
 #include "models/machine_table.h"
 
@@ -16,6 +17,7 @@ void ReadWindow(TableReader& file, Machine& machine);
 void ReadEstimator(TableReader& file, Machine& machine);
 void ReadMonitors(TableReader& file, Machine& machine);
 void ReadValve(TableReader& file, Machine& machine);
+void ReadExperiment(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
 void ReadEffects(TableReader& file, Machine& machine);
 void ReadModelHistory(TableReader& file, Machine& machine);
@@ -24,6 +26,17 @@ void ReadEffectValues(TableReader& section, Machine& machine);
 void ReadLive(TableReader& file, Machine& machine);
 /// `dds` and `modbus` of one signal.
 void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
+
+/// Parts of [balance] and [[effect]] (machine_sections_expressions.cc).
+/// terms = { F_c = "sign(ddt(x))" } or { F_c = { expression = "sign(ddt(x))", unit = "N" } }; every expression is
+/// checked against `names`.
+std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& key, const ExpressionNames& names,
+                                std::vector<ExpressionUnit>& units);
+/// Notes what is wrong with an expression, pointing at the character. `node` is its text in the file.
+void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key, const ExpressionError& error);
+/// The units of terms fit the output: parameter * expression = output, where that can be told.
+void CheckTermUnits(TableReader& section, const std::string& key, const std::vector<TermSpec>& terms,
+                    const std::vector<ExpressionUnit>& units, const std::string& output_unit);
 
 /// What concerns several sections: the model's signals and known values are there and of the right quantity,
 /// limits and windows fit each other.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <set>
 
 #include "models/machine_keys.h"
 #include "models/machine_sections.h"
@@ -13,46 +12,6 @@ std::vector<std::string> SignalNames(const Machine& machine) {
   std::vector<std::string> names;
   for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
   return names;
-}
-
-/// terms = { F_c = "sign(ddt(x))" } or { F_c = { expression = "sign(ddt(x))", unit = "N" } }.
-std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& default_unit) {
-  std::vector<TermSpec> terms;
-  const toml::table* table = section.Table("terms");
-  if (table == nullptr || table->empty()) {
-    section.Problem("terms is missing; write e.g. terms = { F_c = \"sign(ddt(x))\" }");
-    return terms;
-  }
-  TableReader reader(*table, section.path() + ".terms", section.problems());
-  for (const TableReader::Entry& entry : reader.Entries()) {
-    TermSpec term{entry.key, "", default_unit};
-    if (const toml::table* details = entry.node->as_table()) {
-      TableReader inner(*details, reader.path() + "." + entry.key, section.problems());
-      inner.AllowOnly(MachineFileKeys("terms.<parameter>"));
-      inner.Text("expression", term.expression);
-      inner.Text("unit", term.unit);
-    } else {
-      reader.Text(entry.key, term.expression);
-    }
-    if (term.expression.empty())
-      reader.Wrong(entry.key, "an expression over the signals in quotes, e.g. \"p*sign(ddt(x))\"");
-    terms.push_back(std::move(term));
-  }
-  return terms;
-}
-
-void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machine) {
-  section.AllowOnly(MachineFileKeys("effect"));
-  UserEffectSpec effect;
-  section.Text("id", effect.id);
-  if (effect.id.empty()) section.Problem("id is missing; write e.g. id = \"coulomb_friction\"");
-  if (!effect.id.empty() && !ids.insert(effect.id).second)
-    section.Wrong("id", "an id that no other effect has");
-  section.Text("description", effect.description);
-  std::string unit;
-  section.Text("unit", unit);
-  effect.terms = ReadTerms(section, unit);
-  machine.user_effects.push_back(std::move(effect));
 }
 
 /// A signal that differs from one of the model's only in case is a slip of the pen.
@@ -169,46 +128,6 @@ void ReadValve(TableReader& file, Machine& machine) {
   const int input = machine.SignalIndex(machine.valve.input);
   const std::string si = input < 0 ? "" : SiOf(machine.signals[input].unit);
   section.Number("full_scale", machine.valve.full_scale, {.si = si, .low = 0, .above_low = true});
-}
-
-void ReadBalance(TableReader& file, Machine& machine) {
-  const toml::table* table = file.Table("balance");
-  if (table == nullptr) {
-    if (machine.model == "expressions")
-      file.Problem("model \"expressions\" needs a section [balance] with output and terms");
-    return;
-  }
-  TableReader section(*table, "balance", file.problems());
-  section.AllowOnly(MachineFileKeys("balance"));
-  section.Text("output", machine.balance.output);
-  if (machine.balance.output.empty()) section.Problem("output is missing; write e.g. output = \"F\"");
-  const int signal = machine.SignalIndex(machine.balance.output);
-  machine.balance.unit = signal < 0 ? "" : SiOf(machine.signals[signal].unit);
-  const std::string expected = machine.balance.unit;
-  section.Text("unit", machine.balance.unit);
-  if (const auto unit = FindFileUnit(machine.balance.unit);
-      unit && (unit->scale != 1.0 || unit->offset != 0.0))
-    section.Wrong("unit", fmt::format("the SI unit \"{}\": balances are computed in SI", unit->si));
-  else if (!expected.empty() && machine.balance.unit != expected)
-    section.Wrong("unit", fmt::format("\"{}\", the SI unit of {}", expected, machine.balance.output));
-  machine.balance.terms = ReadTerms(section, "");
-}
-
-void ReadEffects(TableReader& file, Machine& machine) {
-  if (!file.Has("effect")) return;
-  const toml::node* node = nullptr;
-  for (const TableReader::Entry& entry : file.Entries())
-    if (entry.key == "effect") node = entry.node;
-  const toml::array* list = node->as_array();
-  if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-    file.Wrong("effect", "sections [[effect]] with two brackets");
-    return;
-  }
-  std::set<std::string> ids;
-  for (const toml::node& effect : *list) {
-    TableReader section(*effect.as_table(), "effect", file.problems());
-    ReadEffect(section, ids, machine);
-  }
 }
 
 void CheckMachine(TableReader& file, const Machine& machine) {

@@ -47,18 +47,19 @@ std::vector<std::string> UnitsOf(std::string_view si) {
 
 }  // namespace
 
-void FileProblems::Add(const toml::source_region& where, const std::string& text) {
+void FileProblems::Add(const toml::source_region& where, const std::string& text, std::size_t column) {
   const std::size_t end = text.find_last_not_of(' ') + 1;
-  problems_.emplace_back(where.begin.line, text.substr(0, end));
+  problems_.push_back({where.begin.line, column, text.substr(0, end)});
 }
 
 Error FileProblems::ToError() const {
   auto problems = problems_;
   std::stable_sort(problems.begin(), problems.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+                   [](const auto& a, const auto& b) { return a.line < b.line; });
   std::string text;
   for (std::size_t i = 0; i < std::min(problems.size(), kReported); ++i)
-    text += fmt::format("{}{}:{}: {}", i == 0 ? "" : "\n", origin_, problems[i].first, problems[i].second);
+    text += fmt::format("{}{}:{}{}: {}", i == 0 ? "" : "\n", origin_, problems[i].line,
+                        problems[i].column > 0 ? fmt::format(":{}", problems[i].column) : "", problems[i].text);
   if (problems.size() > kReported) text += fmt::format("\n... and {} more", problems.size() - kReported);
   return Error{ErrorKind::kBadInput, text};
 }
@@ -237,8 +238,8 @@ void TableReader::Wrong(std::string_view key, const std::string& expected) {
 
 void TableReader::Problem(const std::string& text) { Problem(table_.source(), text); }
 
-void TableReader::Problem(const toml::source_region& where, const std::string& text) {
-  problems_.Add(where, path_.empty() ? text : fmt::format("[{}] {}", path_, text));
+void TableReader::Problem(const toml::source_region& where, const std::string& text, std::size_t column) {
+  problems_.Add(where, path_.empty() ? text : fmt::format("[{}] {}", path_, text), column);
 }
 
 toml::source_region TableReader::Where(std::string_view key) const {

@@ -18,8 +18,8 @@ class FileProblems {
  public:
   explicit FileProblems(std::string origin) : origin_(std::move(origin)) {}
 
-  /// Notes "origin:line: text".
-  void Add(const toml::source_region& where, const std::string& text);
+  /// Notes "origin:line: text", with a column (from 1) "origin:line:column: text".
+  void Add(const toml::source_region& where, const std::string& text, std::size_t column = 0);
   bool any() const { return !problems_.empty(); }
   /// The first ten, in the order of the file.
   Error ToError() const;
@@ -27,7 +27,12 @@ class FileProblems {
  private:
   static constexpr std::size_t kReported = 10;
   std::string origin_;
-  std::vector<std::pair<toml::source_index, std::string>> problems_;  ///< line, text
+  struct Problem {
+    toml::source_index line;
+    std::size_t column;
+    std::string text;
+  };
+  std::vector<Problem> problems_;
 };
 
 /// What a number in a machine file must be. Limits are SI.
@@ -62,6 +67,8 @@ class TableReader {
   TableReader(const toml::table& table, std::string path, FileProblems& problems);
 
   bool Has(std::string_view key) const { return table_.contains(key); }
+  /// The value under `key`, nullptr if there is none.
+  const toml::node* Node(std::string_view key) const { return table_.get(key); }
   /// Entries in the order of the file.
   std::vector<Entry> Entries() const;
   /// Every key that is not in `known` is a problem with the nearest known one.
@@ -86,7 +93,7 @@ class TableReader {
   void Wrong(std::string_view key, const std::string& expected);
   /// Notes a problem of the table as a whole.
   void Problem(const std::string& text);
-  void Problem(const toml::source_region& where, const std::string& text);
+  void Problem(const toml::source_region& where, const std::string& text, std::size_t column = 0);
 
   const std::string& path() const { return path_; }
   FileProblems& problems() { return problems_; }

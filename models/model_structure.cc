@@ -1,6 +1,7 @@
 #include "models/model_structure.h"
 
 #include "models/die_cushion.h"
+#include "models/expression_balance.h"
 
 namespace hydroscope {
 
@@ -12,7 +13,8 @@ std::vector<std::string> ModelStructure::ColumnNames() const {
 
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
   if (machine.model == "die_cushion") return BuildDieCushion(machine);
-  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known model: die_cushion", machine.name,
+  if (machine.model == "expressions") return BuildExpressionBalance(machine);
+  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: die_cushion, expressions", machine.name,
                   machine.model);
 }
 

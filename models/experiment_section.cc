@@ -1,0 +1,36 @@
+#include "models/machine_keys.h"
+#include "models/machine_sections.h"
+
+namespace hydroscope {
+namespace {
+
+/// ram_speed = { min = 20, max = 120, unit = "mm/s" }; either limit may be left out.
+void ReadRange(TableReader& section, const char* key, const std::string& si, std::optional<double>& min,
+               std::optional<double>& max) {
+  const toml::table* table = section.Table(key);
+  if (table == nullptr) return;
+  TableReader range(*table, section.path() + "." + key, section.problems());
+  range.AllowOnly(MachineFileKeys("experiment.<range>"));
+  std::string unit = si;
+  range.UnitName("unit", unit, si);
+  const Quantity quantity{.si = si, .default_unit = unit, .low = 0, .above_low = true};
+  range.Number("min", min, quantity);
+  range.Number("max", max, quantity);
+  if (min && max && *min > *max) range.Wrong("min", "a limit not above max");
+}
+
+}  // namespace
+
+void ReadExperiment(TableReader& file, Machine& machine) {
+  const toml::table* table = file.Table("experiment");
+  if (table == nullptr) return;
+  TableReader section(*table, "experiment", file.problems());
+  section.AllowOnly(MachineFileKeys("experiment"));
+  ExperimentSpec& spec = machine.experiment;
+  ReadRange(section, "ram_speed", "m/s", spec.speed_min, spec.speed_max);
+  ReadRange(section, "pressure", "Pa", spec.pressure_min, spec.pressure_max);
+  section.Number("warm_up", spec.warm_up, {.si = "K", .default_unit = "K", .difference = true, .low = 0});
+  section.Integer("max_strokes", spec.max_strokes, 12);
+}
+
+}  // namespace hydroscope

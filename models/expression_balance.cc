@@ -1,0 +1,175 @@
+#include "models/expression_balance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/user_effect.h"
+
+namespace hydroscope {
+namespace {
+
+/// A checked expression of the balance with its constants put in; errors name the key.
+Result<CheckedExpression> Checked(const Machine& machine, const std::string& key, const std::string& text) {
+  const ExpressionNames names = ExpressionNamesOf(machine);
+  auto checked = CheckExpression(text, names);
+  if (!checked)
+    return BadInput("machine '{}': [balance] {}: {}\n{}", machine.name, key, checked.error().text,
+                    CaretLine(text, checked.error().at));
+  checked->tree = WithValues(checked->tree, names.constants);
+  return *checked;
+}
+
+/// Quantities computed from the parameters, with gradients by central differences.
+class Derivation {
+ public:
+  Derivation(const Machine& machine, std::vector<std::string> units)
+      : terms_(machine.balance.terms), units_(std::move(units)) {
+    std::map<std::string, int> index;
+    for (std::size_t i = 0; i < terms_.size(); ++i) index[terms_[i].parameter] = static_cast<int>(i);
+    for (const TermSpec& term : machine.balance.derived) {
+      const auto tree = CheckExpression(term.expression, DerivedNames(machine));
+      if (!tree) continue;  // refused when the machine file was read
+      derived_.push_back({term.parameter, term.unit,
+                          std::make_shared<const ExpressionEvaluator>(
+                              *WithValues(tree->tree, DerivedNames(machine).constants), index)});
+    }
+  }
+
+  static ExpressionNames DerivedNames(const Machine& machine) {
+    ExpressionNames names = ExpressionNamesOf(machine);
+    for (const SignalSpec& signal : machine.signals) names.units.erase(signal.name);
+    for (const TermSpec& term : machine.balance.terms) {
+      names.units[term.parameter] = std::nullopt;
+      names.constants.erase(term.parameter);
+    }
+    return names;
+  }
+
+  std::vector<DerivedParameter> operator()(const Eigen::VectorXd& theta) const {
+    std::vector<DerivedParameter> out;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const auto own = Eigen::VectorXd::Unit(theta.size(), static_cast<Eigen::Index>(i));
+      out.push_back({terms_[i].parameter, units_[i], theta[static_cast<Eigen::Index>(i)], own,
+                     std::isfinite(theta[static_cast<Eigen::Index>(i)])});
+    }
+    for (const Quantity& quantity : derived_) out.push_back(Of(quantity, theta));
+    return out;
+  }
+
+ private:
+  struct Quantity {
+    std::string name, unit;
+    std::shared_ptr<const ExpressionEvaluator> evaluator;
+  };
+
+  static double Value(const Quantity& quantity, const Eigen::VectorXd& theta) {
+    std::vector<std::vector<double>> channels;
+    for (double x : theta) channels.push_back({x});
+    return quantity.evaluator->Over(channels).At(0);
+  }
+
+  static DerivedParameter Of(const Quantity& quantity, const Eigen::VectorXd& theta) {
+    constexpr double kStep = 1e-5;
+    DerivedParameter out{quantity.name, quantity.unit, Value(quantity, theta),
+                         Eigen::VectorXd::Zero(theta.size())};
+    for (Eigen::Index i = 0; i < theta.size(); ++i) {
+      const double step = kStep * std::max(std::abs(theta[i]), 1e-30);
+      Eigen::VectorXd up = theta, down = theta;
+      up[i] += step;
+      down[i] -= step;
+      out.gradient[i] = (Value(quantity, up) - Value(quantity, down)) / (2 * step);
+    }
+    out.admissible = std::isfinite(out.value) && out.gradient.allFinite();
+    if (!out.admissible) out.gradient.setZero();
+    return out;
+  }
+
+  std::vector<TermSpec> terms_;
+  std::vector<std::string> units_;
+  std::vector<Quantity> derived_;
+};
+
+/// Channels for all signals that the balance and its effects read, in the order of the machine file.
+void AddSignalChannels(const Machine& machine, const std::vector<Expression>& balance,
+                       ModelStructure& model) {
+  std::set<std::string> base, all;
+  for (const Expression& e : balance) base.merge(NamesIn(*e));
+  all = base;
+  for (const UserEffectSpec& effect : machine.user_effects)
+    if (!effect.terms.empty())
+      if (const auto checked =
+              CheckExpression(effect.terms[0].expression, ExpressionNamesOf(machine, effect)))
+        all.merge(NamesIn(*checked->tree));
+  for (std::size_t s = 0; s < machine.signals.size(); ++s) {
+    const std::string& name = machine.signals[s].name;
+    if (!all.contains(name)) continue;
+    model.channel_names.push_back(name);
+    model.channel_source.push_back(static_cast<int>(s));
+    if (base.contains(name)) model.needed_signals.push_back(static_cast<int>(s));
+  }
+}
+
+}  // namespace
+
+ExpressionNames NamesForDerived(const Machine& machine) { return Derivation::DerivedNames(machine); }
+
+Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machine& machine) {
+  const BalanceSpec& balance = machine.balance;
+  if (balance.output.empty() || balance.terms.empty())
+    return BadInput("machine '{}': model \"expressions\" needs a [balance] with output and terms",
+                    machine.name);
+  auto model = std::make_shared<ModelStructure>();
+  model->name = "expressions";
+  model->output_unit = balance.unit;
+
+  std::vector<Expression> trees;
+  std::vector<std::string> units;
+  for (const TermSpec& term : balance.terms) {
+    const auto checked = Checked(machine, "terms." + term.parameter, term.expression);
+    if (!checked) return tl::unexpected(checked.error());
+    model->parameters.push_back(term.parameter);
+    units.push_back(ParameterUnit(term, checked->unit, balance.unit));
+    trees.push_back(checked->tree);
+  }
+  const auto output = Checked(machine, "output", balance.output);
+  if (!output) return tl::unexpected(output.error());
+  trees.push_back(output->tree);
+  AddSignalChannels(machine, trees, *model);
+
+  ExpressionChannels channels(*model, machine.window.half_width);
+  std::vector<std::vector<ExpressionPart>> parts;
+  for (const Expression& tree : trees) parts.push_back(channels.Parts(tree));
+  model->level_form = std::none_of(parts.begin(), parts.end(), HasLevel);
+  model->base_count = static_cast<int>(balance.terms.size());
+  std::vector<std::shared_ptr<const ExpressionParts>> ready;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    ready.push_back(std::make_shared<const ExpressionParts>(parts[i], channels.Indices()));
+    const std::string name = i < balance.terms.size() ? balance.terms[i].parameter : "output";
+    model->columns.push_back({name, FillOf(ready.back(), model->level_form)});
+  }
+  model->output_integrated = true;
+  model->integrated_noise = [ready](const Stretch& s, int sample, Eigen::VectorXd& rate_noise) {
+    for (std::size_t i = 0; i < ready.size(); ++i)
+      rate_noise[static_cast<Eigen::Index>(i)] = ready[i]->Contrast(s, sample);
+  };
+  model->derive = Derivation(machine, units);
+
+  std::vector<std::shared_ptr<const Effect>> effects;
+  for (const UserEffectSpec& spec : machine.user_effects) {
+    auto effect = MakeUserEffect(machine, spec, {&channels, model->level_form, 1.0, model->output_unit});
+    if (!effect) return tl::unexpected(effect.error());
+    effects.push_back(std::make_shared<const Effect>(std::move(*effect)));
+  }
+  model->derive_channels = channels.Derivation();
+  for (std::size_t c = 0; c < model->channel_names.size(); ++c) {
+    const auto checked = CheckExpression(model->channel_names[c], ExpressionNamesOf(machine));
+    const bool exact = checked && checked->unit.exact;
+    model->shown.push_back({static_cast<int>(c), exact ? SiUnitName(checked->unit.dimension) : ""});
+  }
+  AddLibrary(std::move(effects), *model);
+  return model;
+}
+
+}  // namespace hydroscope
