@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "estimation/information_filter.h"
 #include "estimation/recursive_least_squares.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/output.h"
@@ -27,11 +28,65 @@ constexpr double kBlock = 0.02;  ///< s per equation
 constexpr std::size_t kRows = 5000;
 const Eigen::Vector4d kTruth(-2, 0.5, 1, 3);
 
-/// Recursion under test with its source of equations.
+/// The equation-by-equation form under test.
+class FactoredForm {
+ public:
+  explicit FactoredForm(Forgetting form) : rls_(std::vector<double>(4, 1.0), Options(form)) {}
+  void Learn(const Eigen::Vector4d& u, double y) { rls_.Update(std::span<const double>(u.data(), 4), y); }
+  Eigen::VectorXd Theta() const { return rls_.theta(); }
+  Eigen::MatrixXd Covariance() const { return rls_.Covariance(); }
+
+ private:
+  static Rls::Options Options(Forgetting form) {
+    Rls::Options options;
+    options.forgetting = form;
+    options.forgetting_factor = form == Forgetting::kNone ? 1.0 : kLambda;
+    options.max_covariance = kMaxCovariance;
+    return options;
+  }
+  Rls rls_;
+};
+
+/// The default form under test: equations are gathered, and a batch of them forgets what it excites.
+class InformationForm {
+ public:
+  explicit InformationForm(Forgetting form)
+      : form_(form), filter_(InformationFilter::Vector::Ones(4), 500, kMaxCovariance) {}
+  void Learn(const Eigen::Vector4d& u, double y) {
+    gram_ += u * u.transpose();
+    cross_ += y * u;
+    if (++count_ < kBatch) return;
+    if (form_ != Forgetting::kNone) filter_.Forget(Excited(), std::pow(kLambda, count_));
+    filter_.Add(gram_, cross_, 0.0);
+    gram_.setZero();
+    cross_.setZero();
+    count_ = 0;
+  }
+  Eigen::VectorXd Theta() const { return filter_.Theta(); }
+  Eigen::MatrixXd Covariance() const { return filter_.Covariance(); }
+
+ private:
+  static constexpr int kBatch = 100;  ///< equations, as many as a stroke of 2 s has
+
+  InformationFilter::Matrix Excited() const {
+    if (form_ == Forgetting::kExponential) return InformationFilter::Matrix::Identity(4, 4);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(gram_);
+    const auto resting = (eigen.eigenvalues().array() < 1e-9 * count_).count();  // ascending order
+    return eigen.eigenvectors().rightCols(4 - resting);
+  }
+
+  Forgetting form_;
+  InformationFilter filter_;
+  Eigen::Matrix4d gram_ = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d cross_ = Eigen::Vector4d::Zero();
+  int count_ = 0;
+};
+
+/// A form with its source of equations.
+template <typename Form>
 class LongRun {
  public:
-  LongRun(Forgetting form, std::uint64_t seed)
-      : rls_(std::vector<double>(4, 1.0), Options(form)), random_(seed) {}
+  LongRun(Forgetting forgetting, std::uint64_t seed) : form_(forgetting), random_(seed) {}
 
   void Excite(std::int64_t updates) {
     for (std::int64_t k = 0; k < updates; ++k) {
@@ -45,33 +100,26 @@ class LongRun {
   }
   /// Largest error in standard deviations; infinite if anything is not sound.
   double Error() const {
-    const Eigen::MatrixXd p = rls_.Covariance();
-    const bool sound = p.allFinite() && rls_.theta().allFinite() && (p - p.transpose()).norm() == 0 &&
+    const Eigen::VectorXd theta = form_.Theta();
+    const Eigen::MatrixXd p = form_.Covariance();
+    const bool sound = p.allFinite() && theta.allFinite() && (p - p.transpose()).norm() == 0 &&
                        p.diagonal().maxCoeff() <= 1.01 * kMaxCovariance && p.ldlt().vectorD().minCoeff() > 0;
     if (!sound) return std::numeric_limits<double>::infinity();
-    return ((rls_.theta() - kTruth).array().abs() / p.diagonal().array().sqrt()).maxCoeff();
+    return ((theta - kTruth).array().abs() / p.diagonal().array().sqrt()).maxCoeff();
   }
-  double largest_variance() const { return rls_.Covariance().diagonal().maxCoeff(); }
+  double largest_variance() const { return form_.Covariance().diagonal().maxCoeff(); }
 
  private:
-  static Rls::Options Options(Forgetting form) {
-    Rls::Options options;
-    options.forgetting = form;
-    options.forgetting_factor = form == Forgetting::kNone ? 1.0 : kLambda;
-    options.max_covariance = kMaxCovariance;
-    return options;
-  }
-  void Learn(const Eigen::Vector4d& u) {
-    rls_.Update(std::span<const double>(u.data(), 4), u.dot(kTruth) + random_.Normal());
-  }
+  void Learn(const Eigen::Vector4d& u) { form_.Learn(u, u.dot(kTruth) + random_.Normal()); }
 
-  Rls rls_;
+  Form form_;
   RandomStream random_;
 };
 
+template <typename Form>
 bool RunForm(const char* name, Forgetting form, const EnduranceOptions& o) {
   const auto start = std::chrono::steady_clock::now();
-  LongRun run(form, o.seed);
+  LongRun<Form> run(form, o.seed);
   run.Excite(o.updates / 2);
   const double before = run.Error(), variance_before = run.largest_variance();
   const auto standstill = static_cast<std::int64_t>(o.standstill_hours * 3600 / kBlock);
@@ -82,7 +130,7 @@ bool RunForm(const char* name, Forgetting form, const EnduranceOptions& o) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const bool held = before < kSigmas && still < kSigmas && after < kSigmas &&
                     (form == Forgetting::kExponential || variance_still <= variance_before + kAloneVariance);
-  std::cout << fmt::format("{:<12} {:>9.2f} {:>9.2f} {:>9.2f} {:>12.3g} {:>12.3g} {:>8.0f} ns  {}\n", name,
+  std::cout << fmt::format("{:<24} {:>9.2f} {:>9.2f} {:>9.2f} {:>12.3g} {:>12.3g} {:>8.0f} ns  {}\n", name,
                            before, still, after, variance_before, variance_still,
                            1e9 * seconds / static_cast<double>(o.updates + 2 * standstill),
                            held ? "sound" : "FAILED");
@@ -190,12 +238,15 @@ bool RunPipeline(const EnduranceOptions& o) {
 int RunEndurance(const EnduranceOptions& o) {
   std::cout << fmt::format(
       "recursive least squares, lambda {}: {:.1e} updates, in the middle {:.3g} h of zero and as much of "
-      "constant regressors\n\n{:<12} {:>9} {:>9} {:>9} {:>12} {:>12} {:>11}\n",
+      "constant regressors\n\n{:<24} {:>9} {:>9} {:>9} {:>12} {:>12} {:>11}\n",
       kLambda, static_cast<double>(o.updates), o.standstill_hours, "error / std", "before", "still", "after",
       "P before", "P still", "per update");
-  bool held = RunForm("none", Forgetting::kNone, o);
-  held = RunForm("exponential", Forgetting::kExponential, o) && held;
-  held = RunForm("directional", Forgetting::kDirectional, o) && held;
+  bool held = RunForm<FactoredForm>("factored, none", Forgetting::kNone, o);
+  held = RunForm<FactoredForm>("factored, exponential", Forgetting::kExponential, o) && held;
+  held = RunForm<FactoredForm>("factored, directional", Forgetting::kDirectional, o) && held;
+  held = RunForm<InformationForm>("information, none", Forgetting::kNone, o) && held;
+  held = RunForm<InformationForm>("information, exponential", Forgetting::kExponential, o) && held;
+  held = RunForm<InformationForm>("information, directional", Forgetting::kDirectional, o) && held;
   held = RunPipeline(o) && held;
   std::cout << (held ? "reached" : "NOT reached")
             << ": errors within 5 (pipeline: 3) standard deviations, nothing drifts\n";

@@ -12,6 +12,7 @@
 #include "service/benchmarks/filter_study_plot.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/output.h"
+#include "service/report_statistics.h"
 #include "simulator/random.h"
 
 namespace hydroscope {
@@ -90,14 +91,15 @@ struct Outcome {
   Theta recursive{}, batch{};
 };
 
-Result<Outcome> Identify(const SimulatedLog& log, const Machine& machine, const PressMachine& truth) {
+Result<Outcome> Identify(const SimulatedLog& log, const Machine& machine, const PressMachine& truth,
+                         const std::vector<Width>& widths) {
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   const double period = log.truth.options.sample_period, tail = log.truth.options.seconds * 2 / 3;
   std::vector<std::unique_ptr<PublishedEstimator>> estimators;
   EstimatorSpec spec;
   spec.form = EstimatorForm::kExponential;
-  for (const Width& width : Widths()) {
+  for (const Width& width : widths) {
     spec.moving_average = width.average;
     spec.symmetrical_derivative = width.derivative;
     estimators.push_back(
@@ -119,7 +121,7 @@ Result<Outcome> Identify(const SimulatedLog& log, const Machine& machine, const 
   for (const StrokeRecord& stroke : strokes->strokes)
     if (!stroke.estimates.empty() && stroke.summary.end >= tail)
       recursive.Add(ThetaOf(stroke.estimates, truth));
-  if (recursive.count == 0 || tails.front().count == 0)
+  if (recursive.count == 0 || (!tails.empty() && tails.front().count == 0))
     return BadInput("a log of {:.0f} s has no stroke in its last third; take --seconds 30 or more",
                     log.truth.options.seconds);
   Outcome outcome;
@@ -153,42 +155,42 @@ void PrintTable(const std::vector<Width>& widths, const FilterStudyResult& study
                "           31 / 25 -0.3 / +3.3 / -0.6 % bias; paper's best widths 20 ... 30\n";
 }
 
+bool Within(const BiasAndStd& r, int i) {
+  return std::abs(r.bias[i]) <= kMostBias && r.std[i] <= kMostStd[i];
+}
+
 bool Reached(const char* name, const BiasAndStd& r) {
   bool reached = true;
   for (int i = 0; i < kStudied; ++i) {
-    const bool biased = std::abs(r.bias[i]) > kMostBias, scattered = r.std[i] > kMostStd[i];
-    if (biased)
-      std::cout << fmt::format("missed: {} theta{} bias {:+.2f} %, limit {} %\n", name, i + 1, r.bias[i],
-                               kMostBias);
-    if (scattered)
-      std::cout << fmt::format("missed: {} theta{} std {:.2f} %, limit {} %\n", name, i + 1, r.std[i],
-                               kMostStd[i]);
-    reached = reached && !biased && !scattered;
+    if (Within(r, i)) continue;
+    std::cout << fmt::format("missed: {} theta{} bias {:+.2f} %, limit {} %; std {:.2f} %, limit {} %\n",
+                             name, i + 1, r.bias[i], kMostBias, r.std[i], kMostStd[i]);
+    reached = false;
   }
   return reached;
 }
 
-}  // namespace
-
-int RunFilterStudy(const FilterStudyOptions& options) {
+/// All noise draws of the log of one seed.
+Result<FilterStudyResult> StudyLog(const FilterStudyOptions& options, std::uint64_t seed,
+                                   const std::vector<Width>& widths, ProgressBar& progress,
+                                   int draws_before) {
   PressOptions press;
   press.seconds = options.seconds;
-  press.seed = options.seed;
+  press.seed = seed;
   const Machine machine = MachineFor(press);
   const SimulatedLog clean = SimulateClean(press);
   const Theta truth = TruthOf(press.machine);
-  const std::vector<Width> widths = Widths();
   std::vector<Deviation> published(widths.size());
   Deviation recursive, batch;
-  ProgressBar progress("filter study", "draws");
   for (int d = 0; d < options.draws; ++d) {
-    const SimulatedLog log = AddSensorNoise(clean, press, StreamSeed(options.seed + d, "filter study"));
-    const auto outcome = Identify(log, machine, press.machine);
-    if (!outcome) return ReportError(outcome.error());
+    const SimulatedLog log = AddSensorNoise(clean, press, StreamSeed(seed + d, "filter study"));
+    const auto outcome = Identify(log, machine, press.machine, widths);
+    if (!outcome) return tl::unexpected(outcome.error());
     for (std::size_t w = 0; w < widths.size(); ++w) published[w].Add(outcome->published[w], truth);
     recursive.Add(outcome->recursive, truth);
     batch.Add(outcome->batch, truth);
-    progress.Update((d + 1.0) / options.draws, d + 1);
+    const int done = draws_before + d + 1;
+    progress.Update(static_cast<double>(done) / (options.draws * options.seeds), done);
   }
   FilterStudyResult study;
   for (std::size_t w = 0; w < widths.size(); ++w) {
@@ -197,17 +199,75 @@ int RunFilterStudy(const FilterStudyOptions& options) {
   }
   study.recursive = recursive.Result();
   study.batch = batch.Result();
+  return study;
+}
+
+/// Median over the logs of bias (as it is) and of standard deviation.
+BiasAndStd MedianOf(const std::vector<BiasAndStd>& logs) {
+  BiasAndStd median;
+  for (int i = 0; i < kStudied; ++i) {
+    std::vector<double> bias, std;
+    for (const BiasAndStd& log : logs) {
+      bias.push_back(log.bias[i]);
+      std.push_back(log.std[i]);
+    }
+    median.bias[i] = Median(bias);
+    median.std[i] = Median(std);
+  }
+  return median;
+}
+
+/// What the standard deviation is depends on the log: on its speeds and pressure steps.
+bool PrintLogs(const char* name, std::uint64_t first_seed, const std::vector<BiasAndStd>& logs) {
+  std::cout << fmt::format("\n{}, one log per seed\n{:<22} {:>17} {:>17} {:>17}\n", name, "", "theta1 (Q_vn)",
+                           "theta2 (V0/K')", "theta3 (A_A/K')");
+  Theta within{};
+  for (std::size_t s = 0; s < logs.size(); ++s) {
+    PrintRow(fmt::format("seed {}", first_seed + s), logs[s]);
+    for (int i = 0; i < kStudied; ++i) within[i] += Within(logs[s], i);
+  }
+  const BiasAndStd median = MedianOf(logs);
+  PrintRow("median", median);
+  std::cout << fmt::format("{:<22}", "logs within the limits");
+  for (double w : within) std::cout << fmt::format(" {:>17}", fmt::format("{:.0f} of {}", w, logs.size()));
+  std::cout << "\n";
+  return Reached(fmt::format("{}, median of the logs,", name).c_str(), median);
+}
+
+}  // namespace
+
+int RunFilterStudy(const FilterStudyOptions& options) {
+  const std::vector<Width> widths = Widths();
+  ProgressBar progress("filter study", "draws");
+  const auto study = StudyLog(options, options.seed, widths, progress, 0);
+  if (!study) return ReportError(study.error());
+  std::vector<BiasAndStd> recursive = {study->recursive}, batch = {study->batch};
+  for (int s = 1; s < options.seeds; ++s) {
+    const auto more =
+        StudyLog(options, options.seed + static_cast<std::uint64_t>(s), {}, progress, s * options.draws);
+    if (!more) return ReportError(more.error());
+    recursive.push_back(more->recursive);
+    batch.push_back(more->batch);
+  }
   std::cout << fmt::format(
       "{} noise draws of one simulated press log of {:.0f} s, seed {}; widths in samples of 2 ms\n\n",
       options.draws, options.seconds, options.seed);
-  PrintTable(widths, study);
+  PrintTable(widths, *study);
   if (!options.svg.empty())
-    if (const Status written = WriteFilterStudyPlot(study, options.svg); !written)
+    if (const Status written = WriteFilterStudyPlot(*study, options.svg); !written)
       return ReportError(written.error());
-  const bool reached = Reached("recursive", study.recursive) & Reached("batch", study.batch);
+  bool reached = false;
+  if (options.seeds > 1) {
+    reached = PrintLogs("ours, recursive", options.seed, recursive);
+    reached = PrintLogs("ours, batch", options.seed, batch) && reached;
+  } else {
+    reached = Reached("recursive", study->recursive);
+    reached = Reached("batch", study->batch) && reached;
+  }
   std::cout
       << (reached ? "reached" : "NOT reached")
-      << ": |bias| <= 0.5 % and std <= 0.1 / 1.4 / 1.7 % for theta1 / theta2 / theta3 with our estimators\n";
+      << ": |bias| <= 0.5 % and std <= 0.1 / 1.4 / 1.7 % for theta1 / theta2 / theta3 with our estimators"
+      << (options.seeds > 1 ? ", median over the logs\n" : "\n");
   return reached ? 0 : 1;
 }
 

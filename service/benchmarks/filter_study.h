@@ -9,7 +9,8 @@ struct FilterStudyOptions {
   int draws = 150;
   double seconds = 60;
   std::uint64_t seed = 1;
-  std::string svg;  ///< file for the plot, "" = none
+  int seeds = 1;    ///< logs, with seeds seed, seed + 1, ...
+  std::string svg;  ///< file for the plot of the first log, "" = none
 };
 
 /// The filter study of the press paper (section 5.1, figures 11-15): one noise-free log of a simulated press
@@ -19,8 +20,12 @@ struct FilterStudyOptions {
 /// estimators. Printed are bias and standard deviation of theta1 ... theta3 in percent of the truth; theta of
 /// the recursive estimators is its mean over the last third of the log.
 ///
+/// What a log tells depends on the speeds and pressure steps it happens to hold. With `seeds` above 1 the
+/// product's estimators are studied on as many logs, and the table per log and its median are printed too.
+///
 /// Returns 0 if the product's estimators, recursive and batch, stay within |bias| <= 0.5 % and a standard
-/// deviation of 0.1, 1.4 and 1.7 % for theta1, theta2 and theta3, else 1; 3 if the plot cannot be written.
+/// deviation of 0.1, 1.4 and 1.7 % for theta1, theta2 and theta3 (with several logs: their medians), else 1;
+/// 3 if the plot cannot be written.
 int RunFilterStudy(const FilterStudyOptions& options);
 
 }  // namespace hydroscope
