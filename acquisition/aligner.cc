@@ -528,7 +528,8 @@ std::vector<StreamState> Aligner::streams() const {
     if (stream->wall_clock.known())
       state.clock_offset =
           static_cast<double>(stream->wall_clock.offset() + start_.wall_ns - start_.monotonic_ns) * 1e-9;
-    state.drift = stream->wall_clock.known() ? stream->wall_clock.drift() : stream->clock.drift();
+    if (stream->ratio > 0)  // single readings of a clock that ticks coarsely tell no drift
+      state.drift = stream->wall_clock.known() ? stream->wall_clock.drift() : stream->clock.drift();
     state.delay = stream->delay * 1e-9;
     state.worst_delay = stream->worst_delay * 1e-9;
     state.batches = stream->batches;

@@ -10,6 +10,7 @@ packages=(
   libeigen3-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev libmuparser-dev
   libsqlitecpp-dev libsqlite3-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev
+  libmicrohttpd-dev libspdlog-dev libsystemd-dev
   libgtest-dev libgmock-dev
 )
 for option in "$@"; do

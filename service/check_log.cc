@@ -6,6 +6,7 @@
 
 #include "replay/log_reader.h"
 #include "service/identifiability.h"
+#include "service/live/raw_log.h"
 #include "service/pipeline.h"
 #include "service/plausibility.h"
 
@@ -80,7 +81,7 @@ bool CheckResult::Clean() const {
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
   auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto reader = OpenLog(log, *machine);
+  auto reader = OpenRecording(log, *machine);
   if (!reader) return tl::unexpected(reader.error());
   CheckResult check;
   check.log = log;

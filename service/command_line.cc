@@ -30,6 +30,9 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddFrfCommand(app, exit_code);
   AddReplayCommand(app, exit_code);
   AddTrendsCommand(app, exit_code);
+  AddServeCommand(app, exit_code);
+  AddStatusCommand(app, exit_code);
+  AddVerifyLiveCommand(app, exit_code);
   AddBenchmarkCommand(app, exit_code);
   try {
     app.parse(argc, argv);

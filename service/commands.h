@@ -21,6 +21,9 @@ void AddModelCommand(CLI::App& app, int& exit_code);
 void AddFrfCommand(CLI::App& app, int& exit_code);
 void AddReplayCommand(CLI::App& app, int& exit_code);
 void AddTrendsCommand(CLI::App& app, int& exit_code);
+void AddServeCommand(CLI::App& app, int& exit_code);
+void AddStatusCommand(CLI::App& app, int& exit_code);
+void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
 
 /// The whole command line; returns the exit code. main() and the tests call it.

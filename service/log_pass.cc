@@ -16,21 +16,6 @@ Status PassBlock(const SampleBlock& block, Pipeline* pipeline, const LogPassHook
   return hooks.after_block ? hooks.after_block() : Status();
 }
 
-void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass& pass) {
-  pass.channels = monitor.channels();
-  for (std::size_t c = 0; c < pass.channels.size(); ++c) {
-    const ChannelQuality& channel = pass.channels[c];
-    if (!machine.signals[c].required && channel.rows > 0 && channel.flagged[0] == channel.rows) {
-      pass.summary.absent.push_back(channel.name);
-      continue;
-    }
-    for (std::size_t bit = 0; bit < channel.flagged.size(); ++bit)
-      for (const auto& [flag, name] : quality::kFlagNames)
-        if (flag == 1u << bit && channel.flagged[bit] > 0)
-          pass.summary.flagged[channel.name][std::string(name)] = channel.flagged[bit];
-  }
-}
-
 void TakeCounters(const LogReader& reader, const Pipeline* pipeline, RunSummary& summary) {
   const LogCounters& counters = reader.counters();
   summary.sample_period = reader.SamplePeriod();
@@ -45,6 +30,21 @@ void TakeCounters(const LogReader& reader, const Pipeline* pipeline, RunSummary&
 }
 
 }  // namespace
+
+void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass& pass) {
+  pass.channels = monitor.channels();
+  for (std::size_t c = 0; c < pass.channels.size(); ++c) {
+    const ChannelQuality& channel = pass.channels[c];
+    if (!machine.signals[c].required && channel.rows > 0 && channel.flagged[0] == channel.rows) {
+      pass.summary.absent.push_back(channel.name);
+      continue;
+    }
+    for (std::size_t bit = 0; bit < channel.flagged.size(); ++bit)
+      for (const auto& [flag, name] : quality::kFlagNames)
+        if (flag == 1u << bit && channel.flagged[bit] > 0)
+          pass.summary.flagged[channel.name][std::string(name)] = channel.flagged[bit];
+  }
+}
 
 Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
                         const std::string& what, const LogPassHooks& hooks) {

@@ -24,6 +24,9 @@ struct LogPassHooks {
   std::function<Status()> after_block;
 };
 
+/// What the monitor saw of each channel, into pass.channels and the summary.
+void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass& pass);
+
 /// Sends the whole log through monitor and pipeline, progress on stderr under the name `what`. A log that
 /// cannot be read to its end counts up to there: RunSummary::stopped says why. Without a
 /// pipeline (nullptr) the signals are judged only.

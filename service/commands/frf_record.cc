@@ -5,6 +5,7 @@
 
 #include "core/quality.h"
 #include "replay/log_reader.h"
+#include "service/live/raw_log.h"
 #include "service/output.h"
 
 namespace hydroscope {
@@ -112,7 +113,7 @@ Machine ForValveCheck(Machine machine) {
 
 Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine) {
   if (const Status ok = CheckValveSignals(machine); !ok) return tl::unexpected(ok.error());
-  auto reader = OpenLog(path, ForValveCheck(machine));
+  auto reader = OpenRecording(path, ForValveCheck(machine));
   if (!reader) return tl::unexpected(reader.error());
   FrfRecord result;
   result.record.sample_period = (*reader)->SamplePeriod();

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace hydroscope {
+
+/// Campaigns of `hydroscope serve` against a simulated press in a process of its own. Each prints a table,
+/// says what was required and returns 0 if it was reached, else 1.
+
+struct LiveLatencyOptions {
+  int axes = 4;
+  double rate = 1000, seconds = 60;
+  bool ring = false;
+  std::uint64_t seed = 1;
+};
+/// Stroke sent to estimate stored, processor share, loss; then the raw window against its replay.
+int RunLiveLatency(const LiveLatencyOptions& options);
+
+struct LiveKillOptions {
+  int times = 20;
+  std::uint64_t seed = 1;
+};
+/// kill -9 at random times under load; every step that was acknowledged must be there once.
+int RunLiveKill(const LiveKillOptions& options);
+
+struct LiveFaultOptions {
+  bool long_cuts = false;
+  std::uint64_t seed = 1;
+};
+/// Senders killed, hung, talking nonsense; clock stepped; disk full; database locked.
+int RunLiveFaults(const LiveFaultOptions& options);
+
+struct LiveSoakOptions {
+  double minutes = 30;
+  std::uint64_t seed = 1;
+};
+/// Memory and descriptors over time at full rates.
+int RunLiveSoak(const LiveSoakOptions& options);
+
+}  // namespace hydroscope

@@ -1,0 +1,158 @@
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "service/benchmarks/live_benchmarks.h"
+#include "service/benchmarks/live_rig.h"
+#include "service/live/verify_live.h"
+#include "service/output.h"
+#include "storage/mounted_disk.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kStaleAllowed = 0.2 + 0.1;  // s: two periods of the slow channels, and the time to ask
+constexpr double kBackAllowed = 4.0;         // s: twice the longest pause between attempts
+constexpr double kPatience = 15.0;           // s
+
+using Json = nlohmann::json;
+
+std::int64_t Count(const Json& status, const char* counter) {
+  std::int64_t sum = 0;
+  for (const auto& axis : status.at("axes")) sum += axis.at("counters").at(counter).get<std::int64_t>();
+  return sum;
+}
+
+/// All channels of that signal are stale, or none is.
+bool Stale(const Json& status, const std::string& signal, bool wanted) {
+  bool any = false;
+  for (const auto& channel : status.at("channels"))
+    if (channel.at("name").get<std::string>().ends_with("/" + signal)) {
+      any = true;
+      if (channel.at("stale").get<bool>() != wanted) return false;
+    }
+  return any;
+}
+
+class Campaign {
+ public:
+  explicit Campaign(LiveRig& rig) : rig_(rig) {
+    fmt::print("{:<46} {:>12} {:>12}   {}\n", "fault", "stale after", "back after", "");
+  }
+
+  /// Something happens to a signal and is undone after `seconds`.
+  void Cut(const char* what, const std::string& signal, double seconds, const std::function<void()>& begin,
+           const std::function<void()>& end) {
+    rig_.WaitFor([&](const Json& s) { return Stale(s, signal, false); }, kPatience);
+    begin();
+    const auto stale = rig_.WaitFor([&](const Json& s) { return Stale(s, signal, true); }, kPatience);
+    Sleep(std::max(0.0, seconds - stale.value_or(0)));
+    end();
+    const auto back = rig_.WaitFor([&](const Json& s) { return Stale(s, signal, false); }, kPatience);
+    const bool ok =
+        stale && *stale <= kStaleAllowed && back && *back <= kBackAllowed && rig_.service().Alive();
+    Row(what, stale, back, ok, "");
+  }
+
+  void Row(const char* what, std::optional<double> stale, std::optional<double> back, bool ok,
+           const std::string& note) {
+    const auto shown = [](std::optional<double> s) {
+      return s ? fmt::format("{:.2f} s", *s) : std::string("-");
+    };
+    fmt::print("{:<46} {:>12} {:>12}   {}{}{}\n", what, shown(stale), shown(back), ok ? "reached" : "MISSED",
+               note.empty() ? "" : ": ", note);
+    std::fflush(stdout);
+    missed_ += !ok;
+  }
+  int missed() const { return missed_; }
+
+ private:
+  LiveRig& rig_;
+  int missed_ = 0;
+};
+
+void StepClock(LiveRig& rig, Campaign& campaign, const char* what, const char* line) {
+  const auto before = rig.Ask();
+  rig.press().Say(line);
+  Sleep(3);
+  const auto after = rig.Ask();
+  const bool told = before && after && Count(*after, "clock_jumps") > Count(*before, "clock_jumps");
+  const bool whole = before && after && Count(*after, "missing_rows") == Count(*before, "missing_rows") &&
+                     Count(*after, "late_rows") == Count(*before, "late_rows");
+  campaign.Row(what, {}, {}, told && whole,
+               told ? whole ? "told; no row lost or twice" : "rows were lost" : "not told");
+}
+
+/// The disk fills up and is freed; `min_free` in MB.
+void FillDisk(LiveRig& rig, Campaign& campaign, const char* what, const std::string& min_free) {
+  if (rig.service().Alive()) rig.service().End(SIGTERM);
+  rig.StartService({"--min-free", min_free, "--raw-period", "0.2"});
+  rig.WaitFor([](const Json& s) { return s.at("writer").at("rows").get<std::int64_t>() > 0; }, kPatience);
+  const auto room = std::filesystem::space(rig.File("")).available;
+  std::ofstream(rig.File("ballast"), std::ios::binary)
+      << std::string(room - std::min<std::size_t>(room, 256 << 10), 'x');
+  const auto told =
+      rig.WaitFor([](const Json& s) { return s.at("writer").at("state") == "disk_full"; }, kPatience);
+  Sleep(3);
+  std::filesystem::remove(rig.File("ballast"));
+  const auto back = rig.WaitFor(
+      [](const Json& s) {
+        return s.at("writer").at("state") == "writing" && s.at("writer").at("waiting_items") < 3;
+      },
+      kPatience);
+  const auto after = rig.Ask();
+  const bool kept =
+      after && after->at("writer").at("dropped_strokes") == 0 && after->at("writer").at("dropped_rows") == 0;
+  campaign.Row(what, told, back, told && back && kept && rig.service().Alive(),
+               kept ? "nothing dropped" : "something was dropped");
+}
+
+}  // namespace
+
+int RunLiveFaults(const LiveFaultOptions& o) {
+  const std::string folder =
+      (std::filesystem::temp_directory_path() / fmt::format("hydroscope-faults-{}", getpid())).string();
+  const storage_test::MountedDisk disk(folder, "64m");
+  LiveRig rig({.seed = o.seed, .folder = folder});
+  rig.StartPress();
+  rig.StartService();
+  if (!rig.WaitFor([](const Json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
+    return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
+  Campaign campaign(rig);
+  const auto say = [&](const char* line) { return [&rig, line] { rig.press().Say(line); }; };
+  campaign.Cut("DDS silent for 5 s", "p_A", 5, say("dds mute"), say("dds on"));
+  if (o.long_cuts) campaign.Cut("DDS silent for 60 s", "p_A", 60, say("dds mute"), say("dds on"));
+  campaign.Cut(
+      "press killed, new one after 2 s (DDS)", "p_A", 2, [&] { rig.KillPress(); }, [&] { rig.StartPress(); });
+  campaign.Cut(
+      "press killed, new one after 2 s (Modbus)", "T_oil", 2, [&] { rig.KillPress(); },
+      [&] { rig.StartPress(); });
+  campaign.Cut("Modbus server hangs for 3 s", "T_oil", 3, say("modbus hang"), say("modbus on"));
+  campaign.Cut("Modbus server answers garbage for 3 s", "T_oil", 3, say("modbus garbage"), say("modbus on"));
+  campaign.Cut("Modbus server answers 0.5 s late for 3 s", "T_oil", 3, say("modbus late=0.5"),
+               say("modbus on"));
+  Sleep(2);
+  StepClock(rig, campaign, "clock of the press +1 h", "clock 3600");
+  StepClock(rig, campaign, "clock of the press -1 h", "clock -3600");
+  if (disk.ok()) {
+    FillDisk(rig, campaign, "disk full, high-water mark 8 MB", "8");
+    FillDisk(rig, campaign, "disk full, no mark", "0");
+  } else {
+    fmt::print("disk full: not tried, mounting a small disk needs the right to mount\n");
+  }
+  const int ended = rig.service().End(SIGTERM);
+  const auto verified = VerifyLive(rig.database());
+  if (!verified) return ReportError(verified.error());
+  std::int64_t same = 0, different = 0;
+  for (const VerifiedRun& run : *verified) {
+    same += run.outcome == VerifiedRun::Outcome::kSame;
+    different += run.outcome == VerifiedRun::Outcome::kDiffers;
+  }
+  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", same,
+             same + different, ended);
+  if (!disk.ok()) std::filesystem::remove_all(folder);
+  return campaign.missed() == 0 && different == 0 && same > 0 && ended == 0 ? 0 : 1;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,147 @@
+#include <signal.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "service/benchmarks/live_benchmarks.h"
+#include "service/benchmarks/live_rig.h"
+#include "service/live/verify_live.h"
+#include "service/output.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kBackAllowed = 2.0;  // s
+
+struct Acknowledged {
+  std::int64_t run = 0, strokes = 0, rows = 0;
+};
+
+/// What the service said was stored, the newest word per axis and run.
+std::map<std::pair<std::string, std::int64_t>, Acknowledged> ReadAcknowledged(const std::string& log) {
+  std::map<std::pair<std::string, std::int64_t>, Acknowledged> newest;
+  std::ifstream file(log);
+  std::string line, stored, axis, word;
+  while (std::getline(file, line) && !file.eof()) {  // a line without its end was not said
+    std::istringstream in(line);
+    Acknowledged a;
+    if (in >> stored >> axis >> word >> a.run >> word >> a.strokes >> word >> a.rows && stored == "stored")
+      newest[{axis, a.run}] = a;
+  }
+  return newest;
+}
+
+/// Faults of the database against what was acknowledged, one sentence each.
+Result<std::vector<std::string>> Check(
+    const std::string& path, const std::map<std::pair<std::string, std::int64_t>, Acknowledged>& said) {
+  std::vector<std::string> faults;
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  if (const Status sound = database->CheckIntegrity(); !sound) faults.push_back(sound.error().text);
+  const auto names = database->MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  for (const std::string& name : *names) {
+    const auto machine = database->MachineId(name);
+    const auto runs = database->Runs(*machine);
+    const auto extents = database->RawExtents(*machine);
+    if (!runs || !extents) return tl::unexpected(!runs ? runs.error() : extents.error());
+    double last_end = 0, raw_end = 0;
+    for (const RunInfo& run : *runs) {
+      const auto word = said.find({name, run.id});
+      const auto strokes = database->Strokes(run.id);
+      if (!strokes) return tl::unexpected(strokes.error());
+      if (word != said.end() && run.strokes < word->second.strokes)
+        faults.push_back(fmt::format("{} run {}: {} strokes acknowledged, {} stored", name, run.id,
+                                     word->second.strokes, run.strokes));
+      for (const StrokeSummary& stroke : *strokes) {
+        if (stroke.begin < last_end)
+          faults.push_back(fmt::format("{} run {}: stroke {} twice", name, run.id, stroke.index));
+        last_end = stroke.end;
+      }
+      const auto extent =
+          std::find_if(extents->begin(), extents->end(), [&](const RawExtent& e) { return e.run == run.id; });
+      const std::int64_t rows = extent == extents->end() ? 0 : extent->rows;
+      if (word != said.end() && rows < word->second.rows)
+        faults.push_back(
+            fmt::format("{} run {}: {} rows acknowledged, {} stored", name, run.id, word->second.rows, rows));
+      if (extent == extents->end()) continue;
+      if (extent->rows != extent->rows_taken)
+        faults.push_back(fmt::format("{} run {}: rows and count differ", name, run.id));
+      if (extent->first <= raw_end)
+        faults.push_back(fmt::format("{} run {}: its rows lie before those of the run before", name, run.id));
+      raw_end = extent->last;
+    }
+  }
+  for (const auto& [key, word] : said) {
+    const auto machine = database->MachineId(key.first);
+    const auto runs = database->Runs(*machine);
+    if (runs &&
+        std::none_of(runs->begin(), runs->end(), [&](const RunInfo& run) { return run.id == key.second; }))
+      faults.push_back(fmt::format("{}: run {} was acknowledged and is gone", key.first, key.second));
+  }
+  return faults;
+}
+
+}  // namespace
+
+int RunLiveKill(const LiveKillOptions& o) {
+  LiveRig rig({.seed = o.seed, .folder = {}});
+  rig.StartPress();
+  std::mt19937_64 random(o.seed);
+  std::uniform_real_distribution<double> life(0.1, 3.0);
+  std::vector<double> back;
+  int silent = 0;
+  ProgressBar progress("killing", "times");
+  for (int k = 0; k <= o.times; ++k) {
+    const double begin = Now();
+    rig.StartService({"--acknowledge", "--raw-period", "0.2"});
+    const auto stored = rig.WaitFor(
+        [](const nlohmann::json& s) { return s.at("writer").at("rows").get<std::int64_t>() > 0; }, 10);
+    if (stored)
+      back.push_back(Now() - begin);
+    else
+      ++silent;
+    if (k == o.times) break;
+    Sleep(life(random));
+    rig.service().End(SIGKILL);
+    progress.Update(static_cast<double>(k) / o.times, k);
+  }
+  Sleep(5);
+  const int ended = rig.service().End(SIGTERM);
+  const auto said = ReadAcknowledged(rig.File("serve.log"));
+  const auto faults = Check(rig.database(), said);
+  if (!faults) return ReportError(faults.error());
+  const auto verified = VerifyLive(rig.database());
+  if (!verified) return ReportError(verified.error());
+  std::int64_t same = 0, different = 0, strokes = 0;
+  for (const VerifiedRun& run : *verified) {
+    same += run.outcome == VerifiedRun::Outcome::kSame;
+    different += run.outcome == VerifiedRun::Outcome::kDiffers;
+    strokes += run.strokes;
+  }
+  std::sort(back.begin(), back.end());
+  const double worst = back.empty() ? 99 : back.back();
+  fmt::print("kill -9 of the service under load, {} times, 4 axes at 1 kHz\n", o.times);
+  fmt::print("{:<60} {:>10}\n", "runs acknowledged", said.size());
+  fmt::print("{:<60} {:>10}\n", "strokes stored", strokes);
+  fmt::print("{:<60} {:>10}   required none\n", "acknowledged and missing, or there twice", faults->size());
+  fmt::print("{:<60} {:>8.2f} s\n", "start to first rows stored, median",
+             back.empty() ? 99 : back[back.size() / 2]);
+  fmt::print("{:<60} {:>8.2f} s   required at most {:g} s\n", "start to first rows stored, worst", worst,
+             kBackAllowed);
+  fmt::print("{:<60} {:>10}   required none\n", "starts without data within 10 s", silent);
+  fmt::print("{:<60} {:>10}   required all of {}\n", "runs whose replay from the stored state is the same",
+             same, same + different);
+  fmt::print("{:<60} {:>10}   required 0\n", "exit code after SIGTERM", ended);
+  for (std::size_t i = 0; i < std::min<std::size_t>(faults->size(), 10); ++i)
+    fmt::print("  {}\n", (*faults)[i]);
+  return faults->empty() && silent == 0 && different == 0 && same > 0 && worst <= kBackAllowed && ended == 0
+             ? 0
+             : 1;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+/// A child of this very program, killed with its object.
+class Child {
+ public:
+  /// `arguments` of hydroscope; standard output and error go to `log`.
+  Child(const std::vector<std::string>& arguments, const std::string& log);
+  ~Child();
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// A line on its standard input.
+  void Say(const std::string& line) const;
+  void Signal(int signal) const;
+  /// Sends the signal and waits for the end: exit code, or 128 + signal.
+  int End(int signal);
+  bool Alive() const;
+  pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_ = -1;
+  int input_ = -1;
+};
+
+struct RigOptions {
+  int axes = 4;
+  double rate = 1000;        ///< Hz
+  bool modbus_ring = false;  ///< all by Modbus in place of DDS (at most 8 axes)
+  std::uint64_t seed = 1;
+  double clock_drift = 0;      ///< ppm
+  double press_speed_max = 0;  ///< mm/s, 0 = as usual
+  std::string folder;          ///< "" = a temporary one, removed at the end
+};
+
+/// A simulated press and a service that watches it, each a process of its own, on the loopback only.
+class LiveRig {
+ public:
+  explicit LiveRig(const RigOptions& options);
+  ~LiveRig();
+
+  std::string File(const std::string& name) const { return folder_ + "/" + name; }
+  std::string database() const { return File("press.db"); }
+  void StartPress();
+  void StartService(std::vector<std::string> more = {});
+  Child& press() { return *press_; }
+  Child& service() { return *service_; }
+  void KillPress() { press_.reset(); }
+  void ForgetService() { service_.reset(); }
+  /// What the service says; nullopt if it does not answer.
+  std::optional<nlohmann::json> Ask() const;
+  /// Waits until the condition holds of what the service says; s it took, or nullopt after `limit` s.
+  std::optional<double> WaitFor(const std::function<bool(const nlohmann::json&)>& condition,
+                                double limit) const;
+
+ private:
+  RigOptions options_;
+  std::string folder_;
+  bool temporary_ = false;
+  int starts_ = 0;
+  std::unique_ptr<Child> press_, service_;
+};
+
+void Sleep(double seconds);
+double Now();  ///< s, monotonic
+
+}  // namespace hydroscope

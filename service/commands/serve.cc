@@ -1,0 +1,183 @@
+#include <systemd/sd-daemon.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "acquisition/live_sources.h"
+#include "service/commands.h"
+#include "service/live/http_endpoint.h"
+#include "service/live/live_service.h"
+#include "service/live/log.h"
+#include "service/live/real_clock.h"
+#include "service/live/valve_checks.h"
+#include "service/output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kMegabyte = 1 << 20;
+
+struct ServeArguments {
+  LiveOptions live;
+  ValveCheckOptions valve_check;
+  int port = 9464;
+  std::string log_level = "info";
+  bool log_json = false, acknowledge = false;
+  double raw_days = 7, raw_gigabytes = 1, min_free_megabytes = 64, queue_megabytes = 128,
+         valve_check_hours = 0;
+};
+
+/// Signals the service answers; blocked in every thread and waited for by one.
+sigset_t Signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  return set;
+}
+
+/// Feeds systemd's watchdog from the pipeline's thread, four times as often as it asks for.
+LiveService::Heartbeat Watchdog(const Clock& clock) {
+  std::uint64_t interval = 0;  // us
+  if (sd_watchdog_enabled(0, &interval) <= 0) return {};
+  return [clock, interval, fed = std::int64_t{0}]() mutable {
+    const std::int64_t now = clock().monotonic_ns;
+    if (now - fed < static_cast<std::int64_t>(interval) * 1000 / 4) return;
+    fed = now;
+    sd_notify(0, "WATCHDOG=1");
+  };
+}
+
+/// One line per stored step on stdout, for those who must know what is safe: axis, run, strokes and rows of
+/// it.
+void PrintAcknowledged(const LiveWriter::Axis& axis, const WriteItem& item) {
+  if (item.kind != WriteItem::Kind::kStep) return;
+  const std::string line = fmt::format("stored {} run {} strokes {} rows {}\n", axis.name, axis.run,
+                                       axis.strokes, item.step.rows_taken);
+  if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size()) std::fflush(stdout);
+}
+
+void Reload(LiveService& service) {
+  sd_notify(0, "RELOADING=1");
+  if (const Status reloaded = service.Reload(); !reloaded)
+    LogError("reload_refused", {{"why", reloaded.error().text}});
+  else
+    LogInfo("limits_reloaded");
+  sd_notify(0, "READY=1");
+}
+
+/// Until a signal ends it.
+void Wait(LiveService& service, const sigset_t& signals) {
+  for (;;) {
+    const timespec patience{1, 0};
+    const int signal = sigtimedwait(&signals, nullptr, &patience);
+    if (signal == SIGHUP) Reload(service);
+    if (signal == SIGTERM || signal == SIGINT) return;
+    const LiveStatus status = service.status();
+    sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(status.writer.state),
+               static_cast<long long>(status.writer.strokes));
+  }
+}
+
+int Run(ServeArguments& a) {
+  if (const Status configured = ConfigureLog(a.log_level, a.log_json); !configured)
+    return ReportError(configured.error());
+  a.live.writer.raw = {static_cast<std::int64_t>(a.raw_gigabytes * 1024 * kMegabyte), a.raw_days * 86400};
+  a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
+  a.live.writer.queue_bytes = static_cast<std::int64_t>(a.queue_megabytes * kMegabyte);
+  a.valve_check.period = a.valve_check_hours * 3600;
+  const sigset_t signals = Signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  auto created = LiveService::Create(
+      a.live,
+      [](const Machine& machine, const Clock& clock) {
+        return MakeSources(machine, clock, static_cast<std::uint64_t>(clock().wall_ns));
+      },
+      RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
+  if (!created) return ReportError(created.error());
+  LiveService& service = **created;
+  ValveChecks checks(service, a.valve_check, RealTime);
+  const auto status = [&] {
+    LiveStatus now = service.status();
+    now.valve_check = checks.state();
+    return now;
+  };
+  const auto endpoint = HttpEndpoint::Open(
+      a.port, SocketOf(a.live.database),
+      {[&] { return PrometheusText(status()); }, [&] { return StatusJson(status()).dump(1) + "\n"; },
+       [&](const std::string& axis) { return checks.Request(axis); }});
+  if (!endpoint) return ReportError(endpoint.error());
+  if (const Status started = service.Start(); !started) return ReportError(started.error());
+  checks.Start();
+  LogInfo("serving", {{"machine", service.machine().name},
+                      {"axes", std::to_string(AxisCount(service.machine()))},
+                      {"database", a.live.database},
+                      {"port", std::to_string(a.port)}});
+  sd_notify(0, "READY=1");
+  Wait(service, signals);
+  sd_notify(0, "STOPPING=1");
+  LogInfo("stopping");
+  checks.Stop();
+  const bool stored = service.Stop();
+  if (!stored) LogError("stopped_with_a_loss", {{"why", "what waited could not be written within 10 s"}});
+  LogInfo("stopped");
+  return stored ? kDone : kPartlyDone;
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ServeArguments>();
+  ServeArguments& a = *arguments;
+  CLI::App* command =
+      app.add_subcommand("serve", "Watches a machine live: signals in, trends and Grams into the database");
+  command->add_option("machine", a.live.machine_file, "Machine file with a [live] section (TOML)")
+      ->required();
+  command->add_option("--db,-d", a.live.database, "Trend database; created if it does not exist")->required();
+  command->add_option("--port", a.port, "Prometheus text at http://127.0.0.1:PORT/metrics; 0 = none")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_option("--raw-days", a.raw_days, "Raw window: days kept")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--raw-gb", a.raw_gigabytes, "Raw window: GB kept per axis; 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--min-free", a.min_free_megabytes, "MB on the disk below which nothing is written")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--queue", a.queue_megabytes, "MB of raw rows that may wait for the disk")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--run-length", a.live.run_length, "s after which a run ends between two strokes")
+      ->check(CLI::Range(10.0, 1e7))
+      ->capture_default_str();
+  command->add_option("--raw-period", a.live.raw_period, "s between two stored pieces of raw rows")
+      ->check(CLI::Range(0.02, 60.0))
+      ->capture_default_str();
+  command
+      ->add_option("--valve-check-every", a.valve_check_hours,
+                   "Hours between valve checks of each axis; 0 = only on request")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--valve-check-amplitude", a.valve_check.amplitude, "Valve check: share of full command")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  command->add_option("--log-level", a.log_level, "debug, info, warning, error or off")
+      ->capture_default_str();
+  command->add_flag("--log-json", a.log_json, "Log as JSON, one object per line");
+  command->add_flag("--acknowledge", a.acknowledge, "One line on stdout for each stored step");
+  command->footer(
+      "SIGTERM and SIGINT end it cleanly, SIGHUP takes over changed limits of the machine file. "
+      "docs/serve.md\n"
+      "tells how to run it under systemd and what every counter means.\n"
+      "Examples:\n"
+      "  hydroscope serve machines/press_live.toml --db press.db\n"
+      "  hydroscope serve press.toml -d press.db --raw-days 3 --raw-gb 20 --valve-check-every 24\n"
+      "  hydroscope status --db press.db");
+  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+}
+
+}  // namespace hydroscope
