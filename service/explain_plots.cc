@@ -41,22 +41,24 @@ std::vector<double> Edges(const ErrorMap& map, const std::vector<ResidualSignal>
   return shown;
 }
 
-/// Of the pairs that explain the error about equally well, the one whose signals explain most each by itself:
-/// a signal that hardly moves adds nothing to a map.
-const ErrorMap& ShownPair(const ErrorLocation& location) {
+/// Whether the oil temperature, if it is one of the map's signals, moved enough to be worth an axis.
+bool OilMoves(const ErrorMap& map, const std::vector<ResidualSignal>& signals) {
+  constexpr double kWorthAnAxis = 2.0;  // K
+  for (std::size_t axis = 0; axis < map.signals.size(); ++axis) {
+    if (signals[static_cast<std::size_t>(map.signals[axis])].name != "T_oil") continue;
+    const std::vector<double> edges = Edges(map, signals, static_cast<int>(axis));
+    if (edges.back() - edges.front() < kWorthAnAxis) return false;
+  }
+  return true;
+}
+
+/// Of the pairs that explain the error about equally well, the first whose signals move.
+const ErrorMap& ShownPair(const ExplainResult& result) {
   constexpr double kEqual = 0.05;
-  const auto alone = [&](const ErrorMap& pair) {
-    double sum = 0;
-    for (const ErrorMap& single : location.single)
-      if (single.signals[0] == pair.signals[0] || single.signals[0] == pair.signals[1])
-        sum += single.explained;
-    return sum;
-  };
-  const ErrorMap* best = &location.pairs.front();
-  for (const ErrorMap& pair : location.pairs)
-    if (pair.explained > location.pairs.front().explained - kEqual && alone(pair) > alone(*best))
-      best = &pair;
-  return *best;
+  const std::vector<ErrorMap>& pairs = result.location.pairs;
+  for (const ErrorMap& pair : pairs)
+    if (pair.explained > pairs.front().explained - kEqual && OilMoves(pair, result.signals)) return pair;
+  return pairs.front();
 }
 
 std::string AxisName(const ResidualSignal& signal) {
@@ -121,7 +123,7 @@ std::string RankingPlot(const ExplainResult& result) {
 
 std::string ResidualMap(const ExplainResult& result, bool diverging) {
   if (result.location.pairs.empty() || result.signals.empty()) return "";
-  const ErrorMap& map = ShownPair(result.location);
+  const ErrorMap& map = ShownPair(result);
   const std::vector<ResidualSignal>& signals = result.signals;
   const std::vector<double> x = Edges(map, signals, 0), y = Edges(map, signals, 1);
   if (x.size() < 2 || y.size() < 2) return "";

@@ -65,7 +65,7 @@ th{color:var(--soft);font-weight:600}
 sub{line-height:0;font-size:72%}
 @media screen and (max-width:820px){.cards,.trends,.pair,.halves{grid-template-columns:minmax(0,1fr)}.tiles{grid-template-columns:repeat(2,minmax(0,1fr))}
 .terms,dl{grid-template-columns:minmax(0,1fr)}dd{margin-bottom:5px}body{padding:16px 12px 32px}
-figure{overflow-x:auto}figure svg{min-width:520px}.pair figure:last-child svg,.halves svg{min-width:330px}}
+figure{overflow-x:auto}figure svg{min-width:640px}.pair figure:last-child svg,.halves svg{min-width:330px}}
 @page{size:A4;margin:14mm 13mm}
 @media print{html,body{background:#fff}body{max-width:none;padding:0;font-size:9.6pt;line-height:1.4}
 button{display:none}h1{font-size:17pt}h2{font-size:13pt;margin-top:18pt;padding-top:6pt;break-after:avoid}.verdict h2{font-size:14pt}
