@@ -33,6 +33,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddServeCommand(app, exit_code);
   AddStatusCommand(app, exit_code);
   AddVerifyLiveCommand(app, exit_code);
+  AddAlarmsCommand(app, exit_code);
   AddBenchmarkCommand(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -24,6 +24,7 @@ void AddTrendsCommand(CLI::App& app, int& exit_code);
 void AddServeCommand(CLI::App& app, int& exit_code);
 void AddStatusCommand(CLI::App& app, int& exit_code);
 void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
+void AddAlarmsCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
 
 /// The whole command line; returns the exit code. main() and the tests call it.

@@ -141,10 +141,42 @@ nlohmann::json LogJson(const LogReplay& r) {
       {"notes", r.notes}};
 }
 
+/// What watching for drift says, with every alarm that stands.
+std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
+  if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
+  if (watch.reference_version == 0)
+    return fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n", watch.commissioning_strokes,
+                       watch.commissioning_needed);
+  std::string text = fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {}; {}\n", watch.reference_version,
+                                 watch.health, watch.alarms.empty() ? "no alarm stands" : "alarms:");
+  for (const AlarmState& alarm : watch.alarms)
+    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id, alarm.text);
+  if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
+  return text;
+}
+
+nlohmann::json WatchJson(const WatchOutcome& watch) {
+  nlohmann::json alarms = nlohmann::json::array();
+  for (const AlarmState& a : watch.alarms)
+    alarms.push_back({{"alarm", a.id},
+                      {"state", StateName(a)},
+                      {"severity", SeverityName(a.severity)},
+                      {"text", a.text},
+                      {"raised_stroke", a.raised_stroke},
+                      {"first_stroke", a.first_stroke},
+                      {"last_stroke", a.last_stroke}});
+  return {{"problem", watch.problem},
+          {"reference_version", watch.reference_version},
+          {"commissioning_strokes", watch.commissioning_strokes},
+          {"commissioning_needed", watch.commissioning_needed},
+          {"health", std::string(1, watch.health)},
+          {"alarms", alarms}};
+}
+
 }  // namespace
 
 std::string ReplayText(const ReplayOptions& options, const ReplayOutcome& outcome) {
-  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + SkippedTable(outcome) +
+  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) + SkippedTable(outcome) +
          Next(options, outcome);
 }
 
@@ -161,6 +193,7 @@ nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& out
           {"runs", outcome.runs.size()},
           {"strokes", outcome.strokes},
           {"parameters", ParametersJson(outcome.latest)},
+          {"watch", WatchJson(outcome.watch)},
           {"rms_holdout", outcome.rms_holdout * kLitresPerMinute},
           {"noise_floor", outcome.noise_floor * kLitresPerMinute},
           {"unit", "l/min"},

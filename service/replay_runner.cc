@@ -1,6 +1,7 @@
 #include "service/replay_runner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "service/explain_report.h"
 #include "service/live/raw_log.h"
+#include "service/axis_monitor.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
 #include "service/model_edit.h"
@@ -69,6 +71,7 @@ class ReplayRunner {
     }
     if (const Status read = CollectOutcome(database_, machine_id_, *model_, outcome); !read)
       return tl::unexpected(read.error());
+    if (const Status judged = Watch(outcome.watch); !judged) return tl::unexpected(judged.error());
     if (!options_.report.empty() && !outcome.runs.empty())
       if (const Status written = Report(outcome); !written) return tl::unexpected(written.error());
     return outcome;
@@ -85,6 +88,7 @@ class ReplayRunner {
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
+  Status Watch(WatchOutcome& watch);
   Status Report(const ReplayOutcome& outcome);
   Status CollectOverlays(const ReplayOutcome& outcome);
   void Take(ReportCollector& collector, const RunInfo& run);
@@ -295,6 +299,28 @@ Status ReplayRunner::CollectOverlays(const ReplayOutcome& outcome) {
   const auto pass = PassLog(**reader, machine_, pipeline->get(), "overlay for the report");
   if (!pass) return tl::unexpected(pass.error());
   Take(*collector, last->run);
+  return {};
+}
+
+/// Judges the strokes that are new in the database, as the live service does stroke by stroke.
+Status ReplayRunner::Watch(WatchOutcome& watch) {
+  const auto rules = RulesFor(options_.machine_file);
+  if (!rules) return tl::unexpected(rules.error());
+  auto journal = AlarmJournal::Open(AlarmJournal::PathFor(options_.database));
+  if (!journal) return tl::unexpected(journal.error());
+  AxisMonitor axis(machine_, model_, *rules, database_, machine_id_, *journal);
+  if (!axis.watchable()) {
+    watch.problem = axis.watchable().error().text;
+    return {};
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (const Status judged = axis.CatchUp(wall); !judged) return judged;
+  watch.reference_version = axis.monitor() != nullptr ? axis.monitor()->reference().version() : 0;
+  watch.commissioning_strokes = axis.commissioning_strokes();
+  watch.commissioning_needed = rules->commissioning;
+  watch.health = axis.Health();
+  for (const AlarmState& alarm : axis.alarms())
+    if (std::string(StateName(alarm)) != "NORM") watch.alarms.push_back(alarm);
   return {};
 }
 

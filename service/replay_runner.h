@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/alarm_records.h"
 #include "core/records.h"
 #include "core/result.h"
 #include "models/machine.h"
@@ -39,11 +40,21 @@ struct LogReplay {
   RunSummary summary;
 };
 
+/// What watching for drift says after a replay (service/axis_monitor.h).
+struct WatchOutcome {
+  std::string problem;         ///< why this machine is not watched, "" if it is
+  int reference_version = 0;   ///< 0 = commissioning is not over
+  std::int64_t commissioning_strokes = 0, commissioning_needed = 0;
+  char health = '-';           ///< NAMUR NE 107
+  std::vector<AlarmState> alarms;
+};
+
 /// Everything a replay has to tell.
 struct ReplayOutcome {
   Machine machine;
   std::vector<LogReplay> logs;
   std::vector<RunInfo> runs;                ///< all runs of the machine in the database
+  WatchOutcome watch;
   std::vector<Estimate> latest;             ///< parameters after the last stroke of the database
   std::vector<SkippedItem> skipped;         ///< over all runs of the machine, and the logs left out now
   std::int64_t strokes = 0;                 ///< in the database for this machine

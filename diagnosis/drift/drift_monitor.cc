@@ -132,7 +132,8 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
         part.reference = d.reference[m.quantity];
         part.alarm = std::abs(m.size) >= sizes_[m.quantity].alarm;
         finding.alarm = finding.alarm || part.alarm;
-        small = small && std::abs(m.size) < kGoneShare * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
+        part.limit = kGoneShare * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
+        small = small && std::abs(m.size) < part.limit;
       }
     finding.last = stroke.sequence;
     finding.oil_temperature = stroke.oil_temperature;
@@ -202,7 +203,8 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved, 
     const bool alarm = std::abs(m.size + explained_[m.quantity]) >= sizes_[m.quantity].alarm;
     movements[quantity.name] = m.size > 0 ? 1 : -1;
     finding.parts.push_back(
-        {quantity.name, quantity.unit, m.size, std::hypot(m.std, doubt[m.quantity]), healthy_[m.quantity], alarm});
+        {quantity.name, quantity.unit, m.size, m.std, healthy_[m.quantity],
+         kGoneShare * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
     finding.alarm = finding.alarm || alarm;
   }
   const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;

@@ -48,6 +48,7 @@ struct FindingPart {
   std::string quantity, unit;
   double size = 0, std = 0;  ///< SI, change since before
   double reference = 0;      ///< SI
+  double limit = 0;          ///< SI, size below which it counts as gone
   bool alarm = false;        ///< beyond the alarm change
 };
 

@@ -22,7 +22,7 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   for (const FindingPart& part : f.parts) {
     PutText(out, part.quantity);
     PutText(out, part.unit);
-    for (const double v : {part.size, part.std, part.reference}) out.Put(v);
+    for (const double v : {part.size, part.std, part.reference, part.limit}) out.Put(v);
     out.Put(part.alarm);
   }
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.rivals.size()));
@@ -45,7 +45,7 @@ DriftFinding GetFinding(ByteReader& in) {
     FindingPart part;
     part.quantity = GetText(in);
     part.unit = GetText(in);
-    for (double* v : {&part.size, &part.std, &part.reference}) *v = in.Get<double>();
+    for (double* v : {&part.size, &part.std, &part.reference, &part.limit}) *v = in.Get<double>();
     part.alarm = in.Get<bool>();
     f.parts.push_back(std::move(part));
   }

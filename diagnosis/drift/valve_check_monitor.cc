@@ -49,7 +49,7 @@ DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequen
     if (std::abs(deviation) <= 0.5 * size.smallest + kLimit * std) continue;
     movements[figure.name] = deviation > 0 ? 1 : -1;
     const bool alarm = std::abs(deviation) >= size.alarm;
-    finding.parts.push_back({figure.name, figure.unit, deviation, std, expected.value, alarm});
+    finding.parts.push_back({figure.name, figure.unit, deviation, std, expected.value, 0.5 * size.smallest, alarm});
     finding.alarm = finding.alarm || alarm;
   }
   if (movements.empty()) {

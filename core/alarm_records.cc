@@ -1,0 +1,29 @@
+#include "core/alarm_records.h"
+
+#include <array>
+
+namespace hydroscope {
+namespace {
+
+constexpr std::array<const char*, 4> kSeverities = {"advisory", "warning", "alarm", "signal_loss"};
+
+}  // namespace
+
+const char* SeverityName(AlarmSeverity severity) { return kSeverities[static_cast<std::size_t>(severity)]; }
+
+std::optional<AlarmSeverity> SeverityFromName(const std::string& name) {
+  for (std::size_t i = 0; i < kSeverities.size(); ++i)
+    if (name == kSeverities[i]) return static_cast<AlarmSeverity>(i);
+  return std::nullopt;
+}
+
+const char* StateName(const AlarmState& alarm) {
+  if (alarm.out_of_service) return "OOSRV";
+  if (alarm.shelved_until) return "SHLVD";
+  if (alarm.suppressed != 0) return "DSUPR";
+  if (alarm.active) return alarm.acknowledged ? "ACKED" : "UNACK";
+  if (alarm.latched) return alarm.acknowledged ? "LTACK" : "LTUNK";
+  return alarm.acknowledged ? "NORM" : "RTNUN";
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,330 @@
+#include "storage/alarm_journal.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "storage/connection.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kTables = R"sql(
+CREATE TABLE journal(
+  sequence INTEGER PRIMARY KEY,
+  machine TEXT NOT NULL,
+  wall_s REAL NOT NULL,
+  time_s REAL,
+  stroke INTEGER NOT NULL,
+  alarm TEXT NOT NULL,
+  event TEXT NOT NULL,
+  state_before TEXT NOT NULL,
+  state TEXT NOT NULL,
+  severity TEXT NOT NULL,
+  value REAL,
+  std REAL,
+  limit_value REAL,
+  unit TEXT NOT NULL,
+  oil_temperature_K REAL,
+  model_version INTEGER NOT NULL,
+  reference_version INTEGER NOT NULL,
+  user TEXT NOT NULL,
+  comment TEXT NOT NULL,
+  text TEXT NOT NULL,
+  first_stroke INTEGER NOT NULL,
+  last_stroke INTEGER NOT NULL
+) STRICT;
+CREATE TRIGGER journal_is_not_changed BEFORE UPDATE ON journal BEGIN SELECT RAISE(ABORT, 'the journal is append-only'); END;
+CREATE TRIGGER journal_is_not_deleted BEFORE DELETE ON journal BEGIN SELECT RAISE(ABORT, 'the journal is append-only'); END;
+
+CREATE TABLE alarm(
+  machine TEXT NOT NULL,
+  id TEXT NOT NULL,
+  severity TEXT NOT NULL,
+  active INTEGER NOT NULL,
+  acknowledged INTEGER NOT NULL,
+  latched INTEGER NOT NULL,
+  out_of_service INTEGER NOT NULL,
+  suppressed INTEGER NOT NULL,
+  shelved_until_s REAL,
+  on_count INTEGER NOT NULL,
+  off_count INTEGER NOT NULL,
+  value REAL,
+  std REAL,
+  limit_value REAL,
+  unit TEXT NOT NULL,
+  text TEXT NOT NULL,
+  raised_time_s REAL,
+  raised_wall_s REAL,
+  raised_stroke INTEGER NOT NULL,
+  first_stroke INTEGER NOT NULL,
+  last_stroke INTEGER NOT NULL,
+  PRIMARY KEY(machine, id)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE monitor(
+  machine TEXT PRIMARY KEY,
+  next_stroke INTEGER NOT NULL,
+  model_version INTEGER NOT NULL,
+  state BLOB NOT NULL
+) STRICT;
+
+CREATE TABLE reference(
+  machine TEXT NOT NULL,
+  version INTEGER NOT NULL,
+  first_stroke INTEGER NOT NULL,
+  last_stroke INTEGER NOT NULL,
+  wall_s REAL NOT NULL,
+  bytes BLOB NOT NULL,
+  PRIMARY KEY(machine, version)
+) STRICT;
+)sql";
+
+constexpr const char* kRowColumns =
+    "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, limit_value, unit, "
+    "oil_temperature_K, model_version, reference_version, user, comment, text, first_stroke, last_stroke";
+
+Status CheckKind(SQLite::Database& db, const std::string& path) {
+  const int application = db.execAndGet("PRAGMA application_id").getInt();
+  const int version = db.execAndGet("PRAGMA user_version").getInt();
+  if (application != kJournalApplicationId)
+    return BadInput("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is", path,
+                    static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId));
+  if (version != kJournalFormat)
+    return BadInput("{} has journal format {}, this program knows format {}; use the hydroscope that wrote it", path, version,
+                    kJournalFormat);
+  return {};
+}
+
+Status Prepare(SQLite::Database& db, const std::string& path) {
+  const bool fresh = db.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0 &&
+                     db.execAndGet("PRAGMA application_id").getInt() == 0;
+  if (!fresh)
+    if (const Status ours = CheckKind(db, path); !ours) return ours;
+  db.exec("PRAGMA journal_mode = WAL");
+  db.exec("PRAGMA synchronous = FULL");
+  if (!fresh) return {};
+  SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
+  if (db.execAndGet("PRAGMA application_id").getInt() != kJournalApplicationId) {  // another process may have been faster
+    db.exec(kTables);
+    db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
+    db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
+  }
+  transaction.commit();
+  return {};
+}
+
+std::optional<double> Optional(const Query& query, int column) {
+  return query.IsNull(column) ? std::nullopt : std::optional(query.Real(column));
+}
+
+AlarmSeverity Severity(const std::string& name) { return SeverityFromName(name).value_or(AlarmSeverity::kWarning); }
+
+std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& machine) {
+  Query query(connection,
+              "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, shelved_until_s, on_count, "
+              "off_count, value, std, limit_value, unit, text, raised_time_s, raised_wall_s, raised_stroke, first_stroke, "
+              "last_stroke FROM alarm WHERE machine = ? ORDER BY id",
+              machine);
+  std::vector<AlarmState> alarms;
+  while (query.Step()) {
+    AlarmState a;
+    a.id = query.Text(0);
+    a.severity = Severity(query.Text(1));
+    a.active = query.Int(2) != 0;
+    a.acknowledged = query.Int(3) != 0;
+    a.latched = query.Int(4) != 0;
+    a.out_of_service = query.Int(5) != 0;
+    a.suppressed = static_cast<std::uint8_t>(query.Int(6));
+    a.shelved_until = Optional(query, 7);
+    a.on_count = static_cast<int>(query.Int(8));
+    a.off_count = static_cast<int>(query.Int(9));
+    a.value = query.Real(10);
+    a.std = query.Real(11);
+    a.limit = query.Real(12);
+    a.unit = query.Text(13);
+    a.text = query.Text(14);
+    a.raised_time = query.Real(15);
+    a.raised_wall = query.Real(16);
+    a.raised_stroke = query.Int(17);
+    a.first_stroke = query.Int(18);
+    a.last_stroke = query.Int(19);
+    alarms.push_back(std::move(a));
+  }
+  return alarms;
+}
+
+void StoreAlarm(Connection& connection, const std::string& machine, const AlarmState& a) {
+  const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
+  Query(connection,
+        "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", machine, a.id,
+        SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged), static_cast<int>(a.latched),
+        static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed), shelved, a.on_count, a.off_count, a.value, a.std,
+        a.limit, a.unit, a.text, a.raised_time, a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke)
+      .Run();
+}
+
+StoredMonitor LoadMonitor(Connection& connection, const std::string& machine) {
+  Query query(connection, "SELECT next_stroke, model_version, state FROM monitor WHERE machine = ?", machine);
+  if (!query.Step()) return {};
+  const auto blob = query.Blob(2);
+  return {query.Int(0), static_cast<int>(query.Int(1)), {blob.begin(), blob.end()}};
+}
+
+std::int64_t LastSequence(Connection& connection) {
+  Query query(connection, "SELECT coalesce(max(sequence), 0) FROM journal");
+  query.Step();
+  return query.Int(0);
+}
+
+void AppendRow(Connection& connection, std::int64_t sequence, const std::string& machine, double wall, const AlarmEvent& e) {
+  Query(connection, "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", sequence,
+        machine, wall, e.time, e.stroke, e.alarm, e.event, e.state_before, e.state, SeverityName(e.severity), e.value, e.std,
+        e.limit, e.unit, e.oil_temperature, e.model_version, e.reference_version, e.user, e.comment, e.text, e.first_stroke,
+        e.last_stroke)
+      .Run();
+}
+
+JournalRow ReadRow(const Query& q) {
+  JournalRow row{q.Int(0), q.Text(1), q.Real(2), {}};
+  AlarmEvent& e = row.event;
+  e.time = q.Real(3);
+  e.stroke = q.Int(4);
+  e.alarm = q.Text(5);
+  e.event = q.Text(6);
+  e.state_before = q.Text(7);
+  e.state = q.Text(8);
+  e.severity = Severity(q.Text(9));
+  e.value = q.Real(10);
+  e.std = q.Real(11);
+  e.limit = q.Real(12);
+  e.unit = q.Text(13);
+  e.oil_temperature = q.Real(14);
+  e.model_version = static_cast<int>(q.Int(15));
+  e.reference_version = static_cast<int>(q.Int(16));
+  e.user = q.Text(17);
+  e.comment = q.Text(18);
+  e.text = q.Text(19);
+  e.first_stroke = q.Int(20);
+  e.last_stroke = q.Int(21);
+  return row;
+}
+
+}  // namespace
+
+struct AlarmJournal::Impl : Connection {
+  using Connection::Connection;
+};
+
+AlarmState& AxisContent::Alarm(const std::string& id) {
+  const auto at = std::lower_bound(alarms.begin(), alarms.end(), id, [](const AlarmState& a, const auto& b) { return a.id < b; });
+  if (at != alarms.end() && at->id == id) return *at;
+  AlarmState alarm;
+  alarm.id = id;
+  return *alarms.insert(at, std::move(alarm));
+}
+
+void AxisContent::Append(std::vector<AlarmEvent> more) {
+  events.insert(events.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+AlarmJournal::AlarmJournal(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+AlarmJournal::AlarmJournal(AlarmJournal&&) noexcept = default;
+AlarmJournal& AlarmJournal::operator=(AlarmJournal&&) noexcept = default;
+AlarmJournal::~AlarmJournal() = default;
+
+std::string AlarmJournal::PathFor(const std::string& database) {
+  const std::filesystem::path path(database);
+  return (path.parent_path() / (path.stem().string() + ".alarms" + path.extension().string())).string();
+}
+
+Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
+  std::unique_ptr<Impl> impl;
+  const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+    impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    return Prepare(impl->db, path);
+  });
+  if (!prepared) return tl::unexpected(prepared.error());
+  return AlarmJournal(std::move(impl));
+}
+
+Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return BadInput("there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the database D", path);
+  return Open(path);
+}
+
+Status AlarmJournal::Change(const std::string& machine, double wall, const std::function<Status(AxisContent&)>& change) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    AxisContent content{LoadAlarms(*impl_, machine), LoadMonitor(*impl_, machine), {}, {}};
+    const AxisContent before = content;
+    if (const Status changed = change(content); !changed) return changed;
+    for (const AlarmState& alarm : content.alarms)
+      if (std::find(before.alarms.begin(), before.alarms.end(), alarm) == before.alarms.end()) StoreAlarm(*impl_, machine, alarm);
+    if (content.monitor.next_stroke != before.monitor.next_stroke || content.monitor.state != before.monitor.state)
+      Query(*impl_, "INSERT OR REPLACE INTO monitor VALUES(?, ?, ?, ?)", machine, content.monitor.next_stroke,
+            content.monitor.model_version, content.monitor.state)
+          .Run();
+    for (const StoredReference& r : content.references)
+      Query(*impl_, "INSERT INTO reference VALUES(?, ?, ?, ?, ?, ?)", machine, r.version, r.first_stroke, r.last_stroke, wall,
+            r.bytes)
+          .Run();
+    std::int64_t sequence = content.events.empty() ? 0 : LastSequence(*impl_);
+    for (const AlarmEvent& event : content.events) AppendRow(*impl_, ++sequence, machine, wall, event);
+    transaction.commit();
+    return {};
+  });
+}
+
+Result<std::vector<std::string>> AlarmJournal::Machines() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
+    Query query(*impl_, "SELECT machine FROM monitor UNION SELECT machine FROM alarm UNION SELECT machine FROM journal ORDER BY 1");
+    std::vector<std::string> names;
+    while (query.Step()) names.push_back(query.Text(0));
+    return names;
+  });
+}
+
+Result<AxisContent> AlarmJournal::Axis(const std::string& machine) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<AxisContent> {
+    return AxisContent{LoadAlarms(*impl_, machine), LoadMonitor(*impl_, machine), {}, {}};
+  });
+}
+
+Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, std::int64_t after, std::int64_t limit) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<JournalRow>> {
+    static const std::string sql = fmt::format(
+        "SELECT {} FROM journal WHERE sequence > ?1 AND (?2 = '' OR machine = ?2) ORDER BY sequence LIMIT ?3", kRowColumns);
+    Query query(*impl_, sql.c_str(), after, machine, limit > 0 ? limit : std::int64_t{-1});
+    std::vector<JournalRow> rows;
+    while (query.Step()) rows.push_back(ReadRow(query));
+    return rows;
+  });
+}
+
+Result<std::optional<StoredReference>> AlarmJournal::LatestReference(const std::string& machine) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::optional<StoredReference>> {
+    Query query(*impl_,
+                "SELECT version, first_stroke, last_stroke, bytes FROM reference WHERE machine = ? ORDER BY version DESC LIMIT 1",
+                machine);
+    if (!query.Step()) return std::nullopt;
+    const auto blob = query.Blob(3);
+    return StoredReference{static_cast<int>(query.Int(0)), query.Int(1), query.Int(2), {blob.begin(), blob.end()}};
+  });
+}
+
+Status AlarmJournal::CheckIntegrity() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    const std::string pages = impl_->db.execAndGet("PRAGMA integrity_check").getString();
+    if (pages != "ok") return BadInput("{} is damaged: {}", impl_->path, pages);
+    Query query(*impl_, "SELECT count(*), coalesce(max(sequence), 0), coalesce(min(sequence), 1) FROM journal");
+    query.Step();
+    if (query.Int(0) != query.Int(1) || query.Int(2) != 1)
+      return BadInput("{}: the journal has {} rows up to number {}: rows are missing", impl_->path, query.Int(0), query.Int(1));
+    return {};
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alarm_records.h"
+#include "core/result.h"
+
+namespace hydroscope {
+
+/// Version of the journal's tables, in `PRAGMA user_version`; docs/alarms.md describes them.
+inline constexpr int kJournalFormat = 1;
+/// "HYDJ", in `PRAGMA application_id`.
+inline constexpr int kJournalApplicationId = 0x4859444a;
+
+/// A frozen reference as learned, opaque bytes (diagnosis/drift/reference.h).
+struct StoredReference {
+  int version = 0;
+  std::int64_t first_stroke = 0, last_stroke = 0;  ///< machine-wide, learned from these
+  std::vector<std::uint8_t> bytes;
+};
+
+/// How far the strokes of an axis have been judged, with the monitor's state after them.
+struct StoredMonitor {
+  std::int64_t next_stroke = 0;  ///< machine-wide number of the first stroke not judged yet
+  int model_version = 0;
+  std::vector<std::uint8_t> state;  ///< opaque; empty before a reference was learned
+};
+
+/// Everything of one axis that changes together.
+struct AxisContent {
+  std::vector<AlarmState> alarms;  ///< in order of id
+  StoredMonitor monitor;
+  std::vector<AlarmEvent> events;           ///< to be appended
+  std::vector<StoredReference> references;  ///< to be appended
+
+  AlarmState& Alarm(const std::string& id);
+  void Append(std::vector<AlarmEvent> more);
+};
+
+/// The alarm journal of a trend database, in a file of its own beside it: rows that are only ever appended, numbered
+/// without gaps, with the alarms' present states and the monitors' states. WAL, synchronous=FULL: what Change() has returned
+/// survives a loss of power. Triggers refuse to change or delete a row. Errors as of Database.
+class AlarmJournal {
+ public:
+  /// "press.db" -> "press.alarms.db".
+  static std::string PathFor(const std::string& database);
+  static Result<AlarmJournal> Open(const std::string& path);
+  /// For readers: never creates the file.
+  static Result<AlarmJournal> OpenExisting(const std::string& path);
+  AlarmJournal(AlarmJournal&&) noexcept;
+  AlarmJournal& operator=(AlarmJournal&&) noexcept;
+  ~AlarmJournal();
+
+  /// Reads the axis, lets `change` work on it and stores everything in one transaction that no other process interleaves;
+  /// if `change` fails nothing is stored. `wall`: s since 1970, written with the rows.
+  Status Change(const std::string& machine, double wall, const std::function<Status(AxisContent&)>& change);
+
+  Result<std::vector<std::string>> Machines() const;
+  Result<AxisContent> Axis(const std::string& machine) const;
+  /// Rows with sequence > `after`, at most `limit` (0 = all), in order; "" = all machines.
+  Result<std::vector<JournalRow>> Rows(const std::string& machine, std::int64_t after = 0, std::int64_t limit = 0) const;
+  /// The latest reference of a machine.
+  Result<std::optional<StoredReference>> LatestReference(const std::string& machine) const;
+  /// Sequence without gaps from 1, pages and indices sound.
+  Status CheckIntegrity() const;
+
+ private:
+  struct Impl;
+  explicit AlarmJournal(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,100 @@
+#include "storage/alarm_journal.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace hydroscope {
+namespace {
+
+class AlarmJournalFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path = (std::filesystem::path(::testing::TempDir()) /
+            (std::string("journal_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".db"))
+               .string();
+    for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(path + end);
+  }
+  /// Raises an alarm with `text`.
+  static Status Raise(AlarmJournal& journal, const std::string& machine, const std::string& text) {
+    return journal.Change(machine, 12.5, [&](AxisContent& axis) -> Status {
+      AlarmState& alarm = axis.Alarm("leak");
+      alarm.active = true;
+      alarm.acknowledged = false;
+      alarm.text = text;
+      AlarmEvent event;
+      event.alarm = "leak";
+      event.event = "raised";
+      event.text = text;
+      axis.events.push_back(event);
+      axis.monitor = {axis.monitor.next_stroke + 1, 3, {1, 2, 3}};
+      return {};
+    });
+  }
+  std::string path;
+};
+
+TEST_F(AlarmJournalFile, KeepsRowsStatesAndMonitorOverARestart) {
+  {
+    auto journal = AlarmJournal::Open(path);
+    ASSERT_TRUE(journal) << journal.error().text;
+    ASSERT_TRUE(Raise(*journal, "press", "one"));
+    ASSERT_TRUE(Raise(*journal, "other", "two"));
+    ASSERT_TRUE(Raise(*journal, "press", "three"));
+  }
+  auto journal = AlarmJournal::OpenExisting(path);
+  ASSERT_TRUE(journal);
+  const auto rows = journal->Rows("");
+  ASSERT_TRUE(rows);
+  ASSERT_EQ(rows->size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ((*rows)[i].sequence, static_cast<std::int64_t>(i + 1));
+  EXPECT_EQ((*rows)[2].event.text, "three");
+  EXPECT_EQ((*rows)[2].wall, 12.5);
+  EXPECT_EQ(journal->Rows("press", 1)->size(), 1u);
+  const auto axis = journal->Axis("press");
+  ASSERT_EQ(axis->alarms.size(), 1u);
+  EXPECT_STREQ(StateName(axis->alarms[0]), "UNACK");
+  EXPECT_EQ(axis->monitor.next_stroke, 2);
+  EXPECT_EQ(axis->monitor.state, (std::vector<std::uint8_t>{1, 2, 3}));
+  EXPECT_TRUE(journal->CheckIntegrity());
+}
+
+TEST_F(AlarmJournalFile, StoresNothingOfAChangeThatFails) {
+  auto journal = AlarmJournal::Open(path);
+  ASSERT_TRUE(Raise(*journal, "press", "one"));
+  const Status failed = journal->Change("press", 1, [](AxisContent& axis) -> Status {
+    axis.Alarm("leak").active = false;
+    axis.events.emplace_back();
+    return BadInput("no");
+  });
+  EXPECT_FALSE(failed);
+  EXPECT_EQ(journal->Rows("")->size(), 1u);
+  EXPECT_TRUE(journal->Axis("press")->alarms[0].active);
+}
+
+TEST_F(AlarmJournalFile, RefusesToChangeOrDeleteARow) {
+  auto journal = AlarmJournal::Open(path);
+  ASSERT_TRUE(Raise(*journal, "press", "one"));
+  SQLite::Database db(path, SQLite::OPEN_READWRITE);
+  EXPECT_THROW(db.exec("UPDATE journal SET text = 'x'"), SQLite::Exception);
+  EXPECT_THROW(db.exec("DELETE FROM journal"), SQLite::Exception);
+}
+
+TEST_F(AlarmJournalFile, LeavesForeignAndNewerFilesAlone) {
+  {
+    SQLite::Database db(path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    db.exec("CREATE TABLE x(y); PRAGMA application_id = 7");
+  }
+  const auto foreign = AlarmJournal::Open(path);
+  ASSERT_FALSE(foreign);
+  EXPECT_NE(foreign.error().text.find("no alarm journal"), std::string::npos);
+}
+
+TEST_F(AlarmJournalFile, LiesBesideTheDatabase) {
+  EXPECT_EQ(AlarmJournal::PathFor("/data/press.db"), "/data/press.alarms.db");
+  EXPECT_EQ(AlarmJournal::PathFor("press"), "press.alarms");
+}
+
+}  // namespace
+}  // namespace hydroscope
