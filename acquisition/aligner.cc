@@ -255,8 +255,13 @@ void Aligner::AddReadings(Stream& stream, const SampleBatch& batch) {
 void Aligner::AddRows(Stream& stream, Part& part, const SampleBatch& batch) {
   Axis& axis = *part.axis;
   const std::uint64_t ratio = stream.ratio;
-  const std::uint64_t first = (batch.first_sequence + ratio - 1) / ratio;  // in rows of the grid
+  std::uint64_t first = (batch.first_sequence + ratio - 1) / ratio;  // in rows of the grid
   const std::uint64_t end = (batch.first_sequence + batch.rows - 1) / ratio + 1;
+  if (part.stored_session == stream.session && first < part.stored_until) {
+    const std::uint64_t fresh = std::min(part.stored_until, end);
+    axis.counters.already_stored += static_cast<std::int64_t>(fresh - first);
+    first = fresh;
+  }
   if (first >= end) return;
   if (!part.anchored) Anchor(part, static_cast<std::int64_t>(first));
   if (&part != axis.master && axis.master->anchored) {
@@ -271,10 +276,6 @@ void Aligner::AddRows(Stream& stream, Part& part, const SampleBatch& batch) {
   if (part.highest_row && begin_row <= *part.highest_row) ++axis.counters.reordered_batches;
   for (std::uint64_t s = first; s < end; ++s) {
     const auto row = static_cast<std::int64_t>(s) + part.shift;
-    if (s < part.stored_until && part.stored_session == stream.session) {
-      ++axis.counters.already_stored;
-      continue;
-    }
     InsertRow(part, row, batch, s * ratio - batch.first_sequence, part.mark);
   }
   part.highest_row =
