@@ -116,7 +116,7 @@ int RunLiveFaults(const LiveFaultOptions& o) {
   const storage_test::MountedDisk disk(folder, "64m");
   LiveRig rig({.seed = o.seed, .folder = folder});
   rig.StartPress();
-  rig.StartService();
+  rig.StartService({"--min-free", "8"});
   if (!rig.WaitFor([](const Json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
     return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
   Campaign campaign(rig);

@@ -69,14 +69,14 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
-  const bool four = o.axes == 4 && o.rate == 1000;
+  const bool four = o.axes <= 4 && o.rate <= 1000;  // the machine that latency and share are required of
   fmt::print("{} axes at {:g} Hz, {}, {:.0f} s\n", o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS",
              measured);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);
-  Print("stroke sent to estimate stored, p99", fmt::format("{:.1f} ms", p99 * 1e3), "at most 20 ms",
-        p99 <= kLatencyAllowed);
+  Print("stroke sent to estimate stored, p99", fmt::format("{:.1f} ms", p99 * 1e3),
+        four ? "at most 20 ms" : "", p99 <= kLatencyAllowed);
   Print("stroke sent to estimate stored, worst",
         fmt::format("{:.1f} ms", writer.at("latency_max_s").get<double>() * 1e3), "", true);
   Print("pipeline to estimate stored, p99",
@@ -90,7 +90,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   Print("runs whose replay is the same to the last bit", fmt::format("{} of {}", same, same + different),
         "all", different == 0 && same > 0);
   Print("exit code after SIGTERM", fmt::format("{}", ended), "0", ended == 0);
-  const bool reached = p99 <= kLatencyAllowed && (!four || share <= 0.15) && lost == 0 && dropped == 0 &&
+  const bool reached = (!four || (p99 <= kLatencyAllowed && share <= 0.15)) && lost == 0 && dropped == 0 &&
                        different == 0 && same > 0 && ended == 0 &&
                        std::abs(rows / o.axes / measured / o.rate - 1) < 0.02;
   return reached ? 0 : 1;

@@ -141,11 +141,13 @@ LiveRig::~LiveRig() {
 }
 
 void LiveRig::StartPress() {
-  ++starts_;
-  std::vector<std::string> arguments = {"simulate", "press",
-                                        "--serve",  File("press.toml"),
-                                        "--seed",   std::to_string(options_.seed),
-                                        "--rate",   fmt::format("{:.9g}", 1 / options_.rate)};
+  std::vector<std::string> arguments = {"simulate", "press", "--serve", File("press.toml")};
+  for (const auto& [option, value] :
+       {std::pair<std::string, std::string>{"--seed", std::to_string(options_.seed)},
+        {"--sample-period", fmt::format("{:.9g}", 1 / options_.rate)}}) {
+    arguments.push_back(option);
+    arguments.push_back(value);
+  }
   if (options_.clock_drift != 0) {
     arguments.push_back("--clock-drift");
     arguments.push_back(fmt::format("{:g}", options_.clock_drift));

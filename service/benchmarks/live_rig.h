@@ -39,9 +39,8 @@ struct RigOptions {
   double rate = 1000;        ///< Hz
   bool modbus_ring = false;  ///< all by Modbus in place of DDS (at most 8 axes)
   std::uint64_t seed = 1;
-  double clock_drift = 0;      ///< ppm
-  double press_speed_max = 0;  ///< mm/s, 0 = as usual
-  std::string folder;          ///< "" = a temporary one, removed at the end
+  double clock_drift = 0;  ///< ppm
+  std::string folder;      ///< "" = a temporary one, removed at the end
 };
 
 /// A simulated press and a service that watches it, each a process of its own, on the loopback only.
@@ -68,7 +67,6 @@ class LiveRig {
   RigOptions options_;
   std::string folder_;
   bool temporary_ = false;
-  int starts_ = 0;
   std::unique_ptr<Child> press_, service_;
 };
 

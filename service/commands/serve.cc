@@ -87,6 +87,11 @@ int Run(ServeArguments& a) {
   a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
   a.live.writer.queue_bytes = static_cast<std::int64_t>(a.queue_megabytes * kMegabyte);
   a.valve_check.period = a.valve_check_hours * 3600;
+  if (AskService(SocketOf(a.live.database), "GET", "/status"))
+    return ReportError(
+        {ErrorKind::kBadInput,
+         fmt::format("another service writes {} already; stop it first, or take another database",
+                     a.live.database)});
   const sigset_t signals = Signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   auto created = LiveService::Create(
