@@ -174,7 +174,8 @@ std::optional<double> LiveRig::WaitFor(const std::function<bool(const nlohmann::
                                        double limit) const {
   const double begin = Now();
   while (Now() - begin < limit) {
-    if (const auto status = Ask(); status && condition(*status)) return Now() - begin;
+    const double asked = Now() - begin;
+    if (const auto status = Ask(); status && condition(*status)) return asked;
     Sleep(kLook);
   }
   return std::nullopt;

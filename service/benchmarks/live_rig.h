@@ -59,7 +59,8 @@ class LiveRig {
   void ForgetService() { service_.reset(); }
   /// What the service says; nullopt if it does not answer.
   std::optional<nlohmann::json> Ask() const;
-  /// Waits until the condition holds of what the service says; s it took, or nullopt after `limit` s.
+  /// Waits until the condition holds of what the service says; s until that was asked, or nullopt after
+  /// `limit` s.
   std::optional<double> WaitFor(const std::function<bool(const nlohmann::json&)>& condition,
                                 double limit) const;
 
