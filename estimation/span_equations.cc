@@ -3,7 +3,46 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/wide.h"
+
 namespace hydroscope {
+namespace {
+
+/// Weights of one increment of a block; four lanes, the last one unused.
+typedef double BlockWeights __attribute__((vector_size(32)));
+
+/// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
+/// of x_k with alternating signs (+ - - +), scaled to keep white noise white but for the share an intercept
+/// takes; rise to the first sample of the next block.
+std::vector<BlockWeights> WeightsOf(int block, double intercept_share) {
+  const int paired = block / 4 * 4;
+  const double contrast = intercept_share / std::sqrt(static_cast<double>(block) * paired);
+  std::vector<BlockWeights> weights(block);
+  int signs = 0;
+  for (int k = block - 1; k >= 0; --k) {
+    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
+    if (k < paired) signs += (k & 3) == 0 || (k & 3) == 3 ? 1 : -1;
+  }
+  return weights;
+}
+
+/// Mean level and sign contrast of each block, `stride` apart; returns the level after the last block. Only
+/// the level waits for the block before.
+HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
+                                 int blocks, double level, double* mean, double* contrast,
+                                 std::ptrdiff_t stride) {
+  const auto m = std::ssize(weights);
+  for (int b = 0; b < blocks; ++b, increments += m) {
+    BlockWeights sum{};
+    for (std::ptrdiff_t k = 0; k < m; ++k) sum += increments[k] * weights[k];
+    mean[b * stride] = level + sum[0];
+    contrast[b * stride] = sum[1];
+    level += sum[2];
+  }
+  return level;
+}
+
+}  // namespace
 
 WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
   WindowSamples w;
@@ -54,31 +93,15 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
 }
 
 void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
-  const int m = window_.block, lead = stretch.continues ? 1 : 0;
-  const int paired = m / 4 * 4;
-  const double mean = 1.0 / m;
-  const double contrast = 1.0 / std::sqrt(static_cast<double>(m) * paired);
-  const double intercept_share = std::sqrt((blocks - 1.0) / blocks);
+  const int lead = stretch.continues ? 1 : 0;
+  const std::vector<BlockWeights> weights = WeightsOf(window_.block, std::sqrt((blocks - 1.0) / blocks));
   const std::span<double> increments(increments_.data(), stretch.samples - 1);
+  increments_[stretch.samples - 1] = 0.0;  // whole blocks leave no increment for the last sample
   for (int c = 0; c < model_->column_count(); ++c) {
     model_->columns[c].fill(stretch, column_state_[c], increments);
-    double level = stretch.continues ? last_level_[c] : 0.0;
-    std::size_t next = 0;
-    if (lead == 1) level += increments[next++];
-    for (int b = 0; b < blocks; ++b) {
-      const double first = level;
-      double sum = 0, signs = 0;
-      for (int k = 0; k < m; ++k) {
-        const double x = level - first;
-        sum += x;
-        if (k < paired) signs += ((k & 3) == 0 || (k & 3) == 3) ? x : -x;
-        if (next < increments.size()) level += increments[next++];
-      }
-      level_(c, history_ + b) = first + sum * mean;
-      out_.noise(c, b) = signs * contrast * intercept_share;
-    }
-    // `level` has run one increment past the last sample only if there was one; whole blocks leave none over.
-    last_level_[c] = level;
+    const double level = stretch.continues ? last_level_[c] + increments[0] : 0.0;
+    last_level_[c] = SumBlocks(increments_.data() + lead, weights, blocks, level, &level_(c, history_),
+                               &out_.noise(c, 0), level_.rows());
   }
 }
 

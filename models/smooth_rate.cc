@@ -5,12 +5,12 @@
 namespace hydroscope {
 
 double WhiteNoiseVariance(const double* x, int n) {
-  double sum = 0;
+  double sum[4] = {};  // no sum waits for the one before
   for (int k = 3; k < n; ++k) {
     const double third = x[k] - 3 * x[k - 1] + 3 * x[k - 2] - x[k - 3];
-    sum += third * third;
+    sum[k & 3] += third * third;
   }
-  return n > 3 ? sum / (20.0 * (n - 3)) : 0.0;
+  return n > 3 ? ((sum[0] + sum[1]) + (sum[2] + sum[3])) / (20.0 * (n - 3)) : 0.0;
 }
 
 void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,

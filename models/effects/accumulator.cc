@@ -1,7 +1,7 @@
-#include <array>
-#include <cmath>
+#include <algorithm>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -10,13 +10,13 @@ constexpr double kExponent = 1.3;  // polytropic, between isothermal 1.0 and adi
 
 /// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n).
 double TakenUp(double p, double precharge) {
-  return p > precharge ? 1.0 - std::exp(std::log(precharge / p) / kExponent) : 0.0;
+  return 1.0 - Exp(Log(precharge / std::max(p, precharge)) * (1.0 / kExponent));
 }
 
 }  // namespace
 
-/// A gas-charged volume at the chamber: takes up V_g (1 - (p_pre/p)^(1/n)) above its pre-charge (Murrenhoff 2012,
-/// gas accumulators).
+/// A gas-charged volume at the chamber: takes up V_g (1 - (p_pre/p)^(1/n)) above its pre-charge (Murrenhoff
+/// 2012, gas accumulators).
 Effect Accumulator(const CushionGeometry&) {
   Effect e;
   e.id = "accumulator";
@@ -31,12 +31,14 @@ Effect Accumulator(const CushionGeometry&) {
   e.confused_with = {"entrained_air"};
   e.hidden_in = "K, V0";
   e.plain =
-      "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left open, a "
+      "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left "
+      "open, a "
       "trapped air pocket, a soft hose.";
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([precharge = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double* p = s[kPressureA];
-      Differences(s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
+      wide::Differences(
+          s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
     });
   };
   e.grid = {{40e5}, {80e5}, {120e5}, {160e5}};

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -11,27 +11,29 @@ constexpr double kAtmosphere = 1.013e5;  // Pa; chamber pressures are gauge pres
 /// Share of its volume at 1 atm that free air has given up at gauge pressure p: 1 - (p_atm / p_abs)^(1/n).
 double Compressed(double gauge, double exponent) {
   const double ratio = kAtmosphere / std::max(gauge + kAtmosphere, kAtmosphere);
-  return 1.0 - (exponent == 1.0 ? ratio : std::pow(ratio, 1.0 / exponent));
+  return 1.0 - Exp(Log(ratio) / exponent);
 }
 
 Column::Fill DeadVolume(double exponent) {
   return [exponent](const Stretch& s, double&, std::span<double> out) {
-            const double* p = s[kPressureA];
-            Differences(s, [=](int k) { return -Compressed(p[k], exponent); }, out);
-          };
+    const double* p = s[kPressureA];
+    wide::Differences(
+        s, [=](int k) { return -Compressed(p[k], exponent); }, out);
+  };
 }
 
 Column::Fill StrokeVolume(double exponent) {
   return [exponent](const Stretch& s, double&, std::span<double> out) {
-            const double *p = s[kPressureA], *z = s[kPosition];
-            IntegrateOver(s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], exponent); }, out);
-          };
+    const double *p = s[kPressureA], *z = s[kPosition];
+    wide::IntegrateOver(
+        s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], exponent); }, out);
+  };
 }
 
 }  // namespace
 
-/// Free air in the oil column: volume (V0 + A z) a compressed with p, so the bulk modulus falls at low pressure
-/// (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
+/// Free air in the oil column: volume (V0 + A z) a compressed with p, so the bulk modulus falls at low
+/// pressure (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
 Effect EntrainedAir(const CushionGeometry& geometry) {
   Effect e;
   e.id = "entrained_air";
@@ -46,7 +48,8 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.confused_with = {"accumulator"};
   e.hidden_in = "K, V0";
   e.plain =
-      "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, a leaking "
+      "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, "
+      "a leaking "
       "suction line, a column not bled after repair.";
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
     const double exponent = nonlinear[0];

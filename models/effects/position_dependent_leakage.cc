@@ -1,6 +1,5 @@
-#include <cmath>
-
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -20,23 +19,26 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.confused_with = {"internal_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
-      "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the position named, "
+      "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the "
+      "position named, "
       "side load, dirt.";
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant([centre = nonlinear[0], width = nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
-      const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
-      IntegrateOverTime(
-          s,
-          [=](int k) {
-            const double x = (z[k] - centre) / width;
-            return (b[k] - a[k]) * std::exp(-x * x);
-          },
-          out);
-    });
+    return PlainVariant(
+        [centre = nonlinear[0], width = nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
+          const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
+          wide::IntegrateOverTime(
+              s,
+              [=](int k) {
+                const double x = (z[k] - centre) / width;
+                return (b[k] - a[k]) * Exp(-x * x);
+              },
+              out);
+        });
   };
   e.grid.clear();
-  for (double share : {0.15, 0.35, 0.55, 0.75, 0.95}) e.grid.push_back({share * geometry.stroke, 0.1 * geometry.stroke});
+  for (double share : {0.15, 0.35, 0.55, 0.75, 0.95})
+    e.grid.push_back({share * geometry.stroke, 0.1 * geometry.stroke});
   return e;
 }
 
