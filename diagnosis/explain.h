@@ -20,63 +20,83 @@ const char* VerdictName(Verdict verdict);
 
 /// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
 struct ExplainOptions {
-  double min_gain = 30.0;        ///< held-out error energy an effect must remove, in units of the noise variance
-  double min_t = 4.0;            ///< size over its stroke-clustered standard error
-  double floor_excess = 0.15;    ///< model error energy over noise energy that still counts as at the floor
-  double left_share = 0.005;     ///< ... plus this share of the base model's excess
-  double max_remainder = 40.0;   ///< gain another effect may still make on an explanation that claims to be complete
-  double second_t = 6.0;         ///< as min_t, for each effect of a pair: a wrong first one leaves scraps for a second
-  double nonlinear_cost = 12.0;  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
-  double rival_gain = 12.0;      ///< rivals within this of the best, in noise variances, stay in the set
-  double rival_t = 2.5;          ///< ... and those whose stroke-wise loss is not worse by this many standard errors
-  int max_effects = 2;           ///< effects hidden at once that are looked for
-  std::vector<std::string> start;    ///< ids of effects that are part of the model already; each in its best shape
+  double min_gain = 30.0;  ///< held-out error energy an effect must remove, in units of the noise variance
+  double min_t = 4.0;      ///< size over its stroke-clustered standard error
+  double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
+  double left_share = 0.005;   ///< ... plus this share of the base model's excess
+  double max_remainder =
+      40.0;  ///< gain another law may still make on an explanation that claims to be complete
+  double doubt_remainder = 20.0;   ///< ... and above which the explanation is flagged as partial
+  double remainder_share = 0.003;  ///< of the gain so far, allowed on top of both
+  double interplay =
+      4.0;  ///< two effects act on one another, which their sum leaves out: so much more may be left
+  double second_t =
+      6.0;  ///< as min_t, for each effect of a pair: a wrong first one leaves scraps for a second
+  double nonlinear_cost =
+      12.0;                  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
+  double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
+  double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
+  int max_effects = 2;   ///< effects hidden at once that are looked for
+  std::vector<std::string>
+      start;  ///< ids of effects that are part of the model already; each in its best shape
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
 };
 
 /// One effect tried on top of a model.
 struct RankedEffect {
-  int effect = 0;                ///< index into ModelStructure::effects
+  int effect = 0;  ///< index into ModelStructure::effects
   std::string id;
-  std::vector<double> nonlinear; ///< values of the effect's nonlinear parameters, SI
+  std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
   bool testable = false;
-  std::string why_not;           ///< why it cannot be tested with these data
+  std::string why_not;  ///< why it cannot be tested with these data
   bool significant = false;
-  double gain = 0;               ///< held-out error energy removed, in noise variances
-  double p_value = 1;            ///< of the size against 0, clustered by stroke
+  bool lawful = true;  ///< false: refined, its one parameter contradicts itself (Effect::implied)
+  double gain = 0;     ///< held-out error energy removed, in noise variances
+  double p_value = 1;  ///< of the size against 0, clustered by stroke
   ExtendedFit fit;
 };
 
 struct ExplainStep {
-  std::string added;             ///< "" for the model as it is
-  double rms_holdout = 0;        ///< m^3/s
+  std::string added;       ///< "" for the model as it is
+  double rms_holdout = 0;  ///< m^3/s
   double excess_ratio = 0;
 };
 
 struct Explanation {
-  std::shared_ptr<const ModelStructure> model;   ///< has the shapes that every EffectChoice below names
+  std::shared_ptr<const ModelStructure> model;  ///< has the shapes that every EffectChoice below names
   Verdict verdict = Verdict::kUnknown;
   std::vector<std::string> set;                  ///< best first, [] if adequate or unknown
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it, best first
-  bool partial = false;                          ///< unknown, but the first of `ranking` explains part of it
-  ExtendedFit base;                              ///< the model as it is: base balance and ExplainOptions::start
-  ExtendedFit final;                             ///< with the effects found
-  int started = 0;                               ///< effects of `base`, the first of `chosen`
-  std::vector<EffectChoice> chosen;              ///< effects of `final`, those of `base` first
-  std::vector<RankedEffect> ranking;             ///< on the model as it is, best first
-  std::vector<RankedEffect> second;              ///< on the model and the first effect, best first
+  /// With `unknown`: an effect explains part of the error. With a set: the data do not prove that it is one
+  /// of the set, `doubt` says why.
+  bool partial = false;
+  std::string doubt;
+  double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances
+  std::string remainder_law;
+  double margin = 0;  ///< by which the best named effect beats the best generic law that is not much the same
+  std::string margin_law;             ///< "" if none was tried
+  ExtendedFit base;                   ///< the model as it is: base balance and ExplainOptions::start
+  ExtendedFit final;                  ///< with the effects found
+  int started = 0;                    ///< effects of `base`, the first of `chosen`
+  std::vector<EffectChoice> chosen;   ///< effects of `final`, those of `base` first
+  std::vector<RankedEffect> ranking;  ///< on the model as it is, best first
+  std::vector<RankedEffect> second;   ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
+  double noise_variance = 0;  ///< of one equation, integrated output unit squared
 };
 
-/// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is false, and the
-/// rest empty, if the strokes cannot separate the parameters of the model as it is; ids of `start` must be in the library.
-/// Chain: score on held-out strokes, significance by stroke, rivals (model confidence set after Hansen, Lunde, Nason
-/// 2011, by paired stroke-wise losses), adequacy gate against the noise floor.
+/// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is
+/// false, and the rest empty, if the strokes cannot separate the parameters of the model as it is; ids of
+/// `start` must be in the library. Chain: score on held-out strokes, significance by stroke, rivals (model
+/// confidence set after Hansen, Lunde, Nason 2011, by paired stroke-wise losses), adequacy gate against the
+/// noise floor, remainder for any further law, and whether a law without a name would do as well.
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});
 
-/// The same with the samples at hand: thresholds, widths and exponents of the effects that come close are refined on
-/// the samples before the verdict.
-Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
-                           const WindowSamples& window, const ExplainOptions& options = {});
+/// The same with the samples at hand: thresholds, widths and exponents of the effects that come close are
+/// refined on the samples before the verdict, and generic laws (diagnosis/generic_laws.h) stand against the
+/// named effects.
+Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
+                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                           const ExplainOptions& options = {});
 
 }  // namespace hydroscope

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hydroscope {
 namespace {
@@ -9,6 +10,8 @@ namespace {
 using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
+constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be judged on strokes left out
+constexpr double kConsistent = 0.1;       ///< relative difference of two values of a law's one parameter
 
 /// W' G W with the columns of W sparse; the last column is the output.
 Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {
@@ -26,7 +29,8 @@ Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& col
 
 double Energy(const Eigen::MatrixXd& augmented, const Eigen::VectorXd& theta) {
   const int n = static_cast<int>(theta.size());
-  return theta.dot(augmented.topLeftCorner(n, n) * theta) - 2 * theta.dot(augmented.col(n).head(n)) + augmented(n, n);
+  return theta.dot(augmented.topLeftCorner(n, n) * theta) - 2 * theta.dot(augmented.col(n).head(n)) +
+         augmented(n, n);
 }
 
 NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
@@ -47,6 +51,7 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
 struct StrokeSet::Reduced {
   Eigen::MatrixXd clean, noise, flow;
   double count = 0, windows = 0;
+  std::size_t stroke = 0;
 };
 
 StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
@@ -59,6 +64,15 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
     count_.push_back(static_cast<double>(gram.blocks - gram.spans));
     windows_.push_back(static_cast<double>(gram.windows));
     equations_ += count_.back();
+    bad_.emplace_back(model_->column_count(), false);
+    for (int c = 0; c < model_->column_count(); ++c) {
+      if (std::isfinite(clean_.back()(c, c))) continue;
+      bad_.back()[c] = true;
+      for (Eigen::MatrixXd* matrix : {&clean_.back(), &noise_.back(), &flow_.back()}) {
+        matrix->row(c).setZero();
+        matrix->col(c).setZero();
+      }
+    }
   }
 }
 
@@ -75,10 +89,24 @@ Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::Ve
   return direction;
 }
 
+std::vector<std::size_t> StrokeSet::Usable(std::span<const EffectChoice> choices) const {
+  std::vector<std::size_t> strokes;
+  for (std::size_t s = 0; s < clean_.size(); ++s) {
+    bool good = true;
+    for (const EffectChoice& choice : choices)
+      for (int column : model_->effect_shapes[choice.effect][choice.shape].columns)
+        good = good && !bad_[s][column];
+    if (good) strokes.push_back(s);
+  }
+  return strokes;
+}
+
 bool StrokeSet::Measured(const EffectChoice& choice) const {
+  const std::vector<std::size_t> usable = Usable({&choice, 1});
+  if (usable.size() < std::min(kLeastStrokes, clean_.size())) return false;
   for (int column : model_->effect_shapes[choice.effect][choice.shape].columns)
-    for (const Eigen::MatrixXd& gram : clean_)
-      if (gram(column, column) != 0.0) return true;
+    for (std::size_t s : usable)
+      if (clean_[s](column, column) != 0.0) return true;
   return false;
 }
 
@@ -97,7 +125,8 @@ EffectChoice StrokeSet::BestShape(int effect, std::span<const EffectChoice> othe
   return best;
 }
 
-SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices, const Eigen::VectorXd& theta) const {
+SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices,
+                                   const Eigen::VectorXd& theta) const {
   SparseColumns columns;
   for (int c = 0; c < model_->base_count; ++c) columns.push_back({{c, 1.0}});
   for (std::size_t k = 0; k < choices.size(); ++k) {
@@ -112,17 +141,20 @@ SparseColumns StrokeSet::Composite(std::span<const EffectChoice> choices, const 
   return columns;
 }
 
-std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns) const {
+std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns,
+                                                  std::span<const std::size_t> strokes) const {
   std::vector<Reduced> out;
-  for (std::size_t s = 0; s < clean_.size(); ++s)
-    out.push_back({Congruence(clean_[s], columns), Congruence(noise_[s], columns), Congruence(flow_[s], columns),
-                   count_[s], windows_[s]});
+  for (std::size_t s : strokes)
+    out.push_back({Congruence(clean_[s], columns), Congruence(noise_[s], columns),
+                   Congruence(flow_[s], columns), count_[s], windows_[s], s});
   return out;
 }
 
 ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   ExtendedFit fit;
-  std::vector<Reduced> reduced = Reduce(Composite({}, Eigen::VectorXd::Zero(model_->base_count)));
+  const std::vector<std::size_t> usable = Usable(choices);
+  if (usable.empty()) return fit;
+  std::vector<Reduced> reduced = Reduce(Composite({}, Eigen::VectorXd::Zero(model_->base_count)), usable);
   const auto solve = [&](const std::vector<Reduced>& strokes) {
     NormalEquations total;
     for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
@@ -131,7 +163,7 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   fit.theta = solve(reduced);
   if (fit.theta.size() == 0) return fit;
   for (int pass = 0; !choices.empty() && pass < kRelinearisations; ++pass) {
-    reduced = Reduce(Composite(choices, fit.theta));
+    reduced = Reduce(Composite(choices, fit.theta), usable);
     const Eigen::VectorXd theta = solve(reduced);
     if (theta.size() == 0 || !theta.allFinite()) return fit;
     const bool settled = theta.size() == fit.theta.size() &&
@@ -144,14 +176,16 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   return fit;
 }
 
-void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit) const {
+void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
+                      ExtendedFit& fit) const {
   const int n = static_cast<int>(fit.theta.size());
   NormalEquations total;
   for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
   Eigen::MatrixXd replicas(n, strokes.size());
-  fit.excess.resize(strokes.size());
+  fit.excess.setConstant(static_cast<Eigen::Index>(clean_.size()), std::numeric_limits<double>::quiet_NaN());
+  double excess = 0;
   double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     NormalEquations rest = total;
@@ -159,16 +193,19 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     Eigen::VectorXd theta = SolveNormalEquations(rest);
     if (theta.size() == 0) theta = fit.theta;
     replicas.col(s) = theta;
-    fit.excess[s] = Energy(strokes[s].clean, theta);
+    const double error = Energy(strokes[s].clean, theta);
+    fit.excess[static_cast<Eigen::Index>(strokes[s].stroke)] = error;
+    excess += error;
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
     flow_error += Energy(strokes[s].flow, theta);
     windows += strokes[s].windows;
   }
-  fit.excess_ratio = fit.excess.sum() / noise;
+  fit.excess_ratio = excess / noise;
+  fit.noise_variance = noise / total.equations;
   fit.fit_excess_ratio = fit_excess / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
-  fit.noise_floor = std::sqrt(std::max(0.0, noise / equations_ * window_.FlowVarianceGain()));
+  fit.noise_floor = std::sqrt(std::max(0.0, fit.noise_variance * window_.FlowVarianceGain()));
 
   const double count = static_cast<double>(strokes.size());
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
@@ -184,8 +221,14 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     estimate.choice = choices[k];
     estimate.size = fit.theta[i];
     estimate.std = std::sqrt(fit.covariance(i, i)) * student;
-    estimate.model_std = std::sqrt(std::max(0.0, inverse(i, i)) * noise / equations_);
+    estimate.model_std = std::sqrt(std::max(0.0, inverse(i, i)) * fit.noise_variance);
     estimate.independent = std::clamp(1.0 / (inverse(i, i) * total.h(i, i)), 0.0, 1.0);
+    const EffectShape& shape = model_->effect_shapes[choices[k].effect][choices[k].shape];
+    if (effect.implied) {
+      const double implied = effect.implied({fit.theta.head(model_->base_count), estimate.size});
+      estimate.consistent = std::abs(implied - shape.nonlinear[0]) <=
+                            kConsistent * std::max(std::abs(implied), std::abs(shape.nonlinear[0]));
+    }
     estimate.admissible = estimate.size >= effect.min && estimate.size <= effect.max;
     fit.effects.push_back(estimate);
   }

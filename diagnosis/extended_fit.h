@@ -22,24 +22,28 @@ struct EffectChoice {
 /// One added effect as fitted.
 struct EffectEstimate {
   EffectChoice choice;
-  double size = 0;       ///< linear parameter, SI
-  double std = 0;        ///< clustered by stroke; +-1.96 std is the 95 % interval
-  double model_std = 0;  ///< what the sensor noise alone promises
+  double size = 0;         ///< linear parameter, SI
+  double std = 0;          ///< clustered by stroke; +-1.96 std is the 95 % interval
+  double model_std = 0;    ///< what the sensor noise alone promises
   bool admissible = true;  ///< sign and size within Effect::min ... max
+  bool consistent = true;  ///< Effect::implied agrees with the shape's nonlinear parameter
   double independent = 0;  ///< share of its regressor the base model cannot mimic, 0...1 (1 - R^2)
 };
 
 /// A model = base + effects, fitted to a set of strokes and judged on strokes it did not see.
 struct ExtendedFit {
-  bool solved = false;                 ///< false: the strokes cannot separate its parameters
-  Eigen::VectorXd theta;               ///< base regression parameters, then the effects' sizes
-  Eigen::MatrixXd covariance;          ///< of theta, clustered by stroke
+  bool solved = false;         ///< false: the strokes cannot separate its parameters
+  Eigen::VectorXd theta;       ///< base regression parameters, then the effects' sizes
+  Eigen::MatrixXd covariance;  ///< of theta, clustered by stroke
   std::vector<EffectEstimate> effects;
-  Eigen::VectorXd excess;              ///< per stroke, held out: model error energy sum, output unit squared (noise taken out)
-  double excess_ratio = 0;             ///< mean held-out model error energy over noise energy; 0 = perfect model
-  double fit_excess_ratio = 0;         ///< the same on the strokes it was fitted to
-  double rms_holdout = 0;              ///< m^3/s, flow form
-  double noise_floor = 0;              ///< m^3/s, flow form, sensor noise alone
+  /// Per stroke, held out: model error energy sum, output unit squared (noise taken out). NaN where a signal
+  /// that the effects need was bad: such strokes are left out.
+  Eigen::VectorXd excess;
+  double noise_variance = 0;    ///< of one equation, integrated output unit squared
+  double excess_ratio = 0;      ///< mean held-out model error energy over noise energy; 0 = perfect model
+  double fit_excess_ratio = 0;  ///< the same on the strokes it was fitted to
+  double rms_holdout = 0;       ///< m^3/s, flow form
+  double noise_floor = 0;       ///< m^3/s, flow form, sensor noise alone
 };
 
 /// A packed Gram as a full symmetric matrix.
@@ -48,7 +52,8 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed);
 /// Strokes prepared for many fits: Grams with the noise share taken out, and the shares themselves.
 class StrokeSet {
  public:
-  StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes, const WindowSamples& window);
+  StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
+            const WindowSamples& window);
 
   /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.
   ExtendedFit Fit(std::span<const EffectChoice> choices) const;
@@ -57,27 +62,33 @@ class StrokeSet {
   const std::shared_ptr<const ModelStructure>& shared_model() const { return model_; }
   /// Integral-form Gram of all strokes over all columns, noise taken out.
   Eigen::MatrixXd Total() const;
-  /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters, size).
+  /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters,
+  /// size).
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }
-  /// Whether the effect's columns were measured (not all zero) in these strokes.
+  /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;
-  /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape -1 if none
-  /// can be fitted.
+  /// Strokes in which every signal the effects need was good.
+  std::vector<std::size_t> Usable(std::span<const EffectChoice> choices) const;
+  /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape
+  /// -1 if none can be fitted.
   EffectChoice BestShape(int effect, std::span<const EffectChoice> others) const;
 
  private:
   struct Reduced;  ///< normal equations of one stroke over base + composite columns
   std::vector<std::vector<std::pair<int, double>>> Composite(std::span<const EffectChoice> choices,
                                                              const Eigen::VectorXd& theta) const;
-  std::vector<Reduced> Reduce(const std::vector<std::vector<std::pair<int, double>>>& columns) const;
-  void Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices, ExtendedFit& fit) const;
+  std::vector<Reduced> Reduce(const std::vector<std::vector<std::pair<int, double>>>& columns,
+                              std::span<const std::size_t> strokes) const;
+  void Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
+             ExtendedFit& fit) const;
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
   std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
   std::vector<double> count_, windows_;
+  std::vector<std::vector<bool>> bad_;  ///< [stroke][column]: a signal it needs was bad
   double equations_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "estimation/stroke_accumulator.h"
 
@@ -14,6 +15,9 @@ constexpr int kSweeps = 2;       ///< over the coordinates, if there are several
 constexpr int kScan = 6;         ///< points tried across the bracket, since the error may have several minima
 constexpr int kEvaluations = 6;  ///< of Brent's method between the best point's neighbours
 constexpr int kBits = 8;         ///< its relative accuracy, 2^-8
+constexpr int kImpliedSteps = 8;           ///< between a law's size and the shape it implies
+constexpr double kImpliedAccuracy = 0.01;  ///< relative
+constexpr double kLeastShare = 1e-4;       ///< of its limit: smaller values are not told from it
 
 /// Base and output columns alone, no shapes.
 ModelStructure BaseOnly(const ModelStructure& model) {
@@ -52,15 +56,15 @@ double Minimise(Error error, double low, double high, double start) {
     }
   }
   std::uintmax_t evaluations = kEvaluations;
-  const auto minimum = boost::math::tools::brent_find_minima(error, std::max(low, best - step), std::min(high, best + step),
-                                                             kBits, evaluations);
+  const auto minimum = boost::math::tools::brent_find_minima(error, std::max(low, best - step),
+                                                             std::min(high, best + step), kBits, evaluations);
   return minimum.second < best_error ? minimum.first : best;
 }
 
 }  // namespace
 
-std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
-                                const WindowSamples& window) {
+std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
+                                std::span<const StrokeStretches> strokes, const WindowSamples& window) {
   SpanEquationBuilder builder(model, window);
   StrokeAccumulator accumulator(model->column_count());
   std::vector<StrokeGram> grams;
@@ -75,39 +79,131 @@ std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model, std
   return grams;
 }
 
+namespace {
+
+/// Fits the model with one effect's nonlinear parameters at any values.
+class ShapeTrial {
+ public:
+  ShapeTrial(const ModelStructure& model, std::span<const StrokeStretches> strokes,
+             const WindowSamples& window, std::span<const EffectChoice> others, int effect)
+      : fixed_(BaseOnly(model)), strokes_(strokes), window_(window), effect_(effect) {
+    for (const EffectChoice& other : others) {
+      AddShape(fixed_, other.effect, model.effect_shapes[other.effect][other.shape].nonlinear);
+      choices_.push_back({other.effect, static_cast<int>(fixed_.effect_shapes[other.effect].size()) - 1});
+    }
+  }
+
+  ExtendedFit Fit(const std::vector<double>& nonlinear) const {
+    auto trial = std::make_shared<ModelStructure>(fixed_);
+    AddShape(*trial, effect_, nonlinear);
+    std::vector<EffectChoice> all = choices_;
+    all.push_back({effect_, static_cast<int>(trial->effect_shapes[effect_].size()) - 1});
+    return StrokeSet(trial, GramsOf(trial, strokes_, window_), window_).Fit(all);
+  }
+  double Error(const std::vector<double>& nonlinear) const {
+    const ExtendedFit fit = Fit(nonlinear);
+    return fit.solved ? fit.excess_ratio : std::numeric_limits<double>::max();
+  }
+
+ private:
+  ModelStructure fixed_;
+  std::span<const StrokeStretches> strokes_;
+  WindowSamples window_;
+  int effect_;
+  std::vector<EffectChoice> choices_;
+};
+
+/// Within the admissible range, and not so small that it cannot be told from none.
+double WithinLimits(const NonlinearParameter& limits, double x) {
+  x = std::clamp(x, limits.min, limits.max);
+  return std::abs(x) < kLeastShare * limits.max ? std::copysign(kLeastShare * limits.max, x) : x;
+}
+
+/// The value of nonlinear[0] that the fit with it implies: value -> implied(value) until it stays, with the
+/// secant of the last two steps. Where the data do not pin it down it ends somewhere else than it implies
+/// (not consistent).
+double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const Effect& effect,
+                    double value) {
+  const NonlinearParameter& limits = effect.nonlinear[0];
+  const auto implied = [&](double x) -> std::optional<double> {
+    const ExtendedFit fit = trial.Fit({x});
+    if (!fit.solved) return std::nullopt;
+    return effect.implied({fit.theta.head(model.base_count), fit.effects.back().size});
+  };
+  double x = WithinLimits(limits, value), x_before = 0, miss_before = 0;
+  for (int step = 0; step < kImpliedSteps; ++step) {
+    const std::optional<double> y = implied(x);
+    if (!y) return x;
+    const double miss = *y - x;
+    if (std::abs(miss) <= kImpliedAccuracy * std::abs(x)) return x;
+    double next = *y;
+    if (step > 0 && miss != miss_before) {
+      const double secant = x - miss * (x - x_before) / (miss - miss_before);
+      // The secant may run off where the error is flat; then the plain step is safer.
+      if (std::isfinite(secant) && std::abs(secant - x) < 3 * std::abs(miss) + 0.5 * std::abs(x))
+        next = secant;
+    }
+    x_before = x;
+    miss_before = miss;
+    x = WithinLimits(limits, next);
+    if (x == x_before) return x;
+  }
+  return x;
+}
+
+}  // namespace
+
 std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                                     const WindowSamples& window, std::span<const EffectChoice> others,
                                     const EffectChoice& start) {
   const Effect& effect = *model.effects[start.effect];
   std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
   if (effect.nonlinear.empty()) return best;
-
-  ModelStructure fixed = BaseOnly(model);
-  std::vector<EffectChoice> choices;
-  for (const EffectChoice& other : others) {
-    AddShape(fixed, other.effect, model.effect_shapes[other.effect][other.shape].nonlinear);
-    choices.push_back({other.effect, static_cast<int>(fixed.effect_shapes[other.effect].size()) - 1});
-  }
-  const auto error = [&](const std::vector<double>& nonlinear) {
-    auto trial = std::make_shared<ModelStructure>(fixed);
-    AddShape(*trial, start.effect, nonlinear);
-    std::vector<EffectChoice> all = choices;
-    all.push_back({start.effect, static_cast<int>(trial->effect_shapes[start.effect].size()) - 1});
-    const ExtendedFit fit = StrokeSet(trial, GramsOf(trial, strokes, window), window).Fit(all);
-    return fit.solved ? fit.excess_ratio : std::numeric_limits<double>::max();
-  };
+  const ShapeTrial trial(model, strokes, window, others, start.effect);
+  if (effect.implied) return {SolveImplied(trial, model, effect, best[0])};
   const int sweeps = effect.nonlinear.size() > 1 ? kSweeps : 1;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::size_t i = 0; i < effect.nonlinear.size(); ++i) {
       const auto [low, high] = Bracket(effect, i, best[i]);
       const auto along = [&](double x) {
-        std::vector<double> trial = best;
-        trial[i] = x;
-        return error(trial);
+        std::vector<double> at = best;
+        at[i] = x;
+        return trial.Error(at);
       };
       best[i] = Minimise(along, low, high, best[i]);
     }
   return best;
+}
+
+std::vector<std::vector<double>> RefineTogether(const ModelStructure& model,
+                                                std::span<const StrokeStretches> strokes,
+                                                const WindowSamples& window,
+                                                std::span<const EffectChoice> choices) {
+  std::vector<std::vector<double>> values;
+  for (const EffectChoice& c : choices) values.push_back(model.effect_shapes[c.effect][c.shape].nonlinear);
+  const ModelStructure base = BaseOnly(model);
+  for (int step = 0; step < kImpliedSteps; ++step) {
+    auto trial = std::make_shared<ModelStructure>(base);
+    std::vector<EffectChoice> all;
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+      AddShape(*trial, choices[k].effect, values[k]);
+      all.push_back(
+          {choices[k].effect, static_cast<int>(trial->effect_shapes[choices[k].effect].size()) - 1});
+    }
+    const ExtendedFit fit = StrokeSet(trial, GramsOf(trial, strokes, window), window).Fit(all);
+    if (!fit.solved) return values;
+    bool settled = true;
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+      const Effect& effect = *model.effects[choices[k].effect];
+      if (!effect.implied) continue;
+      const double implied = WithinLimits(
+          effect.nonlinear[0], effect.implied({fit.theta.head(model.base_count), fit.effects[k].size}));
+      settled = settled && std::abs(implied - values[k][0]) <= kImpliedAccuracy * std::abs(values[k][0]);
+      values[k][0] = implied;
+    }
+    if (settled) return values;
+  }
+  return values;
 }
 
 }  // namespace hydroscope

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
+
 namespace hydroscope {
 namespace {
 
@@ -17,6 +19,14 @@ const std::vector<ResidualSignal>& KnownSignals() {
 
 std::vector<ResidualSignal> SignalsOf(const ModelStructure& model) {
   std::vector<ResidualSignal> out;
+  for (const ModelStructure::ShownChannel& shown : model.shown) {
+    const DisplayUnit unit = DisplayUnitFor(shown.unit);
+    out.push_back({model.channel_names[shown.channel], shown.channel, unit.factor, unit.offset, std::string(unit.name)});
+  }
+  if (!out.empty()) {
+    out.push_back(KnownSignals().back());
+    return out;
+  }
   for (ResidualSignal signal : KnownSignals()) {
     if (signal.channel >= 0) {
       const auto& names = model.channel_names;
@@ -24,7 +34,7 @@ std::vector<ResidualSignal> SignalsOf(const ModelStructure& model) {
       if (at == names.end()) continue;
       signal.channel = static_cast<int>(at - names.begin());
       const bool measured = signal.channel < static_cast<int>(model.channel_source.size());
-      if (measured && model.channel_source[signal.channel] < 0) continue;
+      if (measured && model.channel_source[signal.channel] == -1) continue;
     }
     out.push_back(signal);
   }
@@ -43,8 +53,8 @@ SpanNoise NoiseOf(const SpanEquations& span, const Eigen::VectorXd& residual_wei
   SpanNoise out;
   // The columns carry the energies that centring leaves: B - 1 variances of white noise, and (B^2 - 1) / 6 of
   // a walk.
-  out.white = noise.head(blocks).squaredNorm() / (blocks - 1.0);
-  out.walk = noise.tail(blocks).squaredNorm() * 6.0 / (blocks * blocks - 1.0);
+  out.white = noise.head(blocks).squaredNorm() / span.equations;
+  out.walk = blocks > 1 ? noise.tail(blocks).squaredNorm() * 6.0 / (blocks * blocks - 1.0) : 0.0;
   return out;
 }
 
@@ -113,24 +123,28 @@ StrokeResiduals ResidualBuilder::Build(const StrokeStretches& stroke) {
     white += here.white * span.blocks;
     walk += here.walk * span.blocks;
     equations += span.blocks;
-    contrasts.emplace_back(span.integral.leftCols(span.blocks - 1).transpose() * residual_weights_);
+    contrasts.emplace_back(span.integral.leftCols(span.equations).transpose() * residual_weights_);
     blocks.push_back(span.blocks);
     done_ += work.samples;
   }
   if (equations > 0) {
     const SpanNoise mean{white / equations, walk / equations};
     for (std::size_t k = 0; k < contrasts.size(); ++k) {
+      if (window_.level_form) {
+        if (mean.white > 0) out_.whitened.emplace_back(contrasts[k] / std::sqrt(mean.white));
+        continue;
+      }
       const Eigen::LLT<Eigen::MatrixXd> llt(ContrastCovariance(blocks[k], mean));
       if (llt.info() == Eigen::Success) out_.whitened.emplace_back(llt.matrixL().solve(contrasts[k]));
     }
   }
-  // A flow is the difference of two means of h block levels, h blocks apart, over h T_block.
   const double h = window_.half_window, block_time = window_.block * window_.period;
   std::size_t next = 0;
   for (const auto& [end, span_noise] : noise) {
     // A walk enters that difference by a triangle over 2 h blocks, whose energy is 2 h / 3.
     const double walked = span_noise.walk * 2 * h / 3;
-    const double variance = (2.0 / h * span_noise.white + walked) / (h * h * block_time * block_time);
+    const double variance =
+        span_noise.white * window_.FlowVarianceGain() + walked / (h * h * block_time * block_time);
     for (; next < end; ++next) out_.noise_variance.push_back(variance);
   }
   out_.signal.resize(static_cast<int>(signals_.size()), out_.windows());
@@ -204,12 +218,34 @@ Eigen::VectorXd ColumnWeights(const ModelStructure& model, const ExtendedFit& fi
   return weights;
 }
 
+namespace {
+
+/// The model with nothing in the columns that do not count, so that they cost nothing and a bad signal in them does no
+/// harm.
+std::shared_ptr<const ModelStructure> Weighted(const ModelStructure& model, const Eigen::VectorXd& weights) {
+  auto out = std::make_shared<ModelStructure>(model);
+  for (int c = model.output_column() + 1; c < model.column_count(); ++c)
+    if (weights[c] == 0.0)
+      out->columns[c].fill = [](const Stretch&, double&, std::span<double> values) { std::fill(values.begin(), values.end(), 0.0); };
+  return out;
+}
+
+bool IsFinite(const StrokeResiduals& stroke) {
+  return std::all_of(stroke.modelled.begin(), stroke.modelled.end(), [](double q) { return std::isfinite(q); });
+}
+
+}  // namespace
+
 Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                       const WindowSamples& window, const Eigen::VectorXd& weights) {
   Residuals out;
   out.signals = SignalsOf(*model);
-  ResidualBuilder builder(model, window, weights, out.signals);
-  for (const StrokeStretches& stroke : strokes) out.strokes.push_back(builder.Build(stroke));
+  ResidualBuilder builder(Weighted(*model, weights), window, weights, out.signals);
+  for (const StrokeStretches& stroke : strokes) {
+    StrokeResiduals residuals = builder.Build(stroke);
+    if (!IsFinite(residuals)) residuals = StrokeResiduals{{}, {}, {}, Eigen::MatrixXd(out.signals.size(), 0), {}};
+    out.strokes.push_back(std::move(residuals));
+  }
   std::vector<int> moving;
   for (int s = 0; s < static_cast<int>(out.signals.size()); ++s)
     if (Moves(out.strokes, s)) moving.push_back(s);

@@ -37,6 +37,9 @@ struct Effect {
   double min = 0, max = 0;   ///< admissible range of the linear parameter, SI
   double typical = 0;        ///< a size that is worth knowing about
   std::vector<NonlinearParameter> nonlinear;
+  /// A law with one parameter that enters in both ways: the value of nonlinear[0] that base parameters and size imply.
+  /// Empty: the nonlinear parameters are free.
+  std::function<double(const ShapeContext&)> implied;
   std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
   std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
   std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for

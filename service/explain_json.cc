@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "service/effect_units.h"
 #include "service/explain_output.h"
 #include "service/fit_output.h"
 #include "service/located_output.h"
@@ -9,7 +10,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kLitresPerMinute = 6e4;
+double Factor(const ExplainResult& result) { return OutputUnit(result.explanation.model.get()).factor; }
 
 nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& estimate,
                                 const std::vector<double>& nonlinear) {
@@ -32,7 +33,7 @@ nlohmann::json RankedJson(const ExplainResult& result, const RankedEffect& ranke
       {"gain", ranked.gain},
       {"significant", ranked.significant}};
   if (!ranked.fit.solved) return out;
-  out["rms_holdout"] = ranked.fit.rms_holdout * kLitresPerMinute;
+  out["rms_holdout"] = ranked.fit.rms_holdout * Factor(result);
   out["parameters"] =
       EffectParameters(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear);
   return out;
@@ -53,11 +54,11 @@ nlohmann::json RankingJson(const ExplainResult& result) {
   return out;
 }
 
-nlohmann::json StepsJson(const std::vector<ExplainStep>& steps) {
+nlohmann::json StepsJson(const ExplainResult& result) {
   nlohmann::json out = nlohmann::json::array();
-  for (const ExplainStep& step : steps)
+  for (const ExplainStep& step : result.explanation.steps)
     out.push_back({{"added", step.added.empty() ? nlohmann::json() : nlohmann::json(step.added)},
-                   {"rms_holdout", step.rms_holdout * kLitresPerMinute},
+                   {"rms_holdout", step.rms_holdout * Factor(result)},
                    {"excess_ratio", step.excess_ratio}});
   return out;
 }
@@ -73,11 +74,27 @@ nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) 
 
 nlohmann::json FinalJson(const ExplainResult& result) {
   const ExtendedFit& fit = result.explanation.final;
-  return {{"rms_holdout", fit.rms_holdout * kLitresPerMinute},
+  return {{"rms_holdout", fit.rms_holdout * Factor(result)},
           {"excess_ratio", fit.excess_ratio},
           {"parameters",
            ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
           {"effects", EffectsJson(result, fit)}};
+}
+
+nlohmann::json RemainderJson(const ExplainResult& result) {
+  const std::optional<RemainderShape>& shape = result.remainder;
+  if (!shape) return nullptr;
+  nlohmann::json points = nlohmann::json::array();
+  for (const ShapePoint& point : shape->points)
+    points.push_back({{"x", point.x}, {"value", point.value * Factor(result)}, {"std", point.std * Factor(result)}});
+  return {{"signal", shape->signal}, {"unit", shape->unit}, {"explained", shape->explained}, {"points", points}};
+}
+
+nlohmann::json PlanJson(const Experiment& experiment) {
+  if (experiment.pressures.empty()) return nullptr;
+  return {{"strokes", experiment.strokes},   {"speeds", experiment.speeds},         {"speed_unit", "m/s"},
+          {"pressures", experiment.pressures}, {"pressure_unit", "Pa"},             {"warm_up", experiment.warm_up},
+          {"seconds", experiment.seconds},   {"separation", experiment.separation}};
 }
 
 }  // namespace
@@ -89,20 +106,23 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"set", x.set},
           {"groups", x.groups},
           {"partial", x.partial},
-          {"noise_floor", x.final.noise_floor * kLitresPerMinute},
+          {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt)},
+          {"noise_floor", x.final.noise_floor * Factor(result)},
           {"strokes", result.strokes},
           {"strokes_in_log", result.log.strokes.size()},
-          {"unit", "l/min"},
+          {"unit", OutputUnit(x.model.get()).name},
           {"base",
-           {{"rms_holdout", result.base.rms_holdout * kLitresPerMinute},
+           {{"rms_holdout", result.base.rms_holdout * Factor(result)},
             {"excess_ratio", x.base.excess_ratio},
             {"parameters", ParametersJson(result.base.parameters)},
             {"effects", EffectsJson(result, x.base)}}},
           {"ranking", RankingJson(result)},
-          {"steps", StepsJson(x.steps)},
+          {"steps", StepsJson(result)},
           {"final", FinalJson(result)},
-          {"located", LocatedJson(result.location.located)},
-          {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()}};
+          {"located", LocatedJson(result.location.located, Factor(result))},
+          {"remainder", RemainderJson(result)},
+          {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()},
+          {"experiment_plan", PlanJson(result.experiment)}};
 }
 
 }  // namespace hydroscope

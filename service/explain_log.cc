@@ -9,10 +9,9 @@
 #include "service/machine_model.h"
 
 namespace hydroscope {
-namespace {
-
-std::vector<UnmeasuredEffect> Unmeasured(const Machine& machine, const ModelStructure& model) {
+std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
   std::vector<UnmeasuredEffect> out;
+  if (model.name != "die_cushion") return out;
   CushionGeometry geometry;
   if (const auto area = machine.Geometry("A_A")) geometry.piston_area = area->value;
   for (auto& effect : DieCushionEffects(geometry)) {
@@ -24,6 +23,8 @@ std::vector<UnmeasuredEffect> Unmeasured(const Machine& machine, const ModelStru
   return out;
 }
 
+namespace {
+
 /// The model as it is in place of the base balance alone.
 void TakeBase(ExplainResult& result) {
   const ExtendedFit& fit = result.explanation.base;
@@ -32,6 +33,19 @@ void TakeBase(ExplainResult& result) {
   result.base.parameters = BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes));
   result.base.rms_holdout = fit.rms_holdout;
   result.base.noise_floor = fit.noise_floor;
+}
+
+/// A balance of the user's own rarely describes a machine down to the sensor noise, and its library holds what its user
+/// thought of. So an explanation that takes four fifths of the model error away names its effects; what is left is said.
+constexpr double kOwnBalanceLeft = 0.2;
+
+void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
+  const bool at_floor =
+      x.final.excess_ratio <= options.floor_excess + options.left_share * std::max(0.0, x.base.excess_ratio);
+  if (x.set.empty() || at_floor || x.partial) return;
+  x.partial = true;
+  x.doubt = fmt::format("of the model error's energy {:.1f} % is left, more than sensor noise",
+                        100 * x.final.excess_ratio / x.base.excess_ratio);
 }
 
 }  // namespace
@@ -75,6 +89,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   out.base = std::move(*base);
   ExplainOptions as_is = options;
   as_is.start = out.log.machine.added_effects;
+  if (model->name == "expressions") as_is.left_share = std::max(as_is.left_share, kOwnBalanceLeft);
   if (!as_is.start.empty()) {
     auto extended = FitMachineModel(out.log);
     if (!extended) return tl::unexpected(extended.error());
@@ -86,21 +101,36 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
   if (!as_is.start.empty()) TakeBase(out);
-  out.unmeasured = Unmeasured(out.log.machine, *model);
-  out.location = Locate(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
-                                    ColumnWeights(*out.explanation.model, out.explanation.base)));
+  if (model->name == "expressions") DoubtWhatIsLeft(options, out.explanation);
+  out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
+  Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
+                                    ColumnWeights(*out.explanation.model, out.explanation.base));
+  out.location = Locate(residuals);
+  out.signals = std::move(residuals.signals);
+  if (out.explanation.verdict == Verdict::kUnknown)
+    out.remainder =
+        ShapeOfRemainder(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
+                                     ColumnWeights(*out.explanation.model, out.explanation.final)));
+  if (out.explanation.verdict == Verdict::kAmbiguous)
+    out.experiment = ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.window);
   return out;
 }
 
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options) {
+  return ExplainLogs({log}, machine_file, options);
+}
+
+Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const ExplainOptions& options) {
   const auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
+  auto strokes = ReadStrokes(logs, *machine, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
   auto out = ExplainStrokes(std::move(*strokes), options);
-  if (!out) return tl::unexpected(Error{out.error().kind, fmt::format("{}: {}", log, out.error().text)});
-  out->machine_file = machine_file;
+  if (!out)
+    return tl::unexpected(Error{out.error().kind, fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text)});
+  out->target = "--machine " + machine_file;
   return out;
 }
 

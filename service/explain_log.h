@@ -1,11 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "diagnosis/experiment.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
+#include "diagnosis/remainder_shape.h"
 #include "service/batch_fit.h"
 
 namespace hydroscope {
@@ -19,15 +22,22 @@ struct UnmeasuredEffect {
 /// "signal p_B is not in the machine file".
 std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured);
 
+/// Effects of the library that cannot be tried for want of a signal.
+std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model);
+
 /// Everything `hydroscope explain` knows of one log.
 struct ExplainResult {
-  std::string machine_file;
+  std::string target;     ///< how the command line names the machine: "--machine press.toml"
+  std::string described;  ///< which strokes these are, a line; "" = all of the log
   LogStrokes log;
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
   GramFit base;             ///< the model as it is, of the same strokes; `theta` holds its effects' sizes too
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
-  ErrorLocation location;  ///< of the error of the model as it is
+  ErrorLocation location;               ///< of the error of the model as it is
+  std::vector<ResidualSignal> signals;  ///< that the maps of `location` name
+  std::optional<RemainderShape> remainder;  ///< verdict unknown: what Explanation::final leaves
+  Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart
 
   const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
   /// Nonlinear parameters of an effect of the explanation, SI.
@@ -45,7 +55,11 @@ inline constexpr std::size_t kMinExplainStrokes = 4;
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options = {});
 
-/// The same for strokes already read with their samples; ExplainResult::machine_file stays empty.
+/// The same for the strokes of several logs of one machine, summed.
+Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const ExplainOptions& options = {});
+
+/// The same for strokes already read with their samples; ExplainResult::target stays empty.
 Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options = {});
 
 /// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.

@@ -4,17 +4,19 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "core/quality.h"
 #include "core/units.h"
 #include "service/effect_units.h"
+#include "service/interval_text.h"
 #include "service/located_output.h"
 #include "service/what_to_record.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kLitresPerMinute = 6e4;
 constexpr double kNormal95 = 1.96;
 
 const Effect* FindEffect(const ExplainResult& result, const std::string& id) {
@@ -31,12 +33,12 @@ std::string Described(const ExplainResult& result, const std::string& id) {
 }
 
 std::string ErrorSentence(const Explanation& x) {
+  const DisplayUnit unit = OutputUnit(x.model.get());
   std::string text = fmt::format(
-      "On strokes it has not seen the model errs by {:.3g} l/min; sensor noise alone would cause {:.3g} "
-      "l/min.",
-      x.base.rms_holdout * kLitresPerMinute, x.base.noise_floor * kLitresPerMinute);
+      "On strokes it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
+      x.base.rms_holdout * unit.factor, unit.name, x.base.noise_floor * unit.factor, unit.name);
   if (x.steps.size() > 1)
-    text += fmt::format(" Extended, it errs by {:.3g} l/min.", x.final.rms_holdout * kLitresPerMinute);
+    text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
   if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * x.base.noise_floor)
     text += " In single flows it drowns in the noise; summed over the strokes it stands out.";
   return text + "\n";
@@ -74,14 +76,40 @@ std::string UnknownText(const ExplainResult& result) {
              fmt::join(tried, " with "));
 }
 
+/// Why a set is not proven, if so.
+std::string DoubtText(const Explanation& x) {
+  if (x.doubt.empty()) return "";
+  return fmt::format(
+      "  PARTIAL: {}. The cause may be a relative of {} that the library does not hold.\n", x.doubt,
+      x.set.size() == 1 ? "this effect" : "these effects");
+}
+
+/// The curve of what is missing, for a person to recognise.
+std::string RemainderText(const std::optional<RemainderShape>& shape, const DisplayUnit& unit) {
+  constexpr int kBarWidth = 12, kEvery = 3;
+  if (!shape) return "";
+  double largest = 0;
+  for (const ShapePoint& p : shape->points) largest = std::max(largest, std::abs(p.value));
+  std::string text = fmt::format("\nShape of what is missing, over {} (follows {:.0f} % of the error), measured less modelled\n",
+                                 shape->signal, 100 * shape->explained);
+  for (std::size_t k = 0; k < shape->points.size(); k += kEvery) {
+    const ShapePoint& p = shape->points[k];
+    const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
+    const std::string left = p.value < 0 ? std::string(bar, '#') : "", right = p.value >= 0 ? std::string(bar, '#') : "";
+    text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, shape->unit, left, right,
+                        p.value * unit.factor, kNormal95 * p.std * unit.factor, unit.name);
+  }
+  return text;
+}
+
 std::string VerdictText(const ExplainResult& result) {
   switch (result.explanation.verdict) {
     case Verdict::kAdequate:
       return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
     case Verdict::kNamed:
-      return NamedText(result);
+      return NamedText(result) + DoubtText(result.explanation);
     case Verdict::kAmbiguous:
-      return AmbiguousText(result);
+      return AmbiguousText(result) + DoubtText(result.explanation);
     case Verdict::kUnknown:
       return UnknownText(result);
   }
@@ -90,25 +118,17 @@ std::string VerdictText(const ExplainResult& result) {
 
 std::string StepsText(const Explanation& x) {
   constexpr int kBarWidth = 36;
+  const DisplayUnit unit = OutputUnit(x.model.get());
   const double scale = kBarWidth / std::max(x.base.rms_holdout, x.base.noise_floor);
   const auto line = [&](const std::string& name, double rms, char mark) {
     const int bar = static_cast<int>(std::lround(rms * scale));
-    return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * kLitresPerMinute,
+    return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * unit.factor,
                        std::string(std::clamp(bar, 0, 60), mark));
   };
-  std::string text = "\nError on strokes left out, l/min\n";
+  std::string text = fmt::format("\nError on strokes left out, {}\n", unit.name);
   for (const ExplainStep& step : x.steps)
     text += line(step.added.empty() ? "model as it is" : "+ " + step.added, step.rms_holdout, '#');
   return text + line("sensor noise alone", x.final.noise_floor, '.');
-}
-
-/// "1.21 ± 0.02" with the same number of decimals.
-std::string WithInterval(double value, double half_width) {
-  if (!std::isfinite(half_width)) return fmt::format("{:.4g} ± ?", value);
-  const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
-  const int decimals =
-      leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
-  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
 }
 
 std::string ParametersText(const ExplainResult& result) {
@@ -144,7 +164,8 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
   std::string text = fmt::format(
       "{} = {} {}", effect.parameter,
       WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), unit.name);
-  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
+  // A law with one parameter has told it already.
+  for (std::size_t i = 0; !effect.implied && i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
     const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
     text += fmt::format(", {} {:.3g} {}", effect.nonlinear[i].name, nonlinear[i] * shown.factor, shown.name);
   }
@@ -165,17 +186,19 @@ std::string AddedText(const ExplainResult& result) {
 }
 
 std::string RankingText(const ExplainResult& result) {
+  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
   std::string text = fmt::format("\nEvery effect tried alone, best first\n  {:<28} {:>7} {:>9}  {}\n", "",
                                  "error", "evidence", "size, ± 95 %");
   for (const RankedEffect& ranked : result.explanation.ranking) {
     if (!ranked.testable || !ranked.fit.solved) continue;
     text += fmt::format("{} {:<28} {:>7.3g} {:>9.0f}  {}\n", ranked.significant ? "*" : " ", ranked.id,
-                        ranked.fit.rms_holdout * kLitresPerMinute, ranked.gain,
+                        ranked.fit.rms_holdout * unit.factor, ranked.gain,
                         SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
   }
-  return text +
-         "  error in l/min; evidence: error energy removed on strokes left out, in noise variances; * stands "
-         "out\n";
+  return text + fmt::format(
+                    "  error in {}; evidence: error energy removed on strokes left out, in noise variances; * stands "
+                    "out\n",
+                    unit.name);
 }
 
 /// Effects that were tried and whose best size is none that physics allows.
@@ -206,8 +229,7 @@ std::string NextText(const ExplainResult& result) {
   if (experiment) text += fmt::format("  {}\n", *experiment);
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
-      text += fmt::format("  Make it part of the model: hydroscope model add {} --machine {}\n", id,
-                          result.machine_file);
+      text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
   if (x.verdict == Verdict::kAdequate && !experiment)
     text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
   if (x.verdict == Verdict::kUnknown)
@@ -217,13 +239,26 @@ std::string NextText(const ExplainResult& result) {
   return text;
 }
 
+/// Rows left out because an expression of the machine file failed on them.
+std::string NotFiniteText(const StrokeCounters& totals) {
+  const std::int64_t rows = totals.flagged[std::countr_zero(quality::kExpression)];
+  if (rows == 0) return "";
+  return fmt::format(
+      "{} rows left out: an expression of the machine file is no finite number there (division by zero, root of a "
+      "negative value); 'hydroscope check' says where.\n",
+      rows);
+}
+
 }  // namespace
 
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
+  const DisplayUnit unit = OutputUnit(x.model.get());
   std::string text = VerdictText(result) + ErrorSentence(x);
-  text += fmt::format("{} strokes, {} of {} rows used.\n", result.strokes, result.log.totals.used,
-                      result.log.totals.samples);
+  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
+                                                 result.log.totals.used, result.log.totals.samples)
+                                   : result.described;
+  text += NotFiniteText(result.log.totals);
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
@@ -231,7 +266,8 @@ std::string ExplainText(const ExplainResult& result) {
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
   return text + StepsText(x) + ParametersText(result) + AddedText(result) + RankingText(result) +
-         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located) + NextText(result);
+         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
+         RemainderText(result.remainder, unit) + NextText(result);
 }
 
 }  // namespace hydroscope

@@ -33,7 +33,7 @@ ExplainResult Explained(const PressOptions& options, const ExplainOptions& expla
   EXPECT_TRUE(strokes.has_value());
   auto result = ExplainStrokes(std::move(*strokes), explain);
   EXPECT_TRUE(result.has_value());
-  result->machine_file = "press.toml";
+  result->target = "--machine press.toml";
   return std::move(*result);
 }
 
@@ -88,6 +88,41 @@ TEST(ExplainOutput, OneRamSpeedForAllStrokesAsksForOthers) {
   const ExplainResult result = Explained(options);
   EXPECT_THAT(WhatToRecord(result).value_or(""), AllOf(HasSubstr("same ram speed"), HasSubstr("mm/s")));
   EXPECT_TRUE(ExplainJson(result)["experiment"].is_string());
+}
+
+TEST(ExplainOutput, WhatIsLeftIsShownAsACurveOverItsSignal) {
+  ExplainOptions options;
+  options.exclude = {"relief_valve"};
+  const ExplainResult result = Explained(Cushion({{"relief_valve", 8e-11, {{"crack", 150e5}}}}), options);
+  ASSERT_EQ(result.explanation.verdict, Verdict::kUnknown);
+  ASSERT_TRUE(result.remainder.has_value());
+  EXPECT_THAT(ExplainText(result), HasSubstr("Shape of what is missing"));
+  const nlohmann::json json = ExplainJson(result)["remainder"];
+  EXPECT_EQ(json["points"].size(), result.remainder->points.size());
+  EXPECT_TRUE(json["points"][0].contains("std"));
+}
+
+TEST(ExplainOutput, AnEffectWhoseSensorIsBrokenCannotBeTested) {
+  PressOptions options = Cushion({{"internal_leakage", 5e-12, {}}});
+  options.faults = {{FaultKind::kNan, "p_B", 0, 60, 0}};
+  const ExplainResult result = Explained(options);
+  EXPECT_THAT(result.explanation.set, Not(Contains("internal_leakage")));
+  bool seen = false;
+  for (const RankedEffect& ranked : result.explanation.ranking) {
+    if (ranked.id != "internal_leakage") continue;
+    seen = true;
+    EXPECT_FALSE(ranked.testable);
+    EXPECT_THAT(ranked.why_not, HasSubstr("no usable samples"));
+  }
+  EXPECT_TRUE(seen);
+}
+
+TEST(ExplainOutput, ABadSensorInSomeStrokesLeavesTheOthers) {
+  PressOptions options = Cushion({{"internal_leakage", 5e-12, {}}});
+  options.faults = {{FaultKind::kNan, "p_B", 0, 20, 0}};
+  const ExplainResult result = Explained(options);
+  EXPECT_EQ(result.explanation.verdict, Verdict::kNamed);
+  EXPECT_THAT(result.explanation.set, testing::ElementsAre("internal_leakage"));
 }
 
 TEST(ExplainOutput, TheErrorOfAReliefValveIsLocatedAtHighPressure) {

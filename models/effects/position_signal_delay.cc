@@ -1,33 +1,58 @@
 #include "models/effects/effects.h"
+#include "models/effects/shifted_signal.h"
 
 namespace hydroscope::effects {
 
-/// The position signal arrives t late: z = z_measured + t dz/dt + t^2/2 d2z/dt2, and the piston volume with it.
-Effect PositionSignalDelay(const CushionGeometry& geometry) {
+/// The position signal arrives t_d late: z(t + t_d) in place of z(t), in the piston volume and in the
+/// compressed volume.
+Effect PositionSignalDelay(const CushionGeometry&) {
   Effect e;
   e.id = "position_signal_delay";
   e.title = "Position signal arrives late";
   e.law = "z(t) = z_measured(t + t_d)";
-  e.source = "second-order expansion of eq. 1 of the press paper";
+  e.source = "eq. 1 of the press paper with the signal shifted";
   e.parameter = "t_d";
   e.unit = "s";
   e.max = 0.05;
   e.typical = 0.002;
+  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
-  e.plain = "The position is recorded later than the other signals; look for: a slow encoder interface, a filter, a bus cycle.";
-  e.variant = [area = geometry.piston_area](const auto&) {
-    const auto first_order = [area](const Stretch& s, double&, std::span<double> out) {
-      const double* v = s[kSpeed];
-      Differences(s, [=](int k) { return -area * v[k]; }, out);
+  e.plain =
+      "The position is recorded later than the other signals; look for: a slow encoder interface, a filter, "
+      "a bus cycle.";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double delay = nonlinear[0];
+    const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      const ShiftedSignal root_before(s, kFlowRoot, -delay), y_before(s, kSpool, -delay);
+      IntegrateOverTime(
+          s, [&](int k) { return (root_before(k) * y_before(k) - root[k] * y[k]) / delay; }, out);
     };
-    const auto second_order = [area](const Stretch& s, double&, std::span<double> out) {
-      const double* a = s[kAcceleration];
-      Differences(s, [=](int k) { return -area * a[k]; }, out);
+    // (p(t - t_d) - p(t)) / t_d is minus the rate half way.
+    const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
+      const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
+      Differences(
+          s, [&](int k) { return -rate(k); }, out);
     };
-    return EffectVariant{{first_order, second_order},
-                         [](const ShapeContext& c) { return std::vector<double>{1.0, 0.5 * c.size}; }};
+    const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
+      const double* z = s[kPosition];
+      const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
+      IntegrateOver(
+          s, [=](int k) { return z[k]; }, [&](int k) { return -rate(k); }, out);
+    };
+    const auto null = [delay](const Stretch& s, double&, std::span<double> out) {
+      const double* root = s[kFlowRoot];
+      const ShiftedSignal before(s, kFlowRoot, -delay);
+      IntegrateOverTime(
+          s, [&](int k) { return (before(k) - root[k]) / delay; }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+                         }};
   };
+  e.grid = {{0.006}};
   return e;
 }
 

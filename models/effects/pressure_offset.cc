@@ -1,43 +1,59 @@
 #include <algorithm>
+#include <cmath>
 
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
 namespace {
 
-double Inverse(double root) { return 1.0 / std::max(root, 300.0); }  // 300 sqrt(Pa) is 0.9 bar
+constexpr double kLeast = 2e5;  // Pa; below it the root of the pressure is taken as linear
+
+/// Change of the flow root with a zero error b, per b: (root(dp - b) - root(dp)) / b to tank, (root(dp + b) -
+/// root(dp)) / b from the supply.
+double RootChange(double root, double y, double b) {
+  const double dp = std::max(root * root, kLeast);
+  return (std::sqrt(std::max(y >= 0 ? dp - b : dp + b, 0.25 * kLeast)) - std::sqrt(dp)) / b;
+}
 
 }  // namespace
 
-/// Zero error b of the pressure sensor: the true pressure is p - b, so root(p) becomes root(p) - b / (2 root(p)).
+/// Zero error b of the pressure sensor: the true pressure is p - b, so the flow through the valve goes with
+/// root(p - b).
 Effect PressureOffset(const CushionGeometry&) {
   Effect e;
   e.id = "pressure_offset";
   e.title = "Zero error of the pressure sensor of chamber A";
   e.law = "p_A = p_measured - b";
-  e.source = "first-order expansion of eq. 2 of the press paper";
+  e.source = "eq. 2 of the press paper with the pressure shifted";
   e.parameter = "b";
   e.unit = "Pa";
   e.min = -100e5;
   e.max = 100e5;
   e.typical = 2e5;
+  e.nonlinear = {{"offset", "Pa", -100e5, 100e5}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"orifice_leakage", "external_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
-      "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in the "
+      "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in "
+      "the "
       "controller. Check it with the cushion relieved.";
-  e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return y[k] * Inverse(root[k]); }, out);
+      IntegrateOverTime(
+          s, [=](int k) { return y[k] * RootChange(root[k], y[k], b); }, out);
     };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double* root = s[kFlowRoot];
-      IntegrateOverTime(s, [=](int k) { return Inverse(root[k]); }, out);
+    const auto null = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(
+          s, [=](int k) { return RootChange(root[k], y[k], b); }, out);
     };
-    return EffectVariant{
-        {flow, null}, [](const ShapeContext& c) { return std::vector<double>{-0.5 * c.theta[0], -0.5 * c.theta[3]}; }};
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
   };
+  e.grid = {{-5e5}, {5e5}};
   return e;
 }
 

@@ -1,43 +1,57 @@
 #include "models/effects/effects.h"
+#include "models/effects/shifted_signal.h"
 
 namespace hydroscope::effects {
 
-/// The pressure signal arrives t late: p_A = p + t dp/dt to first order, in the flow through the valve and in the
-/// compressed volume alike.
+/// The pressure signal arrives t_d late: p_A(t + t_d) in place of p_A(t), in the flow through the valve and
+/// in the compressed volume alike.
 Effect PressureSignalDelay(const CushionGeometry&) {
   Effect e;
   e.id = "pressure_signal_delay";
   e.title = "Pressure signal arrives late";
   e.law = "p_A(t) = p_measured(t + t_d)";
-  e.source = "first-order expansion of eq. 1-2 of the press paper";
+  e.source = "eq. 1-2 of the press paper with the signal shifted";
   e.parameter = "t_d";
   e.unit = "s";
   e.max = 0.05;
   e.typical = 0.002;
+  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"spool_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0, K";
-  e.plain = "The pressure is recorded later than the other signals; look for: a filter in the amplifier, a long dead sensor line.";
-  e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+  e.plain =
+      "The pressure is recorded later than the other signals; look for: a filter in the amplifier, a long "
+      "dead sensor line.";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double delay = nonlinear[0];
+    const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOver(s, [=](int k) { return y[k]; }, [=](int k) { return root[k]; }, out);
+      const ShiftedSignal later(s, kFlowRoot, delay);
+      IntegrateOverTime(
+          s, [&](int k) { return y[k] * (later(k) - root[k]) / delay; }, out);
     };
-    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double* rate = s[kPressureRate];
-      Differences(s, [=](int k) { return rate[k]; }, out);
+    // (p(t + t_d) - p(t)) / t_d is the rate half way.
+    const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
+      const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
+      Differences(s, rate, out);
     };
-    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *rate = s[kPressureRate], *z = s[kPosition];
-      IntegrateOver(s, [=](int k) { return z[k]; }, [=](int k) { return rate[k]; }, out);
+    const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
+      const double* z = s[kPosition];
+      const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
+      IntegrateOver(
+          s, [=](int k) { return z[k]; }, rate, out);
     };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+    const auto null = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* root = s[kFlowRoot];
-      Differences(s, [=](int k) { return root[k]; }, out);
+      const ShiftedSignal later(s, kFlowRoot, delay);
+      IntegrateOverTime(
+          s, [&](int k) { return (later(k) - root[k]) / delay; }, out);
     };
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
                          }};
   };
+  e.grid = {{0.006}};
   return e;
 }
 

@@ -17,6 +17,7 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.max = 0.1;
   e.typical = 0.004;
   e.nonlinear = {{"play", "1", 0.0005, 0.1}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"spool_signal_delay"};
   e.hidden_in = "-";
   e.plain =

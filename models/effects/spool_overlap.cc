@@ -18,6 +18,7 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.max = 0.2;
   e.typical = 0.02;
   e.nonlinear = {{"band", "1", 0.002, 0.2}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"valve_flow_curvature", "orifice_leakage"};
   e.hidden_in = "y_0";
   e.plain =

@@ -1,29 +1,37 @@
 #include "models/effects/effects.h"
+#include "models/effects/shifted_signal.h"
 
 namespace hydroscope::effects {
 
-/// The spool signal arrives t late: the true opening is y_v + t dy_v/dt to first order, so the flow gains
-/// theta1 t integral root(dp) dy_v.
+/// The spool signal arrives t_d late: the flow is theta1 root(dp) y(t + t_d) + ..., so the balance lacks
+/// theta1 root(dp) (y(t + t_d) - y(t)).
 Effect SpoolSignalDelay(const CushionGeometry&) {
   Effect e;
   e.id = "spool_signal_delay";
   e.title = "Spool signal arrives late";
   e.law = "y_v(t) = y_measured(t + t_d)";
-  e.source = "first-order expansion of eq. 2 of the press paper";
+  e.source = "eq. 2 of the press paper with the signal shifted";
   e.parameter = "t_d";
   e.unit = "s";
   e.max = 0.05;
   e.typical = 0.002;
+  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
-  e.plain = "The spool position is recorded later than the other signals; look for: a filter in the transducer, a bus cycle.";
-  e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+  e.plain =
+      "The spool position is recorded later than the other signals; look for: a filter in the transducer, a "
+      "bus cycle.";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [delay = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOver(s, [=](int k) { return root[k]; }, [=](int k) { return y[k]; }, out);
+      const ShiftedSignal later(s, kSpool, delay);
+      IntegrateOverTime(
+          s, [&](int k) { return root[k] * (later(k) - y[k]) / delay; }, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };
+  e.grid = {{0.006}};
   return e;
 }
 

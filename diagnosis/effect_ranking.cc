@@ -1,0 +1,150 @@
+#include "diagnosis/effect_ranking.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "diagnosis/generic_laws.h"
+
+namespace hydroscope {
+namespace {
+
+/// An effect this many times its typical size must stand out, else these strokes cannot test it.
+constexpr double kMattersTimes = 5.0;
+
+double TwoSidedP(double t, double degrees) {
+  if (!(degrees >= 1) || !std::isfinite(t)) return 1.0;
+  return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), std::abs(t)));
+}
+
+/// Stroke by stroke, by how much `a` errs more than `b`, over the strokes that both were fitted to.
+Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
+  std::vector<double> worse;
+  for (Eigen::Index s = 0; s < a.excess.size(); ++s)
+    if (std::isfinite(a.excess[s]) && std::isfinite(b.excess[s])) worse.push_back(a.excess[s] - b.excess[s]);
+  return Eigen::Map<const Eigen::VectorXd>(worse.data(), static_cast<Eigen::Index>(worse.size()));
+}
+
+bool Uses(const CandidateModel& model, int effect) {
+  return std::any_of(model.choices.begin(), model.choices.end(),
+                     [&](const auto& c) { return c.effect == effect; });
+}
+
+void BestFirst(std::vector<RankedEffect>& ranking) {
+  std::stable_sort(ranking.begin(), ranking.end(), [](const RankedEffect& a, const RankedEffect& b) {
+    if (a.fit.solved != b.fit.solved) return a.fit.solved;
+    if (a.lawful != b.lawful) return a.lawful;
+    return a.gain > b.gain;
+  });
+}
+
+}  // namespace
+
+double EffectRanking::Cost(const ExtendedFit& fit) const {
+  double cost = 0;
+  for (const EffectEstimate& e : fit.effects) {
+    const Effect& effect = *strokes_.model().effects[e.choice.effect];
+    // A nonlinear parameter that the law ties to the size is no freedom once it is where the law wants it.
+    if (!(effect.implied && e.consistent))
+      cost += options_.nonlinear_cost * static_cast<double>(effect.nonlinear.size());
+  }
+  return cost;
+}
+
+double EffectRanking::Gain(const ExtendedFit& from, const ExtendedFit& to) const {
+  return Worse(from, to).sum() / noise_ - Cost(to) + Cost(from);
+}
+
+bool EffectRanking::IsStrong(const EffectEstimate& e) const {
+  return e.admissible &&
+         std::abs(e.size) > options_.second_t * e.std / StudentFactor(strokes_.strokes() - 1.0);
+}
+
+CandidateModel EffectRanking::With(const CandidateModel& on, const EffectChoice& choice) const {
+  CandidateModel out{on.choices, {}};
+  out.choices.push_back(choice);
+  out.fit = strokes_.Fit(out.choices);
+  return out;
+}
+
+RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
+  const Effect& effect = *strokes_.model().effects[index];
+  RankedEffect ranked;
+  ranked.effect = index;
+  ranked.id = effect.id;
+  ranked.why_not = "the signals it needs have no usable samples in these strokes";
+  const double degrees = strokes_.strokes() - 1.0;
+  bool forbidden = false, separable = false;
+  for (int shape = 0; shape < static_cast<int>(strokes_.model().effect_shapes[index].size()); ++shape) {
+    if (!strokes_.Measured({index, shape})) continue;
+    ExtendedFit fit = With(on, {index, shape}).fit;
+    if (!fit.solved) continue;
+    separable = true;
+    const EffectEstimate& size = fit.effects.back();
+    // Testable: a size that matters would stand out of the noise.
+    ranked.testable = ranked.testable ||
+                      options_.min_t * std::max(size.model_std, size.std) < kMattersTimes * effect.typical;
+    if (!std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; })) {
+      forbidden = forbidden || !size.admissible;
+      continue;
+    }
+    const double gain = Gain(on.fit, fit);
+    if (ranked.fit.solved && gain <= ranked.gain) continue;
+    const double t = size.size / (size.std / StudentFactor(degrees));
+    ranked.gain = gain;
+    ranked.p_value = TwoSidedP(t, degrees);
+    ranked.lawful = size.consistent || !strokes_.model().effect_shapes[index][shape].refined;
+    ranked.significant = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
+    ranked.nonlinear = strokes_.model().effect_shapes[index][shape].nonlinear;
+    ranked.fit = std::move(fit);
+  }
+  if (ranked.testable)
+    ranked.why_not = ranked.fit.solved ? "" : "it would fit only with a sign or size that physics forbids";
+  else if (separable)
+    ranked.why_not =
+        forbidden && !ranked.fit.solved
+            ? "it would fit only with a sign or size that physics forbids, and even a large one would hide "
+              "in the other parameters"
+            : "these strokes excite it too little: even a large one would hide in the other parameters";
+  else if (strokes_.Measured({index, 0}))
+    ranked.why_not = "these strokes cannot tell it from the parameters of the model";
+  return ranked;
+}
+
+std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
+  std::vector<RankedEffect> ranking;
+  for (int e = 0; e < static_cast<int>(strokes_.model().effects.size()); ++e) {
+    const std::string& id = strokes_.model().effects[e]->id;
+    const bool excluded =
+        std::find(options_.exclude.begin(), options_.exclude.end(), id) != options_.exclude.end();
+    if (!Uses(on, e) && !excluded && !IsGeneric(*strokes_.model().effects[e])) ranking.push_back(Try(on, e));
+  }
+  BestFirst(ranking);
+  return ranking;
+}
+
+std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) const {
+  std::vector<RankedEffect> ranking;
+  for (int e = 0; e < static_cast<int>(strokes_.model().effects.size()); ++e)
+    if (IsGeneric(*strokes_.model().effects[e])) ranking.push_back(Try(on, e));
+  BestFirst(ranking);
+  return ranking;
+}
+
+bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const {
+  if (Gain(candidate, best) < options_.rival_gain) return true;
+  const Eigen::VectorXd worse = Worse(candidate, best) / noise_;
+  const double n = static_cast<double>(worse.size());
+  const double mean = worse.mean();
+  const double deviation = std::sqrt((worse.array() - mean).square().sum() / (n - 1) / n);
+  return mean < options_.rival_t * deviation && worse.sum() < 10 * options_.rival_gain;
+}
+
+std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
+  std::vector<std::string> set;
+  for (const RankedEffect& candidate : ranking)
+    if (candidate.significant && IsRival(candidate.fit, ranking.front().fit)) set.push_back(candidate.id);
+  return set;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/explain.h"
+
+namespace hydroscope {
+
+/// A model under construction: effects chosen so far and their fit.
+struct CandidateModel {
+  std::vector<EffectChoice> choices;
+  ExtendedFit fit;
+};
+
+/// Tries effects on top of a model and weighs the evidence for them.
+class EffectRanking {
+ public:
+  /// `noise_variance` of one equation is the unit of all gains. Both references must outlive the ranking.
+  EffectRanking(const StrokeSet& strokes, const ExplainOptions& options, double noise_variance)
+      : strokes_(strokes), options_(options), noise_(noise_variance) {}
+
+  /// Every named effect that is not in `on` yet, best first; those that cannot be fitted come last.
+  std::vector<RankedEffect> Rank(const CandidateModel& on) const;
+  /// Generic laws on top of `on` (diagnosis/generic_laws.h), best first.
+  std::vector<RankedEffect> RankGeneric(const CandidateModel& on) const;
+  /// Held-out error energy removed, in noise variances, less the price of free nonlinear parameters.
+  double Gain(const ExtendedFit& from, const ExtendedFit& to) const;
+  /// Whether `candidate` explains about as well as `best`: a model confidence set by paired stroke-wise
+  /// losses.
+  bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
+  /// Effects of the ranking that stand out and are rivals of the first one, the first one included.
+  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
+  /// Strong enough to stand as one of two effects.
+  bool IsStrong(const EffectEstimate& estimate) const;
+  CandidateModel With(const CandidateModel& on, const EffectChoice& choice) const;
+
+ private:
+  RankedEffect Try(const CandidateModel& on, int effect) const;
+  double Cost(const ExtendedFit& fit) const;
+
+  const StrokeSet& strokes_;
+  const ExplainOptions& options_;
+  double noise_;
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,99 @@
+#include "diagnosis/generic_laws.h"
+
+#include <cmath>
+#include <limits>
+
+#include "models/die_cushion.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kPrefix = "generic: ";
+// Scales that bring every signal to about 1, so that the laws are of similar size.
+constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0, kMiddle = 313.15;
+constexpr double kAbsolute = 1.013e5;  // Pa, from gauge to absolute pressure
+
+/// A law whose regressor is one column.
+std::shared_ptr<const Effect> Law(const char* what, Column::Fill fill, std::vector<int> channels = {}) {
+  auto effect = std::make_shared<Effect>();
+  effect->id = std::string(kPrefix) + what;
+  effect->title = what;
+  effect->min = -std::numeric_limits<double>::infinity();
+  effect->max = std::numeric_limits<double>::infinity();
+  effect->typical = std::numeric_limits<double>::infinity();
+  effect->channels = std::move(channels);
+  effect->variant = [fill = std::move(fill)](const auto&) { return PlainVariant(fill); };
+  return effect;
+}
+
+/// A flow of that rate.
+template <typename Rate>
+Column::Fill Flow(Rate rate) {
+  return [rate](const Stretch& s, double&, std::span<double> out) {
+    IntegrateOverTime(
+        s, [&](int k) { return rate(s, k); }, out);
+  };
+}
+
+/// A volume of that size.
+template <typename Volume>
+Column::Fill Stored(Volume volume) {
+  return [volume](const Stretch& s, double&, std::span<double> out) {
+    Differences(
+        s, [&](int k) { return volume(s, k); }, out);
+  };
+}
+
+double P(const Stretch& s, int k) { return s[kPressureA][k] / kPressure; }
+double Z(const Stretch& s, int k) { return s[kPosition][k] / kPosition1; }
+double Y(const Stretch& s, int k) { return s[kSpool][k]; }
+double Valve(const Stretch& s, int k) { return s[kFlowRoot][k] * s[kSpool][k]; }
+double Oil(const Stretch& s, int k) { return (s[kOilTemperature][k] - kMiddle) / kTemperature; }
+
+std::vector<std::shared_ptr<const Effect>> Laws() {
+  return {
+      Law("constant flow", Flow([](const Stretch&, int) { return 1.0; })),
+      Law("flow with p_A", Flow([](const Stretch& s, int k) { return P(s, k); })),
+      Law("flow with p_A^2", Flow([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
+      Law("flow with p_A z", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k); })),
+      Law("flow with p_A z^2", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k) * Z(s, k); })),
+      Law("flow with y_v", Flow([](const Stretch& s, int k) { return Y(s, k); })),
+      Law("flow gain with y_v",
+          Flow([](const Stretch& s, int k) { return Valve(s, k) * std::abs(Y(s, k)); })),
+      Law("flow gain with y_v^2",
+          Flow([](const Stretch& s, int k) { return Valve(s, k) * Y(s, k) * Y(s, k); })),
+      Law("flow gain with p_A", Flow([](const Stretch& s, int k) { return Valve(s, k) * P(s, k); })),
+      Law("flow gain with z", Flow([](const Stretch& s, int k) { return Valve(s, k) * Z(s, k); })),
+      Law("flow gain with T_oil", Flow([](const Stretch& s, int k) { return Valve(s, k) * Oil(s, k); }),
+          {kOilTemperature}),
+      Law("null with T_oil", Flow([](const Stretch& s, int k) { return s[kFlowRoot][k] * Oil(s, k); }),
+          {kOilTemperature}),
+      Law("volume with p_A^2", Stored([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
+      Law("volume with log p_A", Stored([](const Stretch& s, int k) {
+            return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute));
+          })),
+      Law("volume with 1/p_A", Stored([](const Stretch& s, int k) {
+            return kPressure / std::max(s[kPressureA][k] + kAbsolute, kAbsolute);
+          })),
+      Law("stroke volume with log p_A",
+          [](const Stretch& s, double&, std::span<double> out) {
+            IntegrateOver(
+                s, [&](int k) { return Z(s, k); },
+                [&](int k) { return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute)); }, out);
+          }),
+      Law("volume with dz/dt", Stored([](const Stretch& s, int k) { return s[kSpeed][k] / kSpeed1; })),
+      Law("volume with y_v", Stored([](const Stretch& s, int k) { return Valve(s, k); })),
+      Law("volume with dp_A/dt",
+          Stored([](const Stretch& s, int k) { return s[kPressureRate][k] / kPressure; })),
+  };
+}
+
+}  // namespace
+
+void AddGenericLaws(ModelStructure& model) {
+  if (model.name == "die_cushion") AddLibrary(Laws(), model);
+}
+
+bool IsGeneric(const Effect& effect) { return effect.id.rfind(kPrefix, 0) == 0; }
+
+}  // namespace hydroscope

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "models/effect.h"
+
+namespace hydroscope {
+
+/// Adds laws without a name to a die-cushion model: the first powers and products of its signals, as a flow,
+/// a flow gain or a volume. They never become a verdict. They tell whether a named effect has left something,
+/// and whether a law that nobody thought of would do as well. Models over other channels stay as they are.
+void AddGenericLaws(ModelStructure& model);
+
+bool IsGeneric(const Effect& effect);
+
+}  // namespace hydroscope
