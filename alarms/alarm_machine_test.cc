@@ -34,34 +34,59 @@ class AlarmMachine : public ::testing::Test {
 };
 
 struct Step {
-  const char* what;   ///< value, "ack", "shelve", "unshelve", "suppress", "release", "out", "in", "reset"
+  const char* what;  ///< value, "ack", "shelve", "unshelve", "suppress", "release", "out", "in", "reset"
   const char* event;
   const char* state;
 };
 
 TEST_F(AlarmMachine, FollowsTheSequencesOfTheStandard) {
   const Step steps[] = {
-      {"0.5", "", "NORM"},           {"1.2", "", "NORM"},          {"1.2", "raised", "UNACK"},
-      {"ack", "acknowledged", "ACKED"}, {"ack", "", "ACKED"},      {"0.9", "", "ACKED"},  // inside the deadband
-      {"0.5", "", "ACKED"},          {"0.5", "", "ACKED"},         {"0.5", "cleared", "NORM"},
-      {"1.2", "", "NORM"},           {"1.2", "raised", "UNACK"},   {"0.5", "", "UNACK"},
-      {"0.5", "", "UNACK"},          {"0.5", "cleared", "RTNUN"},  {"1.2", "", "RTNUN"},
-      {"1.2", "raised", "UNACK"},    {"shelve", "shelved", "SHLVD"}, {"unshelve", "unshelved", "UNACK"},
-      {"suppress", "suppressed", "DSUPR"}, {"0.5", "", "DSUPR"},   {"0.5", "", "DSUPR"},
-      {"0.5", "cleared", "DSUPR"},   {"release", "unsuppressed", "RTNUN"}, {"out", "out_of_service", "OOSRV"},
-      {"in", "in_service", "RTNUN"}, {"ack", "acknowledged", "NORM"},
+      {"0.5", "", "NORM"},
+      {"1.2", "", "NORM"},
+      {"1.2", "raised", "UNACK"},
+      {"ack", "acknowledged", "ACKED"},
+      {"ack", "", "ACKED"},
+      {"0.9", "", "ACKED"},  // inside the deadband
+      {"0.5", "", "ACKED"},
+      {"0.5", "", "ACKED"},
+      {"0.5", "cleared", "NORM"},
+      {"1.2", "", "NORM"},
+      {"1.2", "raised", "UNACK"},
+      {"0.5", "", "UNACK"},
+      {"0.5", "", "UNACK"},
+      {"0.5", "cleared", "RTNUN"},
+      {"1.2", "", "RTNUN"},
+      {"1.2", "raised", "UNACK"},
+      {"shelve", "shelved", "SHLVD"},
+      {"unshelve", "unshelved", "UNACK"},
+      {"suppress", "suppressed", "DSUPR"},
+      {"0.5", "", "DSUPR"},
+      {"0.5", "", "DSUPR"},
+      {"0.5", "cleared", "DSUPR"},
+      {"release", "unsuppressed", "RTNUN"},
+      {"out", "out_of_service", "OOSRV"},
+      {"in", "in_service", "RTNUN"},
+      {"ack", "acknowledged", "NORM"},
   };
   for (std::size_t i = 0; i < std::size(steps); ++i) {
     const std::string what = steps[i].what;
     std::string event;
-    if (what == "ack") event = Name(Acknowledge(alarm, user, now));
-    else if (what == "shelve") event = Name(Shelve(alarm, now.wall + 60, user, now));
-    else if (what == "unshelve") event = Name(Unshelve(alarm, user, now));
-    else if (what == "suppress") event = Name(Suppress(alarm, kSuppressedIdle, true, now));
-    else if (what == "release") event = Name(Suppress(alarm, kSuppressedIdle, false, now));
-    else if (what == "out") event = Name(SetOutOfService(alarm, true, user, now));
-    else if (what == "in") event = Name(SetOutOfService(alarm, false, user, now));
-    else event = Stroke(std::stod(what));
+    if (what == "ack")
+      event = Name(Acknowledge(alarm, user, now));
+    else if (what == "shelve")
+      event = Name(Shelve(alarm, now.wall + 60, user, now));
+    else if (what == "unshelve")
+      event = Name(Unshelve(alarm, user, now));
+    else if (what == "suppress")
+      event = Name(Suppress(alarm, kSuppressedIdle, true, now));
+    else if (what == "release")
+      event = Name(Suppress(alarm, kSuppressedIdle, false, now));
+    else if (what == "out")
+      event = Name(SetOutOfService(alarm, true, user, now));
+    else if (what == "in")
+      event = Name(SetOutOfService(alarm, false, user, now));
+    else
+      event = Stroke(std::stod(what));
     EXPECT_EQ(event, steps[i].event) << "step " << i << " " << what;
     EXPECT_EQ(State(), steps[i].state) << "step " << i << " " << what;
   }
@@ -104,7 +129,8 @@ TEST_F(AlarmMachine, OneStrokeBeyondTheLimitRaisesNothing) {
 TEST_F(AlarmMachine, EventCarriesWhatTheJournalNeeds) {
   Stroke(1.2);
   ++now.stroke;
-  const Events events = Observe(alarm, settings, {1.3, 0.1, 1, true, "1", AlarmSeverity::kAlarm, "seal", 7, 9}, now);
+  const Events events =
+      Observe(alarm, settings, {1.3, 0.1, 1, true, "1", AlarmSeverity::kAlarm, "seal", 7, 9}, now);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].value, 1.3);
   EXPECT_EQ(events[0].limit, 1.0);
