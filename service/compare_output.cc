@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "service/effect_units.h"
 #include "service/explain_log.h"
 #include "service/fit_output.h"
 #include "service/located_output.h"
@@ -14,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kLitresPerMinute = 6e4;
+constexpr double kBar = 1e-5;
 /// Chance of calling the residual correlated with any signal when it is not.
 constexpr double kFamilyError = 0.01;
 /// Flow error over the noise floor from which model error is seen with the eye.
@@ -29,6 +30,10 @@ bool IsSignificant(const CompareResult& result, const SignalCorrelation& c) {
 
 double PercentOfSignal(const StrokeComparison& s) {
   return s.rms_measured > 0 ? 100 * s.rms_residual / s.rms_measured : 0.0;
+}
+
+double PercentOfPressure(const CompareResult& result) {
+  return result.rms_pressure > 0 ? 100 * *result.overall.free_run / result.rms_pressure : 0.0;
 }
 
 /// rms of what is above the noise.
@@ -48,37 +53,49 @@ std::string OverallText(const CompareResult& result) {
   const std::vector<std::string> added = AddedEffects(result);
   std::string text = fmt::format("Model: {}{}, fitted to these strokes\n", result.log.machine.model,
                                  added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")));
-  text += fmt::format("{} strokes, {} of {} rows used\n", result.strokes, result.log.totals.used,
-                      result.log.totals.samples);
+  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used\n", result.strokes,
+                                                 result.log.totals.used, result.log.totals.samples)
+                                   : result.described;
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: compared on its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
-      "\nFlow, rms in l/min\n"
+      "\n{}, rms in {}\n"
       "  measured               {:>8.3g}\n"
       "  modelled               {:>8.3g}\n"
-      "  difference             {:>8.3g}   {:.2g} % of the measured flow\n"
+      "  difference             {:>8.3g}   {:.2g} % of the measured {}\n"
       "  ... strokes left out   {:>8.3g}\n"
       "  sensor noise alone     {:>8.3g}\n"
       "  model error            {:>8.3g}   what is above the noise\n",
-      o.rms_measured * kLitresPerMinute, o.rms_modelled * kLitresPerMinute, o.rms_residual * kLitresPerMinute,
-      PercentOfSignal(o), result.model.fit.rms_holdout * kLitresPerMinute, o.noise_floor * kLitresPerMinute,
-      ModelError(o) * kLitresPerMinute);
+      unit.name == "l/min" ? "Flow" : "Output", unit.name, o.rms_measured * unit.factor,
+      o.rms_modelled * unit.factor, o.rms_residual * unit.factor, PercentOfSignal(o),
+      unit.name == "l/min" ? "flow" : "output", result.model.fit.rms_holdout * unit.factor,
+      o.noise_floor * unit.factor, ModelError(o) * unit.factor);
+  if (o.free_run)
+    text += fmt::format(
+        "\nPressure that the model runs by itself from the begin of each stroke, rms in bar\n"
+        "  measured               {:>8.4g}\n"
+        "  difference             {:>8.3g}   {:.2g} % of the measured pressure\n",
+        result.rms_pressure * kBar, *o.free_run * kBar, PercentOfPressure(result));
   return text;
 }
 
 std::string StrokesText(const CompareResult& result) {
   constexpr std::size_t kShown = 40;
   const std::size_t worst = result.WorstStroke();
-  std::string text =
-      "\nPer stroke, l/min\n  stroke   begin s  measured  modelled  difference   %      noise\n";
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  std::string text = fmt::format("\nPer stroke, {}; free run in bar\n", unit.name) +
+                     "  stroke   begin s  measured  modelled  difference   %      noise  free run\n";
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
-    text += fmt::format("  {:>6} {:>9.2f} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g}{}\n", s.stroke,
-                        s.begin, s.rms_measured * kLitresPerMinute, s.rms_modelled * kLitresPerMinute,
-                        s.rms_residual * kLitresPerMinute, PercentOfSignal(s),
-                        s.noise_floor * kLitresPerMinute, k == worst ? "   worst" : "");
+    text += fmt::format("  {:>6} {:>9} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g} {:>9}{}\n", s.stroke,
+                        std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
+                        s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
+                        s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
+                        s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar) : std::string("-"),
+                        k == worst ? "   worst" : "");
   }
   if (result.per_stroke.size() > kShown)
     text +=
@@ -100,6 +117,7 @@ std::string WhitenessText(const CompareResult& result) {
 }
 
 std::string CorrelationsText(const CompareResult& result) {
+  if (result.location.single.empty()) return "";
   std::string text =
       "\nWhat the difference follows (error energy that each signal predicts on strokes left out)\n";
   for (const ErrorMap& map : result.location.single) {
@@ -124,25 +142,26 @@ std::string CorrelationsText(const CompareResult& result) {
 bool HasModelError(const CompareResult& result) {
   return !result.location.located.empty() || result.location.excess > 4 * result.location.excess_std ||
          result.overall.rms_residual > kVisible * result.overall.noise_floor ||
-         result.whiteness.p_value < kPatternP;
+         (!result.whiteness.autocorrelation.empty() && result.whiteness.p_value < kPatternP);
 }
 
-nlohmann::json StrokeJson(const StrokeComparison& s) {
+nlohmann::json StrokeJson(const StrokeComparison& s, double factor) {
   return {{"windows", s.windows},
-          {"rms_measured", s.rms_measured * kLitresPerMinute},
-          {"rms_modelled", s.rms_modelled * kLitresPerMinute},
-          {"rms_residual", s.rms_residual * kLitresPerMinute},
+          {"rms_measured", s.rms_measured * factor},
+          {"rms_modelled", s.rms_modelled * factor},
+          {"rms_residual", s.rms_residual * factor},
           {"residual_percent", PercentOfSignal(s)},
-          {"noise_floor", s.noise_floor * kLitresPerMinute},
-          {"model_error", ModelError(s) * kLitresPerMinute}};
+          {"noise_floor", s.noise_floor * factor},
+          {"model_error", ModelError(s) * factor},
+          {"free_run_bar", s.free_run ? nlohmann::json(*s.free_run * kBar) : nlohmann::json()}};
 }
 
 nlohmann::json StrokesJson(const CompareResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const StrokeComparison& s : result.per_stroke) {
-    out.push_back(StrokeJson(s));
+    out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor));
     out.back()["stroke"] = s.stroke;
-    out.back()["begin"] = s.begin;
+    out.back()["begin"] = std::isfinite(s.begin) ? nlohmann::json(s.begin) : nlohmann::json();
   }
   return out;
 }
@@ -158,10 +177,12 @@ nlohmann::json CorrelationsJson(const CompareResult& result) {
 }
 
 nlohmann::json MapsJson(const CompareResult& result) {
+  const double factor = OutputUnit(result.log.model.get()).factor;
   nlohmann::json out = nlohmann::json::array();
-  for (const ErrorMap& map : result.location.single) out.push_back(MapJson(map, result.residuals.signals));
+  for (const ErrorMap& map : result.location.single)
+    out.push_back(MapJson(map, result.residuals.signals, factor));
   for (std::size_t k = 0; k < std::min(kPairMaps, result.location.pairs.size()); ++k)
-    out.push_back(MapJson(result.location.pairs[k], result.residuals.signals));
+    out.push_back(MapJson(result.location.pairs[k], result.residuals.signals, factor));
   return out;
 }
 
@@ -172,34 +193,39 @@ std::string CompareText(const CompareResult& result) {
                          ? "The model misses something: the difference is more than sensor noise.\n"
                          : "The model describes these strokes down to the sensor noise.\n";
   text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
-          LocatedText(result.location.located);
+          LocatedText(result.location.located, OutputUnit(result.log.model.get()));
   if (HasModelError(result))
-    text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same log and machine file\n";
+    text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
   return text;
 }
 
 nlohmann::json CompareJson(const CompareResult& result) {
   const Whiteness& w = result.whiteness;
-  nlohmann::json out = StrokeJson(result.overall);
-  out["unit"] = "l/min";
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  nlohmann::json out = StrokeJson(result.overall, unit.factor);
+  out["unit"] = unit.name;
   out["strokes"] = result.strokes;
-  out["strokes_in_log"] = result.log.strokes.size();
+  out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
+  out["free_run_percent"] =
+      result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
   out["model_error_seen"] = HasModelError(result);
-  out["rms_holdout"] = result.model.fit.rms_holdout * kLitresPerMinute;
+  out["rms_holdout"] = result.model.fit.rms_holdout * unit.factor;
   out["effects"] = AddedEffects(result);
   out["parameters"] = ParametersJson(
       BaseParameters(*result.model.structure, result.model.fit, static_cast<int>(result.strokes)));
   out["per_stroke"] = StrokesJson(result);
   out["worst_stroke"] = result.per_stroke[result.WorstStroke()].stroke;
-  out["whiteness"] = {
-      {"lag1", w.autocorrelation.empty() ? nlohmann::json() : nlohmann::json(w.autocorrelation.front())},
-      {"autocorrelation", w.autocorrelation},
-      {"lags", w.lags},
-      {"ljung_box", w.ljung_box},
-      {"p_value", w.p_value},
-      {"variance_ratio", w.variance_ratio}};
+  if (w.autocorrelation.empty())
+    out["whiteness"] = nullptr;
+  else
+    out["whiteness"] = {{"lag1", w.autocorrelation.front()},
+                        {"autocorrelation", w.autocorrelation},
+                        {"lags", w.lags},
+                        {"ljung_box", w.ljung_box},
+                        {"p_value", w.p_value},
+                        {"variance_ratio", w.variance_ratio}};
   out["correlations"] = CorrelationsJson(result);
-  out["located"] = LocatedJson(result.location.located);
+  out["located"] = LocatedJson(result.location.located, unit.factor);
   out["maps"] = MapsJson(result);
   return out;
 }

@@ -19,4 +19,10 @@ EffectUnit EffectUnitFor(std::string_view si) {
   return {shown.factor, std::string(shown.name)};
 }
 
+DisplayUnit OutputUnit(const ModelStructure* model) {
+  DisplayUnit unit = DisplayUnitFor(model == nullptr ? std::string_view("m3/s") : model->output_unit);
+  unit.offset = 0;  // errors are differences
+  return unit;
+}
+
 }  // namespace hydroscope

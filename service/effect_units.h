@@ -3,6 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "core/units.h"
+#include "models/model_structure.h"
+
 namespace hydroscope {
 
 /// A unit as people read it for the size of an effect: "m3/(s Pa)" -> "l/min per bar".
@@ -11,5 +14,9 @@ struct EffectUnit {
   std::string name;     ///< "-" for numbers without unit
 };
 EffectUnit EffectUnitFor(std::string_view si);
+
+/// The unit in which people read the output of a model and its errors: l/min for the flows of a die cushion (and if
+/// there is no model), N for a force balance.
+DisplayUnit OutputUnit(const ModelStructure* model);
 
 }  // namespace hydroscope

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
+#include "service/effect_units.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr double kNormal95 = 1.96;
-constexpr double kLitresPerMinute = 6e4;
 
 const char* Meaning(const std::string& parameter) {
   if (parameter == "K") return "effective bulk modulus";
@@ -33,11 +33,12 @@ std::string FitText(const FitResult& result) {
                         unit.name == "1" ? "-" : unit.name, Meaning(e.parameter),
                         trusted ? "" : fmt::format("; NOT IDENTIFIABLE: {}", ReasonText(e.reason)));
   }
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
-      "\nmodel error on strokes left out {:.3g} l/min, sensor noise alone would cause {:.3g} l/min\n"
+      "\nmodel error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n"
       "{} strokes, {} of {} rows used\n",
-      result.fit.rms_holdout * kLitresPerMinute, result.fit.noise_floor * kLitresPerMinute, result.fit.strokes,
-      result.log.totals.used, result.log.totals.samples);
+      result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
+      result.fit.strokes, result.log.totals.used, result.log.totals.samples);
   if (result.fit.rms_holdout > 1.15 * result.fit.noise_floor)
     text += "The error is above the noise: the model misses something, and the parameters above absorb part of it.\n";
   return text;
@@ -57,13 +58,14 @@ nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
 }
 
 nlohmann::json FitJson(const FitResult& result) {
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
   return {{"parameters", ParametersJson(result.fit.parameters)},
           {"strokes", result.fit.strokes},
           {"samples", result.log.totals.used},
           {"rows", result.log.totals.samples},
-          {"rms_holdout", result.fit.rms_holdout * kLitresPerMinute},
-          {"noise_floor", result.fit.noise_floor * kLitresPerMinute},
-          {"unit", "l/min"}};
+          {"rms_holdout", result.fit.rms_holdout * unit.factor},
+          {"noise_floor", result.fit.noise_floor * unit.factor},
+          {"unit", unit.name}};
 }
 
 }  // namespace hydroscope

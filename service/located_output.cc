@@ -6,42 +6,36 @@
 #include <nlohmann/json.hpp>
 
 namespace hydroscope {
-namespace {
-
-constexpr double kLitresPerMinute = 6e4;
-
-}  // namespace
-
-std::string LocatedText(const std::vector<Located>& located) {
+std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit) {
   constexpr std::size_t kShown = 6;
   if (located.empty()) return "";
   std::string text = "\nWhere the model errs (sensor noise taken out)\n";
   for (std::size_t k = 0; k < located.size() && k < kShown; ++k) {
     const Located& l = located[k];
     text += fmt::format(
-        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f} l/min rms, measured {:+.2f} l/min on average; "
+        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f} {} rms, measured {:+.2f} {} on average; "
         "{:.0f} % of the error in {:.0f} % of the time\n",
-        l.signal, l.from, l.to, l.unit, l.rms * kLitresPerMinute, l.mean * kLitresPerMinute,
+        l.signal, l.from, l.to, l.unit, l.rms * unit.factor, unit.name, l.mean * unit.factor, unit.name,
         100 * l.share_error, 100 * l.share_windows);
   }
   return text;
 }
 
-nlohmann::json LocatedJson(const std::vector<Located>& located) {
+nlohmann::json LocatedJson(const std::vector<Located>& located, double factor) {
   nlohmann::json out = nlohmann::json::array();
   for (const Located& l : located)
     out.push_back({{"signal", l.signal},
                    {"from", l.from},
                    {"to", l.to},
                    {"unit", l.unit},
-                   {"rms", l.rms * kLitresPerMinute},
-                   {"mean", l.mean * kLitresPerMinute},
+                   {"rms", l.rms * factor},
+                   {"mean", l.mean * factor},
                    {"share_error", l.share_error},
                    {"share_windows", l.share_windows}});
   return out;
 }
 
-nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals) {
+nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals, double factor) {
   nlohmann::json names = nlohmann::json::array(), units = names, cells = names;
   for (int s : map.signals) {
     names.push_back(signals[s].name);
@@ -56,11 +50,11 @@ nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& s
     }
     cells.push_back({{"from", from},
                      {"to", to},
-                     {"rms", std::sqrt(std::max(0.0, cell.excess)) * kLitresPerMinute},
-                     {"excess", cell.excess * kLitresPerMinute * kLitresPerMinute},
-                     {"excess_std", cell.excess_std * kLitresPerMinute * kLitresPerMinute},
-                     {"mean", cell.mean * kLitresPerMinute},
-                     {"mean_std", cell.mean_std * kLitresPerMinute},
+                     {"rms", std::sqrt(std::max(0.0, cell.excess)) * factor},
+                     {"excess", cell.excess * factor * factor},
+                     {"excess_std", cell.excess_std * factor * factor},
+                     {"mean", cell.mean * factor},
+                     {"mean_std", cell.mean_std * factor},
                      {"windows", cell.windows},
                      {"strokes", cell.strokes},
                      {"above_floor", cell.above_floor}});

@@ -4,15 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "core/units.h"
 #include "diagnosis/locate.h"
 
 namespace hydroscope {
 
-/// Where the model errs, best first, a line each; "" if nothing is located.
-std::string LocatedText(const std::vector<Located>& located);
-/// The array "located" of `explain` and `compare`; flows in l/min.
-nlohmann::json LocatedJson(const std::vector<Located>& located);
-/// One map with all its cells, in units as shown; flows in l/min.
-nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals);
+/// Where the model errs, best first, a line each; "" if nothing is located. `unit` is the output's (OutputUnit), `factor`
+/// its factor.
+std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit);
+/// The array "located" of `explain` and `compare`; errors in the output's unit.
+nlohmann::json LocatedJson(const std::vector<Located>& located, double factor);
+/// One map with all its cells, in units as shown; errors in the output's unit.
+nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals, double factor);
 
 }  // namespace hydroscope

@@ -14,7 +14,9 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
   for (std::size_t e = 0; e < model.effects.size(); ++e)
     if (model.effects[e]->id == id) return static_cast<int>(e);
   std::vector<std::string> ids;
+  for (const auto& effect : model.effects) ids.push_back(effect->id);
   for (const auto& effect : DieCushionEffects({})) {
+    if (model.name != "die_cushion") break;
     ids.push_back(effect->id);
     if (effect->id != id) continue;
     std::vector<std::string> missing;

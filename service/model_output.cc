@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
 #include "models/die_cushion.h"
 #include "models/effect.h"
 #include "models/machine_keys.h"
+#include "models/user_effect.h"
 #include "service/effect_units.h"
 
 namespace hydroscope {
@@ -37,11 +39,24 @@ std::string OrDash(const std::vector<std::string>& words) {
   return words.empty() ? "-" : fmt::format("{}", fmt::join(words, ", "));
 }
 
+/// The library of the machine's balance, then its own effects.
+std::vector<Effect> EffectsOf(const Machine* machine) {
+  std::vector<Effect> effects;
+  const bool die_cushion = machine == nullptr || machine->model == "die_cushion";
+  if (die_cushion)
+    for (const auto& effect : DieCushionEffects({})) effects.push_back(*effect);
+  if (machine != nullptr)
+    for (const UserEffectSpec& spec : machine->user_effects)
+      effects.push_back(DescribeUserEffect(*machine, spec, die_cushion ? "m3/s" : machine->balance.unit));
+  return effects;
+}
+
 std::string EffectText(const Effect& e) {
   const EffectUnit unit = EffectUnitFor(e.unit);
-  std::string text =
-      fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}, typically {:.3g} {}\n",
-                  e.id, e.title, e.plain, e.law, e.source, e.parameter, e.typical * unit.factor, unit.name);
+  std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id, e.title,
+                                 e.plain, e.law, e.source, e.parameter);
+  text += std::isfinite(e.typical) ? fmt::format(", typically {:.3g} {}\n", e.typical * unit.factor, unit.name)
+                                   : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
   for (const NonlinearParameter& n : e.nonlinear) {
     const EffectUnit shown = EffectUnitFor(n.unit);
     text += fmt::format("                 {}, found between {:.3g} and {:.3g} {}\n", n.name,
@@ -74,15 +89,16 @@ nlohmann::json EffectJson(const Effect& e) {
 
 }  // namespace
 
-std::string EffectsText() {
-  std::string text = "Effects that the model of a die cushion may be missing\n";
-  for (const auto& effect : DieCushionEffects({})) text += "\n" + EffectText(*effect);
+std::string EffectsText(const Machine* machine) {
+  std::string text = machine == nullptr ? "Effects that the model of a die cushion may be missing\n"
+                                        : fmt::format("Effects that the model of {} may be missing\n", machine->name);
+  for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(effect);
   return text + "\nAdd one to a machine: hydroscope model add internal_leakage --machine press.toml\n";
 }
 
-nlohmann::json EffectsJson() {
+nlohmann::json EffectsJson(const Machine* machine) {
   nlohmann::json out = nlohmann::json::array();
-  for (const auto& effect : DieCushionEffects({})) out.push_back(EffectJson(*effect));
+  for (const Effect& effect : EffectsOf(machine)) out.push_back(EffectJson(effect));
   return {{"effects", out}};
 }
 
@@ -103,8 +119,8 @@ std::string ModelText(const Machine& machine) {
   text += "\nEffects that are part of the model\n";
   if (machine.added_effects.empty()) text += "  none: the base balance alone\n";
   for (const std::string& id : machine.added_effects)
-    for (const auto& effect : DieCushionEffects({}))
-      if (effect->id == id) text += fmt::format("  {:<28} {}; {}\n", id, effect->title, effect->law);
+    for (const Effect& effect : EffectsOf(&machine))
+      if (effect.id == id) text += fmt::format("  {:<28} {}; {}\n", id, effect.title, effect.law);
   return text + "\nThe values of its parameters come from data: hydroscope compare LOG --machine FILE\n";
 }
 
