@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -28,6 +29,7 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.max = 1e14;
   e.typical = 2e11;
   e.nonlinear = {{"x", "1", 0.01, 30.0}};
+  e.implied = [](const ShapeContext& c) { return c.size * c.theta[0] * c.theta[0]; };
   e.confused_with = {"valve_flow_curvature"};
   e.hidden_in = "Q_vn";
   e.plain =
@@ -37,11 +39,11 @@ Effect TankBackPressure(const CushionGeometry&) {
     const double x = nonlinear[0];
     const auto flow = [x](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
+      wide::IntegrateOverTime(s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
     };
     const auto null = [x](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
+      wide::IntegrateOverTime(s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
     };
     return EffectVariant{{flow, null}, [x](const ShapeContext& c) {
                            const double k = -c.theta[0], null = -c.theta[3] / c.theta[0];

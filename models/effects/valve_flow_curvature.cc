@@ -2,16 +2,18 @@
 #include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
 
-double LogOpening(double y) { return std::log(std::max(std::abs(y), 1e-3)); }
+/// |y|^a; openings below 0.1 % count as 0.1 %.
+double Power(double y, double a) { return Exp(a * Log(std::max(std::abs(y), 1e-3))); }
 
 }  // namespace
 
-/// Metering edge progressive (a > 0) or degressive (a < 0): flow ~ u |u|^a = u (1 + a ln|u| + (a ln|u|)^2/2 + ...),
-/// u = y_v - y_0 (Jelali and Kroll 2003, sec. 4.3, curved flow gain).
+/// Metering edge progressive (a > 0) or degressive (a < 0): flow ~ u |u|^a, u = y_v - y_0 (Jelali and Kroll
+/// 2003, sec. 4.3, curved flow gain); y_0 enters by its slope (1 + a) |y|^a.
 Effect ValveFlowCurvature(const CushionGeometry&) {
   Effect e;
   e.id = "valve_flow_curvature";
@@ -23,34 +25,30 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.min = -0.6;
   e.max = 1.0;
   e.typical = 0.05;
+  e.nonlinear = {{"exponent", "1", -0.6, 1.0}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"tank_back_pressure", "spool_overlap"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
-      "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, a spool with "
+      "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
+      "a spool with "
       "another notch shape than the data sheet says.";
-  e.variant = [](const auto&) {
-    const auto curve = [](const Stretch& s, double&, std::span<double> out) {
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * LogOpening(y[k]); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * y[k] * (Power(y[k], a) - 1.0) / a; }, out);
     };
-    const auto second_order = [](const Stretch& s, double&, std::span<double> out) {
+    const auto null = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(
-          s,
-          [=](int k) {
-            const double log = LogOpening(y[k]);
-            return root[k] * y[k] * log * log;
-          },
-          out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * ((1.0 + a) * Power(y[k], a) - 1.0) / a; }, out);
     };
-    const auto null = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return root[k] * LogOpening(y[k]); }, out);
-    };
-    return EffectVariant{{curve, second_order, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], 0.5 * c.size * c.theta[0], c.theta[3]};
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
                          }};
   };
+  e.grid = {{-0.1}, {0.1}};
   return e;
 }
 
