@@ -1,7 +1,11 @@
 #include "service/added_effects_estimator.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
+#include "estimation/gram_fit.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -9,6 +13,14 @@ namespace {
 
 /// Strokes kept while they do not yet tell the effects apart.
 constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMostParameters = 16;  ///< physical parameters and effects
+/// Share of a regressor's energy that must be more than sensor noise for a stroke to count as moving it.
+constexpr double kSignalShare = 0.5;
+
+/// A std beyond which the value says nothing useful about the parameter.
+double UsefulStd(const DerivedParameter& parameter) {
+  return parameter.unit == "1" ? 0.05 : 0.3 * std::abs(parameter.value);
+}
 
 SymmetricMatrix Congruence(const SymmetricMatrix& gram, const Eigen::MatrixXd& weights) {
   const auto columns = weights.rows();
@@ -88,12 +100,16 @@ std::vector<Estimate> AddedEffectsEstimator::EndStroke(const StrokeSummary& stro
     std::vector<Estimate> estimates;
     for (const Waiting& earlier : waiting_) {
       for (const SpanEquations& span : earlier.spans) inner_->AddStretch({}, Reduced(span));
-      estimates = inner_->EndStroke(earlier.summary, Reduced(earlier.gram));
+      const StrokeGram reduced = Reduced(earlier.gram);
+      estimates = inner_->EndStroke(earlier.summary, reduced);
+      JudgeGivenOthers(earlier.summary, reduced, estimates);
     }
     waiting_.clear();
     return estimates;
   }
-  std::vector<Estimate> estimates = inner_->EndStroke(stroke, Reduced(gram));
+  const StrokeGram reduced = Reduced(gram);
+  std::vector<Estimate> estimates = inner_->EndStroke(stroke, reduced);
+  JudgeGivenOthers(stroke, reduced, estimates);
   if (const Eigen::VectorXd present = inner_->theta(); present.size() > 0 && present.allFinite())
     Linearise(present);
   return estimates;
@@ -115,7 +131,38 @@ void AddedEffectsEstimator::Start() {
   Begin();
 }
 
-void AddedEffectsEstimator::Begin() { inner_ = MakeEstimator(machine_, ReducedModel(), window_); }
+void AddedEffectsEstimator::Begin() {
+  reduced_ = ReducedModel();
+  inner_ = MakeEstimator(machine_, reduced_, window_);
+}
+
+void AddedEffectsEstimator::JudgeGivenOthers(const StrokeSummary& stroke, const StrokeGram& reduced,
+                                             std::vector<Estimate>& estimates) {
+  const Eigen::VectorXd present = inner_->theta();
+  last_excited_.resize(kMostParameters, std::numeric_limits<double>::quiet_NaN());
+  if (present.size() == 0 || reduced.integral.dimension() == 0) return;
+  std::vector<int> columns(static_cast<std::size_t>(regressors()));
+  std::iota(columns.begin(), columns.end(), 0);
+  const NormalEquations raw = IntegralEquations(reduced, columns, regressors(), NoiseCorrection::kKeep);
+  const NormalEquations clean = IntegralEquations(reduced, columns, regressors());
+  const double variance = MeanSquaredError(raw, present);
+  const std::vector<DerivedParameter> derived = reduced_->derive(present);
+  for (std::size_t k = 0; k < std::min({estimates.size(), derived.size(), last_excited_.size()}); ++k) {
+    Estimate& estimate = estimates[k];
+    int own = 0;
+    derived[k].gradient.cwiseProduct(present).cwiseAbs().maxCoeff(&own);
+    const double useful = UsefulStd(derived[k]);
+    const double given =
+        std::abs(derived[k].gradient[own]) * std::sqrt(variance / std::max(clean.h(own, own), 1e-300));
+    const bool moved = clean.h(own, own) > kSignalShare * raw.h(own, own);
+    if (estimate.reason == EstimateReason::kNotExcited && moved && given < useful && estimate.std < useful) {
+      estimate.reason = EstimateReason::kUpdated;
+      estimate.excitation = useful / std::hypot(useful, given);
+    }
+    if (estimate.reason == EstimateReason::kUpdated) last_excited_[k] = stroke.end;
+    estimate.last_excited = last_excited_[k];
+  }
+}
 
 void AddedEffectsEstimator::Linearise(const Eigen::VectorXd& theta) {
   const int base = model_->base_count, n = regressors();
@@ -194,6 +241,8 @@ void AddedEffectsEstimator::Save(ByteWriter& out) const {
   if (!inner_) return;
   for (const EffectChoice& choice : choices_) out.Put<std::int32_t>(choice.shape);
   for (const double w : weights_.reshaped()) out.Put(w);
+  for (std::size_t k = 0; k < kMostParameters; ++k)
+    out.Put(k < last_excited_.size() ? last_excited_[k] : std::numeric_limits<double>::quiet_NaN());
   inner_->Save(out);
 }
 
@@ -214,6 +263,8 @@ bool AddedEffectsEstimator::Restore(ByteReader& in) {
   }
   weights_.resize(model_->column_count(), regressors() + 1);
   for (double& w : weights_.reshaped()) w = in.Get<double>();
+  last_excited_.resize(kMostParameters);
+  for (double& t : last_excited_) t = in.Get<double>();
   Begin();
   return inner_->Restore(in);
 }

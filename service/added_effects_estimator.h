@@ -14,7 +14,9 @@ namespace hydroscope {
 /// linearised at the parameters after the stroke before. The first kFirstStrokes strokes are collected and
 /// fitted at once, which gives the point to start from and, of effects whose nonlinear parameters the machine
 /// file does not give, the shape that errs least; until then there are no estimates. Effects count as
-/// parameters "internal_leakage.G".
+/// parameters "internal_leakage.G". A stroke updates a parameter if it tells something about it given the
+/// others: at one ram speed a leak cannot be told from a spool offset, but once both are known from earlier
+/// strokes, each stroke adds to both.
 class AddedEffectsEstimator : public StrokeEstimator {
  public:
   static constexpr std::size_t kFirstStrokes = 4;
@@ -55,6 +57,9 @@ class AddedEffectsEstimator : public StrokeEstimator {
   void Start();
   void Begin();
   void Linearise(const Eigen::VectorXd& theta);
+  /// Reasons and excitation given the other parameters.
+  void JudgeGivenOthers(const StrokeSummary& stroke, const StrokeGram& reduced,
+                        std::vector<Estimate>& estimates);
   SpanEquations Reduced(const SpanEquations& equations) const;
   std::shared_ptr<const ModelStructure> ReducedModel() const;
 
@@ -65,6 +70,8 @@ class AddedEffectsEstimator : public StrokeEstimator {
   std::vector<EffectChoice> choices_;  ///< empty before the start
   Eigen::MatrixXd weights_;            ///< columns x (regressors + output)
   std::unique_ptr<StrokeEstimator> inner_;
+  std::shared_ptr<const ModelStructure> reduced_;
+  std::vector<double> last_excited_;  ///< s per physical parameter, NaN = never
   std::deque<Waiting> waiting_;
   std::vector<SpanEquations> present_;  ///< of the stroke under way, before the start
 };

@@ -26,8 +26,8 @@ Machine WithLeak(const PressOptions& press) {
 }
 
 std::vector<StrokeRecord> Replay(const Machine& machine, const SampleBlock& rows,
-                              const std::vector<std::uint8_t>& state = {},
-                              std::vector<std::uint8_t>* left = nullptr) {
+                                 const std::vector<std::uint8_t>& state = {},
+                                 std::vector<std::uint8_t>* left = nullptr) {
   std::vector<StrokeRecord> records;
   auto pipeline =
       Pipeline::Create(machine, 0.002, [&](StrokeRecord&& r) { records.push_back(std::move(r)); });
@@ -58,7 +58,8 @@ TEST(AddedEffects, AreIdentifiedWithTheBaseModelStrokeByStroke) {
   EXPECT_NEAR(leak->value, 6e-12, 4 * leak->std);
   EXPECT_LT(leak->std, 2e-12);
   EXPECT_EQ(leak->unit, "m3/(s Pa)");
-  EXPECT_NE(Find(records.back(), "Q_vn"), nullptr);
+  EXPECT_EQ(leak->reason, EstimateReason::kUpdated) << "given the others, every stroke tells about a leak";
+  EXPECT_EQ(Find(records.back(), "Q_vn")->reason, EstimateReason::kUpdated);
 }
 
 TEST(AddedEffects, LowerTheErrorOfEveryStrokeAndLeaveItsGramAsItIs) {

@@ -69,6 +69,37 @@ Result<ExplainResult> ExplainAfter(const StrokeHistory& before, const StrokeHist
   }
 }
 
+/// The newer half of one machine's strokes.
+StrokeHistory NewerHalf(const StrokeHistory& history) {
+  StrokeHistory half = history;
+  const auto from = static_cast<std::ptrdiff_t>(history.units.size() / 2);
+  half.units.erase(half.units.begin(), half.units.begin() + from);
+  half.unit_parts.erase(half.unit_parts.begin(), half.unit_parts.begin() + from);
+  half.parts.front().first = half.unit_parts.front().first;
+  std::erase_if(half.sample, [&](const StrokeSummary& s) { return s.index < half.parts.front().first; });
+  return half;
+}
+
+/// Explains the newest strokes among those after that one size of an effect explains; `newest` is set to
+/// them. Without any, the explanation of all of them.
+Result<ExplainResult> ExplainNewest(const StrokeHistory& before, StrokeHistory& newest,
+                                    const ExplainOptions& options) {
+  auto all = ExplainAfter(before, newest, options);
+  if (!all || all->explanation.verdict != Verdict::kUnknown || newest.parts.size() != 1) return all;
+  for (StrokeHistory part = newest;
+       part.units.size() >= 2 * kFewestUnits && all->explanation.steps.size() > 1;) {
+    part = NewerHalf(part);
+    auto result = ExplainAfter(before, part, options);
+    if (!result) break;
+    const std::vector<std::string>& set = result->explanation.set;
+    const std::string& seen = all->explanation.steps[1].added;
+    if (std::find(set.begin(), set.end(), seen) == set.end()) continue;
+    newest = std::move(part);
+    return result;
+  }
+  return all;
+}
+
 std::vector<ValueChange> ParameterChanges(const StrokeHistory& before, const StrokeHistory& after,
                                           const ChangeResult& result) {
   const auto then =
@@ -106,18 +137,20 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
                                    const ExplainOptions& options) {
   auto then = ExplainHistory(before, options);
   if (!then) return tl::unexpected(then.error());
-  ChangeResult result{std::move(*then), {}, {}, {}, {}};
+  ChangeResult result{std::move(*then), {}, {}, {}, {}, 0};
   const Explanation& earlier = result.before.explanation;
   ExplainOptions own = OptionsForEquations(options, Equations(after));
   own.start = IdsOf(*earlier.model, earlier.chosen);
   own.floor_excess += std::max(0.0, earlier.final.excess_ratio);
-  auto now = ExplainAfter(before, after, own);
+  StrokeHistory newest = after;
+  auto now = ExplainNewest(before, newest, own);
   if (!now) return tl::unexpected(now.error());
+  if (newest.units.size() < after.units.size()) result.newest = newest.strokes();
   result.after = std::move(*now);
 
   Explanation& later = result.after.explanation;
   result.appeared = later.set;
-  result.parameters = ParameterChanges(before, after, result);
+  result.parameters = ParameterChanges(before, newest, result);
   result.effects = EffectChanges(result, own.min_t);
   for (const ValueChange& effect : result.effects) {
     if (!effect.significant || later.verdict == Verdict::kUnknown) continue;

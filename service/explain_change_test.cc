@@ -92,6 +92,24 @@ TEST(ExplainChange, WhatWasThereBeforeIsNoChange) {
   EXPECT_THAT(result->appeared, IsEmpty());
 }
 
+TEST(ExplainChange, WearThatGoesOnIsNamedOnTheNewestStrokes) {
+  StrokeHistory after = HistoryOf(Cushion(4, {{"internal_leakage", 2e-12, {}}}));
+  std::uint64_t seed = 10;
+  for (const double size : {4e-12, 6e-12, 8e-12}) {
+    const StrokeHistory more = HistoryOf(Cushion(seed++, {{"internal_leakage", size, {}}}));
+    for (const StrokeGram& unit : more.units) {
+      after.units.push_back(unit);
+      const std::int64_t at = after.parts.front().last++;
+      after.unit_parts.push_back({after.parts.front().machine, 1, at, at + 1});
+    }
+  }
+  const auto result = ExplainChange(HistoryOf(Cushion(3, {})), after);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_THAT(result->after.explanation.set, Contains("internal_leakage")) << ChangeText(*result);
+  EXPECT_GT(result->newest, 0);
+  EXPECT_LT(result->newest, after.strokes());
+}
+
 TEST(ExplainChange, AnEffectThatGrowsIsNamed) {
   const auto result = ExplainChange(HistoryOf(Cushion(3, {{"internal_leakage", 3e-12, {}}})),
                                     HistoryOf(Cushion(4, {{"internal_leakage", 9e-12, {}}})));

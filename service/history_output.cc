@@ -134,6 +134,9 @@ std::string ChangeText(const ChangeResult& result) {
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
   std::string text = VerdictText(result);
   text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
+  if (result.newest > 0)
+    text += fmt::format("What appeared went on changing: explained on the newest {} of these strokes.\n",
+                        result.newest);
   text += fmt::format(
       "\nError on strokes left out, {}\n"
       "  before, with the model that explains them   {:>8.3g}   sensor noise alone {:.3g}\n"
@@ -168,7 +171,8 @@ nlohmann::json ChangeJson(const StrokeHistory& before, const StrokeHistory& afte
                    {"verdict_before", VerdictName(result.before.explanation.verdict)},
                    {"parameters", ValuesJson(result.parameters)},
                    {"effects", ValuesJson(result.effects)},
-                   {"appeared", result.appeared}};
+                   {"appeared", result.appeared},
+                   {"newest_strokes", result.newest > 0 ? nlohmann::json(result.newest) : nlohmann::json()}};
   return out;
 }
 
