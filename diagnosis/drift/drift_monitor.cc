@@ -98,7 +98,7 @@ void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgem
   strokes_.push_back(std::move(rest));
   if (strokes_.size() > kRemembered) strokes_.pop_front();
   Follow(d, stroke);
-  Explain(d.doubt, stroke.oil_temperature);
+  if (!strokes_.empty()) Explain(d.doubt, stroke.oil_temperature);  // empty: a finding has just gone
 }
 
 std::vector<int> DriftMonitor::ExplainedQuantities() const {
