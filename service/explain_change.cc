@@ -69,10 +69,11 @@ Result<ExplainResult> ExplainAfter(const StrokeHistory& before, const StrokeHist
   }
 }
 
-/// The newer half of one machine's strokes.
+/// The newer half of one machine's strokes, at least kFewestUnits.
 StrokeHistory NewerHalf(const StrokeHistory& history) {
   StrokeHistory half = history;
-  const auto from = static_cast<std::ptrdiff_t>(history.units.size() / 2);
+  const std::size_t kept = std::max(kFewestUnits, (history.units.size() + 1) / 2);
+  const auto from = static_cast<std::ptrdiff_t>(history.units.size() - kept);
   half.units.erase(half.units.begin(), half.units.begin() + from);
   half.unit_parts.erase(half.unit_parts.begin(), half.unit_parts.begin() + from);
   half.parts.front().first = half.unit_parts.front().first;
@@ -86,8 +87,7 @@ Result<ExplainResult> ExplainNewest(const StrokeHistory& before, StrokeHistory& 
                                     const ExplainOptions& options) {
   auto all = ExplainAfter(before, newest, options);
   if (!all || all->explanation.verdict != Verdict::kUnknown || newest.parts.size() != 1) return all;
-  for (StrokeHistory part = newest;
-       part.units.size() >= 2 * kFewestUnits && all->explanation.steps.size() > 1;) {
+  for (StrokeHistory part = newest; part.units.size() > kFewestUnits && all->explanation.steps.size() > 1;) {
     part = NewerHalf(part);
     auto result = ExplainAfter(before, part, options);
     if (!result) break;
