@@ -141,6 +141,8 @@ void StrokeSegmenter::CompleteBlock() {
 void StrokeSegmenter::Decide(int index) {
   --undecided_;
   if (GateOpen(index)) {
+    if (in_stroke_ && direction_ != stroke_direction_) EndStroke();
+    stroke_direction_ = direction_;
     Append(ring_[index]);
   } else {
     EndSegment();
@@ -148,7 +150,8 @@ void StrokeSegmenter::Decide(int index) {
   }
 }
 
-bool StrokeSegmenter::GateOpen(int index) const {
+bool StrokeSegmenter::GateOpen(int index) {
+  direction_ = 0;
   for (const Bound& bound : bounds_) {
     double x = ring_[index].mean[bound.slot];
     if (bound.rate) {
@@ -162,7 +165,10 @@ bool StrokeSegmenter::GateOpen(int index) const {
       const double distance = (last - 0.5 * (after - 1)) - (first + 0.5 * (before - 1));
       x = (sum_after / after - sum_before / before) / (distance * window_.block * window_.period);
     }
-    if (bound.magnitude) x = std::abs(x);
+    if (bound.magnitude) {
+      direction_ = 2 * direction_ + (x < 0);
+      x = std::abs(x);
+    }
     if (!(x >= bound.min && x <= bound.max)) return false;
   }
   return true;

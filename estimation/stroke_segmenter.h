@@ -19,7 +19,8 @@ namespace hydroscope {
 /// Samples are taken block by block; a bad value in a needed channel, a gap or a clock jump ends the segment
 /// and restarts the block grid. The gate looks at block means (and at their rate over +-2 blocks, hence a
 /// delay of two blocks), so that sensor noise does not decide which samples are used. Time outside the gate
-/// longer than `GateSpec::stroke_gap` ends the stroke.
+/// longer than `GateSpec::stroke_gap` ends the stroke, and so does a change of sign under an abs(...) of the
+/// gate: on its way the magnitude was zero.
 class StrokeSegmenter {
  public:
   struct Sink {
@@ -62,7 +63,8 @@ class StrokeSegmenter {
   void Fill(const SampleBlock& block, std::size_t first, int count);
   void CompleteBlock();
   void Decide(int index);
-  bool GateOpen(int index) const;
+  /// Whether all bounds hold; notes the signs of those on a magnitude in `direction_`.
+  bool GateOpen(int index);
   void Break();
   void Append(const Pending& block);
   void EndSegment();
@@ -91,6 +93,7 @@ class StrokeSegmenter {
   int stretch_blocks_ = 0;
   double stretch_begin_ = 0;
   bool in_stroke_ = false;
+  std::uint32_t direction_ = 0, stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
   double last_gated_ = 0;
   StrokeSummary summary_;
   double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0, last_position_ = 0, travel_ = 0;

@@ -1,12 +1,23 @@
 #include "service/batch_fit.h"
 
+#include <cmath>
+#include <optional>
+
 #include "acquisition/quality_monitor.h"
+#include "service/live/raw_log.h"
 #include "service/output.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRowsPerBlock = 1024;
+
+void Add(const StrokeCounters& more, StrokeCounters& sum) {
+  sum.samples += more.samples;
+  sum.gated += more.gated;
+  sum.used += more.used;
+  for (std::size_t f = 0; f < sum.flagged.size(); ++f) sum.flagged[f] += more.flagged[f];
+}
 
 }  // namespace
 
@@ -49,7 +60,7 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
 }
 
 Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep) {
-  auto reader = OpenLog(log, machine);
+  auto reader = OpenRecording(log, machine);
   if (!reader) return tl::unexpected(reader.error());
   StrokeCollector collector(machine, keep);
   auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), collector.Sink());
@@ -72,6 +83,37 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, K
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
   return out;
+}
+
+Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine, KeepSamples keep) {
+  constexpr double kSamePeriod = 0.05;
+  std::optional<LogStrokes> all;
+  for (const std::string& log : logs) {
+    auto next = ReadStrokes(log, machine, keep);
+    if (!next) return next;
+    if (!all) {
+      all = std::move(*next);
+      continue;
+    }
+    const double period = next->window.period, first = all->window.period;
+    if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
+      return BadInput("{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log, period,
+                      logs.front(), first);
+    // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
+    if (all->stretches.size() < all->strokes.size()) next->stretches.clear();
+    const auto offset = static_cast<std::int64_t>(all->strokes.size());
+    for (StrokeRecord& stroke : next->strokes) {
+      stroke.summary.index += offset;
+      all->strokes.push_back(std::move(stroke));
+    }
+    for (StrokeStretches& stretches : next->stretches) all->stretches.push_back(std::move(stretches));
+    Add(next->totals, all->totals);
+    all->discarded_strokes += next->discarded_strokes;
+    all->reader.rows += next->reader.rows;
+    all->reader.rejected_rows += next->reader.rejected_rows;
+  }
+  if (!all) return UsageError("no log given");
+  return std::move(*all);
 }
 
 Result<FitResult> FitLog(const std::string& log, const std::string& machine_file) {

@@ -51,6 +51,11 @@ class StrokeCollector {
 /// Reads a whole log through quality monitor and pipeline; progress on stderr.
 Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep = KeepSamples::kNo);
 
+/// The same for several logs of one machine, one after the other as if recorded in a row. Error: their sampling rates
+/// differ by more than 5 %, so that equal windows do not hold equal times.
+Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
+                               KeepSamples keep = KeepSamples::kNo);
+
 struct FitResult {
   LogStrokes log;
   GramFit fit;

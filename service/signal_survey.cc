@@ -22,6 +22,7 @@ std::string ConditionText(const Machine& machine, const GateBound& bound) {
   if (bound.rate && si == "m") si = "m/s";
   const DisplayUnit shown = DisplayUnitFor(si);
   std::string text = bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal;
+  if (bound.magnitude) text = fmt::format("|{}|", text);
   if (bound.min)
     text += fmt::format(" >= {:.4g}", *bound.min * shown.factor + (bound.rate ? 0 : shown.offset));
   if (bound.min && bound.max) text += " and";
@@ -41,6 +42,7 @@ SignalSurvey::SignalSurvey(const Machine& machine, double sample_period)
     Condition condition;
     condition.signal = machine.SignalIndex(bound.signal);
     condition.rate = bound.rate;
+    condition.magnitude = bound.magnitude;
     condition.min = bound.min.value_or(-kInfinity);
     condition.max = bound.max.value_or(kInfinity);
     conditions_.push_back(condition);
@@ -110,7 +112,8 @@ void SignalSurvey::JudgeBlock(Condition& c) const {
   c.count = 0;
   c.whole = true;
   if (c.blocks < (c.rate ? 3 : 1)) return;
-  const double x = c.rate ? (c.mean[2] - c.mean[0]) / (2 * block_rows_ * period_) : c.mean[2];
+  const double signed_x = c.rate ? (c.mean[2] - c.mean[0]) / (2 * block_rows_ * period_) : c.mean[2];
+  const double x = c.magnitude ? std::abs(signed_x) : signed_x;
   ++c.judged;
   if (x >= c.min && x <= c.max) ++c.held;
   if (-x >= c.min && -x <= c.max) ++c.held_mirrored;

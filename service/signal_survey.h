@@ -55,7 +55,7 @@ class SignalSurvey {
  private:
   struct Condition {
     int signal = -1;
-    bool rate = false;
+    bool rate = false, magnitude = false;
     double min = 0, max = 0;  ///< SI
     double mean[3] = {};      ///< the last block means, oldest first
     double sum = 0;           ///< of the block under way

@@ -10,6 +10,7 @@
 #include "service/benchmarks/frf_benchmark.h"
 #include "service/benchmarks/hidden_effects_benchmark.h"
 #include "service/benchmarks/live_benchmarks.h"
+#include "service/benchmarks/seal_friction.h"
 #include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
 
@@ -82,11 +83,15 @@ void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::Range(20.0, 1e4))
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the log and of the first draw")->capture_default_str();
+  command->add_option("--seeds", o->seeds, "Logs: repeat ours on this many, with the median over them")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--svg", o->svg,
                       "Write a plot of bias and standard deviation over the width to this file");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark filter-study\n"
+      "  hydroscope benchmark filter-study --seeds 20\n"
       "  hydroscope benchmark filter-study --draws 20 --svg filter_study.svg");
   command->callback([o, &exit_code] { exit_code = RunFilterStudy(*o); });
 }
@@ -104,7 +109,15 @@ void AddThirtyRuns(CLI::App& benchmark, int& exit_code) {
   command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K")
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of all runs")->capture_default_str();
-  command->footer("Example:\n  hydroscope benchmark thirty-runs --seconds 40");
+  command->add_option("--seeds", o->seeds, "Repeat with this many seeds and list the slopes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--db", o->database, "Keep the trend database of the first seed in this new file");
+  command->add_option("--report", o->report, "Write the report of the first seed to this HTML file");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark thirty-runs --db runs.db --report runs.html\n"
+      "  hydroscope benchmark thirty-runs --seeds 20");
   command->callback([o, &exit_code] { exit_code = RunThirtyRuns(*o); });
 }
 
@@ -140,6 +153,20 @@ void AddDrift(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark drift\n"
       "  hydroscope benchmark drift --axis-years 0.1 --faults 20");
   command->callback([o, &exit_code] { exit_code = RunDriftBenchmark(*o); });
+}
+
+void AddSealFriction(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<SealFrictionOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "seal-friction", "Measured runs of a cylinder seal: from F = A p + c to the friction that is missing");
+  command->add_option("--data", o->data,
+                      "Folder with the runs (*.csv); without it seal_friction in HYDROSCOPE_DATA or ../shared/data");
+  command->add_option("--machine,-m", o->machine, "Machine file (TOML)")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark seal-friction\n"
+      "  hydroscope benchmark seal-friction --data runs --machine machines/seal_friction.toml");
+  command->callback([o, &exit_code] { exit_code = RunSealFriction(*o); });
 }
 
 void AddExampleLog(CLI::App& benchmark, int& exit_code) {
@@ -229,6 +256,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddLiveKill(*benchmark, exit_code);
   AddLiveFaults(*benchmark, exit_code);
   AddLiveSoak(*benchmark, exit_code);
+  AddSealFriction(*benchmark, exit_code);
 }
 
 }  // namespace hydroscope
