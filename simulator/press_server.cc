@@ -58,7 +58,7 @@ Result<std::unique_ptr<PressServer>> PressServer::Create(const Options& options,
 PressServer::PressServer(const Options& options, Clock clock, std::unique_ptr<LivePress> press)
     : options_(options),
       clock_(std::move(clock)),
-      start_wall_ns_(clock_().wall_ns),
+      start_(clock_()),
       batch_rows_(RowsOfBatch(options)),
       map_(options.press.axes, options.press.press.sample_period, options.session,
            options.modbus ? options.modbus->order : WordOrder::kAbcd),
@@ -91,8 +91,10 @@ Status PressServer::Open() {
   return {};
 }
 
+/// A batch is sent when its last row is over: the first one, at the start, ends there.
 std::int64_t PressServer::SourceTime(double t) const {
-  return start_wall_ns_ + std::llround((t * (1 + options_.clock_drift) + clock_jump_) * 1e9);
+  const double since = t - static_cast<double>(batch_rows_) * options_.press.press.sample_period;
+  return start_.wall_ns + std::llround((since * (1 + options_.clock_drift) + clock_jump_) * 1e9);
 }
 
 void PressServer::Run(std::stop_token stop, double seconds) {
@@ -100,12 +102,11 @@ void PressServer::Run(std::stop_token stop, double seconds) {
   const double cycle_ns = static_cast<double>(batch_rows_) * period / options_.speed * 1e9;
   const auto cycles =
       static_cast<std::int64_t>(std::ceil(seconds / (static_cast<double>(batch_rows_) * period)));
-  const std::int64_t begin = clock_().monotonic_ns;
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
   for (std::int64_t cycle = modbus_ ? 1 : 0; cycle < cycles && !stop.stop_requested(); ++cycle) {
-    const auto due = begin + static_cast<std::int64_t>(static_cast<double>(cycle) * cycle_ns);
+    const auto due = start_.monotonic_ns + static_cast<std::int64_t>(static_cast<double>(cycle) * cycle_ns);
     const std::int64_t early = due - clock_().monotonic_ns;
     if (early > 0) wake.wait_for(lock, stop, std::chrono::nanoseconds(early), [] { return false; });
     std::lock_guard guard(mutex_);

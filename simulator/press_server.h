@@ -95,7 +95,7 @@ class PressServer {
 
   Options options_;
   Clock clock_;
-  std::int64_t start_wall_ns_;
+  HostTime start_;  // when the first batch is due
   std::size_t batch_rows_;
   PressMap map_;
   mutable std::mutex mutex_;  // guards everything below
