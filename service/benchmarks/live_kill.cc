@@ -89,7 +89,8 @@ Result<std::vector<std::string>> Check(
 }  // namespace
 
 int RunLiveKill(const LiveKillOptions& o) {
-  LiveRig rig({.seed = o.seed, .folder = {}});
+  // A process killed while it holds a lock of the shared memory leaves it locked; UDP has nothing to leave.
+  LiveRig rig({.seed = o.seed, .transport = "udp", .folder = {}});
   rig.StartPress();
   std::mt19937_64 random(o.seed);
   std::uniform_real_distribution<double> life(0.1, 3.0);

@@ -37,7 +37,9 @@ std::string MachineText(const RigOptions& o, int domain, int port) {
         std::min(1024, (65536 - 1000) / width), width, 1 / o.rate);
   } else {
     text += fmt::format(
-        "\n[live.dds]\ndomain = {}\ntopic = \"hydroscope/samples\"\ninterfaces = [\"127.0.0.1\"]\n", domain);
+        "\n[live.dds]\ndomain = {}\ntopic = \"hydroscope/samples\"\ninterfaces = [\"127.0.0.1\"]\n"
+        "transport = \"{}\"\n",
+        domain, o.transport);
   }
   text += "\n[signals]\n";
   struct Signal {

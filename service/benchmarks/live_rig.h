@@ -39,8 +39,9 @@ struct RigOptions {
   double rate = 1000;        ///< Hz
   bool modbus_ring = false;  ///< all by Modbus in place of DDS (at most 8 axes)
   std::uint64_t seed = 1;
-  double clock_drift = 0;  ///< ppm
-  std::string folder;      ///< "" = a temporary one, removed at the end
+  std::string transport = "default";  ///< of DDS
+  double clock_drift = 0;             ///< ppm
+  std::string folder;                 ///< "" = a temporary one, removed at the end
 };
 
 /// A simulated press and a service that watches it, each a process of its own, on the loopback only.

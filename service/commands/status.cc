@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,21 +9,78 @@
 #include "service/live/live_status.h"
 #include "service/live/verify_live.h"
 #include "service/output.h"
+#include "storage/database.h"
 
 namespace hydroscope {
 namespace {
 
 struct StatusArguments {
   std::string database, json, valve_check;
+  bool valve_checks = false;
 };
 
+/// A value with its 95 % interval; "-" if there is none.
+std::string Interval(double value, double std) {
+  return std::isfinite(value) ? fmt::format("{:.5g} +- {:.2g}", value, 1.96 * std) : "-";
+}
+
+/// The history of valve checks, from the database; no service is needed.
+int RunValveChecks(const StatusArguments& a) {
+  auto database = Database::OpenReadOnly(a.database);
+  if (!database) return ReportError(database.error());
+  const auto names = database->MachineNames();
+  if (!names) return ReportError(names.error());
+  nlohmann::json list = nlohmann::json::array();
+  std::string text = fmt::format("{:<22} {:>13} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", "axis", "time s",
+                                 "outcome", "bandwidth Hz", "damping", "gain", "dead time ms", "");
+  for (const std::string& name : *names) {
+    const auto machine = database->MachineId(name);
+    if (!machine) return ReportError(machine.error());
+    const auto checks = database->ValveChecks(*machine);
+    if (!checks) return ReportError(checks.error());
+    for (const ValveCheckRecord& c : *checks) {
+      std::string conditions = c.detail;
+      if (std::isfinite(c.supply_pressure))
+        conditions = fmt::format("amplitude {:.3g}, supply {:.1f} bar, oil {:.1f} degC; {}", c.amplitude,
+                                 c.supply_pressure * 1e-5, c.oil_temperature - 273.15, c.detail);
+      text += fmt::format("{:<22} {:>13.1f} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", name, c.begin,
+                          c.outcome, Interval(c.bandwidth, c.bandwidth_std),
+                          Interval(c.damping, c.damping_std), Interval(c.gain, c.gain_std),
+                          Interval(c.dead_time * 1e3, c.dead_time_std * 1e3), conditions);
+      nlohmann::json check = {
+          {"axis", name}, {"time_s", c.begin}, {"outcome", c.outcome}, {"detail", c.detail}};
+      for (const auto& [key, value] : {std::pair{"f0_hz", c.f0},
+                                       {"f0_std_hz", c.f0_std},
+                                       {"damping", c.damping},
+                                       {"damping_std", c.damping_std},
+                                       {"gain", c.gain},
+                                       {"gain_std", c.gain_std},
+                                       {"dead_time_s", c.dead_time},
+                                       {"dead_time_std_s", c.dead_time_std},
+                                       {"bandwidth_hz", c.bandwidth},
+                                       {"bandwidth_std_hz", c.bandwidth_std},
+                                       {"amplitude", c.amplitude},
+                                       {"supply_pressure", c.supply_pressure},
+                                       {"oil_temperature", c.oil_temperature}})
+        check[key] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+      list.push_back(std::move(check));
+    }
+  }
+  if (a.json != "-") std::cout << text;
+  if (!a.json.empty())
+    if (const Status written = WriteJson(a.json, {{"valve_checks", list}}); !written)
+      return ReportError(written.error());
+  return kDone;
+}
+
 int RunStatus(const StatusArguments& a) {
+  if (a.valve_checks) return RunValveChecks(a);
   const std::string socket = SocketOf(a.database);
   if (!a.valve_check.empty()) {
     const auto asked = AskService(socket, "POST", "/valve_check?axis=" + a.valve_check);
     if (!asked) return ReportError(asked.error());
     std::cout << "The controller will be asked for a valve sweep of " << a.valve_check
-              << "; `hydroscope status` and `hydroscope trends` show what comes of it.\n";
+              << "; `hydroscope status --valve-checks` shows what comes of it.\n";
     return kDone;
   }
   const auto answer = AskService(socket, "GET", "/status");
@@ -81,6 +139,7 @@ void AddStatusCommand(CLI::App& app, int& exit_code) {
   command->add_option("--json", a->json, "Write everything as JSON to this file; - is stdout");
   command->add_option("--request-valve-check", a->valve_check,
                       "Ask the controller for a valve sweep of this axis");
+  command->add_flag("--valve-checks", a->valve_checks, "History of valve checks, from the database");
   command->footer(
       "Exit code 4: the service runs but cannot write at present.\n"
       "Examples:\n"

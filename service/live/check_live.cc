@@ -92,12 +92,13 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
         !started)
       return tl::unexpected(started.error());
   HostTime now = start;
-  std::int64_t first = 0;  // ns, when the first batch came: rates count from there
+  std::vector<std::int64_t> first(ranges.size());  // ns, first batch of each channel: rates count from there
   SampleBlock block;
   while (static_cast<double>(now.monotonic_ns - start.monotonic_ns) * 1e-9 < seconds) {
     now = clock();
     for (const Inbox::Entry& entry : inbox.TakeAll(0.01)) {
-      if (first == 0) first = entry.batch.received.monotonic_ns;
+      for (const std::uint16_t channel : entry.batch.channels)
+        if (channel < first.size() && first[channel] == 0) first[channel] = entry.batch.received.monotonic_ns;
       aligner.Add(entry.source, entry.batch);
     }
     aligner.Advance(now.monotonic_ns);
@@ -115,7 +116,6 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
   for (const auto& source : sources) check.sources.push_back(source->status());
   for (const auto& source : sources) source->Stop();
   check.streams = aligner.streams();
-  const double heard = std::max(0.1, static_cast<double>(now.monotonic_ns - first) * 1e-9);
   for (const LiveChannel& live : LiveChannels(machine)) {
     const auto signal = static_cast<std::size_t>(live.signal);
     const std::size_t index = static_cast<std::size_t>(live.axis) * signals + signal;
@@ -126,9 +126,10 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     const Range& range = ranges[index];
     CheckedChannel channel{
         .name = live.name, .unit = std::string(FindUnit(spec.unit).value_or(Unit{}).si), .hints = {}};
-    channel.rate = static_cast<double>(state.values) / heard;
-    channel.age =
-        state.last_received == 0 ? kNaN : static_cast<double>(now.monotonic_ns - state.last_received) * 1e-9;
+    const double heard = static_cast<double>(now.monotonic_ns - first[index]) * 1e-9;
+    channel.rate = static_cast<double>(state.values) / std::max(0.1, heard);
+    const std::int64_t age = std::max<std::int64_t>(0, now.monotonic_ns - state.last_received);
+    channel.age = state.last_received == 0 ? kNaN : static_cast<double>(age) * 1e-9;
     channel.min = range.min, channel.max = range.max;
     channel.mean = range.count > 0 ? range.sum / static_cast<double>(range.count) : kNaN;
     channel.noise_std = seen.noise_std;
