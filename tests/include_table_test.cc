@@ -51,6 +51,7 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
     {"<matio.h>", {"replay/"}},
     {"<CLI/", {"service/"}},
+    {"<muParser", {"models/expression_evaluator"}},
 };
 const std::vector<Reserved> kReservedWords = {
     {"steady_clock", {"service/"}},
