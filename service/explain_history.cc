@@ -41,6 +41,7 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
   const double times = std::max(1.0, equations / kEquationsOfALog);
   options.min_gain *= times;
   options.max_remainder *= times;
+  options.doubt_remainder *= times;
   options.rival_gain *= times;
   return options;
 }

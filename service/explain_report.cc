@@ -91,6 +91,9 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
   std::vector<std::string> out = {ErrorSentence(result)};
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set) out.push_back("Check on the machine – " + Described(result, id));
+  if (!x.doubt.empty())
+    out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
+                              EscapeText(x.doubt)));
   if (x.verdict == Verdict::kAmbiguous)
     for (const auto& group : x.groups)
       for (const std::string& id : group)
