@@ -16,6 +16,8 @@ namespace hydroscope {
 
 /// Inside of the aligner: one sender's columns, and the open frames of one axis.
 
+inline std::int64_t Ns(double seconds) { return std::llround(seconds * 1e9); }
+
 /// Raw value to SI.
 struct Aligner::Column {
   double scale = 1, offset = 0;

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 constexpr std::int64_t kPlenty = 1 << 30;
 
 RawWindow MakeRaw(std::int64_t first, std::int64_t last) {
-  RawWindow raw{{"p_A", "z"}, {}, {{}, {}}};
+  RawWindow raw{{"p_A", "z"}, {}, {{}, {}}, {}};
   for (std::int64_t row = first; row < last; ++row) {
     raw.time.push_back(0.001 * row);
     raw.values[0].push_back(1e7 + 1e5 * Noise(row));
