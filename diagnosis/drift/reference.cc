@@ -14,7 +14,8 @@ constexpr double kStepsPerKelvin = 10.0;
 constexpr double kBinWidth = 1.5;      ///< K
 constexpr std::size_t kBinStrokes = 12;
 constexpr int kMostBins = 40;
-constexpr int kCycles = 60;            ///< of fitting one curve after the other (backfitting, Buja et al. 1989)
+constexpr int kPasses = 8;             ///< of taking class means out
+constexpr int kSteps = 6;              ///< of Gauss and Newton
 constexpr std::size_t kBlock = 10;     ///< strokes, for the correlation of neighbours
 constexpr double kClip = 3.5;          ///< standard deviations, against single bad strokes
 
@@ -52,6 +53,20 @@ std::vector<Bin> BinByTemperature(std::span<const StrokeEvidence> strokes) {
   }
   for (Bin& bin : bins) bin.temperature /= bin.strokes;
   return bins;
+}
+
+/// Terms of a quantity's curve. A volume and a spool position do not depend on the oil; at one ram speed they could not be told
+/// from flow and bulk modulus, which do.
+int TermsOf(const Quantity& quantity) {
+  if (quantity.unit == "m3" || quantity.unit == "1") return 1;
+  return quantity.family == CurveFamily::kFlow ? 3 : 2;
+}
+
+/// Mean square of the points about the curve in units of their std, at least 1.
+double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureModel& curve) {
+  double sum = 0;
+  for (const TemperaturePoint& p : points) sum += std::pow((p.value - curve.At(p.temperature).value) / p.std, 2);
+  return std::max(1.0, sum / std::max<double>(1.0, static_cast<double>(points.size())));
 }
 
 /// Variance of deviations in units of what their information promises: the larger of single strokes and of blocks of
@@ -98,6 +113,13 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   reference.theta_.head(model.base_count()) = SolveNormalEquations(base);
   reference.typical_ = values;
   reference.LearnCurves(model, strokes);
+  // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves fitted again.
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<StrokeEvidence> level = reference.WithoutClassMeans(model, strokes);
+    reference.curves_.clear();
+    reference.expected_.clear();
+    reference.LearnCurves(model, level);
+  }
   std::vector<std::vector<const StrokeEvidence*>> members;
   for (const StrokeEvidence& s : strokes) {
     const int index = reference.classes_.FindOrAdd(s);
@@ -114,35 +136,92 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   return reference;
 }
 
-/// One curve after the other is fitted to what the bins leave to it (backfitting), until they fit together.
+std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& model,
+                                                         std::span<const StrokeEvidence> strokes) const {
+  OperatingClasses classes;
+  std::vector<Eigen::VectorXd> mean;
+  std::vector<double> count;
+  const auto error = [&](const StrokeEvidence& s) -> Eigen::VectorXd {
+    const NormalEquations& e = s.equations;
+    return (e.g - e.h * At(model, s.oil_temperature).theta).cwiseQuotient(e.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+  };
+  for (const StrokeEvidence& s : strokes) {
+    const int c = classes.FindOrAdd(s);
+    if (c < 0) continue;
+    mean.resize(classes.count(), Eigen::VectorXd::Zero(model.size()));
+    count.resize(classes.count(), 0);
+    mean[c] += error(s);
+    ++count[c];
+  }
+  std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
+  for (StrokeEvidence& s : level) {
+    const int c = classes.Find(s);
+    if (c >= 0) s.equations.g -= (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+  }
+  return level;
+}
+
+/// All curves together by Gauss-Newton on the bins' normal equations, so that what strokes hardly tell apart (flow and null
+/// at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens the covariance.
 void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   const std::vector<Bin> bins = BinByTemperature(strokes);
-  for (int q = 0; q < model.size(); ++q) curves_.push_back(TemperatureModel::Known(typical_[q]));
   NormalEquations all;
   for (const Bin& bin : bins) all += bin.equations;
-  const double variance = std::max(MeanSquaredError(all, theta_), 1e-300);
+  std::vector<int> first;  // of each quantity's coefficients
+  int coefficients = 0;
+  for (int q = 0; q < model.size(); ++q) {
+    const Quantity& quantity = model.quantities()[q];
+    std::vector<TemperaturePoint> flat;
+    for (const Bin& bin : bins) flat.push_back({bin.temperature, typical_[q], std::max(std::abs(typical_[q]), 1e-30)});
+    curves_.push_back(quantity.effect ? TemperatureModel::Known(0)
+                                      : TemperatureModel::FitTerms(flat, quantity.family, TermsOf(quantity)).value());
+    first.push_back(coefficients);
+    coefficients += quantity.effect ? 0 : static_cast<int>(curves_[q].Basis(bins.front().temperature).size());
+  }
   std::vector<Eigen::VectorXd> theta(bins.size(), theta_);
-  const auto expected = [&](const Bin& bin) {
-    Eigen::VectorXd values(model.size());
-    for (int q = 0; q < model.size(); ++q) values[q] = curves_[q].At(bin.temperature).value;
-    return values;
-  };
-  for (int cycle = 0; cycle < kCycles; ++cycle)
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(coefficients, coefficients);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(coefficients);
+    double squares = 0, equations = 0;
+    std::vector<std::vector<TemperaturePoint>> points(model.size());
+    for (std::size_t b = 0; b < bins.size(); ++b) {
+      Eigen::VectorXd values(model.size());
+      Eigen::MatrixXd design = Eigen::MatrixXd::Zero(model.size(), coefficients);
+      for (int q = 0; q < model.size(); ++q) {
+        values[q] = curves_[q].At(bins[b].temperature).value;
+        if (model.quantities()[q].effect) continue;
+        const Eigen::VectorXd basis = curves_[q].Basis(bins[b].temperature);
+        design.row(q).segment(first[q], basis.size()) = basis.transpose();
+      }
+      if (const Eigen::VectorXd solved = model.Theta(values, theta[b]); solved.size() > 0) theta[b] = solved;
+      const Score score = model.Deviation(bins[b].equations, theta[b]);
+      h += design.transpose() * score.information * design;
+      g += design.transpose() * score.score;
+      squares += MeanSquaredError(bins[b].equations, theta[b]) * bins[b].equations.equations;
+      equations += bins[b].equations.equations;
+      for (int q = 0; q < model.size(); ++q)
+        if (score.information(q, q) > 0)
+          points[q].push_back({bins[b].temperature, values[q] + score.score[q] / score.information(q, q),
+                               std::sqrt(std::max(squares / equations, 1e-300) / score.information(q, q))});
+    }
+    const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd inverse =
+        (scale.asDiagonal() * h * scale.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
+    const Eigen::VectorXd change = covariance * g;
     for (int q = 0; q < model.size(); ++q) {
       if (model.quantities()[q].effect) continue;
-      std::vector<TemperaturePoint> points;
-      for (std::size_t b = 0; b < bins.size(); ++b) {
-        const Eigen::VectorXd values = expected(bins[b]);
-        const Eigen::VectorXd solved = model.Theta(values, theta[b]);
-        if (solved.size() == 0) continue;
-        theta[b] = solved;
-        const Score score = model.Deviation(bins[b].equations, theta[b]);
-        const double information = score.information(q, q);
-        if (!(information > 0)) continue;
-        points.push_back({bins[b].temperature, values[q] + score.score[q] / information, std::sqrt(variance / information)});
-      }
-      if (auto curve = TemperatureModel::Fit(points, model.quantities()[q].family)) curves_[q] = *curve;
+      const auto terms = curves_[q].Basis(bins.front().temperature).size();
+      // Each quantity is judged alone, so its own information counts, not what the others leave of it.
+      const Eigen::MatrixXd own = h.block(first[q], first[q], terms, terms);
+      const Eigen::VectorXd unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+      const Eigen::MatrixXd own_inverse =
+          (unit.asDiagonal() * own * unit.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse();
+      const double misfit = Misfit(points[q], curves_[q]);
+      curves_[q].Adjust(points[q], change.segment(first[q], terms),
+                        misfit * squares / equations * (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
     }
+  }
 }
 
 const Reference::Expected& Reference::At(const WatchedModel& model, double temperature) const {

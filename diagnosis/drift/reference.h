@@ -72,6 +72,7 @@ class Reference {
     bool outside = false;
   };
   const Expected& At(const WatchedModel& model, double temperature) const;
+  std::vector<StrokeEvidence> WithoutClassMeans(const WatchedModel& model, std::span<const StrokeEvidence> strokes) const;
   void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   void LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index);
   Score ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const;

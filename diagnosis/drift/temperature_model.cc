@@ -86,6 +86,22 @@ Result<TemperatureModel> TemperatureModel::Fit(std::span<const TemperaturePoint>
   return model;
 }
 
+Result<TemperatureModel> TemperatureModel::FitTerms(std::span<const TemperaturePoint> points, CurveFamily family,
+                                                    int terms) {
+  auto model = Fit(points, family);
+  if (!model) return model;
+  const bool measured = std::isfinite(model->low_) && model->high_ - model->low_ >= kLeastRange;
+  model->FitForm(measured ? std::clamp(static_cast<int>(points.size()) - 2, 1, terms) : 1);
+  return model;
+}
+
+void TemperatureModel::Adjust(std::vector<TemperaturePoint> points, const Eigen::VectorXd& step,
+                              const Eigen::MatrixXd& covariance) {
+  points_ = std::move(points);
+  coefficients_ += step;
+  covariance_ = covariance;
+}
+
 TemperatureModel TemperatureModel::Known(double value) {
   TemperatureModel model;
   model.coefficients_[0] = value;

@@ -44,6 +44,12 @@ class TemperatureModel {
   TemperatureModel() = default;
   /// Needs one point at least, finite, with std > 0. Points without temperature (NaN) give a constant.
   static Result<TemperatureModel> Fit(std::span<const TemperaturePoint> points, CurveFamily family);
+  /// The same with a given form; its coefficients are then adjusted together with those of other curves.
+  static Result<TemperatureModel> FitTerms(std::span<const TemperaturePoint> points, CurveFamily family, int terms);
+  /// Values of the form's terms at a temperature inside the range.
+  Eigen::VectorXd Basis(double temperature) const;
+  /// Takes over points, adds to the coefficients and states their covariance.
+  void Adjust(std::vector<TemperaturePoint> points, const Eigen::VectorXd& step, const Eigen::MatrixXd& covariance);
   /// A value that is known beforehand (no leakage).
   static TemperatureModel Known(double value);
 
@@ -59,7 +65,6 @@ class TemperatureModel {
   bool Restore(ByteReader& in);
 
  private:
-  Eigen::VectorXd Basis(double temperature) const;
   double FitForm(int terms);
 
   CurveFamily family_ = CurveFamily::kSmooth;

@@ -63,9 +63,12 @@ Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
   Eigen::MatrixXd gradients(n, n);
   const auto derived = model_->derive(theta.head(n));
   for (int i = 0; i < n; ++i) gradients.row(i) = derived[i].gradient.transpose();
-  // Rows and columns differ by many orders of magnitude: full pivoting.
+  // Rows and columns differ by twenty orders of magnitude: scaled to about one before the inverse.
+  const Eigen::VectorXd column = theta.head(n).cwiseAbs().cwiseMax(1e-300);
+  const Eigen::VectorXd row = (gradients * column.asDiagonal()).cwiseAbs().rowwise().maxCoeff().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd scaled = row.asDiagonal() * gradients * column.asDiagonal();
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(size(), size());
-  jacobian.topLeftCorner(n, n) = gradients.fullPivLu().inverse();
+  jacobian.topLeftCorner(n, n) = column.asDiagonal() * scaled.partialPivLu().inverse() * row.asDiagonal();
   return jacobian;
 }
 

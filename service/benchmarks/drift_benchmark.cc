@@ -191,8 +191,8 @@ bool Faults(StrokePress& press, const DriftBenchmarkOptions& o) {
         ++tally.undecided;
       else if (found.first->rule == kind.rule)
         ++tally.right;
-      else
-        ++tally.wrong;
+      else if (++tally.wrong == 1)
+        std::cout << fmt::format("  first wrong name of {}: {}\n", kind.name, drift::FindingText(*found.first));
     }
     const Found warm = RunFault(press, *monitor, begin, std::min(oil, 313.15), nullptr, 20);
     ++warm_ups;
