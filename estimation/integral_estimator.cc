@@ -149,7 +149,7 @@ void IntegralEstimator::LearnSpan(const Share& span) {
   const int n = model_->base_count;
   const Share scaled{scale_.asDiagonal() * span.gram * scale_.asDiagonal(),
                      scale_.asDiagonal() * span.noise * scale_.asDiagonal(), span.count};
-  Eigen::VectorXd coefficients(n + 1);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, InformationFilter::kMaxParameters + 1, 1> coefficients(n + 1);
   coefficients << -filter_->Theta(), 1.0;
   // Mean square of the innovations in noise variances.
   const double innovation = coefficients.dot(scaled.gram * coefficients) / (variance_ * span.count);

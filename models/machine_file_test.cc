@@ -38,7 +38,7 @@ TEST(MachineFile, EveryMachineOfTheProjectLoadsAndReadsBackEqualAfterWriting) {
   int files = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines")) {
-    if (entry.path().extension() != ".toml") continue;
+    if (entry.path().extension() != ".toml" || entry.path().stem().string().ends_with("_rules")) continue;
     const auto machine = LoadMachine(entry.path().string());
     ASSERT_TRUE(machine) << machine.error().text;
     const auto again = ParseMachine(FormatMachine(*machine), "written");
