@@ -9,7 +9,8 @@ namespace {
 constexpr double kInterval = 1.92;       ///< half of the 95 % point of chi-squared with one degree of freedom
 constexpr double kLeastGain = 12.0;      ///< log-likelihood a further quantity must add ...
 constexpr double kLeastShare = 0.10;     ///< ... also as a share of the first one's
-constexpr double kRivalShare = 0.05;     ///< a rival explains the same up to this share
+constexpr double kRivalShare = 0.003;    ///< a rival explains the same up to this share, or up to ...
+constexpr double kRivalGain = 6.0;       ///< ... this log-likelihood: odds of 400 to one
 
 struct Sums {
   Eigen::VectorXd score;
@@ -119,7 +120,7 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
   if (moved.size() == 1)
     for (int q = 0; q < n; ++q)
       if (q != moved.front() && explanation.evidence - Gain(sums, {q}, sizes) <
-                                    std::max(kLeastGain, kRivalShare * explanation.evidence))
+                                    std::max(kRivalGain, kRivalShare * explanation.evidence))
         explanation.rivals.push_back(q);
   explanation.decided = explanation.rivals.empty();
   return explanation;
