@@ -1,7 +1,5 @@
 #include "acquisition/dds/dds_source.h"
 
-#include <hydroscope_wire/hydroscope_livePubSubTypes.h>
-
 #include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -149,11 +147,11 @@ class Subscription {
       : layouts_(receiver), batches_(receiver), participant_(std::move(participant)) {}
 
   Status Open(const DdsSpec& spec) {
-    const auto layouts = participant_->MakeTopic(LayoutTopic(spec.topic),
-                                                 TypeSupport(new hydroscope_wire::LayoutPubSubType()));
+    const auto layouts = participant_->MakeTopic(
+        LayoutTopic(spec.topic), TypeSupport(new Tolerant<hydroscope_wire::LayoutPubSubType>()));
     if (!layouts) return tl::unexpected(layouts.error());
     const auto samples =
-        participant_->MakeTopic(spec.topic, TypeSupport(new hydroscope_wire::BatchPubSubType()));
+        participant_->MakeTopic(spec.topic, TypeSupport(new Tolerant<hydroscope_wire::BatchPubSubType>()));
     if (!samples) return tl::unexpected(samples.error());
     Subscriber* subscriber = participant_->get()->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
     if (subscriber == nullptr ||

@@ -1,7 +1,5 @@
 // libFuzzer target: whatever bytes arrive as a DDS message, they become a batch that keeps to its own sizes,
 // or are counted as malformed. The first byte chooses the type.
-#include <hydroscope_wire/hydroscope_livePubSubTypes.h>
-
 #include <cstdlib>
 
 #include "acquisition/batch_assembler.h"
@@ -36,11 +34,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t length = std::min<std::size_t>(size - 1, 64 + 4 * data[0]);
     if (data[0] % 4 == 0) {
       hydroscope_wire::Layout layout;
-      if (Read<hydroscope_wire::LayoutPubSubType>(data + 1, length, layout))
+      if (Read<Tolerant<hydroscope_wire::LayoutPubSubType>>(data + 1, length, layout))
         assembler.Receive(ToMessage(layout), Check);
     } else {
       hydroscope_wire::Batch batch;
-      if (Read<hydroscope_wire::BatchPubSubType>(data + 1, length, batch))
+      if (Read<Tolerant<hydroscope_wire::BatchPubSubType>>(data + 1, length, batch))
         assembler.Receive(ToMessage(std::move(batch)), {1, 1}, Check);
     }
     data += length + 1;

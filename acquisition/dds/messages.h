@@ -1,10 +1,35 @@
 #pragma once
 
-#include <hydroscope_wire/hydroscope_live.h>
+#include <hydroscope_wire/hydroscope_livePubSubTypes.h>
+
+#include <exception>
+#include <type_traits>
 
 #include "acquisition/batch_assembler.h"
+#include "acquisition/dds/payload_lengths.h"
 
 namespace hydroscope {
+
+/// A generated type whose reading of bytes from outside throws nothing: the generated code lets some
+/// exceptions of damaged messages (a wrong encapsulation, a length without memory) escape, and they would end
+/// the process.
+template <typename Generated>
+class Tolerant : public Generated {
+ public:
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    PayloadLengths lengths({payload->data, payload->length});
+    if constexpr (std::is_same_v<typename Generated::type, hydroscope_wire::Layout>) {
+      if (!lengths.FitLayout()) return false;
+    } else {
+      if (!lengths.FitBatch()) return false;
+    }
+    try {
+      return Generated::deserialize(payload, data);
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+};
 
 /// Messages of the wire as plain records.
 inline LayoutMessage ToMessage(const hydroscope_wire::Layout& wire) {
