@@ -18,9 +18,11 @@ std::string RecursiveLeastSquares::Options::Validate(int parameters) const {
   for (int i = 0; i < parameters; ++i)
     if (!(factors[i] >= 0 && factors[i] <= 1))
       return fmt::format("factors[{}] is {}, expected 0 to 1", i, factors[i]);
-  if (!(initial_covariance > 0)) return fmt::format("initial_covariance is {}, expected above 0", initial_covariance);
+  if (!(initial_covariance > 0))
+    return fmt::format("initial_covariance is {}, expected above 0", initial_covariance);
   if (!(max_covariance >= initial_covariance))
-    return fmt::format("max_covariance is {}, expected at least initial_covariance {}", max_covariance, initial_covariance);
+    return fmt::format("max_covariance is {}, expected at least initial_covariance {}", max_covariance,
+                       initial_covariance);
   if (!(dead_zone >= 0)) return fmt::format("dead_zone is {}, expected 0 or more", dead_zone);
   if (!(clip >= 0)) return fmt::format("clip is {}, expected 0 or more", clip);
   return "";
@@ -37,7 +39,9 @@ RecursiveLeastSquares::RecursiveLeastSquares(std::span<const double> initial, co
   }
 }
 
-Eigen::VectorXd RecursiveLeastSquares::theta() const { return Eigen::Map<const Eigen::VectorXd>(theta_.data(), n_); }
+Eigen::VectorXd RecursiveLeastSquares::theta() const {
+  return Eigen::Map<const Eigen::VectorXd>(theta_.data(), n_);
+}
 
 Eigen::MatrixXd RecursiveLeastSquares::Covariance() const {
   const Eigen::Map<const Eigen::MatrixXd> u(u_.data(), n_, n_);
@@ -46,7 +50,9 @@ Eigen::MatrixXd RecursiveLeastSquares::Covariance() const {
   return p.selfadjointView<Eigen::Upper>();
 }
 
-RecursiveLeastSquares::State RecursiveLeastSquares::Save() const { return {u_, d_, theta_, noise_scale_, updates_}; }
+RecursiveLeastSquares::State RecursiveLeastSquares::Save() const {
+  return {u_, d_, theta_, noise_scale_, updates_};
+}
 
 void RecursiveLeastSquares::Restore(const State& state) {
   u_ = state.u;
@@ -78,30 +84,34 @@ void RecursiveLeastSquares::Forget(const double* u) {
     for (int i = 0; i < N; ++i) d_[i] *= inverse;
     return;
   }
-  // a = U^-1 u; information of the direction u' R u = sum a_j^2 / d_j.
-  std::array<double, N> a, information;
+  // a = U^-1 u; information of the direction u' R u = sum a_j^2 / d_j. What does not depend on a is divided
+  // beforehand.
+  std::array<double, N> a, inverse_d, information;  // information: of entries j and above
+  for (int j = 0; j < N; ++j) inverse_d[j] = 1.0 / d_[j];
+  const double kept = lambda / (1.0 - lambda);
   std::copy(u, u + N, a.begin());
   for (int j = N - 1; j > 0; --j)
     for (int i = 0; i < j; ++i) a[i] -= a[j] * u_[j * N + i];
   double total = 0;
-  for (int j = 0; j < N; ++j) {
-    information[j] = a[j] * a[j] / d_[j];
-    total += information[j];
+  for (int j = N - 1; j >= 0; --j) {
+    total += a[j] * a[j] * inverse_d[j];
+    information[j] = total;
   }
-  // P + c u u' with c = (1 - lambda) / (lambda total). The running 1/c of Agee-Turner is a prefix sum, so no division
-  // waits for another.
-  double before = lambda * total / (1.0 - lambda);
+  // P + c u u' with c = (1 - lambda) / (lambda total). The running 1/c of Agee-Turner is a prefix sum, so no
+  // division waits for another.
+  const double start = kept * total;
+  double inverse_before = 1.0 / start;
   std::array<double, N> v;
   std::copy(u, u + N, v.begin());
   for (int j = N - 1; j >= 0; --j) {
-    const double after = before + information[j];
-    const double b = a[j] / (d_[j] * after);
-    d_[j] *= after / before;
+    const double after = start + information[j], inverse_after = 1.0 / after;
+    const double b = a[j] * inverse_d[j] * inverse_after;
+    d_[j] *= after * inverse_before;
     for (int i = 0; i < j; ++i) {
       v[i] -= a[j] * u_[j * N + i];
       u_[j * N + i] += b * v[i];
     }
-    before = after;
+    inverse_before = inverse_after;
   }
 }
 
@@ -113,11 +123,11 @@ double RecursiveLeastSquares::MeasurementUpdate(const double* u, double* gain) {
     for (int i = 0; i < j; ++i) f[j] += u_[j * N + i] * u[i];
     g[j] = d_[j] * f[j];
   }
-  double before = 1.0;
+  double before = 1.0, inverse = 1.0;
   for (int j = 0; j < N; ++j) {
-    const double after = before + f[j] * g[j];
-    const double factor = -f[j] / before;
-    d_[j] *= before / after;
+    const double after = before + f[j] * g[j], inverse_after = 1.0 / after;
+    const double factor = -f[j] * inverse;
+    d_[j] *= before * inverse_after;
     gain[j] = g[j];
     for (int i = 0; i < j; ++i) {
       const double old = u_[j * N + i];
@@ -125,8 +135,8 @@ double RecursiveLeastSquares::MeasurementUpdate(const double* u, double* gain) {
       gain[i] += g[j] * old;
     }
     before = after;
+    inverse = inverse_after;
   }
-  const double inverse = 1.0 / before;
   for (int i = 0; i < N; ++i) gain[i] *= inverse;
   return before;
 }
@@ -161,8 +171,9 @@ UpdateOutcome RecursiveLeastSquares::UpdateFixed(RecursiveLeastSquares& self, co
 
 RecursiveLeastSquares::UpdateFunction RecursiveLeastSquares::Dispatch(int n) {
   constexpr std::array<UpdateFunction, kMaxParameters> table = {
-      &UpdateFixed<1>, &UpdateFixed<2>, &UpdateFixed<3>, &UpdateFixed<4>,  &UpdateFixed<5>,  &UpdateFixed<6>,
-      &UpdateFixed<7>, &UpdateFixed<8>, &UpdateFixed<9>, &UpdateFixed<10>, &UpdateFixed<11>, &UpdateFixed<12>};
+      &UpdateFixed<1>, &UpdateFixed<2>,  &UpdateFixed<3>,  &UpdateFixed<4>,
+      &UpdateFixed<5>, &UpdateFixed<6>,  &UpdateFixed<7>,  &UpdateFixed<8>,
+      &UpdateFixed<9>, &UpdateFixed<10>, &UpdateFixed<11>, &UpdateFixed<12>};
   return table[std::clamp(n, 1, kMaxParameters) - 1];
 }
 
