@@ -110,6 +110,7 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
     }
     const double least = moved.empty() ? 0 : std::max(kLeastGain, kLeastShare * explanation.evidence);
     if (best < 0 || most - gained < least) break;
+    if (moved.empty() && !enough({best})) return explanation;  // the true cause is too small to be worth telling
     moved.push_back(best);
     gained = most;
     if (moved.size() == 1) explanation.evidence = gained;

@@ -55,7 +55,7 @@ TrendFigures SlowTrend::Figures(double smallest, double doubt) const {
   figures.strokes = static_cast<std::int64_t>(blocks_.back().sequence - blocks_.front().sequence);
   const double added = std::abs(figures.slope) * static_cast<double>(figures.strokes);
   figures.significant =
-      std::abs(figures.slope) > kSignificant * figures.slope_std && added > 0.5 * smallest + 2 * doubt;
+      std::abs(figures.slope) > kSignificant * figures.slope_std && added > smallest + 2 * doubt;
   return figures;
 }
 
