@@ -105,7 +105,7 @@ TEST_F(SimulateServe, StopsCleanlyOnATerminationSignal) {
   EXPECT_THAT(ReadText(File("out")), HasSubstr("stopped after"));
 }
 
-TEST_F(SimulateServe, KilledAndStartedAgainItIsHeardAgainWithinTwoSecondsAndNothingIsLostOrDoubled) {
+TEST_F(SimulateServe, KilledAndStartedAgainItIsHeardAgainWithinFiveSecondsAndNothingIsLostOrDoubled) {
   const auto machine = LoadMachine(machine_);
   ASSERT_TRUE(machine) << machine.error().text;
   auto sources = MakeSources(*machine, RealTime, 1);
@@ -116,7 +116,7 @@ TEST_F(SimulateServe, KilledAndStartedAgainItIsHeardAgainWithinTwoSecondsAndNoth
     PressProcess press(machine_, File("out"));
     ASSERT_TRUE(press.WaitFor("serving"));
     for (std::size_t k = 0; k < sources.size(); ++k)
-      EXPECT_TRUE(sinks[k].WaitForMore(1, life == 0 ? 10 : 2.5))
+      EXPECT_TRUE(sinks[k].WaitForMore(1, life == 0 ? 10 : 5))
           << sources[k]->status().name << ": " << sources[k]->status().state;
     EXPECT_TRUE(sinks[0].WaitForMore(200));
     press.Kill(SIGKILL);
