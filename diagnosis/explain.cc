@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/generic_laws.h"
 
 namespace hydroscope {
 namespace {
@@ -14,7 +15,9 @@ namespace {
 /// First effects on top of which every second one is tried.
 constexpr std::size_t kPairFirsts = 5;
 /// A generic law of which less than this share is left beside a named effect is much the same as that effect.
-constexpr double kSameLaw = 0.02;
+/// Leaks to sides of different pressure are much the same too, and yet different causes: such a flow must be
+/// the very same.
+constexpr double kSameLaw = 0.02, kSameFlow = 1e-4;
 
 using Groups = std::vector<std::vector<std::string>>;
 
@@ -151,13 +154,14 @@ void Explainer::FindMargin(Explanation& out) const {
   for (const RankedEffect& law : ranking_.RankGeneric(start_)) {
     if (!law.fit.solved) continue;
     const double alone = law.fit.effects.back().independent;
+    const double least = IsPlainFlow(law.id) ? kSameFlow : kSameLaw;
     bool same = false;
     for (const RankedEffect& named : out.ranking) {
       const auto& group = out.groups.front();
       if (std::find(group.begin(), group.end(), named.id) == group.end()) continue;
       const CandidateModel with = ranking_.With(start_, named.fit.effects.back().choice);
       const ExtendedFit both = ranking_.With(with, law.fit.effects.back().choice).fit;
-      same = same || !both.solved || both.effects.back().independent < kSameLaw * alone;
+      same = same || !both.solved || both.effects.back().independent < least * alone;
     }
     if (same) continue;
     out.margin = ranking_.Gain(law.fit, out.ranking.front().fit);

@@ -11,7 +11,7 @@ using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
 constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be judged on strokes left out
-constexpr double kConsistent = 0.1;       ///< relative difference of two values of a law's one parameter
+constexpr double kConsistent = 0.25;       ///< relative difference of two values of a law's one parameter
 
 /// W' G W with the columns of W sparse; the last column is the output.
 Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {

@@ -96,4 +96,6 @@ void AddGenericLaws(ModelStructure& model) {
 
 bool IsGeneric(const Effect& effect) { return effect.id.rfind(kPrefix, 0) == 0; }
 
+bool IsPlainFlow(const std::string& id) { return id.rfind(std::string(kPrefix) + "flow with ", 0) == 0; }
+
 }  // namespace hydroscope

@@ -10,5 +10,7 @@ namespace hydroscope {
 void AddGenericLaws(ModelStructure& model);
 
 bool IsGeneric(const Effect& effect);
+/// Whether the law of that id is a flow that goes with a signal, like a leak.
+bool IsPlainFlow(const std::string& id);
 
 }  // namespace hydroscope
