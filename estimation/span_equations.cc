@@ -8,35 +8,17 @@
 namespace hydroscope {
 namespace {
 
-/// Weights of one increment of a block; four lanes, the last one unused.
-typedef double BlockWeights __attribute__((vector_size(32)));
-
-/// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
-/// of x_k with alternating signs (+ - - +), scaled to keep white noise white but for the share an intercept
-/// takes; rise to the first sample of the next block.
-std::vector<BlockWeights> WeightsOf(int block, double intercept_share) {
-  const int paired = block / 4 * 4;
-  const double contrast = intercept_share / std::sqrt(static_cast<double>(block) * paired);
-  std::vector<BlockWeights> weights(block);
-  int signs = 0;
-  for (int k = block - 1; k >= 0; --k) {
-    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
-    if (k < paired) signs += (k & 3) == 0 || (k & 3) == 3 ? 1 : -1;
-  }
-  return weights;
-}
-
-/// Mean level and sign contrast of each block, `stride` apart; returns the level after the last block. Only
-/// the level waits for the block before.
+/// Mean level and sign contrast (times `share`) of each block, `stride` apart; returns the level after the
+/// last block. Only the level waits for the block before.
 HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
-                                 int blocks, double level, double* mean, double* contrast,
+                                 int blocks, double level, double share, double* mean, double* contrast,
                                  std::ptrdiff_t stride) {
   const auto m = std::ssize(weights);
   for (int b = 0; b < blocks; ++b, increments += m) {
     BlockWeights sum{};
     for (std::ptrdiff_t k = 0; k < m; ++k) sum += increments[k] * weights[k];
     mean[b * stride] = level + sum[0];
-    contrast[b * stride] = sum[1];
+    contrast[b * stride] = share * sum[1];
     level += sum[2];
   }
   return level;
@@ -60,7 +42,7 @@ double WindowSamples::FlowVarianceGain() const {
 }
 
 SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
-    : model_(std::move(model)), window_(window) {
+    : model_(std::move(model)), window_(window), weights_(WeightsOf(window.block)) {
   const int columns = model_->column_count();
   increments_.resize(static_cast<std::size_t>(window_.span) * window_.block + 1);
   column_state_.assign(columns, 0.0);
@@ -92,16 +74,31 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   return out_;
 }
 
+/// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
+/// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the
+/// next block.
+std::vector<BlockWeights> SpanEquationBuilder::WeightsOf(int block) {
+  const int paired = block / 4 * 4;
+  const double contrast = 1.0 / std::sqrt(static_cast<double>(block) * paired);
+  std::vector<BlockWeights> weights(block);
+  int signs = 0;
+  for (int k = block - 1; k >= 0; --k) {
+    weights[k] = BlockWeights{static_cast<double>(block - 1 - k) / block, signs * contrast, 1.0, 0.0};
+    if (k < paired) signs += (k & 3) == 0 || (k & 3) == 3 ? 1 : -1;
+  }
+  return weights;
+}
+
 void SpanEquationBuilder::FillLevels(const Stretch& stretch, int blocks) {
   const int lead = stretch.continues ? 1 : 0;
-  const std::vector<BlockWeights> weights = WeightsOf(window_.block, std::sqrt((blocks - 1.0) / blocks));
+  const double share = std::sqrt((blocks - 1.0) / blocks);  // the intercept takes one of the blocks
   const std::span<double> increments(increments_.data(), stretch.samples - 1);
   increments_[stretch.samples - 1] = 0.0;  // whole blocks leave no increment for the last sample
   for (int c = 0; c < model_->column_count(); ++c) {
     model_->columns[c].fill(stretch, column_state_[c], increments);
     const double level = stretch.continues ? last_level_[c] + increments[0] : 0.0;
-    last_level_[c] = SumBlocks(increments_.data() + lead, weights, blocks, level, &level_(c, history_),
-                               &out_.noise(c, 0), level_.rows());
+    last_level_[c] = SumBlocks(increments_.data() + lead, weights_, blocks, level, share,
+                               &level_(c, history_), &out_.noise(c, 0), level_.rows());
   }
 }
 

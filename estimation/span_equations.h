@@ -41,17 +41,21 @@ struct SpanEquations {
 
 /// How blocks, spans and windows count in samples.
 struct WindowSamples {
-  int block = 10;         ///< samples per block
-  int span = 20;          ///< blocks per span
-  int half_window = 2;    ///< blocks in each half of the flow window
-  int min_span = 5;       ///< blocks below which the rest of a segment is not used
-  double period = 0.002;  ///< s
+  int block = 10;           ///< samples per block
+  int span = 20;            ///< blocks per span
+  int half_window = 2;      ///< blocks in each half of the flow window
+  int min_span = 5;         ///< blocks below which the rest of a segment is not used
+  double period = 0.002;    ///< s
   bool level_form = false;  ///< of ModelStructure
   static WindowSamples From(const WindowSpec& spec, double period);
-  /// Variance of a window of the flow form per variance of a block mean: the difference of two means of h block
-  /// levels, h blocks apart, has 2 / (h^3 T_block^2); in the level form the mean of 2 h blocks has 1 / (2 h).
+  /// Variance of a window of the flow form per variance of a block mean: the difference of two means of h
+  /// block levels, h blocks apart, has 2 / (h^3 T_block^2); in the level form the mean of 2 h blocks has 1 /
+  /// (2 h).
   double FlowVarianceGain() const;
 };
+
+/// Weights of one increment of a block: mean, alternating signs, rise; four lanes, the last one unused.
+typedef double BlockWeights __attribute__((vector_size(32)));
 
 class SpanEquationBuilder {
  public:
@@ -65,6 +69,8 @@ class SpanEquationBuilder {
   const WindowSamples& window() const { return window_; }
 
  private:
+  static std::vector<BlockWeights> WeightsOf(int block);
+
   void FillLevels(const Stretch& stretch, int blocks);
   void FillValues(const Stretch& stretch, int blocks);
   void FillContrasts(int blocks);
@@ -73,6 +79,7 @@ class SpanEquationBuilder {
 
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
+  std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<double> increments_;
   std::vector<double> column_state_;
   std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
