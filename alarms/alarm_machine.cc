@@ -7,9 +7,12 @@ namespace {
 
 const char* SuppressionName(Suppression reason) {
   switch (reason) {
-    case kSuppressedIdle: return "press idle";
-    case kSuppressedValveCheck: return "valve check running";
-    case kSuppressedTooCold: return "oil below the minimum temperature";
+    case kSuppressedIdle:
+      return "press idle";
+    case kSuppressedValveCheck:
+      return "valve check running";
+    case kSuppressedTooCold:
+      return "oil below the minimum temperature";
   }
   return "";
 }
@@ -63,7 +66,8 @@ void Take(AlarmState& alarm, const AlarmCondition& condition) {
 
 namespace alarm_machine {
 
-Events Observe(AlarmState& alarm, const AlarmSettings& settings, const AlarmCondition& condition, const AlarmMoment& now) {
+Events Observe(AlarmState& alarm, const AlarmSettings& settings, const AlarmCondition& condition,
+               const AlarmMoment& now) {
   const double sign = condition.high ? 1.0 : -1.0, beyond = sign * (condition.value - condition.limit);
   const bool on = beyond >= 0, off = beyond < -settings.deadband * condition.std;
   const Step step(alarm, now);
@@ -161,10 +165,16 @@ char NamurStatus(const std::vector<AlarmState>& alarms, bool checking) {
     if (alarm.out_of_service) worsen('C');
     if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
     switch (alarm.severity) {
-      case AlarmSeverity::kSignalLoss: worsen('F'); break;
-      case AlarmSeverity::kAlarm: worsen('S'); break;
+      case AlarmSeverity::kSignalLoss:
+        worsen('F');
+        break;
+      case AlarmSeverity::kAlarm:
+        worsen('S');
+        break;
       case AlarmSeverity::kWarning:
-      case AlarmSeverity::kAdvisory: worsen('M'); break;
+      case AlarmSeverity::kAdvisory:
+        worsen('M');
+        break;
     }
   }
   return status;

@@ -26,8 +26,8 @@ struct AlarmCondition {
 
 /// Where and when: machine time and stroke, wall clock, oil temperature.
 struct AlarmMoment {
-  double time = 0;       ///< s
-  double wall = 0;       ///< s since 1970
+  double time = 0;  ///< s
+  double wall = 0;  ///< s since 1970
   std::int64_t stroke = -1;
   double oil_temperature = 0;  ///< K
   int model_version = 0, reference_version = 0;
@@ -38,15 +38,17 @@ struct AlarmUser {
   std::string name, comment;
 };
 
-/// The state machine of ISA-18.2 on one alarm; pure: every function takes the moment as argument, changes the flags and
-/// returns what is to be journalled. Flags are tracked below a shelf, a suppression or out-of-service, so that nothing is
-/// forgotten when that ends; what changed below is journalled too.
+/// The state machine of ISA-18.2 on one alarm; pure: every function takes the moment as argument, changes the
+/// flags and returns what is to be journalled. Flags are tracked below a shelf, a suppression or
+/// out-of-service, so that nothing is forgotten when that ends; what changed below is journalled too.
 namespace alarm_machine {
 
 using Events = std::vector<AlarmEvent>;
 
-/// A stroke's condition. A raise that follows a return makes the alarm unacknowledged again; a rise in severity too.
-Events Observe(AlarmState& alarm, const AlarmSettings& settings, const AlarmCondition& condition, const AlarmMoment& now);
+/// A stroke's condition. A raise that follows a return makes the alarm unacknowledged again; a rise in
+/// severity too.
+Events Observe(AlarmState& alarm, const AlarmSettings& settings, const AlarmCondition& condition,
+               const AlarmMoment& now);
 /// The cause is known to be gone: clears at once, without off-delay.
 Events Clear(AlarmState& alarm, const AlarmSettings& settings, const AlarmMoment& now);
 /// Nothing to acknowledge: no event.
@@ -62,9 +64,9 @@ Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now);
 
 }  // namespace alarm_machine
 
-/// Health of an axis after NAMUR NE 107: 'F' failure, 'C' function check, 'S' out of specification, 'M' maintenance
-/// required, '-' good; the most urgent of its alarms in this order. Shelved alarms count, suppressed ones do not.
-/// `checking`: commissioning or a valve check is under way.
+/// Health of an axis after NAMUR NE 107: 'F' failure, 'C' function check, 'S' out of specification, 'M'
+/// maintenance required, '-' good; the most urgent of its alarms in this order. Shelved alarms count,
+/// suppressed ones do not. `checking`: commissioning or a valve check is under way.
 char NamurStatus(const std::vector<AlarmState>& alarms, bool checking);
 
 }  // namespace hydroscope

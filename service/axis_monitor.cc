@@ -10,11 +10,13 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kStrokesPerChange = 256;          ///< strokes per transaction
-constexpr std::int64_t kSlowDriftEvery = 50;  ///< strokes
-constexpr double kLeastUsed = 0.5;            ///< share of a stroke's gated rows below which its signals count as lost
+constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
+constexpr std::int64_t kSlowDriftEvery = 50;     ///< strokes
+constexpr double kLeastUsed = 0.5;  ///< share of a stroke's gated rows below which its signals count as lost
 
-AlarmSettings SettingsOf(const drift::RuleBook& rules) { return {rules.warn_delay, rules.clear_delay, rules.deadband, false}; }
+AlarmSettings SettingsOf(const drift::RuleBook& rules) {
+  return {rules.warn_delay, rules.clear_delay, rules.deadband, false};
+}
 
 AlarmSeverity SeverityOf(drift::RuleSeverity severity) { return static_cast<AlarmSeverity>(severity); }
 
@@ -36,8 +38,9 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
   return drift::LoadRules(rules.string());
 }
 
-AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model, const drift::RuleBook& rules,
-                         const Database& database, std::int64_t machine_id, AlarmJournal& journal)
+AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+                         const drift::RuleBook& rules, const Database& database, std::int64_t machine_id,
+                         AlarmJournal& journal)
     : machine_(machine),
       rules_(rules),
       database_(database),
@@ -46,7 +49,8 @@ AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStru
       model_(drift::WatchedModel::Create(model,
                                          [&] {
                                            std::vector<std::string> names;
-                                           for (const drift::WatchSpec& w : rules.watches) names.push_back(w.quantity);
+                                           for (const drift::WatchSpec& w : rules.watches)
+                                             names.push_back(w.quantity);
                                            return names;
                                          }())),
       columns_(model->column_count()) {}
@@ -73,7 +77,8 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
   if (strokes.empty()) return strokes;
   auto grams = database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1);
   if (!grams) return tl::unexpected(grams.error());
-  for (std::size_t i = 0; i < strokes.size() && i < grams->size(); ++i) strokes[i].record.gram = std::move((*grams)[i]);
+  for (std::size_t i = 0; i < strokes.size() && i < grams->size(); ++i)
+    strokes[i].record.gram = std::move((*grams)[i]);
   if (machine_.monitors.empty()) return strokes;
   const auto trend = database_.Trend(machine_id_, "", strokes.front().sequence);
   if (!trend) return tl::unexpected(trend.error());
@@ -86,7 +91,8 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
 
 drift::StrokeEvidence AxisMonitor::EvidenceOf(const Stored& stroke) const {
   // A Gram of another model's columns tells nothing here.
-  if (stroke.record.gram.integral.dimension() == columns_) return model_->Evidence(stroke.record, stroke.sequence);
+  if (stroke.record.gram.integral.dimension() == columns_)
+    return model_->Evidence(stroke.record, stroke.sequence);
   drift::StrokeEvidence none;
   none.sequence = stroke.sequence;
   none.time = stroke.record.summary.end;
@@ -102,7 +108,8 @@ Status AxisMonitor::LoadMonitor(const AxisContent& content) {
   if (content.monitor.state.empty()) return {};
   monitor_.emplace(*model_, rules_, drift::Reference());
   ByteReader in(content.monitor.state);
-  if (!monitor_->Restore(in) || !in.at_end()) monitor_.reset();  // another model or program: commissioning begins anew
+  if (!monitor_->Restore(in) || !in.at_end())
+    monitor_.reset();  // another model or program: commissioning begins anew
   return {};
 }
 
@@ -139,7 +146,8 @@ Status AxisMonitor::CatchUp(double wall) {
   }
 }
 
-/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored twice.
+/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored
+/// twice.
 Result<bool> AxisMonitor::Commission(std::int64_t first, double wall) {
   std::vector<drift::StrokeEvidence> strokes;
   std::int64_t next = first;
@@ -226,8 +234,9 @@ Status AxisMonitor::SetSuppression(Suppression reason, bool on, const AlarmMomen
 void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content) {
   const drift::StrokeEvidence evidence = EvidenceOf(stroke);
   const drift::Judgement judgement = monitor_->Add(evidence);
-  const AlarmMoment now{evidence.time,           wall, stroke.sequence, evidence.oil_temperature, stroke.model_version,
-                        monitor_->reference().version()};
+  const AlarmMoment now{evidence.time,        wall,
+                        stroke.sequence,      evidence.oil_temperature,
+                        stroke.model_version, monitor_->reference().version()};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
   JudgeSignals(stroke, judgement, now, content);
   const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
@@ -251,8 +260,15 @@ void AxisMonitor::JudgeFindings(const AlarmMoment& now, AxisContent& content) {
       continue;
     }
     const drift::FindingPart& part = finding.parts.front();
-    AlarmCondition condition{std::abs(part.size), part.std, part.limit, true, part.unit, SeverityOf(finding.severity),
-                             drift::FindingText(finding) + ". " + finding.guidance, finding.since.last_before + 1, finding.last};
+    AlarmCondition condition{std::abs(part.size),
+                             part.std,
+                             part.limit,
+                             true,
+                             part.unit,
+                             SeverityOf(finding.severity),
+                             drift::FindingText(finding) + ". " + finding.guidance,
+                             finding.since.last_before + 1,
+                             finding.last};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
   }
@@ -263,9 +279,11 @@ void AxisMonitor::JudgeSlowDrifts(const AlarmMoment& now, AxisContent& content) 
   settings.on_delay = settings.off_delay = 2;  // counted in looks, not in strokes
   const auto drifts = monitor_->SlowDrifts();
   for (const drift::Quantity& quantity : monitor_->model().quantities()) {
-    const auto found = std::find_if(drifts.begin(), drifts.end(), [&](const auto& d) { return d.quantity == quantity.name; });
+    const auto found = std::find_if(drifts.begin(), drifts.end(),
+                                    [&](const auto& d) { return d.quantity == quantity.name; });
     const std::string id = "slow_" + quantity.name;
-    const bool known = std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
+    const bool known =
+        std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
     if (found == drifts.end() && !known) continue;
     AlarmCondition condition{-1, 0, 0, true, quantity.unit, AlarmSeverity::kAdvisory, "", -1, now.stroke};
     if (found != drifts.end()) {
@@ -274,8 +292,10 @@ void AxisMonitor::JudgeSlowDrifts(const AlarmMoment& now, AxisContent& content) 
       condition.limit = 0;
       condition.first_stroke = now.stroke - found->figures.strokes;
       condition.text = fmt::format(
-          "{} drifts slowly, {:.3g} {} per 1000 strokes; reaches its limit in {:.0f} strokes (95 %: {:.0f} to {:.0f})",
-          quantity.name, 1000 * found->figures.slope, quantity.unit, found->reach.strokes, found->reach.low, found->reach.high);
+          "{} drifts slowly, {:.3g} {} per 1000 strokes; reaches its limit in {:.0f} strokes (95 %: {:.0f} "
+          "to {:.0f})",
+          quantity.name, 1000 * found->figures.slope, quantity.unit, found->reach.strokes, found->reach.low,
+          found->reach.high);
     }
     content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
   }
@@ -287,15 +307,18 @@ void AxisMonitor::JudgeLimits(const Stored& stroke, const AlarmMoment& now, Axis
   for (const MonitorSpec& spec : machine_.monitors)
     for (const Estimate& e : stroke.record.estimates) {
       if (e.parameter != spec.parameter || e.reason != EstimateReason::kUpdated) continue;
-      const auto judge = [&](const std::optional<double>& limit, bool high, AlarmSeverity severity, const char* name) {
+      const auto judge = [&](const std::optional<double>& limit, bool high, AlarmSeverity severity,
+                             const char* name) {
         if (!limit) return;
         const DisplayUnit unit = DisplayUnitFor(e.unit);
         const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
-        AlarmCondition condition{e.value, e.std, *limit, high, e.unit, severity, "", stroke.sequence, stroke.sequence};
-        condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter, shown(e.value),
-                                     1.96 * e.std * unit.factor, unit.name, high ? "above" : "below", name, shown(*limit),
-                                     unit.name);
-        content.Append(alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
+        AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
+                                 severity, "",    stroke.sequence, stroke.sequence};
+        condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter,
+                                     shown(e.value), 1.96 * e.std * unit.factor, unit.name,
+                                     high ? "above" : "below", name, shown(*limit), unit.name);
+        content.Append(
+            alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
       };
       judge(spec.warn_low, false, AlarmSeverity::kWarning, "warn_low");
       judge(spec.warn_high, true, AlarmSeverity::kWarning, "warn_high");
@@ -304,17 +327,20 @@ void AxisMonitor::JudgeLimits(const Stored& stroke, const AlarmMoment& now, Axis
     }
 }
 
-void AxisMonitor::JudgeSignals(const Stored& stroke, const drift::Judgement& judgement, const AlarmMoment& now,
-                               AxisContent& content) {
+void AxisMonitor::JudgeSignals(const Stored& stroke, const drift::Judgement& judgement,
+                               const AlarmMoment& now, AxisContent& content) {
   const StrokeCounters& counters = stroke.record.summary.counters;
   const double used =
       counters.gated > 0 ? static_cast<double>(counters.used) / static_cast<double>(counters.gated) : 0.0;
   const bool lost = judgement.reason == drift::JudgementReason::kUnusable || used < kLeastUsed;
-  AlarmCondition condition{1 - used, 0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
-                           stroke.sequence};
+  AlarmCondition condition{
+      1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
+      stroke.sequence};
   if (lost) condition.value = std::max(condition.value, condition.limit);
-  condition.text = fmt::format("only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a log tells which signal",
-                               100 * used);
+  condition.text = fmt::format(
+      "only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a "
+      "log tells which signal",
+      100 * used);
   content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
 }
 

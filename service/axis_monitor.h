@@ -14,25 +14,29 @@
 
 namespace hydroscope {
 
-/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the built-in rules.
+/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the
+/// built-in rules.
 Result<drift::RuleBook> RulesFor(const std::string& machine_file);
 
-/// Judges the stored strokes of one axis in their order and keeps its alarms: the consumer of the trend database that replay
-/// and live service share. Strokes, alarms, monitor and journal advance together, chunk by chunk in one transaction, so that a
-/// killed process neither loses nor repeats a judgement.
-///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by Learn());
-///   then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal.
+/// Judges the stored strokes of one axis in their order and keeps its alarms: the consumer of the trend
+/// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
+/// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
+///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
+///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal.
 class AxisMonitor {
  public:
   /// All arguments must outlive the object; `machine_id` is that of `database`.
-  AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model, const drift::RuleBook& rules,
-              const Database& database, std::int64_t machine_id, AlarmJournal& journal);
+  AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+              const drift::RuleBook& rules, const Database& database, std::int64_t machine_id,
+              AlarmJournal& journal);
 
   /// An error if the model's parameters cannot be watched; the other functions then fail with it.
   Status watchable() const { return model_ ? Status{} : Status(tl::unexpected(model_.error())); }
-  /// Judges every stroke stored since the last call; `wall` in s since 1970. Errors: database or journal cannot be used.
+  /// Judges every stroke stored since the last call; `wall` in s since 1970. Errors: database or journal
+  /// cannot be used.
   Status CatchUp(double wall);
-  /// Learns a new reference from the strokes first <= number < last and freezes it; strokes already judged stay judged.
+  /// Learns a new reference from the strokes first <= number < last and freezes it; strokes already judged
+  /// stay judged.
   Status Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user);
   /// For the live service: press idle, valve check running.
   Status SetSuppression(Suppression reason, bool on, const AlarmMoment& now);
@@ -55,12 +59,14 @@ class AxisMonitor {
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;
   Status LoadMonitor(const AxisContent& content);
   Result<bool> Commission(std::int64_t first, double wall);
-  Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall, const AlarmUser& user);
+  Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
+                   const AlarmUser& user);
   void Judge(const Stored& stroke, double wall, AxisContent& content);
   void JudgeFindings(const AlarmMoment& now, AxisContent& content);
   void JudgeSlowDrifts(const AlarmMoment& now, AxisContent& content);
   void JudgeLimits(const Stored& stroke, const AlarmMoment& now, AxisContent& content);
-  void JudgeSignals(const Stored& stroke, const drift::Judgement& judgement, const AlarmMoment& now, AxisContent& content);
+  void JudgeSignals(const Stored& stroke, const drift::Judgement& judgement, const AlarmMoment& now,
+                    AxisContent& content);
 
   const Machine& machine_;
   const drift::RuleBook& rules_;

@@ -81,18 +81,20 @@ CREATE TABLE reference(
 )sql";
 
 constexpr const char* kRowColumns =
-    "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, limit_value, unit, "
+    "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, "
+    "limit_value, unit, "
     "oil_temperature_K, model_version, reference_version, user, comment, text, first_stroke, last_stroke";
 
 Status CheckKind(SQLite::Database& db, const std::string& path) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
   const int version = db.execAndGet("PRAGMA user_version").getInt();
   if (application != kJournalApplicationId)
-    return BadInput("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is", path,
-                    static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId));
+    return BadInput("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is",
+                    path, static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId));
   if (version != kJournalFormat)
-    return BadInput("{} has journal format {}, this program knows format {}; use the hydroscope that wrote it", path, version,
-                    kJournalFormat);
+    return BadInput(
+        "{} has journal format {}, this program knows format {}; use the hydroscope that wrote it", path,
+        version, kJournalFormat);
   return {};
 }
 
@@ -105,7 +107,8 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
   db.exec("PRAGMA synchronous = FULL");
   if (!fresh) return {};
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-  if (db.execAndGet("PRAGMA application_id").getInt() != kJournalApplicationId) {  // another process may have been faster
+  if (db.execAndGet("PRAGMA application_id").getInt() !=
+      kJournalApplicationId) {  // another process may have been faster
     db.exec(kTables);
     db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
     db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
@@ -118,12 +121,16 @@ std::optional<double> Optional(const Query& query, int column) {
   return query.IsNull(column) ? std::nullopt : std::optional(query.Real(column));
 }
 
-AlarmSeverity Severity(const std::string& name) { return SeverityFromName(name).value_or(AlarmSeverity::kWarning); }
+AlarmSeverity Severity(const std::string& name) {
+  return SeverityFromName(name).value_or(AlarmSeverity::kWarning);
+}
 
 std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& machine) {
   Query query(connection,
-              "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, shelved_until_s, on_count, "
-              "off_count, value, std, limit_value, unit, text, raised_time_s, raised_wall_s, raised_stroke, first_stroke, "
+              "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
+              "shelved_until_s, on_count, "
+              "off_count, value, std, limit_value, unit, text, raised_time_s, raised_wall_s, raised_stroke, "
+              "first_stroke, "
               "last_stroke FROM alarm WHERE machine = ? ORDER BY id",
               machine);
   std::vector<AlarmState> alarms;
@@ -157,10 +164,11 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
 void StoreAlarm(Connection& connection, const std::string& machine, const AlarmState& a) {
   const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
   Query(connection,
-        "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", machine, a.id,
-        SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged), static_cast<int>(a.latched),
-        static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed), shelved, a.on_count, a.off_count, a.value, a.std,
-        a.limit, a.unit, a.text, a.raised_time, a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke)
+        "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
+        static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
+        shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
+        a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke)
       .Run();
 }
 
@@ -177,11 +185,13 @@ std::int64_t LastSequence(Connection& connection) {
   return query.Int(0);
 }
 
-void AppendRow(Connection& connection, std::int64_t sequence, const std::string& machine, double wall, const AlarmEvent& e) {
-  Query(connection, "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", sequence,
-        machine, wall, e.time, e.stroke, e.alarm, e.event, e.state_before, e.state, SeverityName(e.severity), e.value, e.std,
-        e.limit, e.unit, e.oil_temperature, e.model_version, e.reference_version, e.user, e.comment, e.text, e.first_stroke,
-        e.last_stroke)
+void AppendRow(Connection& connection, std::int64_t sequence, const std::string& machine, double wall,
+               const AlarmEvent& e) {
+  Query(connection,
+        "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        sequence, machine, wall, e.time, e.stroke, e.alarm, e.event, e.state_before, e.state,
+        SeverityName(e.severity), e.value, e.std, e.limit, e.unit, e.oil_temperature, e.model_version,
+        e.reference_version, e.user, e.comment, e.text, e.first_stroke, e.last_stroke)
       .Run();
 }
 
@@ -217,7 +227,8 @@ struct AlarmJournal::Impl : Connection {
 };
 
 AlarmState& AxisContent::Alarm(const std::string& id) {
-  const auto at = std::lower_bound(alarms.begin(), alarms.end(), id, [](const AlarmState& a, const auto& b) { return a.id < b; });
+  const auto at = std::lower_bound(alarms.begin(), alarms.end(), id,
+                                   [](const AlarmState& a, const auto& b) { return a.id < b; });
   if (at != alarms.end() && at->id == id) return *at;
   AlarmState alarm;
   alarm.id = id;
@@ -251,25 +262,31 @@ Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
 Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
-    return BadInput("there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the database D", path);
+    return BadInput(
+        "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the "
+        "database D",
+        path);
   return Open(path);
 }
 
-Status AlarmJournal::Change(const std::string& machine, double wall, const std::function<Status(AxisContent&)>& change) {
+Status AlarmJournal::Change(const std::string& machine, double wall,
+                            const std::function<Status(AxisContent&)>& change) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
     AxisContent content{LoadAlarms(*impl_, machine), LoadMonitor(*impl_, machine), {}, {}};
     const AxisContent before = content;
     if (const Status changed = change(content); !changed) return changed;
     for (const AlarmState& alarm : content.alarms)
-      if (std::find(before.alarms.begin(), before.alarms.end(), alarm) == before.alarms.end()) StoreAlarm(*impl_, machine, alarm);
-    if (content.monitor.next_stroke != before.monitor.next_stroke || content.monitor.state != before.monitor.state)
+      if (std::find(before.alarms.begin(), before.alarms.end(), alarm) == before.alarms.end())
+        StoreAlarm(*impl_, machine, alarm);
+    if (content.monitor.next_stroke != before.monitor.next_stroke ||
+        content.monitor.state != before.monitor.state)
       Query(*impl_, "INSERT OR REPLACE INTO monitor VALUES(?, ?, ?, ?)", machine, content.monitor.next_stroke,
             content.monitor.model_version, content.monitor.state)
           .Run();
     for (const StoredReference& r : content.references)
-      Query(*impl_, "INSERT INTO reference VALUES(?, ?, ?, ?, ?, ?)", machine, r.version, r.first_stroke, r.last_stroke, wall,
-            r.bytes)
+      Query(*impl_, "INSERT INTO reference VALUES(?, ?, ?, ?, ?, ?)", machine, r.version, r.first_stroke,
+            r.last_stroke, wall, r.bytes)
           .Run();
     std::int64_t sequence = content.events.empty() ? 0 : LastSequence(*impl_);
     for (const AlarmEvent& event : content.events) AppendRow(*impl_, ++sequence, machine, wall, event);
@@ -280,7 +297,9 @@ Status AlarmJournal::Change(const std::string& machine, double wall, const std::
 
 Result<std::vector<std::string>> AlarmJournal::Machines() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
-    Query query(*impl_, "SELECT machine FROM monitor UNION SELECT machine FROM alarm UNION SELECT machine FROM journal ORDER BY 1");
+    Query query(*impl_,
+                "SELECT machine FROM monitor UNION SELECT machine FROM alarm UNION SELECT machine FROM "
+                "journal ORDER BY 1");
     std::vector<std::string> names;
     while (query.Step()) names.push_back(query.Text(0));
     return names;
@@ -293,10 +312,12 @@ Result<AxisContent> AlarmJournal::Axis(const std::string& machine) const {
   });
 }
 
-Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, std::int64_t after, std::int64_t limit) const {
+Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, std::int64_t after,
+                                                   std::int64_t limit) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<JournalRow>> {
     static const std::string sql = fmt::format(
-        "SELECT {} FROM journal WHERE sequence > ?1 AND (?2 = '' OR machine = ?2) ORDER BY sequence LIMIT ?3", kRowColumns);
+        "SELECT {} FROM journal WHERE sequence > ?1 AND (?2 = '' OR machine = ?2) ORDER BY sequence LIMIT ?3",
+        kRowColumns);
     Query query(*impl_, sql.c_str(), after, machine, limit > 0 ? limit : std::int64_t{-1});
     std::vector<JournalRow> rows;
     while (query.Step()) rows.push_back(ReadRow(query));
@@ -307,11 +328,13 @@ Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, s
 Result<std::optional<StoredReference>> AlarmJournal::LatestReference(const std::string& machine) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::optional<StoredReference>> {
     Query query(*impl_,
-                "SELECT version, first_stroke, last_stroke, bytes FROM reference WHERE machine = ? ORDER BY version DESC LIMIT 1",
+                "SELECT version, first_stroke, last_stroke, bytes FROM reference WHERE machine = ? ORDER BY "
+                "version DESC LIMIT 1",
                 machine);
     if (!query.Step()) return std::nullopt;
     const auto blob = query.Blob(3);
-    return StoredReference{static_cast<int>(query.Int(0)), query.Int(1), query.Int(2), {blob.begin(), blob.end()}};
+    return StoredReference{
+        static_cast<int>(query.Int(0)), query.Int(1), query.Int(2), {blob.begin(), blob.end()}};
   });
 }
 
@@ -319,10 +342,12 @@ Status AlarmJournal::CheckIntegrity() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     const std::string pages = impl_->db.execAndGet("PRAGMA integrity_check").getString();
     if (pages != "ok") return BadInput("{} is damaged: {}", impl_->path, pages);
-    Query query(*impl_, "SELECT count(*), coalesce(max(sequence), 0), coalesce(min(sequence), 1) FROM journal");
+    Query query(*impl_,
+                "SELECT count(*), coalesce(max(sequence), 0), coalesce(min(sequence), 1) FROM journal");
     query.Step();
     if (query.Int(0) != query.Int(1) || query.Int(2) != 1)
-      return BadInput("{}: the journal has {} rows up to number {}: rows are missing", impl_->path, query.Int(0), query.Int(1));
+      return BadInput("{}: the journal has {} rows up to number {}: rows are missing", impl_->path,
+                      query.Int(0), query.Int(1));
     return {};
   });
 }

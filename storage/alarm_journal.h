@@ -41,9 +41,10 @@ struct AxisContent {
   void Append(std::vector<AlarmEvent> more);
 };
 
-/// The alarm journal of a trend database, in a file of its own beside it: rows that are only ever appended, numbered
-/// without gaps, with the alarms' present states and the monitors' states. WAL, synchronous=FULL: what Change() has returned
-/// survives a loss of power. Triggers refuse to change or delete a row. Errors as of Database.
+/// The alarm journal of a trend database, in a file of its own beside it: rows that are only ever appended,
+/// numbered without gaps, with the alarms' present states and the monitors' states. WAL, synchronous=FULL:
+/// what Change() has returned survives a loss of power. Triggers refuse to change or delete a row. Errors as
+/// of Database.
 class AlarmJournal {
  public:
   /// "press.db" -> "press.alarms.db".
@@ -55,14 +56,15 @@ class AlarmJournal {
   AlarmJournal& operator=(AlarmJournal&&) noexcept;
   ~AlarmJournal();
 
-  /// Reads the axis, lets `change` work on it and stores everything in one transaction that no other process interleaves;
-  /// if `change` fails nothing is stored. `wall`: s since 1970, written with the rows.
+  /// Reads the axis, lets `change` work on it and stores everything in one transaction that no other process
+  /// interleaves; if `change` fails nothing is stored. `wall`: s since 1970, written with the rows.
   Status Change(const std::string& machine, double wall, const std::function<Status(AxisContent&)>& change);
 
   Result<std::vector<std::string>> Machines() const;
   Result<AxisContent> Axis(const std::string& machine) const;
   /// Rows with sequence > `after`, at most `limit` (0 = all), in order; "" = all machines.
-  Result<std::vector<JournalRow>> Rows(const std::string& machine, std::int64_t after = 0, std::int64_t limit = 0) const;
+  Result<std::vector<JournalRow>> Rows(const std::string& machine, std::int64_t after = 0,
+                                       std::int64_t limit = 0) const;
   /// The latest reference of a machine.
   Result<std::optional<StoredReference>> LatestReference(const std::string& machine) const;
   /// Sequence without gaps from 1, pages and indices sound.

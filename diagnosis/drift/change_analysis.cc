@@ -6,11 +6,11 @@
 namespace hydroscope::drift {
 namespace {
 
-constexpr double kInterval = 1.92;       ///< half of the 95 % point of chi-squared with one degree of freedom
-constexpr double kLeastGain = 12.0;      ///< log-likelihood a further quantity must add ...
-constexpr double kLeastShare = 0.10;     ///< ... also as a share of the first one's
-constexpr double kRivalShare = 0.003;    ///< a rival explains the same up to this share, or up to ...
-constexpr double kRivalGain = 6.0;       ///< ... this log-likelihood: odds of 400 to one
+constexpr double kInterval = 1.92;     ///< half of the 95 % point of chi-squared with one degree of freedom
+constexpr double kLeastGain = 12.0;    ///< log-likelihood a further quantity must add ...
+constexpr double kLeastShare = 0.10;   ///< ... also as a share of the first one's
+constexpr double kRivalShare = 0.003;  ///< a rival explains the same up to this share, or up to ...
+constexpr double kRivalGain = 6.0;     ///< ... this log-likelihood: odds of 400 to one
 
 struct Sums {
   Eigen::VectorXd score;
@@ -47,7 +47,8 @@ std::vector<Moved> FitTogether(const Eigen::VectorXd& score, const Eigen::Matrix
                                const std::vector<int>& moved) {
   const auto n = static_cast<Eigen::Index>(moved.size());
   Eigen::VectorXd scale(n), s(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale[i] = 1.0 / std::sqrt(std::max(information(moved[i], moved[i]), 1e-300));
+  for (Eigen::Index i = 0; i < n; ++i)
+    scale[i] = 1.0 / std::sqrt(std::max(information(moved[i], moved[i]), 1e-300));
   Eigen::MatrixXd h(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     s[i] = score[moved[i]] * scale[i];
@@ -110,7 +111,8 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
     }
     const double least = moved.empty() ? 0 : std::max(kLeastGain, kLeastShare * explanation.evidence);
     if (best < 0 || most - gained < least) break;
-    if (moved.empty() && !enough({best})) return explanation;  // the true cause is too small to be worth telling
+    if (moved.empty() && !enough({best}))
+      return explanation;  // the true cause is too small to be worth telling
     moved.push_back(best);
     gained = most;
     if (moved.size() == 1) explanation.evidence = gained;

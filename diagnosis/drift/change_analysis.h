@@ -14,7 +14,7 @@ namespace hydroscope::drift {
 /// What is remembered of a judged stroke for a while.
 struct JudgedStroke {
   std::int64_t sequence = 0;
-  Eigen::VectorXd score;        ///< in units of noise variance
+  Eigen::VectorXd score;  ///< in units of noise variance
   Eigen::MatrixXd information;
 };
 
@@ -33,22 +33,25 @@ struct Moved {
 
 /// Which quantities explain what the strokes after a change deviate by.
 struct ChangeExplanation {
-  std::vector<Moved> moved;     ///< strongest first
-  std::vector<int> rivals;      ///< quantities that alone explain about as much as the first
-  double evidence = 0;          ///< log-likelihood gained by the first
-  bool decided = false;         ///< no rival
+  std::vector<Moved> moved;  ///< strongest first
+  std::vector<int> rivals;   ///< quantities that alone explain about as much as the first
+  double evidence = 0;       ///< log-likelihood gained by the first
+  bool decided = false;      ///< no rival
 };
 
-/// Generalised likelihood ratio over the change time (Lorden 1971; Basseville and Nikiforov 1993, ch. 2.4) for a step of
-/// unknown size in quantity `quantity`; interval: where the log-likelihood lies within 1.92 of its maximum.
+/// Generalised likelihood ratio over the change time (Lorden 1971; Basseville and Nikiforov 1993, ch. 2.4)
+/// for a step of unknown size in quantity `quantity`; interval: where the log-likelihood lies within 1.92 of
+/// its maximum.
 ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity);
 
-/// Explains the strokes after `last_before` by as few quantities as possible: the one that gains most log-likelihood, then
-/// others as long as each gains a tenth of the first and at least 12, with the sizes of all of them fitted together.
+/// Explains the strokes after `last_before` by as few quantities as possible: the one that gains most
+/// log-likelihood, then others as long as each gains a tenth of the first and at least 12, with the sizes of
+/// all of them fitted together.
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
                                 const std::vector<DriftSize>& sizes, const Eigen::VectorXd& doubt);
 
-/// Sizes of `moved` quantities fitted together to the sums of scores and information; std in SI without doubt.
+/// Sizes of `moved` quantities fitted together to the sums of scores and information; std in SI without
+/// doubt.
 std::vector<Moved> FitTogether(const Eigen::VectorXd& score, const Eigen::MatrixXd& information,
                                const std::vector<int>& moved);
 

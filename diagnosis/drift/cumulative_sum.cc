@@ -5,7 +5,8 @@
 
 namespace hydroscope::drift {
 
-void CumulativeSum::Add(std::int64_t sequence, double deviation, double std, double doubt, const DriftSize& size) {
+void CumulativeSum::Add(std::int64_t sequence, double deviation, double std, double doubt,
+                        const DriftSize& size) {
   if (!(std > 0) || !std::isfinite(std) || !std::isfinite(deviation) || !std::isfinite(doubt)) return;
   const double tolerance = (0.5 * size.smallest + 2.0 * doubt) / std;
   const double shift = std::min(size.smallest / std, kLargestShift);

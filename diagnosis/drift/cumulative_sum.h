@@ -6,17 +6,18 @@ namespace hydroscope::drift {
 
 /// What counts as a drift of one quantity, SI.
 struct DriftSize {
-  double smallest = 0;       ///< worth finding
-  double alarm = 0;          ///< worth stopping for
-  bool only_upwards = false; ///< leakage cannot be negative
+  double smallest = 0;        ///< worth finding
+  double alarm = 0;           ///< worth stopping for
+  bool only_upwards = false;  ///< leakage cannot be negative
 };
 
 /// Two-sided cumulative-sum test (Page 1954) on standardised deviations of strokes, for the hypotheses
 ///   healthy: |shift| <= tolerance,   drifted: |shift| >= tolerance + something,
-/// with tolerance = half of the smallest drift worth finding + twice the std of the reference itself. Each stroke adds its
-/// log-likelihood ratio m (z - t) - m^2/2 for a shift of m standard deviations, m = smallest/std but at most 2, z clipped to
-/// +-4: one bad stroke adds 6 at most, far below the threshold of 20 (mean time between false alarms above e^20 strokes for
-/// independent normal deviations, Lorden 1971).
+/// with tolerance = half of the smallest drift worth finding + twice the std of the reference itself. Each
+/// stroke adds its log-likelihood ratio m (z - t) - m^2/2 for a shift of m standard deviations, m =
+/// smallest/std but at most 2, z clipped to
+/// +-4: one bad stroke adds 6 at most, far below the threshold of 20 (mean time between false alarms above
+/// e^20 strokes for independent normal deviations, Lorden 1971).
 class CumulativeSum {
  public:
   static constexpr double kThreshold = 20.0;

@@ -8,8 +8,8 @@
 namespace hydroscope::drift {
 namespace {
 
-constexpr double kMemory = 0.95;     ///< of sizes of open findings: some 20 strokes
-constexpr double kGoneShare = 0.5;   ///< of the smallest drift: below it a finding is going
+constexpr double kMemory = 0.95;    ///< of sizes of open findings: some 20 strokes
+constexpr double kGoneShare = 0.5;  ///< of the smallest drift: below it a finding is going
 
 bool Usable(const StrokeEvidence& stroke) {
   return stroke.equations.equations > 0 && stroke.equations.h.allFinite() && stroke.equations.g.allFinite() &&
@@ -20,20 +20,28 @@ bool Usable(const StrokeEvidence& stroke) {
 
 const char* JudgementName(JudgementReason reason) {
   switch (reason) {
-    case JudgementReason::kJudged: return "judged";
-    case JudgementReason::kTooCold: return "too_cold";
-    case JudgementReason::kNewClass: return "new_class";
-    case JudgementReason::kUnusable: return "unusable";
+    case JudgementReason::kJudged:
+      return "judged";
+    case JudgementReason::kTooCold:
+      return "too_cold";
+    case JudgementReason::kNewClass:
+      return "new_class";
+    case JudgementReason::kUnusable:
+      return "unusable";
   }
   return "";
 }
 
 const char* JudgementText(JudgementReason reason) {
   switch (reason) {
-    case JudgementReason::kJudged: return "judged against the reference";
-    case JudgementReason::kTooCold: return "oil colder than minimum_temperature of the rules file";
-    case JudgementReason::kNewClass: return "a tool, speed or pressure that commissioning did not see; being learned";
-    case JudgementReason::kUnusable: return "the stroke tells nothing: bad signals or nothing moved";
+    case JudgementReason::kJudged:
+      return "judged against the reference";
+    case JudgementReason::kTooCold:
+      return "oil colder than minimum_temperature of the rules file";
+    case JudgementReason::kNewClass:
+      return "a tool, speed or pressure that commissioning did not see; being learned";
+    case JudgementReason::kUnusable:
+      return "the stroke tells nothing: bad signals or nothing moved";
   }
   return "";
 }
@@ -44,7 +52,8 @@ DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference 
   for (int q = 0; q < n; ++q) {
     const WatchSpec* watch = rules_->Find(model_.quantities()[q].name);
     watched_.push_back(watch != nullptr);
-    sizes_.push_back(watch != nullptr ? watch->Sizes(reference_.typical(q)) : WatchSpec{}.Sizes(reference_.typical(q)));
+    sizes_.push_back(watch != nullptr ? watch->Sizes(reference_.typical(q))
+                                      : WatchSpec{}.Sizes(reference_.typical(q)));
   }
   tests_.resize(n);
   trends_.resize(n);
@@ -72,8 +81,8 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
   return judgement;
 }
 
-/// Strokes of a kind that commissioning did not see are collected until its offsets can be learned. What open findings
-/// explain is taken out, so that a fault does not become part of what is healthy.
+/// Strokes of a kind that commissioning did not see are collected until its offsets can be learned. What open
+/// findings explain is taken out, so that a fault does not become part of what is healthy.
 void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   const int index = candidates_.FindOrAdd(stroke);
   if (index < 0) return;
@@ -149,7 +158,8 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
   }
 }
 
-/// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from others.
+/// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from
+/// others.
 void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature) {
   const std::int64_t now = strokes_.back().sequence;
   int strongest = -1;
@@ -194,7 +204,8 @@ void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature)
 }
 
 /// Applies the rules and starts to follow the sizes.
-void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt) {
+void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
+                        const Eigen::VectorXd& doubt) {
   std::map<std::string, int> movements;
   finding.parts.clear();
   finding.alarm = false;
@@ -202,9 +213,8 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved, 
     const Quantity& quantity = model_.quantities()[m.quantity];
     const bool alarm = std::abs(m.size + explained_[m.quantity]) >= sizes_[m.quantity].alarm;
     movements[quantity.name] = m.size > 0 ? 1 : -1;
-    finding.parts.push_back(
-        {quantity.name, quantity.unit, m.size, m.std, healthy_[m.quantity],
-         kGoneShare * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
+    finding.parts.push_back({quantity.name, quantity.unit, m.size, m.std, healthy_[m.quantity],
+                             kGoneShare * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
     finding.alarm = finding.alarm || alarm;
   }
   const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;
@@ -215,8 +225,10 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved, 
     finding.severity = rule->severity;
   } else {
     finding.rule.clear();
-    finding.name = finding.state == FindingState::kNamed ? "Change that no rule names" : "Change with more than one possible cause";
-    finding.guidance = "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure.";
+    finding.name = finding.state == FindingState::kNamed ? "Change that no rule names"
+                                                         : "Change with more than one possible cause";
+    finding.guidance =
+        "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure.";
   }
   // Sizes are followed from the strokes since the change alone, what was explained before included.
   recent_score_.setZero();
@@ -240,8 +252,11 @@ std::vector<SlowDrift> DriftMonitor::SlowDrifts() const {
   std::vector<SlowDrift> drifts;
   for (int q = 0; q < model_.size(); ++q) {
     if (!watched_[q]) continue;
-    SlowDrift drift{model_.quantities()[q].name, model_.quantities()[q].unit,
-                    trends_[q].Figures(sizes_[q].smallest, doubt_[q]), 0, {}};
+    SlowDrift drift{model_.quantities()[q].name,
+                    model_.quantities()[q].unit,
+                    trends_[q].Figures(sizes_[q].smallest, doubt_[q]),
+                    0,
+                    {}};
     if (!drift.figures.significant) continue;
     drift.limit = std::copysign(sizes_[q].alarm, drift.figures.slope);
     drift.reach = SlowTrend::Reach(drift.figures, drift.limit);

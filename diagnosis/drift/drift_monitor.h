@@ -18,20 +18,20 @@ namespace hydroscope::drift {
 /// Whether a stroke was judged, and why not.
 enum class JudgementReason {
   kJudged,
-  kTooCold,        ///< oil below the minimum temperature
-  kNewClass,       ///< a kind of stroke commissioning did not see; being learned
-  kUnusable,       ///< its equations tell nothing (bad signals, no excitation)
+  kTooCold,   ///< oil below the minimum temperature
+  kNewClass,  ///< a kind of stroke commissioning did not see; being learned
+  kUnusable,  ///< its equations tell nothing (bad signals, no excitation)
 };
 const char* JudgementName(JudgementReason reason);
 const char* JudgementText(JudgementReason reason);
 
 /// One quantity of one stroke against the reference.
 struct QuantityJudgement {
-  double deviation = 0;     ///< SI, this stroke alone
-  double std = 0;           ///< SI, sampling
-  double doubt = 0;         ///< SI, std of the reference
-  double reference = 0;     ///< SI, healthy value at this oil temperature
-  double statistic = 0;     ///< of the cumulative-sum test, signed
+  double deviation = 0;  ///< SI, this stroke alone
+  double std = 0;        ///< SI, sampling
+  double doubt = 0;      ///< SI, std of the reference
+  double reference = 0;  ///< SI, healthy value at this oil temperature
+  double statistic = 0;  ///< of the cumulative-sum test, signed
 };
 
 struct Judgement {
@@ -56,15 +56,15 @@ enum class FindingState { kSuspected, kNamed, kUndecided, kGone };
 
 /// Something changed at the machine: what, since when, by how much, and what it means.
 struct DriftFinding {
-  std::int64_t number = 0;   ///< 1, 2, ... per axis
+  std::int64_t number = 0;  ///< 1, 2, ... per axis
   FindingState state = FindingState::kSuspected;
-  std::string rule;          ///< id of the rule, "" if none fits (yet)
+  std::string rule;  ///< id of the rule, "" if none fits (yet)
   std::string name, guidance;
   RuleSeverity severity = RuleSeverity::kWarning;
-  ChangeTime since;          ///< stroke numbers
-  std::int64_t found = 0;    ///< stroke at which the test said so
-  std::int64_t last = 0;     ///< latest stroke it rests on
-  double oil_temperature = 0;///< K, at that stroke
+  ChangeTime since;            ///< stroke numbers
+  std::int64_t found = 0;      ///< stroke at which the test said so
+  std::int64_t last = 0;       ///< latest stroke it rests on
+  double oil_temperature = 0;  ///< K, at that stroke
   std::vector<FindingPart> parts;
   std::vector<std::string> rivals;  ///< quantities that would explain the same
   bool alarm = false;               ///< one part is beyond its alarm change
@@ -78,14 +78,14 @@ std::string FindingText(const DriftFinding& finding);
 struct SlowDrift {
   std::string quantity, unit;
   TrendFigures figures;
-  double limit = 0;  ///< SI, deviation
-  TimeToLimit reach; ///< strokes
+  double limit = 0;   ///< SI, deviation
+  TimeToLimit reach;  ///< strokes
 };
 
-/// Watches one axis against its frozen reference, stroke by stroke. Deterministic; time and strokes come as arguments.
-/// A deviation passes: temperature and class (Reference) -> cumulative sums (CumulativeSum) -> change time and cause
-/// (change_analysis) -> rule. What an open finding explains is taken out before the tests go on, so that a second fault is
-/// found beside the first.
+/// Watches one axis against its frozen reference, stroke by stroke. Deterministic; time and strokes come as
+/// arguments. A deviation passes: temperature and class (Reference) -> cumulative sums (CumulativeSum) ->
+/// change time and cause (change_analysis) -> rule. What an open finding explains is taken out before the
+/// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
   static constexpr std::uint32_t kFormat = 1;
@@ -123,14 +123,14 @@ class DriftMonitor {
   std::vector<bool> watched_;
   std::vector<CumulativeSum> tests_;
   std::vector<SlowTrend> trends_;
-  std::deque<JudgedStroke> strokes_;     ///< what open findings leave unexplained
+  std::deque<JudgedStroke> strokes_;  ///< what open findings leave unexplained
   std::vector<DriftFinding> findings_;
-  Eigen::VectorXd explained_;            ///< SI, sizes of open findings
-  Eigen::VectorXd recent_score_;         ///< of the last strokes, nothing taken out, exponentially forgotten
+  Eigen::VectorXd explained_;     ///< SI, sizes of open findings
+  Eigen::VectorXd recent_score_;  ///< of the last strokes, nothing taken out, exponentially forgotten
   Eigen::MatrixXd recent_information_;
-  Eigen::VectorXd doubt_;                ///< at the last judged stroke
-  Eigen::VectorXd healthy_;              ///< reference values at the last judged stroke
-  std::int64_t found_ = 0;               ///< findings so far
+  Eigen::VectorXd doubt_;    ///< at the last judged stroke
+  Eigen::VectorXd healthy_;  ///< reference values at the last judged stroke
+  std::int64_t found_ = 0;   ///< findings so far
   std::map<int, std::vector<StrokeEvidence>> new_classes_;
   OperatingClasses candidates_;
 };

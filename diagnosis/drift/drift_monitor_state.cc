@@ -65,7 +65,8 @@ void PutStroke(ByteWriter& out, const StrokeEvidence& s) {
 StrokeEvidence GetStroke(ByteReader& in) {
   StrokeEvidence s;
   s.sequence = in.Get<std::int64_t>();
-  for (double* v : {&s.time, &s.oil_temperature, &s.speed, &s.mean_pressure, &s.max_pressure}) *v = in.Get<double>();
+  for (double* v : {&s.time, &s.oil_temperature, &s.speed, &s.mean_pressure, &s.max_pressure})
+    *v = in.Get<double>();
   const Eigen::VectorXd packed = GetVector(in);
   s.equations.g = GetVector(in);
   const auto n = s.equations.g.size();

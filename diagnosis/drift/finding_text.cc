@@ -19,17 +19,19 @@ std::string PartText(const FindingPart& part) {
   if (part.unit == "1" || std::abs(part.reference) < 1e-300)
     return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
   const DisplayUnit unit = DisplayUnitFor(part.unit);
-  return fmt::format("{} {:+.1f} ± {:.1f} % ({:.4g} -> {:.4g} {})", part.quantity, 100 * part.size / part.reference,
-                     196 * part.std / std::abs(part.reference), part.reference * unit.factor + unit.offset,
+  return fmt::format("{} {:+.1f} ± {:.1f} % ({:.4g} -> {:.4g} {})", part.quantity,
+                     100 * part.size / part.reference, 196 * part.std / std::abs(part.reference),
+                     part.reference * unit.factor + unit.offset,
                      (part.reference + part.size) * unit.factor + unit.offset, unit.name);
 }
 
 }  // namespace
 
 std::string FindingText(const DriftFinding& finding) {
-  std::string text = fmt::format("since stroke {} (between {} and {}): {}", finding.since.last_before + 1,
-                                 finding.since.low + 1, finding.since.high + 1,
-                                 finding.name.empty() ? "something changed; its cause is not told apart yet" : finding.name);
+  std::string text =
+      fmt::format("since stroke {} (between {} and {}): {}", finding.since.last_before + 1,
+                  finding.since.low + 1, finding.since.high + 1,
+                  finding.name.empty() ? "something changed; its cause is not told apart yet" : finding.name);
   for (std::size_t i = 0; i < finding.parts.size(); ++i)
     text += (i == 0 ? "; " : ", ") + PartText(finding.parts[i]);
   for (std::size_t i = 0; i < finding.rivals.size(); ++i)

@@ -8,8 +8,9 @@
 
 namespace hydroscope::drift {
 
-/// Kinds of stroke a press makes: a tool with its speed and pressure profile. Strokes belong together if ram speed, mean and
-/// highest pressure differ by no more than some tens of percent (leader clustering, Hartigan 1975, in logarithms).
+/// Kinds of stroke a press makes: a tool with its speed and pressure profile. Strokes belong together if ram
+/// speed, mean and highest pressure differ by no more than some tens of percent (leader clustering, Hartigan
+/// 1975, in logarithms).
 class OperatingClasses {
  public:
   static constexpr double kRadius = 0.25;  ///< distance in logarithms: some 25 % in one of the three

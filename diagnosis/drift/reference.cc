@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x46455248;  // "HREF"
 constexpr double kStepsPerKelvin = 10.0;
-constexpr double kBinWidth = 1.5;      ///< K
+constexpr double kBinWidth = 1.5;  ///< K
 constexpr std::size_t kBinStrokes = 12;
 constexpr int kMostBins = 40;
-constexpr int kPasses = 8;             ///< of taking class means out
-constexpr int kSteps = 6;              ///< of Gauss and Newton
-constexpr std::size_t kBlock = 10;     ///< strokes, for the correlation of neighbours
-constexpr double kClip = 3.5;          ///< standard deviations, against single bad strokes
+constexpr int kPasses = 8;          ///< of taking class means out
+constexpr int kSteps = 6;           ///< of Gauss and Newton
+constexpr std::size_t kBlock = 10;  ///< strokes, for the correlation of neighbours
+constexpr double kClip = 3.5;       ///< standard deviations, against single bad strokes
 
 /// Strokes of nearly the same oil temperature, summed.
 struct Bin {
@@ -55,8 +55,8 @@ std::vector<Bin> BinByTemperature(std::span<const StrokeEvidence> strokes) {
   return bins;
 }
 
-/// Terms of a quantity's curve. A volume and a spool position do not depend on the oil; at one ram speed they could not be told
-/// from flow and bulk modulus, which do.
+/// Terms of a quantity's curve. A volume and a spool position do not depend on the oil; at one ram speed they
+/// could not be told from flow and bulk modulus, which do.
 int TermsOf(const Quantity& quantity) {
   if (quantity.unit == "m3" || quantity.unit == "1") return 1;
   return quantity.family == CurveFamily::kFlow ? 3 : 2;
@@ -65,12 +65,13 @@ int TermsOf(const Quantity& quantity) {
 /// Mean square of the points about the curve in units of their std, at least 1.
 double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureModel& curve) {
   double sum = 0;
-  for (const TemperaturePoint& p : points) sum += std::pow((p.value - curve.At(p.temperature).value) / p.std, 2);
+  for (const TemperaturePoint& p : points)
+    sum += std::pow((p.value - curve.At(p.temperature).value) / p.std, 2);
   return std::max(1.0, sum / std::max<double>(1.0, static_cast<double>(points.size())));
 }
 
-/// Variance of deviations in units of what their information promises: the larger of single strokes and of blocks of
-/// neighbours, so that correlation between strokes counts; single bad strokes are clipped.
+/// Variance of deviations in units of what their information promises: the larger of single strokes and of
+/// blocks of neighbours, so that correlation between strokes counts; single bad strokes are clipped.
 double Scatter(const std::vector<double>& standardised) {
   std::vector<double> sizes;
   for (const double z : standardised) sizes.push_back(std::abs(z));
@@ -94,7 +95,8 @@ double Scatter(const std::vector<double>& standardised) {
 
 }  // namespace
 
-Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes, int version) {
+Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
+                                   int version) {
   if (static_cast<int>(strokes.size()) < kLeastStrokes)
     return BadInput("commissioning has {} strokes, expected at least {}", strokes.size(), kLeastStrokes);
   Reference reference;
@@ -105,15 +107,16 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   for (const StrokeEvidence& s : strokes) all += s.equations;
   const Eigen::VectorXd values = model.Solve(all);
   if (values.size() == 0)
-    return BadInput("strokes {} ... {} do not tell the parameters apart; vary ram speed and pressure", reference.first_,
-                    reference.last_);
-  NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()), all.g.head(model.base_count()), all.yy,
-                       all.equations};
+    return BadInput("strokes {} ... {} do not tell the parameters apart; vary ram speed and pressure",
+                    reference.first_, reference.last_);
+  NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()),
+                       all.g.head(model.base_count()), all.yy, all.equations};
   reference.theta_ = Eigen::VectorXd::Zero(model.size());
   reference.theta_.head(model.base_count()) = SolveNormalEquations(base);
   reference.typical_ = values;
   reference.LearnCurves(model, strokes);
-  // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves fitted again.
+  // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves
+  // fitted again.
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<StrokeEvidence> level = reference.WithoutClassMeans(model, strokes);
     reference.curves_.clear();
@@ -143,7 +146,8 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   std::vector<double> count;
   const auto error = [&](const StrokeEvidence& s) -> Eigen::VectorXd {
     const NormalEquations& e = s.equations;
-    return (e.g - e.h * At(model, s.oil_temperature).theta).cwiseQuotient(e.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+    return (e.g - e.h * At(model, s.oil_temperature).theta)
+        .cwiseQuotient(e.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
   };
   for (const StrokeEvidence& s : strokes) {
     const int c = classes.FindOrAdd(s);
@@ -156,13 +160,16 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
   for (StrokeEvidence& s : level) {
     const int c = classes.Find(s);
-    if (c >= 0) s.equations.g -= (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+    if (c >= 0)
+      s.equations.g -=
+          (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
   }
   return level;
 }
 
-/// All curves together by Gauss-Newton on the bins' normal equations, so that what strokes hardly tell apart (flow and null
-/// at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens the covariance.
+/// All curves together by Gauss-Newton on the bins' normal equations, so that what strokes hardly tell apart
+/// (flow and null at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens
+/// the covariance.
 void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   const std::vector<Bin> bins = BinByTemperature(strokes);
   NormalEquations all;
@@ -172,9 +179,11 @@ void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvi
   for (int q = 0; q < model.size(); ++q) {
     const Quantity& quantity = model.quantities()[q];
     std::vector<TemperaturePoint> flat;
-    for (const Bin& bin : bins) flat.push_back({bin.temperature, typical_[q], std::max(std::abs(typical_[q]), 1e-30)});
-    curves_.push_back(quantity.effect ? TemperatureModel::Known(0)
-                                      : TemperatureModel::FitTerms(flat, quantity.family, TermsOf(quantity)).value());
+    for (const Bin& bin : bins)
+      flat.push_back({bin.temperature, typical_[q], std::max(std::abs(typical_[q]), 1e-30)});
+    curves_.push_back(quantity.effect
+                          ? TemperatureModel::Known(0)
+                          : TemperatureModel::FitTerms(flat, quantity.family, TermsOf(quantity)).value());
     first.push_back(coefficients);
     coefficients += quantity.effect ? 0 : static_cast<int>(curves_[q].Basis(bins.front().temperature).size());
   }
@@ -249,7 +258,8 @@ Score Reference::ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke
           e.jacobian.transpose() * stroke.equations.h * e.jacobian};
 }
 
-void Reference::LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index) {
+void Reference::LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes,
+                           int index) {
   std::vector<Score> scores;
   for (const StrokeEvidence* s : strokes) scores.push_back(ScoreOf(model, *s));
   std::vector<ClassOffset> offsets(model.size());
@@ -276,7 +286,8 @@ void Reference::LearnClass(const WatchedModel& model, const std::vector<const St
     std::vector<double> standardised;
     for (const Score& s : scores)
       if (s.information(q, q) > 0)
-        standardised.push_back((s.score[q] - s.information(q, q) * offsets[q].offset) / std::sqrt(s.information(q, q)));
+        standardised.push_back((s.score[q] - s.information(q, q) * offsets[q].offset) /
+                               std::sqrt(s.information(q, q)));
     offsets[q].scatter = std::max(Scatter(standardised), 1e-300);
     offsets[q].std = 1.2533 * std::sqrt(offsets[q].scatter / information);  // of a median
   }

@@ -12,12 +12,13 @@
 
 namespace hydroscope::drift {
 
-/// What an operating class adds to the reference of one quantity. A model that misses something small answers each kind of
-/// stroke with its own small offset.
+/// What an operating class adds to the reference of one quantity. A model that misses something small answers
+/// each kind of stroke with its own small offset.
 struct ClassOffset {
   double offset = 0;   ///< SI
   double std = 0;      ///< SI, of the offset
-  double scatter = 1;  ///< variance of a stroke's deviation over what its information promises, neighbours' correlation included
+  double scatter = 1;  ///< variance of a stroke's deviation over what its information promises, neighbours'
+                       ///< correlation included
 };
 
 /// A stroke's deviation from the reference, ready for the tests.
@@ -26,30 +27,34 @@ struct Deviation {
   Eigen::VectorXd value;      ///< SI, each quantity alone, offset of the class taken out
   Eigen::VectorXd std;        ///< SI, sampling
   Eigen::VectorXd reference;  ///< SI, expected value at this oil temperature
-  Eigen::VectorXd doubt;      ///< SI, std of the reference itself (the same for all strokes at this temperature)
-  Eigen::VectorXd score;      ///< offsets taken out, divided by the class's scatter
+  Eigen::VectorXd doubt;  ///< SI, std of the reference itself (the same for all strokes at this temperature)
+  Eigen::VectorXd score;  ///< offsets taken out, divided by the class's scatter
   Eigen::MatrixXd information;
   bool outside = false;  ///< oil temperature outside the range learned
 };
 
-/// The healthy machine as learned in commissioning and frozen: parameters over oil temperature and operating classes. Never
-/// changed afterwards; learning again gives a new version.
+/// The healthy machine as learned in commissioning and frozen: parameters over oil temperature and operating
+/// classes. Never changed afterwards; learning again gives a new version.
 class Reference {
  public:
   static constexpr std::uint32_t kFormat = 1;
-  static constexpr int kLeastStrokes = 100;       ///< of commissioning
-  static constexpr int kLeastClassStrokes = 30;   ///< before strokes of a class are judged
+  static constexpr int kLeastStrokes = 100;      ///< of commissioning
+  static constexpr int kLeastClassStrokes = 30;  ///< before strokes of a class are judged
 
-  /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell the parameters.
-  static Result<Reference> Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes, int version);
-  /// Adds a class that commissioning did not see from strokes of it, its offsets relative to the frozen curves.
+  /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell
+  /// the parameters.
+  static Result<Reference> Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
+                                 int version);
+  /// Adds a class that commissioning did not see from strokes of it, its offsets relative to the frozen
+  /// curves.
   void AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
 
   /// Deviation of a stroke; operating_class is -1 and the rest empty if its class was not learned.
   Deviation Judge(const WatchedModel& model, const StrokeEvidence& stroke) const;
 
   /// The stroke as it would have been without deviations of these sizes.
-  StrokeEvidence Without(const WatchedModel& model, const StrokeEvidence& stroke, const Eigen::VectorXd& sizes) const;
+  StrokeEvidence Without(const WatchedModel& model, const StrokeEvidence& stroke,
+                         const Eigen::VectorXd& sizes) const;
 
   int version() const { return version_; }
   std::int64_t first_sequence() const { return first_; }
@@ -72,7 +77,8 @@ class Reference {
     bool outside = false;
   };
   const Expected& At(const WatchedModel& model, double temperature) const;
-  std::vector<StrokeEvidence> WithoutClassMeans(const WatchedModel& model, std::span<const StrokeEvidence> strokes) const;
+  std::vector<StrokeEvidence> WithoutClassMeans(const WatchedModel& model,
+                                                std::span<const StrokeEvidence> strokes) const;
   void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   void LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index);
   Score ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const;

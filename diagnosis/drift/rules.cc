@@ -6,7 +6,9 @@
 namespace hydroscope::drift {
 
 DriftSize WatchSpec::Sizes(double typical) const {
-  const auto absolute = [&](const ChangeSpec& c) { return c.relative ? c.value * std::abs(typical) : c.value; };
+  const auto absolute = [&](const ChangeSpec& c) {
+    return c.relative ? c.value * std::abs(typical) : c.value;
+  };
   return {absolute(smallest), absolute(alarm), only_upwards};
 }
 
@@ -23,7 +25,8 @@ bool Rule::Matches(const std::map<std::string, int>& moved) const {
 }
 
 const WatchSpec* RuleBook::Find(const std::string& quantity) const {
-  const auto found = std::find_if(watches.begin(), watches.end(), [&](const auto& w) { return w.quantity == quantity; });
+  const auto found =
+      std::find_if(watches.begin(), watches.end(), [&](const auto& w) { return w.quantity == quantity; });
   return found == watches.end() ? nullptr : &*found;
 }
 
@@ -31,7 +34,8 @@ const Rule* RuleBook::Match(const std::map<std::string, int>& moved, int axes) c
   const Rule* best = nullptr;
   const auto rank = [](const Rule& r) { return std::pair(r.axes, r.when.size()); };
   for (const Rule& rule : rules)
-    if (axes >= rule.axes && rule.Matches(moved) && (best == nullptr || rank(rule) > rank(*best))) best = &rule;
+    if (axes >= rule.axes && rule.Matches(moved) && (best == nullptr || rank(rule) > rank(*best)))
+      best = &rule;
   return best;
 }
 

@@ -33,25 +33,25 @@ enum class RuleSeverity { kAdvisory, kWarning, kAlarm };
 
 /// A pattern of movements with a name and what to do about it.
 struct Rule {
-  std::string id;        ///< "entrained_air"
-  std::string name;      ///< "Air in the oil"
-  std::string guidance;  ///< for the person at the machine
+  std::string id;                        ///< "entrained_air"
+  std::string name;                      ///< "Air in the oil"
+  std::string guidance;                  ///< for the person at the machine
   std::map<std::string, Movement> when;  ///< all of these have moved so ...
   std::vector<std::string> may;          ///< ... these may have moved, others not
   RuleSeverity severity = RuleSeverity::kWarning;
-  int axes = 1;          ///< axes of the machine that moved so at the same time
-  int within = 50;       ///< strokes that count as the same time
+  int axes = 1;     ///< axes of the machine that moved so at the same time
+  int within = 50;  ///< strokes that count as the same time
 
   /// Whether the movements (+1, -1) fit.
   bool Matches(const std::map<std::string, int>& moved) const;
 };
 
 struct RuleBook {
-  int commissioning = 1500;                ///< strokes the reference is learned from
-  bool automatic = true;                   ///< freeze the reference by itself after `commissioning` strokes
-  double minimum_temperature = 298.15;     ///< K, oil colder is not judged
-  int warn_delay = 5, clear_delay = 30;    ///< strokes
-  double deadband = 2;                     ///< standard deviations
+  int commissioning = 1500;              ///< strokes the reference is learned from
+  bool automatic = true;                 ///< freeze the reference by itself after `commissioning` strokes
+  double minimum_temperature = 298.15;   ///< K, oil colder is not judged
+  int warn_delay = 5, clear_delay = 30;  ///< strokes
+  double deadband = 2;                   ///< standard deviations
   std::vector<WatchSpec> watches;
   std::vector<Rule> rules;
 
@@ -60,14 +60,16 @@ struct RuleBook {
   const Rule* Match(const std::map<std::string, int>& moved, int axes = 1) const;
 };
 
-/// One section of a rules file with the keys it may hold; docs/drift.md describes every one (a test compares).
+/// One section of a rules file with the keys it may hold; docs/drift.md describes every one (a test
+/// compares).
 struct RuleSection {
   std::string name;
   std::vector<std::string> keys;
 };
 const std::vector<RuleSection>& RuleFileSections();
 
-/// Reads a rules file. Errors name file, line, key, value and what was expected; an unknown key suggests the nearest.
+/// Reads a rules file. Errors name file, line, key, value and what was expected; an unknown key suggests the
+/// nearest.
 Result<RuleBook> LoadRules(const std::string& path);
 Result<RuleBook> ParseRules(const std::string& text, const std::string& origin);
 /// The rules of machines/die_cushion_rules.toml as they were when the program was built.

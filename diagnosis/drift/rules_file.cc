@@ -20,10 +20,12 @@ const std::vector<std::string>& Keys(const std::string& section) {
 }
 
 /// A plain number is a share of the healthy value; { value, unit } is absolute, divided by `per`.
-void ReadChange(TableReader& table, const toml::table& source, const char* key, double per, ChangeSpec& change) {
+void ReadChange(TableReader& table, const toml::table& source, const char* key, double per,
+                ChangeSpec& change) {
   if (!table.Has(key)) return;
   change.relative = !source.get(key)->is_table();
-  table.Number(key, change.value, {change.relative ? "1" : "", {}, true, 0, std::numeric_limits<double>::infinity(), true});
+  table.Number(key, change.value,
+               {change.relative ? "1" : "", {}, true, 0, std::numeric_limits<double>::infinity(), true});
   if (!change.relative) change.value /= per;
 }
 
@@ -38,7 +40,8 @@ void ReadMonitor(const toml::table& source, FileProblems& problems, RuleBook& bo
   table.Number("deadband", book.deadband, {"1", {}, false, 0});
 }
 
-void ReadWatch(const std::string& quantity, const toml::table& source, FileProblems& problems, RuleBook& book) {
+void ReadWatch(const std::string& quantity, const toml::table& source, FileProblems& problems,
+               RuleBook& book) {
   TableReader table(source, "watch." + quantity, problems);
   table.AllowOnly(Keys("watch.<quantity>"));
   WatchSpec watch;
@@ -72,11 +75,13 @@ void ReadRule(const toml::table& source, std::size_t number, const std::vector<s
     if (!table.Has(key)) table.Problem(fmt::format("{} is missing", key));
   if (const toml::table* when = table.Table("when"))
     ReadWhen(*when, fmt::format("rule {}.when", number), quantities, problems, rule);
-  if (table.Has("when") && rule.when.empty()) table.Wrong("when", "at least one movement, e.g. { K = \"down\" }");
+  if (table.Has("when") && rule.when.empty())
+    table.Wrong("when", "at least one movement, e.g. { K = \"down\" }");
   table.Texts("may", rule.may);
   for (const std::string& name : rule.may)
     if (std::find(quantities.begin(), quantities.end(), name) == quantities.end())
-      table.Wrong("may", fmt::format("{}watched quantities: {}", DidYouMean(name, quantities), Listed(quantities)));
+      table.Wrong("may",
+                  fmt::format("{}watched quantities: {}", DidYouMean(name, quantities), Listed(quantities)));
   if (const auto choice = table.Choice("severity", {"advisory", "warning", "alarm"}))
     rule.severity = static_cast<RuleSeverity>(*choice);
   table.Integer("axes", rule.axes, 1);
@@ -91,7 +96,8 @@ void ReadRule(const toml::table& source, std::size_t number, const std::vector<s
 const std::vector<RuleSection>& RuleFileSections() {
   static const std::vector<RuleSection> sections = {
       {"", {"monitor", "watch", "rule"}},
-      {"monitor", {"commissioning", "freeze", "minimum_temperature", "warn_delay", "clear_delay", "deadband"}},
+      {"monitor",
+       {"commissioning", "freeze", "minimum_temperature", "warn_delay", "clear_delay", "deadband"}},
       {"watch.<quantity>", {"change", "alarm_change", "at", "only_upwards"}},
       {"rule", {"id", "name", "guidance", "when", "may", "severity", "axes", "within"}},
   };
@@ -119,7 +125,8 @@ Result<RuleBook> ParseRules(const std::string& text, const std::string& origin) 
   for (const WatchSpec& w : book.watches) quantities.push_back(w.quantity);
   if (const auto* rules = root.get_as<toml::array>("rule"))
     for (std::size_t i = 0; i < rules->size(); ++i)
-      if (const toml::table* rule = rules->get_as<toml::table>(i)) ReadRule(*rule, i + 1, quantities, problems, book);
+      if (const toml::table* rule = rules->get_as<toml::table>(i))
+        ReadRule(*rule, i + 1, quantities, problems, book);
   if (problems.any()) return tl::unexpected(problems.ToError());
   return book;
 }

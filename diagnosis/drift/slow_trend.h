@@ -21,9 +21,9 @@ struct TimeToLimit {
   double strokes = 0, low = 0, high = 0;
 };
 
-/// Straight line through block means of deviations (a block is kBlockStrokes judged strokes; the last kBlocks are kept).
-/// Scatter of the blocks about the line beyond their own std, and correlation of neighbouring blocks, widen the slope's
-/// uncertainty (effective number of blocks, Bayley and Hammersley 1946).
+/// Straight line through block means of deviations (a block is kBlockStrokes judged strokes; the last kBlocks
+/// are kept). Scatter of the blocks about the line beyond their own std, and correlation of neighbouring
+/// blocks, widen the slope's uncertainty (effective number of blocks, Bayley and Hammersley 1946).
 class SlowTrend {
  public:
   static constexpr int kBlockStrokes = 500;

@@ -17,7 +17,8 @@ constexpr int kMostTerms = 3;
 }  // namespace
 
 double RelativeViscosity(double temperature, double grade) {
-  const double hot = 6.8 * std::pow(grade / 46.0, 0.57);  // viscosity index about 100 over the ISO grades 32 ... 68
+  const double hot =
+      6.8 * std::pow(grade / 46.0, 0.57);  // viscosity index about 100 over the ISO grades 32 ... 68
   const auto twice = [](double v) { return std::log10(std::log10(v + 0.7)); };
   const double b = (twice(grade) - twice(hot)) / std::log10(kHundred / kForty);
   const double level = twice(grade) - b * std::log10(temperature / kForty);
@@ -28,7 +29,8 @@ Eigen::VectorXd TemperatureModel::Basis(double temperature) const {
   Eigen::VectorXd basis = Eigen::VectorXd::Ones(terms_);
   const double straight = (temperature - centre_) / kUnitTemperature;
   if (terms_ > 1)
-    basis[1] = family_ == CurveFamily::kFlow ? RelativeViscosity(temperature) - RelativeViscosity(centre_) : straight;
+    basis[1] = family_ == CurveFamily::kFlow ? RelativeViscosity(temperature) - RelativeViscosity(centre_)
+                                             : straight;
   if (terms_ > 2) basis[2] = family_ == CurveFamily::kFlow ? straight : straight * straight;
   return basis;
 }
@@ -57,17 +59,19 @@ Result<TemperatureModel> TemperatureModel::Fit(std::span<const TemperaturePoint>
   TemperatureModel model;
   for (const TemperaturePoint& p : points)
     if (!std::isfinite(p.value) || !(p.std > 0) || !std::isfinite(p.std))
-      return BadInput("a point of the temperature curve is {} with std {}, expected finite and above 0", p.value, p.std);
+      return BadInput("a point of the temperature curve is {} with std {}, expected finite and above 0",
+                      p.value, p.std);
   if (points.empty()) return BadInput("a temperature curve needs at least one point");
   model.points_.assign(points.begin(), points.end());
   model.family_ = family;
-  const auto [low, high] = std::minmax_element(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.temperature < b.temperature;
-  });
+  const auto [low, high] =
+      std::minmax_element(points.begin(), points.end(),
+                          [](const auto& a, const auto& b) { return a.temperature < b.temperature; });
   model.low_ = low->temperature;
   model.high_ = high->temperature;
   model.centre_ = (model.low_ + model.high_) / 2;
-  const bool measured = std::isfinite(model.low_) && std::isfinite(model.high_) && model.high_ - model.low_ >= kLeastRange;
+  const bool measured =
+      std::isfinite(model.low_) && std::isfinite(model.high_) && model.high_ - model.low_ >= kLeastRange;
   const int count = static_cast<int>(points.size());
   const int most = measured ? std::clamp(count - 2, 1, kMostTerms) : 1;
   if (!measured) model.centre_ = std::isfinite(model.centre_) ? model.centre_ : 0;
@@ -75,7 +79,8 @@ Result<TemperatureModel> TemperatureModel::Fit(std::span<const TemperaturePoint>
   std::array<double, kMostTerms> squares{};
   for (int terms = 1; terms <= most; ++terms) {
     squares[terms - 1] = model.FitForm(terms);
-    if (terms == 2 && family == CurveFamily::kSmooth) model.slope_std_ = std::sqrt(model.covariance_(1, 1)) / kUnitTemperature;
+    if (terms == 2 && family == CurveFamily::kSmooth)
+      model.slope_std_ = std::sqrt(model.covariance_(1, 1)) / kUnitTemperature;
   }
   const double noise = count > most ? std::max(1.0, squares[most - 1] / (count - most)) : 1.0;
   int best = 1;
@@ -86,8 +91,8 @@ Result<TemperatureModel> TemperatureModel::Fit(std::span<const TemperaturePoint>
   return model;
 }
 
-Result<TemperatureModel> TemperatureModel::FitTerms(std::span<const TemperaturePoint> points, CurveFamily family,
-                                                    int terms) {
+Result<TemperatureModel> TemperatureModel::FitTerms(std::span<const TemperaturePoint> points,
+                                                    CurveFamily family, int terms) {
   auto model = Fit(points, family);
   if (!model) return model;
   const bool measured = std::isfinite(model->low_) && model->high_ - model->low_ >= kLeastRange;
@@ -115,7 +120,8 @@ TemperatureModel::Prediction TemperatureModel::At(double temperature) const {
   if (!std::isfinite(temperature)) temperature = centre_;
   const double inside = std::clamp(temperature, low_, high_);
   const Eigen::VectorXd basis = Basis(inside);
-  Prediction prediction{basis.dot(coefficients_), std::sqrt(std::max(0.0, basis.dot(covariance_ * basis))), false};
+  Prediction prediction{basis.dot(coefficients_), std::sqrt(std::max(0.0, basis.dot(covariance_ * basis))),
+                        false};
   if (inside == temperature) return prediction;
   const double step = 0.5, inward = inside == low_ ? step : -step;
   const double slope = (Basis(inside + inward).dot(coefficients_) - prediction.value) / inward;
@@ -148,7 +154,8 @@ bool TemperatureModel::Restore(ByteReader& in) {
   if (!in.ok() || terms_ < 1 || packed.size() != terms_ * terms_) return false;
   covariance_ = packed.reshaped(terms_, terms_);
   points_.clear();
-  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) points_.push_back(in.Get<TemperaturePoint>());
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left)
+    points_.push_back(in.Get<TemperaturePoint>());
   return in.ok();
 }
 

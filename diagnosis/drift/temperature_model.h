@@ -11,9 +11,9 @@
 
 namespace hydroscope::drift {
 
-/// Kinematic viscosity of a mineral oil over its viscosity at 40 degC, by Walther's law log log(v + 0.7) = a - b log T
-/// (ASTM D341, v in mm^2/s, T in K) through `grade` mm^2/s at 40 degC and a viscosity index near 100 (ISO VG 46: 6.8 mm^2/s
-/// at 100 degC).
+/// Kinematic viscosity of a mineral oil over its viscosity at 40 degC, by Walther's law log log(v + 0.7) = a
+/// - b log T (ASTM D341, v in mm^2/s, T in K) through `grade` mm^2/s at 40 degC and a viscosity index near
+/// 100 (ISO VG 46: 6.8 mm^2/s at 100 degC).
 double RelativeViscosity(double temperature, double grade = 46.0);
 
 /// One temperature's worth of commissioning strokes: what a parameter was there.
@@ -29,10 +29,11 @@ enum class CurveFamily {
   kSmooth,  ///< constant; straight; parabola
 };
 
-/// A parameter over oil temperature as learned in commissioning, with its uncertainty. Of the family's forms the one with the
-/// lowest Bayesian information criterion (Schwarz 1978) is taken; scatter of the points about it beyond their std widens the
-/// uncertainty. Outside the range seen the curve goes on straight with the slope it had at the edge, and that whole slope, or
-/// the uncertainty of a straight line's slope, whichever is larger, counts as uncertainty.
+/// A parameter over oil temperature as learned in commissioning, with its uncertainty. Of the family's forms
+/// the one with the lowest Bayesian information criterion (Schwarz 1978) is taken; scatter of the points
+/// about it beyond their std widens the uncertainty. Outside the range seen the curve goes on straight with
+/// the slope it had at the edge, and that whole slope, or the uncertainty of a straight line's slope,
+/// whichever is larger, counts as uncertainty.
 class TemperatureModel {
  public:
   struct Prediction {
@@ -45,11 +46,13 @@ class TemperatureModel {
   /// Needs one point at least, finite, with std > 0. Points without temperature (NaN) give a constant.
   static Result<TemperatureModel> Fit(std::span<const TemperaturePoint> points, CurveFamily family);
   /// The same with a given form; its coefficients are then adjusted together with those of other curves.
-  static Result<TemperatureModel> FitTerms(std::span<const TemperaturePoint> points, CurveFamily family, int terms);
+  static Result<TemperatureModel> FitTerms(std::span<const TemperaturePoint> points, CurveFamily family,
+                                           int terms);
   /// Values of the form's terms at a temperature inside the range.
   Eigen::VectorXd Basis(double temperature) const;
   /// Takes over points, adds to the coefficients and states their covariance.
-  void Adjust(std::vector<TemperaturePoint> points, const Eigen::VectorXd& step, const Eigen::MatrixXd& covariance);
+  void Adjust(std::vector<TemperaturePoint> points, const Eigen::VectorXd& step,
+              const Eigen::MatrixXd& covariance);
   /// A value that is known beforehand (no leakage).
   static TemperatureModel Known(double value);
 

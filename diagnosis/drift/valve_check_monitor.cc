@@ -19,7 +19,8 @@ constexpr std::uint32_t kMostPoints = 10'000;
 }  // namespace
 
 void ValveCheckMonitor::Learn() {
-  for (const auto& points : points_) curves_.push_back(TemperatureModel::Fit(points, CurveFamily::kSmooth).value());
+  for (const auto& points : points_)
+    curves_.push_back(TemperatureModel::Fit(points, CurveFamily::kSmooth).value());
 }
 
 DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequence) {
@@ -49,7 +50,8 @@ DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequen
     if (std::abs(deviation) <= 0.5 * size.smallest + kLimit * std) continue;
     movements[figure.name] = deviation > 0 ? 1 : -1;
     const bool alarm = std::abs(deviation) >= size.alarm;
-    finding.parts.push_back({figure.name, figure.unit, deviation, std, expected.value, 0.5 * size.smallest, alarm});
+    finding.parts.push_back(
+        {figure.name, figure.unit, deviation, std, expected.value, 0.5 * size.smallest, alarm});
     finding.alarm = finding.alarm || alarm;
   }
   if (movements.empty()) {

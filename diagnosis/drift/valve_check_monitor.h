@@ -9,9 +9,10 @@
 
 namespace hydroscope::drift {
 
-/// Watches the figures of valve checks (natural frequency f0, damping D, dead time T_dead), each check judged by itself: it
-/// averages over thousands of samples, so one is enough. A figure has moved if it is off its reference by more than half of
-/// the smallest drift worth finding plus `kLimit` standard deviations of check and reference together.
+/// Watches the figures of valve checks (natural frequency f0, damping D, dead time T_dead), each check judged
+/// by itself: it averages over thousands of samples, so one is enough. A figure has moved if it is off its
+/// reference by more than half of the smallest drift worth finding plus `kLimit` standard deviations of check
+/// and reference together.
 class ValveCheckMonitor {
  public:
   static constexpr int kCommissioning = 5;  ///< checks the reference is learned from
@@ -19,8 +20,8 @@ class ValveCheckMonitor {
 
   explicit ValveCheckMonitor(const RuleBook& rules) : rules_(&rules) {}
 
-  /// Judges a check, number `sequence`; the first ones are learned from. The finding's sequence numbers count checks; an
-  /// empty `parts` means nothing moved.
+  /// Judges a check, number `sequence`; the first ones are learned from. The finding's sequence numbers count
+  /// checks; an empty `parts` means nothing moved.
   DriftFinding Add(const ValveCheck& check, std::int64_t sequence);
   bool commissioned() const { return !curves_.empty(); }
 

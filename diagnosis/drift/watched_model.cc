@@ -15,10 +15,12 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   std::iota(watched.columns_.begin(), watched.columns_.end(), 0);
   const auto derived = model->derive(Eigen::VectorXd::Ones(model->base_count));
   if (static_cast<int>(derived.size()) != model->base_count)
-    return BadInput("model {} has {} parameters of {} regressors; drift can only be watched if they are as many", model->name,
-                    derived.size(), model->base_count);
+    return BadInput(
+        "model {} has {} parameters of {} regressors; drift can only be watched if they are as many",
+        model->name, derived.size(), model->base_count);
   for (const DerivedParameter& p : derived)
-    watched.quantities_.push_back({p.name, p.unit, p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false});
+    watched.quantities_.push_back(
+        {p.name, p.unit, p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false});
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];
     if (std::find(effects.begin(), effects.end(), effect.id) == effects.end()) continue;
@@ -32,15 +34,19 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
 
 StrokeEvidence WatchedModel::Evidence(const StrokeRecord& record, std::int64_t sequence) const {
   const StrokeSummary& s = record.summary;
-  return {sequence,        s.end,
-          s.oil_temperature, s.mean_speed,
-          s.mean_pressure, s.max_pressure,
+  return {sequence,
+          s.end,
+          s.oil_temperature,
+          s.mean_speed,
+          s.mean_pressure,
+          s.max_pressure,
           IntegralEquations(record.gram, columns_, model_->output_column())};
 }
 
 Eigen::VectorXd WatchedModel::SolveBase(const NormalEquations& equations) const {
   const int n = base_count();
-  return SolveNormalEquations({equations.h.topLeftCorner(n, n), equations.g.head(n), equations.yy, equations.equations});
+  return SolveNormalEquations(
+      {equations.h.topLeftCorner(n, n), equations.g.head(n), equations.yy, equations.equations});
 }
 
 Eigen::VectorXd WatchedModel::Solve(const NormalEquations& equations) const {
@@ -65,7 +71,8 @@ Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
   for (int i = 0; i < n; ++i) gradients.row(i) = derived[i].gradient.transpose();
   // Rows and columns differ by twenty orders of magnitude: scaled to about one before the inverse.
   const Eigen::VectorXd column = theta.head(n).cwiseAbs().cwiseMax(1e-300);
-  const Eigen::VectorXd row = (gradients * column.asDiagonal()).cwiseAbs().rowwise().maxCoeff().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::VectorXd row =
+      (gradients * column.asDiagonal()).cwiseAbs().rowwise().maxCoeff().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = row.asDiagonal() * gradients * column.asDiagonal();
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(size(), size());
   jacobian.topLeftCorner(n, n) = column.asDiagonal() * scaled.partialPivLu().inverse() * row.asDiagonal();

@@ -11,7 +11,8 @@
 
 namespace hydroscope::drift {
 
-/// A quantity that is watched: a physical parameter of the model or the size of an effect that is absent when healthy.
+/// A quantity that is watched: a physical parameter of the model or the size of an effect that is absent when
+/// healthy.
 struct Quantity {
   std::string name;  ///< "K", "V0", "Q_vn", "y_0", "internal_leakage"
   std::string unit;  ///< SI
@@ -19,8 +20,9 @@ struct Quantity {
   bool effect = false;  ///< reference is zero
 };
 
-/// What one stroke says, apart from all others: its own normal equations over the watched columns, sensor noise taken out.
-/// Unlike the recursive estimate it shares no data with the strokes before, so deviations of strokes are independent.
+/// What one stroke says, apart from all others: its own normal equations over the watched columns, sensor
+/// noise taken out. Unlike the recursive estimate it shares no data with the strokes before, so deviations of
+/// strokes are independent.
 struct StrokeEvidence {
   std::int64_t sequence = 0;   ///< machine-wide stroke number
   double time = 0;             ///< s, end of the stroke
@@ -31,8 +33,9 @@ struct StrokeEvidence {
   NormalEquations equations;
 };
 
-/// Deviation of a stroke from a reference, linearised there: the gradient of the log-likelihood and its information, in units
-/// of the equations' noise variance. Alone, quantity j deviates by score[j] / information(j, j).
+/// Deviation of a stroke from a reference, linearised there: the gradient of the log-likelihood and its
+/// information, in units of the equations' noise variance. Alone, quantity j deviates by score[j] /
+/// information(j, j).
 struct Score {
   Eigen::VectorXd score;
   Eigen::MatrixXd information;
@@ -41,8 +44,10 @@ struct Score {
 /// The watched quantities of a model with the map between them and the regression parameters.
 class WatchedModel {
  public:
-  /// Parameters of the model, then those of `effects` (ids) that its Gram carries and that have no nonlinear parameter.
-  static Result<WatchedModel> Create(std::shared_ptr<const ModelStructure> model, const std::vector<std::string>& effects);
+  /// Parameters of the model, then those of `effects` (ids) that its Gram carries and that have no nonlinear
+  /// parameter.
+  static Result<WatchedModel> Create(std::shared_ptr<const ModelStructure> model,
+                                     const std::vector<std::string>& effects);
 
   const std::vector<Quantity>& quantities() const { return quantities_; }
   int size() const { return static_cast<int>(quantities_.size()); }

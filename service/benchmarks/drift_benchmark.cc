@@ -23,7 +23,7 @@ using drift::FindingState;
 
 constexpr std::int64_t kDay = StrokePress::kStrokesPerDay;
 constexpr int kDaysPerYear = 365;
-constexpr int kFollowed = 300;  ///< strokes after a fault
+constexpr int kFollowed = 300;               ///< strokes after a fault
 constexpr double kOneLitre = 1 / 6e4 / 2e7;  ///< m^3/(s Pa): 1 l/min at 200 bar
 
 /// Learns a reference from the press's first day; the press stands at the beginning of its second.
@@ -55,9 +55,12 @@ void Note(const DriftMonitor& monitor, std::int64_t sequence, Found& found) {
   }
 }
 
-// --- Healthy ---------------------------------------------------------------------------------------------------------
+// --- Healthy
+// ---------------------------------------------------------------------------------------------------------
 
-bool Told(const DriftFinding& f) { return f.state == FindingState::kNamed || f.state == FindingState::kUndecided; }
+bool Told(const DriftFinding& f) {
+  return f.state == FindingState::kNamed || f.state == FindingState::kUndecided;
+}
 
 struct HealthyTally {
   std::int64_t suspected = 0, told = 0, trends = 0;
@@ -85,8 +88,9 @@ Status HealthyAxis(StrokePress& press, std::int64_t strokes, int axis, HealthyTa
     const auto drifts = monitor.SlowDrifts();
     if (!drifts.empty() && !trend) {
       ++tally.trends;
-      std::cout << fmt::format("  false slow drift, axis {} day {}: {} {:+.3g} in {} strokes\n", axis + 1, k / kDay,
-                               drifts[0].quantity, drifts[0].figures.slope * static_cast<double>(drifts[0].figures.strokes),
+      std::cout << fmt::format("  false slow drift, axis {} day {}: {} {:+.3g} in {} strokes\n", axis + 1,
+                               k / kDay, drifts[0].quantity,
+                               drifts[0].figures.slope * static_cast<double>(drifts[0].figures.strokes),
                                drifts[0].figures.strokes);
     }
     trend = !drifts.empty();
@@ -102,18 +106,21 @@ bool Healthy(StrokePress& press, const DriftBenchmarkOptions& o) {
   ProgressBar progress("healthy", "axes");
   for (int axis = 0; axis < axes; ++axis) {
     press.Start(StreamSeed(o.seed, "healthy") + axis);
-    if (const Status done = HealthyAxis(press, strokes, axis, tally); !done) return ReportError(done.error()), false;
+    if (const Status done = HealthyAxis(press, strokes, axis, tally); !done)
+      return ReportError(done.error()), false;
     progress.Update((axis + 1.0) / axes, axis + 1);
   }
   const double rate = static_cast<double>(tally.told + tally.trends) / o.axis_years;
   std::cout << fmt::format(
-      "healthy, {:.3g} axis-years, {} strokes: {} suspicions, {} false alarms and {} false slow drifts = {:.2f} per axis-year "
+      "healthy, {:.3g} axis-years, {} strokes: {} suspicions, {} false alarms and {} false slow drifts = "
+      "{:.2f} per axis-year "
       "(required: at most 1)\n",
       o.axis_years, strokes * axes, tally.suspected, tally.told, tally.trends, rate);
   return rate <= 1.0;
 }
 
-// --- Faults ----------------------------------------------------------------------------------------------------------
+// --- Faults
+// ----------------------------------------------------------------------------------------------------------
 
 struct FaultKind {
   const char* name;
@@ -143,7 +150,8 @@ double Median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
-Found RunFault(StrokePress press, DriftMonitor monitor, std::int64_t from, double oil, const FaultKind* kind, double warm_up) {
+Found RunFault(StrokePress press, DriftMonitor monitor, std::int64_t from, double oil, const FaultKind* kind,
+               double warm_up) {
   Found found;
   for (std::int64_t k = 0; k < kFollowed; ++k) {
     const double at = oil + warm_up * std::min(1.0, static_cast<double>(k) / 100.0);
@@ -192,31 +200,35 @@ bool Faults(StrokePress& press, const DriftBenchmarkOptions& o) {
       else if (found.first->rule == kind.rule)
         ++tally.right;
       else if (++tally.wrong == 1)
-        std::cout << fmt::format("  first wrong name of {}: {}\n", kind.name, drift::FindingText(*found.first));
+        std::cout << fmt::format("  first wrong name of {}: {}\n", kind.name,
+                                 drift::FindingText(*found.first));
     }
     const Found warm = RunFault(press, *monitor, begin, std::min(oil, 313.15), nullptr, 20);
     ++warm_ups;
     warm_alarms += warm.first.has_value();
     progress.Update((c + 1.0) / o.faults, c + 1);
   }
-  std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases", "found",
-                           "suspected", "named", "change ±10", "right", "wrong", "undecided");
+  std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases",
+                           "found", "suspected", "named", "change ±10", "right", "wrong", "undecided");
   bool reached = true;
   for (std::size_t f = 0; f < kFaults.size(); ++f) {
     const FaultTally& t = tallies[f];
     const double n = t.cases;
-    std::cout << fmt::format("{:<28} {:>6} {:>5.1f} % {:>10} {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
-                             kFaults[f].name, t.cases, 100 * t.found / n, Median(t.suspected), Median(t.named),
-                             100 * t.near / n, 100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
+    std::cout << fmt::format(
+        "{:<28} {:>6} {:>5.1f} % {:>10} {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
+        kFaults[f].name, t.cases, 100 * t.found / n, Median(t.suspected), Median(t.named), 100 * t.near / n,
+        100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
     reached = reached && Median(t.named) <= kFaults[f].limit && t.right >= 0.95 * n && t.wrong <= 0.01 * n &&
               t.near >= 0.95 * n;
   }
-  std::cout << fmt::format("suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
-                           warm_alarms, warm_ups);
+  std::cout << fmt::format(
+      "suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
+      warm_alarms, warm_ups);
   return reached && warm_alarms == 0;
 }
 
-// --- Valve checks ----------------------------------------------------------------------------------------------------
+// --- Valve checks
+// ----------------------------------------------------------------------------------------------------
 
 std::optional<ValveCheck> Check(double f0, double oil, std::uint64_t seed) {
   ValveSweepOptions options;
@@ -241,7 +253,8 @@ bool ValveChecks(const DriftBenchmarkOptions& o) {
     RandomStream random(StreamSeed(o.seed, "valve") + v);
     const auto check = [&](double factor) {
       const double oil = 293.15 + random.Uniform(5, 45);
-      const auto c = Check(184 * factor * (1 + 5e-4 * (oil - 313.15)), oil, StreamSeed(o.seed, "sweep") + 1000 * v + checks);
+      const auto c = Check(184 * factor * (1 + 5e-4 * (oil - 313.15)), oil,
+                           StreamSeed(o.seed, "sweep") + 1000 * v + checks);
       ++checks;
       return c ? monitor.Add(*c, checks) : DriftFinding{};
     };
@@ -251,8 +264,10 @@ bool ValveChecks(const DriftBenchmarkOptions& o) {
     right += finding.rule == "slow_pilot_stage";
   }
   std::cout << fmt::format(
-      "valve checks: f0 -10 % found at the next check in {} of {} valves, {} named right; {} false alarms in {} healthy checks\n",
-      found, valves, right, false_alarms, valves * (kHealthyChecks - drift::ValveCheckMonitor::kCommissioning));
+      "valve checks: f0 -10 % found at the next check in {} of {} valves, {} named right; {} false alarms in "
+      "{} healthy checks\n",
+      found, valves, right, false_alarms,
+      valves * (kHealthyChecks - drift::ValveCheckMonitor::kCommissioning));
   return found == valves && right >= 0.95 * valves && false_alarms == 0;
 }
 

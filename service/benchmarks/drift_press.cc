@@ -12,8 +12,8 @@ struct ProductMotion {
 constexpr std::array<ProductMotion, StrokePress::kProducts> kMotions = {
     {{0.045, 60e5, 120e5}, {0.07, 90e5, 170e5}, {0.1, 120e5, 205e5}}};
 constexpr double kForty = 313.15;
-constexpr double kGrade = 32.0;            ///< mm^2/s at 40 degC, of the simulated oil
-constexpr double kSecondsPerStroke = 8.0;  ///< enough for the slowest product
+constexpr double kGrade = 32.0;                    ///< mm^2/s at 40 degC, of the simulated oil
+constexpr double kSecondsPerStroke = 8.0;          ///< enough for the slowest product
 constexpr double kHealthyLeak = 0.05 / 6e4 / 2e7;  ///< m^3/(s Pa)
 
 }  // namespace
@@ -42,7 +42,8 @@ Result<StrokePress> StrokePress::Create(int strokes, std::uint64_t seed) {
       press.machine_ = options.machine;
       const double q = options.machine.Q_vn / std::sqrt(options.machine.dp_nom), a = options.machine.A_A;
       press.theta_ = Eigen::VectorXd::Zero(press.model_->size());
-      press.theta_.head(4) << -q, -options.machine.V0 / options.machine.K, -a / options.machine.K, q * options.machine.y_0;
+      press.theta_.head(4) << -q, -options.machine.V0 / options.machine.K, -a / options.machine.K,
+          q * options.machine.y_0;
     }
     ProductStrokes p;
     std::vector<Eigen::VectorXd> errors;

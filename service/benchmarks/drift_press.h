@@ -18,18 +18,19 @@ struct PressFault {
   double leakage = 0;       ///< m^3/(s Pa), internal
 };
 
-/// A product's strokes, fully simulated once: their information and how their equations scatter about the truth.
+/// A product's strokes, fully simulated once: their information and how their equations scatter about the
+/// truth.
 struct ProductStrokes {
   std::vector<drift::StrokeEvidence> strokes;
   Eigen::VectorXd mean;   ///< of the scores at the truth, each over the root of its own information
   Eigen::MatrixXd shape;  ///< lower Cholesky factor of their covariance
 };
 
-/// Strokes of a press at the level of normal equations, for campaigns of years: the information of a stroke is taken from
-/// fully simulated ones of the same product, its error drawn with the covariance that these show about the truth. Healthy
-/// behaviour: K' falls by 0.2 %/K, Q_vn follows the viscosity of an ISO VG 32 oil (not the grade the model assumes),
-/// a good seal leaks 0.05 l/min at 200 bar and 40 degC with the viscosity, K' and y_0 wander from day to day, and one
-/// stroke in a thousand is ten times as noisy.
+/// Strokes of a press at the level of normal equations, for campaigns of years: the information of a stroke
+/// is taken from fully simulated ones of the same product, its error drawn with the covariance that these
+/// show about the truth. Healthy behaviour: K' falls by 0.2 %/K, Q_vn follows the viscosity of an ISO VG 32
+/// oil (not the grade the model assumes), a good seal leaks 0.05 l/min at 200 bar and 40 degC with the
+/// viscosity, K' and y_0 wander from day to day, and one stroke in a thousand is ten times as noisy.
 class StrokePress {
  public:
   static constexpr int kProducts = 3;
@@ -41,7 +42,8 @@ class StrokePress {
   void Start(std::uint64_t seed);
   /// Next stroke at this oil temperature (K) with product and fault given.
   drift::StrokeEvidence Next(double oil_temperature, int product, const PressFault& fault);
-  /// Oil temperature of the day's stroke: 20 degC in the morning, up to some 65 degC, wandering with the load.
+  /// Oil temperature of the day's stroke: 20 degC in the morning, up to some 65 degC, wandering with the
+  /// load.
   double OilTemperature(std::int64_t stroke);
   /// Product of this stroke: changed every 150 ... 500 strokes.
   int Product();

@@ -132,7 +132,9 @@ Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Argu
   return alarms;
 }
 
-Result<AlarmJournal> OpenJournal(const Arguments& a) { return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db)); }
+Result<AlarmJournal> OpenJournal(const Arguments& a) {
+  return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db));
+}
 
 Status List(const Arguments& a) {
   const auto journal = OpenJournal(a);
@@ -145,11 +147,12 @@ Status List(const Arguments& a) {
     const auto& [machine, alarm] = (*alarms)[i];
     document["alarms"].push_back(AlarmJson(machine, i + 1, alarm));
     if (a.json != "-")
-      std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}\n     {}\n", i + 1, StateName(alarm), SeverityName(alarm.severity),
-                               machine, alarm.id, alarm.text);
+      std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}\n     {}\n", i + 1, StateName(alarm),
+                               SeverityName(alarm.severity), machine, alarm.id, alarm.text);
   }
   if (a.json != "-" && !alarms->empty())
-    std::cout << "acknowledge with `hydroscope alarms --db " << a.db << " ack NUMBER`, or by name MACHINE/ALARM\n";
+    std::cout << "acknowledge with `hydroscope alarms --db " << a.db
+              << " ack NUMBER`, or by name MACHINE/ALARM\n";
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
 
@@ -157,11 +160,13 @@ Status List(const Arguments& a) {
 Result<Listed> Find(const AlarmJournal& journal, const Arguments& a) {
   const auto alarms = ListedAlarms(journal, a);
   if (!alarms) return tl::unexpected(alarms.error());
-  const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(),
+                                                      [](char c) { return c >= '0' && c <= '9'; });
   std::vector<Listed> found;
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
-    if (number ? a.alarm == std::to_string(i + 1) : a.alarm == alarm.id || a.alarm == machine + "/" + alarm.id)
+    if (number ? a.alarm == std::to_string(i + 1)
+               : a.alarm == alarm.id || a.alarm == machine + "/" + alarm.id)
       found.push_back((*alarms)[i]);
   }
   if (found.size() == 1) return found.front();
@@ -169,13 +174,14 @@ Result<Listed> Find(const AlarmJournal& journal, const Arguments& a) {
   return UsageError("no standing alarm {}; `hydroscope alarms --db {} list` shows them", a.alarm, a.db);
 }
 
-Status Act(const Arguments& a, const char* done, const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act) {
+Status Act(const Arguments& a, const char* done,
+           const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act) {
   auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
   const auto found = Find(*journal, a);
   if (!found) return tl::unexpected(found.error());
   const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(), Now(), found->alarm.last_stroke,
-                        std::numeric_limits<double>::quiet_NaN(), 0, 0};
+                        std::numeric_limits<double>::quiet_NaN(), 0,     0};
   bool changed = false;
   const Status stored = journal->Change(found->machine, now.wall, [&](AxisContent& axis) -> Status {
     auto events = act(axis.Alarm(found->alarm.id), now);
@@ -185,9 +191,12 @@ Status Act(const Arguments& a, const char* done, const std::function<alarm_machi
   });
   if (!stored) return stored;
   if (a.json != "-")
-    std::cout << found->machine << " / " << found->alarm.id << (changed ? std::string(" ") + done : std::string(": nothing to do")) << "\n";
-  return a.json.empty() ? Status{}
-                        : WriteJson(a.json, {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", changed}});
+    std::cout << found->machine << " / " << found->alarm.id
+              << (changed ? std::string(" ") + done : std::string(": nothing to do")) << "\n";
+  return a.json.empty()
+             ? Status{}
+             : WriteJson(a.json,
+                         {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", changed}});
 }
 
 Status Journal(const Arguments& a) {
@@ -195,16 +204,18 @@ Status Journal(const Arguments& a) {
   if (!journal) return tl::unexpected(journal.error());
   auto rows = journal->Rows(a.machine, a.after);
   if (!rows) return tl::unexpected(rows.error());
-  if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last) rows->erase(rows->begin(), rows->end() - a.last);
+  if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
+    rows->erase(rows->begin(), rows->end() - a.last);
   Json document = {{"journal", Json::array()}};
   for (const JournalRow& row : *rows) {
     const AlarmEvent& e = row.event;
     document["journal"].push_back(RowJson(row));
     if (a.json != "-")
-      std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, WallText(row.wall), e.stroke,
-                               row.machine, e.alarm.empty() ? "axis" : e.alarm, e.event,
-                               e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-                               e.user.empty() ? "" : " by " + e.user, e.comment.empty() ? "" : ", \"" + e.comment + "\"");
+      std::cout << fmt::format(
+          "{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, WallText(row.wall), e.stroke,
+          row.machine, e.alarm.empty() ? "axis" : e.alarm, e.event,
+          e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+          e.user.empty() ? "" : " by " + e.user, e.comment.empty() ? "" : ", \"" + e.comment + "\"");
   }
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
@@ -221,7 +232,8 @@ Status Metrics(const Arguments& a) {
   const AlarmMetrics m = MeasureAlarms(*rows, states, Now());
   if (a.json != "-") {
     std::cout << fmt::format(
-        "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: {}\nstale: {}\n",
+        "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: "
+        "{}\nstale: {}\n",
         m.annunciations, m.hours, m.per_hour, m.most_in_10_minutes, m.floods,
         m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
         m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", ")));
@@ -244,8 +256,10 @@ Status Metrics(const Arguments& a) {
 
 void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("alarms", "Alarms that stand, the journal, and what to do with them");
-  command->add_option("--db,-d", a->db, "Database that replay or serve fills; the journal lies beside it")->required();
+  CLI::App* command =
+      app.add_subcommand("alarms", "Alarms that stand, the journal, and what to do with them");
+  command->add_option("--db,-d", a->db, "Database that replay or serve fills; the journal lies beside it")
+      ->required();
   command->add_option("--machine,-m", a->machine, "Only this machine");
   command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
   command->add_option("--user", a->user, "Who acts (default: the user logged in)");
@@ -253,7 +267,8 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   command->fallthrough();
   command->require_subcommand(0, 1);
   command->footer(
-      "States after ISA-18.2: UNACK, ACKED, RTNUN (gone, not acknowledged), LTUNK/LTACK (latched), SHLVD, DSUPR, OOSRV.\n"
+      "States after ISA-18.2: UNACK, ACKED, RTNUN (gone, not acknowledged), LTUNK/LTACK (latched), SHLVD, "
+      "DSUPR, OOSRV.\n"
       "Examples:\n"
       "  hydroscope alarms --db press.db list\n"
       "  hydroscope alarms --db press.db ack 1 --comment \"seal ordered\"\n"
@@ -279,13 +294,16 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       return alarm_machine::Acknowledge(alarm, {UserOf(o), o.comment}, now);
     });
   });
-  on_alarm("shelve", "Put an alarm aside for a while", [](const Arguments& o) -> Status {
-    const auto duration = Duration(o.duration);
-    if (!duration) return tl::unexpected(duration.error());
-    return Act(o, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
-      return alarm_machine::Shelve(alarm, now.wall + *duration, {UserOf(o), o.comment}, now);
-    });
-  })->add_option("--for", a->duration, "How long: 30m, 8h, 2d")->capture_default_str();
+  on_alarm("shelve", "Put an alarm aside for a while",
+           [](const Arguments& o) -> Status {
+             const auto duration = Duration(o.duration);
+             if (!duration) return tl::unexpected(duration.error());
+             return Act(o, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
+               return alarm_machine::Shelve(alarm, now.wall + *duration, {UserOf(o), o.comment}, now);
+             });
+           })
+      ->add_option("--for", a->duration, "How long: 30m, 8h, 2d")
+      ->capture_default_str();
   on_alarm("unshelve", "Take an alarm back from the shelf", [](const Arguments& o) {
     return Act(o, "unshelved", [&](AlarmState& alarm, const AlarmMoment& now) {
       return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);

@@ -55,13 +55,15 @@ void AddFrf(CLI::App& benchmark, int& exit_code) {
 void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<HiddenEffectsOptions>();
   CLI::App* command = benchmark.add_subcommand(
-      "hidden-effects", "Effects hidden in simulated logs: how often they are found, and how often wrongly named");
+      "hidden-effects",
+      "Effects hidden in simulated logs: how often they are found, and how often wrongly named");
   command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
-  command->add_flag("--experiments", o->experiments,
-                    "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
+  command->add_flag(
+      "--experiments", o->experiments,
+      "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
   command->add_flag("--healthy", o->healthy, "Hide nothing: how often something is claimed all the same");
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
@@ -142,11 +144,14 @@ void AddEndurance(CLI::App& benchmark, int& exit_code) {
 void AddDrift(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<DriftBenchmarkOptions>();
   CLI::App* command = benchmark.add_subcommand(
-      "drift", "Drift detection: false alarms of a healthy press, delay and naming of faults, faults under a warm-up");
+      "drift",
+      "Drift detection: false alarms of a healthy press, delay and naming of faults, faults under a warm-up");
   command->add_option("--axis-years", o->axis_years, "Healthy axis-years of 365 days of 1 500 strokes")
       ->check(CLI::Range(0.001, 1000.0))
       ->capture_default_str();
-  command->add_option("--faults", o->faults, "Cases of each fault")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->add_option("--faults", o->faults, "Cases of each fault")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
   command->footer(
       "Examples:\n"
@@ -159,8 +164,9 @@ void AddSealFriction(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<SealFrictionOptions>();
   CLI::App* command = benchmark.add_subcommand(
       "seal-friction", "Measured runs of a cylinder seal: from F = A p + c to the friction that is missing");
-  command->add_option("--data", o->data,
-                      "Folder with the runs (*.csv); without it seal_friction in HYDROSCOPE_DATA or ../shared/data");
+  command->add_option(
+      "--data", o->data,
+      "Folder with the runs (*.csv); without it seal_friction in HYDROSCOPE_DATA or ../shared/data");
   command->add_option("--machine,-m", o->machine, "Machine file (TOML)")->capture_default_str();
   command->footer(
       "Examples:\n"
@@ -191,10 +197,17 @@ void AddExampleLog(CLI::App& benchmark, int& exit_code) {
 void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<LiveLatencyOptions>();
   CLI::App* command = benchmark.add_subcommand(
-      "live-latency", "Service and simulated press as processes: latency, processor share, loss, live against replay");
-  command->add_option("--axes", o->axes, "Axes of the press")->check(CLI::Range(1, 64))->capture_default_str();
-  command->add_option("--rate", o->rate, "Samples per second, Hz")->check(CLI::Range(50.0, 1e4))->capture_default_str();
-  command->add_option("--seconds", o->seconds, "s measured")->check(CLI::Range(5.0, 1e6))->capture_default_str();
+      "live-latency",
+      "Service and simulated press as processes: latency, processor share, loss, live against replay");
+  command->add_option("--axes", o->axes, "Axes of the press")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--rate", o->rate, "Samples per second, Hz")
+      ->check(CLI::Range(50.0, 1e4))
+      ->capture_default_str();
+  command->add_option("--seconds", o->seconds, "s measured")
+      ->check(CLI::Range(5.0, 1e6))
+      ->capture_default_str();
   command->add_flag("--ring", o->ring, "All signals by the Modbus burst ring in place of DDS");
   command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
   command->footer(
@@ -206,8 +219,8 @@ void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
 
 void AddLiveKill(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<LiveKillOptions>();
-  CLI::App* command =
-      benchmark.add_subcommand("live-kill", "kill -9 of the service at random times under load: nothing acknowledged is lost");
+  CLI::App* command = benchmark.add_subcommand(
+      "live-kill", "kill -9 of the service at random times under load: nothing acknowledged is lost");
   command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of press and times")->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark live-kill --times 200");
@@ -217,7 +230,8 @@ void AddLiveKill(CLI::App& benchmark, int& exit_code) {
 void AddLiveFaults(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<LiveFaultOptions>();
   CLI::App* command = benchmark.add_subcommand(
-      "live-faults", "Senders killed, hung, talking nonsense, clocks stepped, disk full: told in time, back in time");
+      "live-faults",
+      "Senders killed, hung, talking nonsense, clocks stepped, disk full: told in time, back in time");
   command->add_flag("--long", o->long_cuts, "Also the silence of 60 s");
   command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark live-faults --long");
@@ -226,7 +240,8 @@ void AddLiveFaults(CLI::App& benchmark, int& exit_code) {
 
 void AddLiveSoak(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<LiveSoakOptions>();
-  CLI::App* command = benchmark.add_subcommand("live-soak", "Memory and descriptors of the service over time at full rates");
+  CLI::App* command =
+      benchmark.add_subcommand("live-soak", "Memory and descriptors of the service over time at full rates");
   command->add_option("--minutes", o->minutes, "Length")->check(CLI::Range(0.5, 1e5))->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark live-soak --minutes 30");
