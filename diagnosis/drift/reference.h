@@ -62,7 +62,6 @@ class Reference {
   const std::vector<TemperatureModel>& curves() const { return curves_; }
   const OperatingClasses& classes() const { return classes_; }
   /// Strokes of commissioning in class `index`.
-  int class_strokes(int index) const { return class_strokes_[index]; }
   bool ClassLearned(int index) const { return index >= 0 && !offsets_[index].empty(); }
   /// Typical value of a quantity, to make relative sizes absolute.
   double typical(int quantity) const { return typical_[quantity]; }

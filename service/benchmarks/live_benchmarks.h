@@ -28,7 +28,7 @@ struct LiveFaultOptions {
   bool long_cuts = false;
   std::uint64_t seed = 1;
 };
-/// Senders killed, hung, talking nonsense; clock stepped; disk full; database locked.
+/// Senders killed, hung, talking nonsense; clock stepped; disk full.
 int RunLiveFaults(const LiveFaultOptions& options);
 
 struct LiveSoakOptions {

@@ -57,7 +57,6 @@ class LiveRig {
   Child& press() { return *press_; }
   Child& service() { return *service_; }
   void KillPress() { press_.reset(); }
-  void ForgetService() { service_.reset(); }
   /// What the service says; nullopt if it does not answer.
   std::optional<nlohmann::json> Ask() const;
   /// Waits until the condition holds of what the service says; s until that was asked, or nullopt after
