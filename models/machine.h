@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "models/feeds_spec.h"
 #include "models/live_spec.h"
 #include "models/model_history.h"
 
@@ -192,6 +193,7 @@ struct Machine {
   int model_version = 1;
   std::vector<ModelRecord> model_history;  ///< what the versions of the model achieved, oldest first
   std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
+  std::optional<FeedsSpec> feeds;  ///< whom `serve` tells; absent: nobody
 
   /// Index of a signal, -1 if the machine has none of that name.
   int SignalIndex(const std::string& signal_name) const;

@@ -49,6 +49,10 @@ const std::map<std::string, std::string> kChapters = {{"machine", "`[machine]`"}
                                                       {"live.modbus", "`[live]`"},
                                                       {"live.modbus.ring", "`[live]`"},
                                                       {"live.modbus.sweep", "`[live]`"},
+                                                      {"feeds", "`[feeds]`"},
+                                                      {"feeds.modbus", "`[feeds]`"},
+                                                      {"feeds.dds", "`[feeds]`"},
+                                                      {"feeds.sparkplug", "`[feeds]`"},
                                                       {"model_history", "`[[model_history]]`"},
                                                       {"model_history.parameters.<name>", "`[[model_history]]`"},
                                                       {"<quantity>", "Rules for all sections"}};

@@ -62,6 +62,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadBalance(file, machine);
   ReadEffects(file, machine);
   ReadLive(file, machine);
+  ReadFeeds(file, machine);
   ReadModelHistory(file, machine);
   if (!problems.any()) CheckMachine(file, machine);
   if (problems.any()) return tl::unexpected(problems.ToError());

@@ -370,12 +370,16 @@ std::string LiveModbusSection(const ModbusSpec& modbus, const MachineNotes& note
   return Section("[live.modbus]", "Registers of the controller; times in s.", pairs, notes, "live.modbus");
 }
 
-std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
+std::string TransportName(DdsTransport transport) {
   const char* const transports[] = {"default", "udp", "shm"};
+  return Quoted(transports[static_cast<int>(transport)]);
+}
+
+std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
   return Section("[live.dds]", "Samples by DDS (docs/live_protocol.md).",
                  {{"domain", Plain(dds.domain)},
                   {"topic", Quoted(dds.topic)},
-                  {"transport", Quoted(transports[static_cast<int>(dds.transport)])},
+                  {"transport", TransportName(dds.transport)},
                   {"interfaces", QuotedList(dds.interfaces)},
                   {"peers", QuotedList(dds.peers)},
                   {"backlog", Plain(dds.backlog)},
@@ -394,6 +398,37 @@ std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
   return text;
 }
 
+std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.feeds) return "";
+  std::string text = Section("[feeds]", "Whom the live service tells.", {}, notes, "feeds");
+  if (const auto& modbus = machine.feeds->modbus)
+    text += Section("[feeds.modbus]", "Modbus TCP server (docs/register_map.md).",
+                    {{"host", Quoted(modbus->host)},
+                     {"port", Plain(modbus->port)},
+                     {"connections", Plain(modbus->connections)},
+                     {"idle_timeout", Plain(modbus->idle_timeout)},
+                     {"allow", QuotedList(modbus->allow)}},
+                    notes, "feeds.modbus");
+  if (const auto& dds = machine.feeds->dds)
+    text += Section("[feeds.dds]", "Alarm events and findings by DDS (docs/live_protocol.md).",
+                    {{"domain", Plain(dds->domain)},
+                     {"topic", Quoted(dds->topic)},
+                     {"transport", TransportName(dds->transport)},
+                     {"interfaces", QuotedList(dds->interfaces)},
+                     {"peers", QuotedList(dds->peers)}},
+                    notes, "feeds.dds");
+  if (const auto& sparkplug = machine.feeds->sparkplug) {
+    Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};
+    if (!sparkplug->node.empty()) pairs.emplace_back("node", Quoted(sparkplug->node));
+    if (!sparkplug->user.empty()) pairs.emplace_back("user", Quoted(sparkplug->user));
+    if (!sparkplug->password_file.empty())
+      pairs.emplace_back("password_file", Quoted(sparkplug->password_file));
+    text += Section("[feeds.sparkplug]", "MQTT Sparkplug B edge node (docs/sparkplug.md).", pairs, notes,
+                    "feeds.sparkplug");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
@@ -404,7 +439,7 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) +
           ExperimentSection(machine, notes) + BalanceSection(machine, notes) +
-          EffectSections(machine, notes) + LiveSections(machine, notes);
+          EffectSections(machine, notes) + LiveSections(machine, notes) + FeedsSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
   return text + FormatModelHistory(machine.model_history);

@@ -24,6 +24,7 @@ void ReadModelHistory(TableReader& file, Machine& machine);
 /// `effect_values` of the section [machine].
 void ReadEffectValues(TableReader& section, Machine& machine);
 void ReadLive(TableReader& file, Machine& machine);
+void ReadFeeds(TableReader& file, Machine& machine);
 /// `dds` and `modbus` of one signal.
 void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
 
