@@ -14,7 +14,7 @@ void ReadModbusFeed(TableReader& section, ModbusFeedSpec& modbus) {
   section.Integer("port", modbus.port, 0, 65535);
   section.Integer("connections", modbus.connections, 1, 256);
   section.Number("idle_timeout", modbus.idle_timeout,
-                 {.si = "s", .default_unit = "s", .low = 0, .high = 86400, .above_low = true});
+                 {.si = "s", .default_unit = "s", .low = 0, .above_low = true});
   section.Texts("allow", modbus.allow);
   for (const std::string& client : modbus.allow)
     if (!ParseIpv4Range(client))

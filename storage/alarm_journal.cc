@@ -179,7 +179,7 @@ StoredMonitor LoadMonitor(Connection& connection, const std::string& machine) {
   return {query.Int(0), static_cast<int>(query.Int(1)), {blob.begin(), blob.end()}};
 }
 
-std::int64_t LastSequence(Connection& connection) {
+std::int64_t NewestSequence(Connection& connection) {
   Query query(connection, "SELECT coalesce(max(sequence), 0) FROM journal");
   query.Step();
   return query.Int(0);
@@ -288,7 +288,7 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
       Query(*impl_, "INSERT INTO reference VALUES(?, ?, ?, ?, ?, ?)", machine, r.version, r.first_stroke,
             r.last_stroke, wall, r.bytes)
           .Run();
-    std::int64_t sequence = content.events.empty() ? 0 : LastSequence(*impl_);
+    std::int64_t sequence = content.events.empty() ? 0 : NewestSequence(*impl_);
     for (const AlarmEvent& event : content.events) AppendRow(*impl_, ++sequence, machine, wall, event);
     transaction.commit();
     return {};
@@ -322,6 +322,23 @@ Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, s
     std::vector<JournalRow> rows;
     while (query.Step()) rows.push_back(ReadRow(query));
     return rows;
+  });
+}
+
+Result<std::int64_t> AlarmJournal::LastSequence() const {
+  return Guarded(impl_->path, &impl_->db,
+                 [&]() -> Result<std::int64_t> { return NewestSequence(*impl_); });
+}
+
+Result<std::vector<std::pair<std::string, std::string>>> AlarmJournal::AlarmsByAppearance() const {
+  using Alarms = std::vector<std::pair<std::string, std::string>>;
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<Alarms> {
+    Query query(*impl_,
+                "SELECT machine, alarm FROM journal WHERE alarm <> '' GROUP BY machine, alarm ORDER BY "
+                "min(sequence)");
+    Alarms alarms;
+    while (query.Step()) alarms.emplace_back(query.Text(0), query.Text(1));
+    return alarms;
   });
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/alarm_records.h"
@@ -65,6 +66,11 @@ class AlarmJournal {
   /// Rows with sequence > `after`, at most `limit` (0 = all), in order; "" = all machines.
   Result<std::vector<JournalRow>> Rows(const std::string& machine, std::int64_t after = 0,
                                        std::int64_t limit = 0) const;
+  /// Sequence of the newest row; 0 without rows.
+  Result<std::int64_t> LastSequence() const;
+  /// (machine, alarm) in the order in which rows first speak of them: since rows are only ever appended, the
+  /// place of an alarm in this list never changes.
+  Result<std::vector<std::pair<std::string, std::string>>> AlarmsByAppearance() const;
   /// The latest reference of a machine.
   Result<std::optional<StoredReference>> LatestReference(const std::string& machine) const;
   /// Sequence without gaps from 1, pages and indices sound.

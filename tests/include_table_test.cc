@@ -29,7 +29,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"estimation", {"core", "models"}},
     {"diagnosis", {"core", "models", "estimation"}},
     {"storage", {"core"}},
-    {"alarms", {"core", "storage", "dds"}},
+    {"alarms", {"core", "models", "storage", "dds"}},
     {"replay", {"core", "models", "acquisition"}},
     {"simulator", {"core", "dds"}},
     {"service",
@@ -45,10 +45,12 @@ struct Reserved {
 const std::vector<Reserved> kReservedIncludes = {
     {"<sqlite3.h>", {"storage/"}},
     {"<SQLiteCpp/", {"storage/"}},
-    {"<modbus", {"acquisition/modbus/", "alarms/", "simulator/modbus/"}},
-    {"<fastdds/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
-    {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
-    {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/dds/", "simulator/dds/"}},
+    {"<modbus", {"acquisition/modbus/", "simulator/modbus/"}},
+    {"<fastdds/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
+    {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
+    {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
+    {"<mqtt/", {"alarms/feeds/sparkplug/"}},
+    {"<google/protobuf", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
     {"<CLI/", {"service/"}},
     {"<muParser", {"models/expression_evaluator"}},
@@ -58,9 +60,9 @@ const std::vector<Reserved> kReservedWords = {
     {"system_clock", {"service/"}},
     {"high_resolution_clock", {"service/"}},
     {"clock_gettime", {"service/"}},
-    {"std::time(", {"service/"}},
+    {"std::time(", {"service/", "dds/shared_memory.cc"}},  // age of what killed processes left behind
     {"getenv", {"service/"}},
-    {"random_device", {}},
+    {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
     {"<sys/socket.h>", {"service/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
     {"sleep_for", {"service/"}},
 };

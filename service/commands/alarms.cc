@@ -13,6 +13,7 @@
 #include "alarms/alarm_metrics.h"
 #include "core/units.h"
 #include "service/commands.h"
+#include "service/commands/alarms_scada.h"
 #include "service/output.h"
 #include "storage/alarm_journal.h"
 
@@ -22,8 +23,9 @@ namespace {
 using Json = nlohmann::json;
 
 struct Arguments {
-  std::string db, machine, json, alarm, user, comment, duration = "8h";
+  std::string db, modbus, machine, json, alarm, user, comment, duration = "8h";
   std::int64_t after = 0, last = 0;
+  int modbus_acknowledge = 0;
 };
 
 double Now() {
@@ -133,6 +135,7 @@ Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Argu
 }
 
 Result<AlarmJournal> OpenJournal(const Arguments& a) {
+  if (a.db.empty()) return UsageError("--db is missing: the database that replay or serve fills");
   return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db));
 }
 
@@ -258,8 +261,16 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("alarms", "Alarms that stand, the journal, and what to do with them");
-  command->add_option("--db,-d", a->db, "Database that replay or serve fills; the journal lies beside it")
-      ->required();
+  CLI::Option* db = command->add_option("--db,-d", a->db,
+                                        "Database that replay or serve fills; the journal lies beside it");
+  CLI::Option* modbus =
+      command
+          ->add_option("--modbus", a->modbus,
+                       "In place of --db: HOST:PORT of the Modbus feed, read as a SCADA system would")
+          ->excludes(db);
+  command->add_option("--ack", a->modbus_acknowledge, "With --modbus: number of the alarm to acknowledge")
+      ->needs(modbus)
+      ->check(CLI::Range(1, 65535));
   command->add_option("--machine,-m", a->machine, "Only this machine");
   command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
   command->add_option("--user", a->user, "Who acts (default: the user logged in)");
@@ -274,7 +285,8 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       "  hydroscope alarms --db press.db ack 1 --comment \"seal ordered\"\n"
       "  hydroscope alarms --db press.db shelve internal_leakage --for 8h\n"
       "  hydroscope alarms --db press.db journal --json -\n"
-      "  hydroscope alarms --db press.db metrics");
+      "  hydroscope alarms --db press.db metrics\n"
+      "  hydroscope alarms --modbus 127.0.0.1:1503 --ack 1");
   const auto add = [&](const char* name, const char* text, auto run) {
     CLI::App* sub = command->add_subcommand(name, text);
     sub->callback([a, run, &exit_code] {
@@ -315,7 +327,7 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
   command->callback([a, command, &exit_code] {
     if (!command->get_subcommands().empty()) return;
-    const Status done = List(*a);
+    const Status done = a->modbus.empty() ? List(*a) : ShowScada(a->modbus, a->modbus_acknowledge, a->json);
     exit_code = done ? kDone : ReportError(done.error());
   });
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/live_sources.h"
+#include "alarms/feeds/feeds.h"
 #include "service/commands.h"
 #include "service/live/http_endpoint.h"
 #include "service/live/live_service.h"
@@ -102,10 +103,12 @@ int Run(ServeArguments& a) {
       RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
   if (!created) return ReportError(created.error());
   LiveService& service = **created;
+  const Feeds feeds = Feeds::Start(service.machine(), a.live.database, RealTime);
   ValveChecks checks(service, a.valve_check, RealTime);
   const auto status = [&] {
     LiveStatus now = service.status();
     now.valve_check = checks.state();
+    now.feeds = feeds.status();
     return now;
   };
   const auto endpoint = HttpEndpoint::Open(

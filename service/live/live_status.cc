@@ -103,6 +103,11 @@ json WriterJson(const WriterStatus& w) {
           {"commit_p99_s", w.commit_p99}};
 }
 
+json FeedJson(const FeedStatus& f) {
+  return {{"name", f.name},           {"connected", f.connected}, {"state", f.state},  {"clients", f.clients},
+          {"delivered", f.delivered}, {"behind", f.behind},       {"errors", f.errors}};
+}
+
 /// "12.3 bar" from SI.
 std::string Shown(const json& value, const std::string& si) {
   if (!value.is_number()) return "-";
@@ -159,12 +164,13 @@ json StatusJson(const LiveStatus& s) {
               {"memory_bytes", s.memory},
               {"descriptors", s.descriptors},
               {"valve_check", s.valve_check}};
-  for (const char* list : {"sources", "streams", "channels", "axes"}) out[list] = json::array();
+  for (const char* list : {"sources", "streams", "channels", "axes", "feeds"}) out[list] = json::array();
   for (std::size_t i = 0; i < s.sources.size(); ++i)
     out["sources"].push_back(SourceJson(s.sources[i], s.source_ages[i]));
   for (const StreamState& stream : s.streams) out["streams"].push_back(StreamJson(stream));
   for (const ChannelStatus& channel : s.channels) out["channels"].push_back(ChannelJson(channel));
   for (const AxisStatus& axis : s.axes) out["axes"].push_back(AxisJson(axis));
+  for (const FeedStatus& feed : s.feeds) out["feeds"].push_back(FeedJson(feed));
   out["inbox"] = {{"batches", s.inbox.batches},
                   {"values", s.inbox.values},
                   {"most_values", s.inbox.most_values},
@@ -218,6 +224,11 @@ std::string StatusText(const json& s) {
           stream.at("channels").get<int>(), -stream.at("clock_offset_s").get<double>() * 1e3,
           -stream.at("drift_ppm").get<double>(), stream.at("delay_s").get<double>() * 1e3,
           stream.at("worst_delay_s").get<double>() * 1e3);
+  for (const json& feed : s.at("feeds"))
+    text += fmt::format("feed {}: {}; {} clients; journal row {}, {} behind; {} errors\n",
+                        feed.at("name").get<std::string>(), feed.at("state").get<std::string>(),
+                        feed.at("clients").get<int>(), feed.at("delivered").get<std::int64_t>(),
+                        feed.at("behind").get<std::int64_t>(), feed.at("errors").get<std::int64_t>());
   text += fmt::format("\n{:<24} {:>9} {:>9} {:>14} {:>14} {:>8}\n", "channel", "rate", "age", "value",
                       "noise", "flagged");
   for (const json& c : s.at("channels")) {
@@ -302,6 +313,13 @@ std::string PrometheusText(const LiveStatus& s) {
   for (const AxisStatus& axis : s.axes)
     for (const Estimate& e : axis.estimates)
       m.Add(e.value, fmt::format("axis=\"{}\",parameter=\"{}\"", Label(axis.name), Label(e.parameter)));
+  const auto feed_label = [](const FeedStatus& feed) { return fmt::format("feed=\"{}\"", Label(feed.name)); };
+  m.Begin("feed_connected", "gauge", "1 while the feed can be heard.");
+  for (const FeedStatus& feed : s.feeds) m.Add(feed.connected, feed_label(feed));
+  m.Begin("feed_rows_behind", "gauge", "Journal rows not out yet.");
+  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.behind), feed_label(feed));
+  m.Begin("feed_errors_total", "counter", "Rounds of the feed that failed.");
+  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.errors), feed_label(feed));
   m.Begin("process_resident_bytes", "gauge", "Memory of the process.");
   m.Add(static_cast<double>(s.memory));
   m.Begin("process_descriptors", "gauge", "Open files of the process.");

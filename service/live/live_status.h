@@ -7,6 +7,7 @@
 
 #include "acquisition/aligner.h"
 #include "acquisition/source.h"
+#include "alarms/feeds/feed.h"
 #include "service/live/inbox.h"
 #include "service/live/writer.h"
 
@@ -51,6 +52,7 @@ struct LiveStatus {
   std::int64_t memory = 0;      ///< bytes resident
   int descriptors = 0;          ///< open files
   std::string valve_check;      ///< what it does now, "" = off
+  std::vector<FeedStatus> feeds;
 };
 
 nlohmann::json StatusJson(const LiveStatus& status);

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alarm_records.h"
+#include "core/result.h"
+#include "storage/alarm_journal.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+
+/// An axis as the outside sees it now.
+struct AxisPicture {
+  std::string machine;                ///< "press/cushion_1"
+  std::string name;                   ///< "cushion_1"
+  char health = 'C';                  ///< NAMUR NE 107: F C S M -
+  std::vector<AlarmState> alarms;     ///< in order of id
+  std::int64_t strokes = 0;           ///< stored so far
+  std::vector<TrendPoint> estimates;  ///< of the newest stroke, one per parameter; none before the first
+};
+
+/// The journal and the trend database as one feed reads them, through handles of its own. What is not there
+/// yet is tried again with the next call; after an error the files are opened anew.
+class FeedReader {
+ public:
+  /// `machines`: the axes, in their order.
+  FeedReader(std::vector<std::string> machines, std::string database)
+      : machines_(std::move(machines)), database_path_(std::move(database)) {}
+
+  Result<std::vector<std::pair<std::string, std::string>>> AlarmsByAppearance();
+  Result<std::int64_t> LastSequence();
+  /// Rows of all machines with sequence > `after`, at most `limit`, in order.
+  Result<std::vector<JournalRow>> Rows(std::int64_t after, std::int64_t limit);
+  Result<std::vector<AxisPicture>> Axes();
+  /// False: there was nothing to acknowledge. `wall` in s since 1970.
+  Result<bool> Acknowledge(const std::string& machine, const std::string& alarm, const std::string& user,
+                           double wall);
+
+  const std::vector<std::string>& machines() const { return machines_; }
+  /// Number of an axis from 1; 0 if the machine is none of ours.
+  int AxisNumber(const std::string& machine) const;
+
+ private:
+  template <typename Use>
+  auto WithJournal(Use&& use) -> decltype(use(std::declval<AlarmJournal&>()));
+  Status ReadTrends(AxisPicture& axis);
+
+  std::vector<std::string> machines_;
+  std::string database_path_;
+  std::optional<AlarmJournal> journal_;
+  std::optional<Database> database_;
+};
+
+}  // namespace hydroscope

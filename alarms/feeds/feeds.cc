@@ -1,0 +1,23 @@
+#include "alarms/feeds/feeds.h"
+
+#include "alarms/feeds/modbus/modbus_feed.h"
+
+namespace hydroscope {
+
+Feeds Feeds::Start(const Machine& machine, const std::string& database, const Clock& clock) {
+  Feeds started;
+  if (!machine.feeds) return started;
+  std::vector<std::string> axes;
+  for (int axis = 0; axis < AxisCount(machine); ++axis) axes.push_back(AxisMachineName(machine, axis));
+  if (const auto& modbus = machine.feeds->modbus)
+    started.feeds_.push_back(MakeModbusFeed(*modbus, {axes, database}, clock));
+  return started;
+}
+
+std::vector<FeedStatus> Feeds::status() const {
+  std::vector<FeedStatus> all;
+  for (const auto& feed : feeds_) all.push_back(feed->status());
+  return all;
+}
+
+}  // namespace hydroscope

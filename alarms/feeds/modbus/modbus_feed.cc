@@ -1,0 +1,178 @@
+#include "alarms/feeds/modbus/modbus_feed.h"
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <mutex>
+
+#include "alarms/feeds/feed_loop.h"
+#include "alarms/feeds/modbus/listener.h"
+#include "alarms/feeds/modbus/register_image.h"
+#include "alarms/feeds/modbus/register_map.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kPeriod = 0.1;                         // s between two looks at the journal
+constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at axes without news
+constexpr std::size_t kMostWaiting = 64;                // acknowledgements
+const char* const kUser = "modbus";
+
+class ModbusFeed : public Feed {
+ public:
+  ModbusFeed(ModbusFeedSpec spec, FeedReader reader, Clock clock)
+      : spec_(std::move(spec)),
+        reader_(std::move(reader)),
+        clock_(std::move(clock)),
+        loop_(kPeriod, [this] { return Round(); }) {}
+  ~ModbusFeed() override {
+    loop_.Stop();
+    listener_.reset();  // while what it answers from is there
+  }
+
+  FeedStatus status() const override {
+    FeedStatus status;
+    status.errors = loop_.errors();
+    status.state = loop_.problem();
+    std::lock_guard lock(mutex_);
+    status.name = fmt::format("modbus {}:{}", spec_.host, listener_ ? listener_->port() : spec_.port);
+    status.connected = listener_ != nullptr;
+    status.delivered = cursor_;
+    status.behind = last_ - cursor_;
+    if (!listener_) return status;
+    const ModbusListener::Counters counters = listener_->counters();
+    status.clients = counters.clients;
+    if (status.state.empty())
+      status.state = fmt::format("open; {} connections taken, {} refused, {} ended as malformed",
+                                 counters.accepted, counters.refused, counters.malformed);
+    return status;
+  }
+
+ private:
+  Status Round() {
+    if (const Status open = Open(); !open) return open;
+    if (const Status stored = StoreAcknowledgements(); !stored) return stored;
+    const auto rows = reader_.Rows(cursor_, register_map::kRingRecords);
+    if (!rows) return tl::unexpected(rows.error());
+    const HostTime now = clock_();
+    std::vector<AxisPicture> axes;
+    const bool news = !rows->empty() || now.monotonic_ns - pictured_ >= kPicturePeriod;
+    if (news) {
+      auto read = reader_.Axes();
+      if (!read) return tl::unexpected(read.error());
+      axes = std::move(*read);
+      pictured_ = now.monotonic_ns;
+    }
+    std::lock_guard lock(mutex_);
+    for (const JournalRow& row : *rows) Take(row);
+    last_ = cursor_;
+    const double wall = static_cast<double>(now.wall_ns) * 1e-9;
+    if (news) Show(axes, wall);
+    counts_.waiting = static_cast<int>(waiting_.size());
+    image_.ShowHead(counts_, wall);
+    return {};
+  }
+
+  /// Once: numbers of the alarms the journal knows, the ring's newest rows, then the port.
+  Status Open() {
+    if (listener_) return {};
+    const auto alarms = reader_.AlarmsByAppearance();
+    if (!alarms) return tl::unexpected(alarms.error());
+    const auto last = reader_.LastSequence();
+    if (!last) return tl::unexpected(last.error());
+    auto listener = ModbusListener::Open(
+        spec_, [this](const auto& answer) { Answer(answer); }, clock_);
+    if (!listener) return tl::unexpected(listener.error());
+    std::lock_guard lock(mutex_);
+    for (const auto& [machine, alarm] : *alarms) numbers_.Add(machine, alarm);
+    cursor_ = std::max<std::int64_t>(0, *last - register_map::kRingRecords);
+    last_ = *last;
+    listener_ = std::move(*listener);
+    return {};
+  }
+
+  void Take(const JournalRow& row) {
+    int number = 0;
+    if (!row.event.alarm.empty()) {
+      numbers_.Add(row.machine, row.event.alarm);
+      number = numbers_.NumberOf(row.machine, row.event.alarm);
+      newest_about_.resize(static_cast<std::size_t>(numbers_.size()) + 1);
+      newest_about_[static_cast<std::size_t>(number)] = row.sequence;
+    }
+    image_.ShowRow(row, number, reader_.AxisNumber(row.machine));
+    cursor_ = row.sequence;
+  }
+
+  void Show(const std::vector<AxisPicture>& axes, double wall) {
+    counts_ = {.axes = static_cast<int>(axes.size()), .alarms = numbers_.size()};
+    newest_about_.resize(static_cast<std::size_t>(numbers_.size()) + 1);
+    int number = 0;
+    for (const AxisPicture& axis : axes) {
+      image_.ShowAxis(++number, axis, wall);
+      for (const AlarmState& alarm : axis.alarms) {
+        const int of_alarm = numbers_.NumberOf(axis.machine, alarm.id);
+        if (of_alarm == 0) continue;
+        counts_.standing += StateName(alarm) != register_map::kStateCodes[0];
+        counts_.unacknowledged += !alarm.acknowledged;
+        image_.ShowAlarm(of_alarm, number, alarm, newest_about_[static_cast<std::size_t>(of_alarm)]);
+      }
+    }
+  }
+
+  /// On the listener's thread.
+  void Answer(const std::function<void(const ModbusRegisters&)>& answer) {
+    std::lock_guard lock(mutex_);
+    answer({image_.registers(), [this](int address, std::uint16_t value) { return Write(address, value); }});
+  }
+
+  std::optional<ModbusException> Write(int address, std::uint16_t value) {
+    if (address != register_map::kAcknowledge) return ModbusException::kIllegalAddress;
+    if (value == 0 || value > numbers_.size()) return ModbusException::kIllegalValue;
+    if (waiting_.size() >= kMostWaiting) return ModbusException::kDeviceBusy;
+    waiting_.push_back(value);
+    image_.ShowAcknowledge(value, register_map::kAsked);
+    loop_.Wake();
+    return std::nullopt;
+  }
+
+  Status StoreAcknowledgements() {
+    for (;;) {
+      std::unique_lock lock(mutex_);
+      if (waiting_.empty()) return {};
+      const std::uint16_t number = waiting_.front();
+      waiting_.pop_front();
+      const auto [machine, alarm] = numbers_[number];
+      lock.unlock();
+      const double wall = static_cast<double>(clock_().wall_ns) * 1e-9;
+      const auto changed = reader_.Acknowledge(machine, alarm, kUser, wall);
+      lock.lock();
+      image_.ShowAcknowledge(number, !changed   ? register_map::kNotStored
+                                     : *changed ? register_map::kAcknowledged
+                                                : register_map::kNothingToAcknowledge);
+      if (!changed) return tl::unexpected(changed.error());
+    }
+  }
+
+  ModbusFeedSpec spec_;
+  FeedReader reader_;
+  Clock clock_;
+  std::int64_t pictured_ = -kPicturePeriod;  // ns, monotonic, when the axes were looked at
+  RegisterImage::Counts counts_;
+  std::vector<std::int64_t> newest_about_;  // by number of the alarm
+
+  mutable std::mutex mutex_;  // guards what follows: listener, loop and status come together here
+  RegisterImage image_;
+  AlarmNumbers numbers_;
+  std::deque<std::uint16_t> waiting_;
+  std::int64_t cursor_ = 0, last_ = 0;
+  std::unique_ptr<ModbusListener> listener_;
+  FeedLoop loop_;
+};
+
+}  // namespace
+
+std::unique_ptr<Feed> MakeModbusFeed(ModbusFeedSpec spec, FeedReader reader, Clock clock) {
+  return std::make_unique<ModbusFeed>(std::move(spec), std::move(reader), std::move(clock));
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,150 @@
+#include "service/commands/alarms_scada.h"
+
+#include <charconv>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "service/output.h"
+#include "service/scada_client.h"
+
+namespace hydroscope {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kRowsShown = 10;
+
+Json Number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+
+std::string Clock(double wall) {
+  const auto seconds = static_cast<std::time_t>(wall);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &utc);
+  return text;
+}
+
+/// What the numbers NE 107 and quality mean for people.
+const char* HealthText(char health) {
+  switch (health) {
+    case 'F':
+      return "failure";
+    case 'C':
+      return "function check";
+    case 'S':
+      return "out of specification";
+    case 'M':
+      return "maintenance required";
+    default:
+      return "good";
+  }
+}
+
+Json AxisJson(const ScadaAxis& axis) {
+  Json parameters = Json::object();
+  for (const ScadaParameter& p : axis.parameters)
+    parameters[p.name] = {{"value", Number(p.value)}, {"std", Number(p.std)}, {"quality", p.quality}};
+  return {{"axis", axis.name},
+          {"health", std::string(1, axis.health)},
+          {"strokes", axis.strokes},
+          {"stroke_age_s", axis.stroke_age},
+          {"oil_temperature_degC", Number(axis.oil_temperature)},
+          {"parameters", parameters}};
+}
+
+Json AlarmJson(const ScadaAlarm& a) {
+  return {{"number", a.number},       {"axis", a.axis},         {"alarm", a.name},
+          {"state", a.state},         {"severity", a.severity}, {"raised_wall_s", a.raised},
+          {"value", Number(a.value)}, {"std", Number(a.std)},   {"limit", Number(a.limit)}};
+}
+
+Json RowJson(const ScadaRow& r) {
+  return {{"sequence", r.sequence}, {"wall_s", r.wall}, {"alarm", r.alarm},   {"axis", r.axis},
+          {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", Number(r.value)}};
+}
+
+std::string AxisText(const ScadaAxis& axis) {
+  std::string text = fmt::format("{:<16} {} ({}), {} strokes", axis.name, axis.health,
+                                 HealthText(axis.health), axis.strokes);
+  if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
+  for (const ScadaParameter& p : axis.parameters)
+    text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, 1.96 * p.std,
+                        p.quality == 0 ? "" : fmt::format("  quality {}", p.quality));
+  return text + "\n";
+}
+
+struct Seen {
+  std::vector<ScadaAxis> axes;
+  std::vector<ScadaAlarm> alarms;
+  std::vector<ScadaRow> rows;
+};
+
+Result<Seen> Look(ScadaClient& client) {
+  auto axes = client.Axes();
+  if (!axes) return tl::unexpected(axes.error());
+  auto alarms = client.Alarms();
+  if (!alarms) return tl::unexpected(alarms.error());
+  auto rows = client.NewRows();
+  if (!rows) return tl::unexpected(rows.error());
+  return Seen{std::move(*axes), std::move(*alarms), std::move(*rows)};
+}
+
+std::string AxisName(const Seen& seen, int axis) {
+  return axis < 1 || axis > static_cast<int>(seen.axes.size())
+             ? "-"
+             : seen.axes[static_cast<std::size_t>(axis - 1)].name;
+}
+
+void Print(const Seen& seen, const std::string& endpoint) {
+  for (const ScadaAxis& axis : seen.axes) std::cout << AxisText(axis);
+  std::cout << (seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
+  for (const ScadaAlarm& a : seen.alarms)
+    std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
+                             a.severity, AxisName(seen, a.axis), a.name, Clock(static_cast<double>(a.raised)),
+                             a.value, 1.96 * a.std);
+  if (!seen.alarms.empty())
+    std::cout << "acknowledge with `hydroscope alarms --modbus " << endpoint << " --ack NUMBER`\n";
+  std::cout << "\nnewest of " << seen.rows.size() << " journal rows in the ring\n";
+  const std::size_t first = seen.rows.size() - std::min(seen.rows.size(), kRowsShown);
+  for (std::size_t i = first; i < seen.rows.size(); ++i) {
+    const ScadaRow& r = seen.rows[i];
+    std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, Clock(r.wall),
+                             r.stroke, AxisName(seen, r.axis), r.alarm, r.event,
+                             r.alarm == 0 ? "" : " -> " + r.state);
+  }
+}
+
+}  // namespace
+
+Status ShowScada(const std::string& endpoint, int acknowledge, const std::string& json) {
+  const std::size_t colon = endpoint.rfind(':');
+  int port = 0;
+  const char* const end = endpoint.data() + endpoint.size();
+  if (colon == std::string::npos || colon == 0 ||
+      std::from_chars(endpoint.data() + colon + 1, end, port).ptr != end || port < 1 || port > 65535)
+    return UsageError("--modbus {}: expected HOST:PORT, e.g. 127.0.0.1:1503", endpoint);
+  auto client = ScadaClient::Connect(endpoint.substr(0, colon), port);
+  if (!client) return tl::unexpected(client.error());
+  Json document;
+  if (acknowledge > 0) {
+    const auto changed = client->Acknowledge(acknowledge);
+    if (!changed) return tl::unexpected(changed.error());
+    document["acknowledged"] = {{"number", acknowledge}, {"changed", *changed}};
+    if (json != "-")
+      std::cout << "alarm " << acknowledge << (*changed ? " acknowledged\n" : ": nothing to acknowledge\n");
+  }
+  const auto seen = Look(*client);
+  if (!seen) return tl::unexpected(seen.error());
+  if (json != "-") Print(*seen, endpoint);
+  if (json.empty()) return {};
+  for (const char* list : {"axes", "alarms", "journal"}) document[list] = Json::array();
+  for (const ScadaAxis& axis : seen->axes) document["axes"].push_back(AxisJson(axis));
+  for (const ScadaAlarm& alarm : seen->alarms) document["alarms"].push_back(AlarmJson(alarm));
+  for (const ScadaRow& row : seen->rows) document["journal"].push_back(RowJson(row));
+  return WriteJson(json, document);
+}
+
+}  // namespace hydroscope
