@@ -1,31 +1,39 @@
 #include "service/axis_monitor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
-#include "core/units.h"
+#include "service/axis_alarms.h"
+#include "service/finding_explanation.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
 constexpr std::int64_t kSlowDriftEvery = 50;     ///< strokes
-constexpr double kLeastUsed = 0.5;  ///< share of a stroke's gated rows below which its signals count as lost
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-AlarmSettings SettingsOf(const drift::RuleBook& rules) {
-  return {rules.warn_delay, rules.clear_delay, rules.deadband, false};
+std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
+  std::vector<std::string> names;
+  for (const drift::WatchSpec& watch : rules.watches) names.push_back(watch.quantity);
+  return names;
 }
 
-AlarmSeverity SeverityOf(drift::RuleSeverity severity) { return static_cast<AlarmSeverity>(severity); }
-
-bool EndsHere(const drift::DriftFinding& f) { return f.state == drift::FindingState::kGone; }
-
-/// Id of the alarm a finding raises.
-std::string AlarmId(const drift::DriftFinding& finding) {
-  if (!finding.rule.empty()) return finding.rule;
-  return "unnamed_change_" + (finding.parts.empty() ? std::string("none") : finding.parts.front().quantity);
+ValveCheck CheckOf(const ValveCheckRecord& record) {
+  ValveCheck check;
+  check.time = record.begin;
+  check.natural_frequency = {record.f0, record.f0_std};
+  check.damping = {record.damping, record.damping_std};
+  check.gain = {record.gain, record.gain_std};
+  check.dead_time = {record.dead_time, record.dead_time_std};
+  check.bandwidth = {record.bandwidth, record.bandwidth_std};
+  check.amplitude = record.amplitude;
+  check.supply_pressure = record.supply_pressure;
+  check.oil_temperature = record.oil_temperature;
+  return check;
 }
 
 }  // namespace
@@ -39,27 +47,28 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
 }
 
 AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
-                         const drift::RuleBook& rules, const Database& database, std::int64_t machine_id,
-                         AlarmJournal& journal)
+                         const drift::RuleBook& rules, const Database& database, std::string path,
+                         std::int64_t machine_id, AlarmJournal& journal)
     : machine_(machine),
       rules_(rules),
       database_(database),
+      path_(std::move(path)),
       machine_id_(machine_id),
       journal_(journal),
-      model_(drift::WatchedModel::Create(model,
-                                         [&] {
-                                           std::vector<std::string> names;
-                                           for (const drift::WatchSpec& w : rules.watches)
-                                             names.push_back(w.quantity);
-                                           return names;
-                                         }())),
-      columns_(model->column_count()) {}
+      model_(drift::WatchedModel::Create(model, WatchedNames(rules))),
+      columns_(model->column_count()),
+      valve_(rules) {
+  last_.time = last_.oil_temperature = kNaN;
+}
 
 /// Strokes first ... first + count - 1 as far as they are stored, with estimates.
 Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, std::int64_t count) const {
+  std::vector<Stored> strokes;
+  const auto stored_to = database_.EndSequence(machine_id_);
+  if (!stored_to) return tl::unexpected(stored_to.error());
+  if (*stored_to <= first) return strokes;
   const auto runs = database_.Runs(machine_id_);
   if (!runs) return tl::unexpected(runs.error());
-  std::vector<Stored> strokes;
   for (const RunInfo& run : *runs) {
     const std::int64_t begin = std::max(first, run.first_sequence);
     const std::int64_t end = std::min(first + count, run.first_sequence + run.strokes);
@@ -100,72 +109,126 @@ drift::StrokeEvidence AxisMonitor::EvidenceOf(const Stored& stroke) const {
   return none;
 }
 
-Status AxisMonitor::LoadMonitor(const AxisContent& content) {
-  alarms_ = content.alarms;
-  if (content.monitor.next_stroke == next_) return {};
+bool AxisMonitor::Learnable(const drift::StrokeEvidence& evidence) const {
+  return !(evidence.oil_temperature < rules_.minimum_temperature) && evidence.equations.equations > 0;
+}
+
+/// Takes over what another process, or this one before a restart, left in the journal.
+Status AxisMonitor::Refresh() {
+  const auto content = journal_.Axis(machine_.name);
+  if (!content) return tl::unexpected(content.error());
+  alarms_ = content->alarms;
+  if (saved_ && *saved_ == content->monitor.state && next_ == content->monitor.next_stroke) return {};
+  return Restore(*content);
+}
+
+/// State: whether a reference was learned, drift monitor, valve checks judged, their monitor.
+Status AxisMonitor::Restore(const AxisContent& content) {
   next_ = content.monitor.next_stroke;
+  saved_ = content.monitor.state;
   monitor_.reset();
-  if (content.monitor.state.empty()) return {};
-  monitor_.emplace(*model_, rules_, drift::Reference());
-  ByteReader in(content.monitor.state);
-  if (!monitor_->Restore(in) || !in.at_end())
-    monitor_.reset();  // another model or program: commissioning begins anew
+  valve_ = drift::ValveCheckMonitor(rules_);
+  checks_ = 0;
+  collected_.clear();
+  collected_to_ = next_;
+  if (saved_->empty()) return {};
+  ByteReader in(*saved_);
+  const bool learned = in.Get<std::uint8_t>() != 0;
+  if (learned) monitor_.emplace(*model_, rules_, drift::Reference());
+  const bool restored = !learned || monitor_->Restore(in);
+  checks_ = in.Get<std::int64_t>();
+  if (restored && valve_.Restore(in) && in.at_end()) return {};
+  // Written by another program version or for another model: the frozen reference alone may still serve.
+  monitor_.reset();
+  valve_ = drift::ValveCheckMonitor(rules_);
+  checks_ = 0;
+  const auto stored = journal_.LatestReference(machine_.name);
+  if (!stored) return tl::unexpected(stored.error());
+  if (!*stored) return {};
+  drift::Reference reference;
+  ByteReader bytes((*stored)->bytes);
+  if (reference.Restore(bytes) && static_cast<int>(reference.curves().size()) == model_->size())
+    monitor_.emplace(*model_, rules_, std::move(reference));
   return {};
+}
+
+std::vector<std::uint8_t> AxisMonitor::SaveState() const {
+  ByteWriter out;
+  out.Put<std::uint8_t>(monitor_ ? 1 : 0);
+  if (monitor_) monitor_->Save(out);
+  out.Put(checks_);
+  valve_.Save(out);
+  return out.Take();
+}
+
+Status AxisMonitor::Change(double wall, const std::function<void(AxisContent&)>& change) {
+  std::vector<std::uint8_t> state;
+  const Status stored = journal_.Change(machine_.name, wall, [&](AxisContent& axis) -> Status {
+    if (axis.monitor.next_stroke != next_ || axis.monitor.state != *saved_)
+      return InternalError("another process judges the strokes of {} at the same time", machine_.name);
+    change(axis);
+    state = SaveState();
+    axis.monitor.next_stroke = next_;
+    axis.monitor.state = state;
+    alarms_ = axis.alarms;
+    return {};
+  });
+  if (stored)
+    saved_ = std::move(state);
+  else
+    saved_.reset();  // what is in memory is ahead of the file
+  return stored;
+}
+
+AlarmMoment AxisMonitor::Moment(double wall) const {
+  AlarmMoment now = last_;
+  now.wall = wall;
+  return now;
 }
 
 Status AxisMonitor::CatchUp(double wall) {
   if (!model_) return tl::unexpected(model_.error());
-  const auto content = journal_.Axis(machine_.name);
-  if (!content) return tl::unexpected(content.error());
-  if (const Status loaded = LoadMonitor(*content); !loaded) return loaded;
+  if (const Status fresh = Refresh(); !fresh) return fresh;
   if (!monitor_) {
-    const auto commissioned = Commission(next_, wall);
+    const auto commissioned = Commission(wall);
     if (!commissioned) return tl::unexpected(commissioned.error());
-    if (!*commissioned) return {};
   }
+  if (monitor_)
+    if (const Status judged = JudgeStrokes(wall); !judged) return judged;
+  if (const Status judged = JudgeValveChecks(wall); !judged) return judged;
+  return ExplainFindings(wall);
+}
+
+Status AxisMonitor::JudgeStrokes(double wall) {
   for (;;) {
     const auto strokes = Load(next_, kStrokesPerChange);
     if (!strokes) return tl::unexpected(strokes.error());
     if (strokes->empty()) return {};
-    const std::int64_t after = strokes->back().sequence + 1;
-    const Status stored = journal_.Change(machine_.name, wall, [&](AxisContent& axis) -> Status {
-      if (axis.monitor.next_stroke != next_)
-        return InternalError("another process judges the strokes of {} at the same time", machine_.name);
+    const Status stored = Change(wall, [&](AxisContent& axis) {
       for (const Stored& stroke : *strokes) Judge(stroke, wall, axis);
-      ByteWriter out;
-      monitor_->Save(out);
-      axis.monitor = StoredMonitor{after, strokes->back().model_version, out.Take()};
-      alarms_ = axis.alarms;
-      return {};
+      axis.monitor.model_version = strokes->back().model_version;
+      next_ = strokes->back().sequence + 1;
     });
-    if (!stored) {
-      next_ = -1;  // what is in memory is ahead of the file
-      return stored;
-    }
-    next_ = after;
+    if (!stored) return stored;
   }
 }
 
 /// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored
 /// twice.
-Result<bool> AxisMonitor::Commission(std::int64_t first, double wall) {
-  std::vector<drift::StrokeEvidence> strokes;
-  std::int64_t next = first;
-  while (static_cast<int>(strokes.size()) < rules_.commissioning) {
-    const auto chunk = Load(next, kStrokesPerChange);
+Result<bool> AxisMonitor::Commission(double wall) {
+  while (static_cast<int>(collected_.size()) < rules_.commissioning) {
+    const auto chunk = Load(collected_to_, kStrokesPerChange);
     if (!chunk) return tl::unexpected(chunk.error());
-    if (chunk->empty()) break;
-    for (const Stored& s : *chunk) {
-      next = s.sequence + 1;
-      drift::StrokeEvidence evidence = EvidenceOf(s);
-      const bool cold = evidence.oil_temperature < rules_.minimum_temperature;
-      if (!cold && evidence.equations.equations > 0) strokes.push_back(std::move(evidence));
-      if (static_cast<int>(strokes.size()) == rules_.commissioning) break;
+    if (chunk->empty()) return false;
+    for (const Stored& stroke : *chunk) {
+      collected_to_ = stroke.sequence + 1;
+      drift::StrokeEvidence evidence = EvidenceOf(stroke);
+      if (Learnable(evidence)) collected_.push_back(std::move(evidence));
+      if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
     }
   }
-  commissioning_strokes_ = static_cast<std::int64_t>(strokes.size());
-  if (!rules_.automatic || commissioning_strokes_ < rules_.commissioning) return false;
-  if (const Status learned = LearnFrom(std::move(strokes), next, wall, {"", "automatic"}); !learned)
+  if (!rules_.automatic) return false;
+  if (const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"}); !learned)
     return tl::unexpected(learned.error());
   return true;
 }
@@ -190,44 +253,72 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
   event.text = fmt::format("reference {} learned from {} strokes", version, strokes.size());
   ByteWriter bytes;
   reference->Save(bytes);
-  monitor_.emplace(*model_, rules_, std::move(*reference));
-  const Status stored = journal_.Change(machine_.name, wall, [&](AxisContent& axis) -> Status {
-    AlarmMoment now{event.time, wall, event.stroke, event.oil_temperature, 0, version};
-    for (AlarmState& alarm : axis.alarms) axis.Append(alarm_machine::Clear(alarm, SettingsOf(rules_), now));
+  last_ = {event.time, wall, event.stroke, event.oil_temperature, 0, version};
+  return Change(wall, [&](AxisContent& axis) {
+    monitor_.emplace(*model_, rules_, std::move(*reference));
+    next_ = next;
+    for (AlarmState& alarm : axis.alarms)
+      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
     axis.references.push_back({version, event.first_stroke, event.last_stroke, bytes.Take()});
     axis.events.push_back(event);
-    ByteWriter state;
-    monitor_->Save(state);
-    axis.monitor = {next, axis.monitor.model_version, state.Take()};
-    alarms_ = axis.alarms;
-    return {};
   });
-  next_ = stored ? next : -1;
-  return stored;
 }
 
 Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
   if (!model_) return tl::unexpected(model_.error());
-  const auto content = journal_.Axis(machine_.name);
-  if (!content) return tl::unexpected(content.error());
+  if (const Status fresh = Refresh(); !fresh) return fresh;
   const auto stored = Load(first, last - first);
   if (!stored) return tl::unexpected(stored.error());
   std::vector<drift::StrokeEvidence> strokes;
-  for (const Stored& s : *stored) {
-    drift::StrokeEvidence evidence = EvidenceOf(s);
-    const bool cold = evidence.oil_temperature < rules_.minimum_temperature;
-    if (!cold && evidence.equations.equations > 0) strokes.push_back(std::move(evidence));
+  for (const Stored& stroke : *stored) {
+    drift::StrokeEvidence evidence = EvidenceOf(stroke);
+    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
   }
-  if (strokes.empty()) return BadInput("no usable stroke between {} and {}", first, last);
-  const std::int64_t next = std::max(content->monitor.next_stroke, strokes.back().sequence + 1);
+  if (strokes.empty())
+    return BadInput("{}: no stroke from {} to {} can be learned from: none stored, or the oil was too cold",
+                    machine_.name, first, last - 1);
+  const std::int64_t next = std::max(next_, strokes.back().sequence + 1);
   return LearnFrom(std::move(strokes), next, wall, user);
 }
 
-Status AxisMonitor::SetSuppression(Suppression reason, bool on, const AlarmMoment& now) {
-  return journal_.Change(machine_.name, now.wall, [&](AxisContent& axis) -> Status {
-    for (AlarmState& alarm : axis.alarms) axis.Append(alarm_machine::Suppress(alarm, reason, on, now));
-    alarms_ = axis.alarms;
-    return {};
+Status AxisMonitor::SetSuppression(Suppression reason, bool on, double wall) {
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  suppressed_ = static_cast<std::uint8_t>(on ? suppressed_ | reason : suppressed_ & ~reason);
+  return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
+}
+
+/// Brings the flags of every alarm, new ones too, to what the live service said last.
+void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
+  for (AlarmState& alarm : content.alarms) {
+    const bool idle = (suppressed_ & kSuppressedIdle) != 0;
+    if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
+    content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
+                                           (suppressed_ & kSuppressedValveCheck) != 0, now));
+  }
+}
+
+Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& settings,
+                            const std::optional<AlarmCondition>& condition, double wall) {
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  const auto known =
+      std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == alarm; });
+  if (!condition && (known == alarms_.end() || !known->active)) return {};
+  return Change(wall, [&](AxisContent& axis) {
+    AlarmState& state = axis.Alarm(alarm);
+    const AlarmMoment now = Moment(wall);
+    axis.Append(condition ? alarm_machine::Observe(state, settings, *condition, now)
+                          : alarm_machine::Clear(state, settings, now));
+  });
+}
+
+Status AxisMonitor::Tick(double wall) {
+  const bool due = std::any_of(alarms_.begin(), alarms_.end(), [&](const AlarmState& a) {
+    return a.shelved_until && wall >= *a.shelved_until;
+  });
+  if (!due) return {};
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  return Change(wall, [&](AxisContent& axis) {
+    for (AlarmState& alarm : axis.alarms) axis.Append(alarm_machine::Tick(alarm, Moment(wall)));
   });
 }
 
@@ -237,111 +328,74 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
   const AlarmMoment now{evidence.time,        wall,
                         stroke.sequence,      evidence.oil_temperature,
                         stroke.model_version, monitor_->reference().version()};
+  last_ = now;
+  const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
-  JudgeSignals(stroke, judgement, now, content);
+  axis_alarms::JudgeSignals(judged, now, content);
   const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
   for (AlarmState& alarm : content.alarms)
     if (alarm.severity != AlarmSeverity::kSignalLoss)
       content.Append(alarm_machine::Suppress(alarm, kSuppressedTooCold, cold, now));
   if (judgement.reason == drift::JudgementReason::kJudged) {
-    JudgeFindings(now, content);
-    if (stroke.sequence % kSlowDriftEvery == 0) JudgeSlowDrifts(now, content);
+    axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
+    if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold) JudgeLimits(stroke, now, content);
+  if (!cold) axis_alarms::JudgeLimits(machine_.monitors, rules_, judged, now, content);
+  Suppress(content, now);
 }
 
-void AxisMonitor::JudgeFindings(const AlarmMoment& now, AxisContent& content) {
-  const AlarmSettings settings = SettingsOf(rules_);
-  for (const drift::DriftFinding& finding : monitor_->findings()) {
-    if (finding.parts.empty()) continue;
-    AlarmState& alarm = content.Alarm(AlarmId(finding));
-    if (EndsHere(finding)) {
-      content.Append(alarm_machine::Clear(alarm, settings, now));
+/// Checks that measured the valve; refused and broken ones say nothing about it.
+Status AxisMonitor::JudgeValveChecks(double wall) {
+  const auto checks = database_.ValveChecks(machine_id_);
+  if (!checks) return tl::unexpected(checks.error());
+  if (static_cast<std::int64_t>(checks->size()) <= checks_) return {};
+  return Change(wall, [&](AxisContent& axis) {
+    for (; checks_ < static_cast<std::int64_t>(checks->size()); ++checks_) {
+      const ValveCheckRecord& record = (*checks)[static_cast<std::size_t>(checks_)];
+      if (record.outcome != "measured") continue;
+      AlarmMoment now = Moment(wall);
+      now.time = record.begin;
+      now.oil_temperature = record.oil_temperature;
+      axis_alarms::JudgeValveCheck(valve_.Add(CheckOf(record), checks_ + 1), rules_, now, axis);
+    }
+  });
+}
+
+/// A finding with enough strokes behind it is explained once; the answer becomes part of it and of its alarm.
+Status AxisMonitor::ExplainFindings(double wall) {
+  if (!monitor_) return {};
+  const std::vector<drift::DriftFinding> findings = monitor_->findings();
+  for (const drift::DriftFinding& finding : findings) {
+    const std::int64_t changed = std::max(finding.since.last_before, finding.since.high) + 1;
+    if (finding.parts.empty() || finding.state == drift::FindingState::kGone ||
+        !finding.explanation.empty() || next_ - changed < kStrokesToExplain)
       continue;
-    }
-    const drift::FindingPart& part = finding.parts.front();
-    AlarmCondition condition{std::abs(part.size),
-                             part.std,
-                             part.limit,
-                             true,
-                             part.unit,
-                             SeverityOf(finding.severity),
-                             drift::FindingText(finding) + ". " + finding.guidance,
-                             finding.since.last_before + 1,
-                             finding.last};
-    if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
-    content.Append(alarm_machine::Observe(alarm, settings, condition, now));
+    const std::string text = ExplainFinding(database_, path_, machine_.name, machine_id_, finding,
+                                            monitor_->reference().first_sequence(), next_);
+    const Status stored = Change(wall, [&](AxisContent& axis) {
+      monitor_->TakeExplanation(finding.number, text);
+      AlarmEvent event;
+      event.alarm = AlarmIdOf(finding);
+      event.event = "explained";
+      event.severity = static_cast<AlarmSeverity>(finding.severity);
+      event.time = last_.time;
+      event.stroke = next_ - 1;
+      event.oil_temperature = last_.oil_temperature;
+      event.model_version = last_.model_version;
+      event.reference_version = monitor_->reference().version();
+      event.text = text;
+      event.first_stroke = changed;
+      event.last_stroke = next_ - 1;
+      AlarmState& alarm = axis.Alarm(event.alarm);
+      drift::DriftFinding explained = finding;
+      explained.explanation = text;
+      alarm.text = FindingWords(explained);
+      event.state_before = event.state = StateName(alarm);
+      axis.events.push_back(std::move(event));
+    });
+    if (!stored) return stored;
   }
-}
-
-void AxisMonitor::JudgeSlowDrifts(const AlarmMoment& now, AxisContent& content) {
-  AlarmSettings settings = SettingsOf(rules_);
-  settings.on_delay = settings.off_delay = 2;  // counted in looks, not in strokes
-  const auto drifts = monitor_->SlowDrifts();
-  for (const drift::Quantity& quantity : monitor_->model().quantities()) {
-    const auto found = std::find_if(drifts.begin(), drifts.end(),
-                                    [&](const auto& d) { return d.quantity == quantity.name; });
-    const std::string id = "slow_" + quantity.name;
-    const bool known =
-        std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
-    if (found == drifts.end() && !known) continue;
-    AlarmCondition condition{-1, 0, 0, true, quantity.unit, AlarmSeverity::kAdvisory, "", -1, now.stroke};
-    if (found != drifts.end()) {
-      condition.value = std::abs(found->figures.now);
-      condition.std = found->figures.slope_std * static_cast<double>(found->figures.strokes);
-      condition.limit = 0;
-      condition.first_stroke = now.stroke - found->figures.strokes;
-      condition.text = fmt::format(
-          "{} drifts slowly, {:.3g} {} per 1000 strokes; reaches its limit in {:.0f} strokes (95 %: {:.0f} "
-          "to {:.0f})",
-          quantity.name, 1000 * found->figures.slope, quantity.unit, found->reach.strokes, found->reach.low,
-          found->reach.high);
-    }
-    content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
-  }
-}
-
-/// Limits that the machine file states for the identified values as they are, at any temperature.
-void AxisMonitor::JudgeLimits(const Stored& stroke, const AlarmMoment& now, AxisContent& content) {
-  const AlarmSettings settings = SettingsOf(rules_);
-  for (const MonitorSpec& spec : machine_.monitors)
-    for (const Estimate& e : stroke.record.estimates) {
-      if (e.parameter != spec.parameter || e.reason != EstimateReason::kUpdated) continue;
-      const auto judge = [&](const std::optional<double>& limit, bool high, AlarmSeverity severity,
-                             const char* name) {
-        if (!limit) return;
-        const DisplayUnit unit = DisplayUnitFor(e.unit);
-        const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
-        AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
-                                 severity, "",    stroke.sequence, stroke.sequence};
-        condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter,
-                                     shown(e.value), 1.96 * e.std * unit.factor, unit.name,
-                                     high ? "above" : "below", name, shown(*limit), unit.name);
-        content.Append(
-            alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
-      };
-      judge(spec.warn_low, false, AlarmSeverity::kWarning, "warn_low");
-      judge(spec.warn_high, true, AlarmSeverity::kWarning, "warn_high");
-      judge(spec.alarm_low, false, AlarmSeverity::kAlarm, "alarm_low");
-      judge(spec.alarm_high, true, AlarmSeverity::kAlarm, "alarm_high");
-    }
-}
-
-void AxisMonitor::JudgeSignals(const Stored& stroke, const drift::Judgement& judgement,
-                               const AlarmMoment& now, AxisContent& content) {
-  const StrokeCounters& counters = stroke.record.summary.counters;
-  const double used =
-      counters.gated > 0 ? static_cast<double>(counters.used) / static_cast<double>(counters.gated) : 0.0;
-  const bool lost = judgement.reason == drift::JudgementReason::kUnusable || used < kLeastUsed;
-  AlarmCondition condition{
-      1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
-      stroke.sequence};
-  if (lost) condition.value = std::max(condition.value, condition.limit);
-  condition.text = fmt::format(
-      "only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a "
-      "log tells which signal",
-      100 * used);
-  content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
+  return {};
 }
 
 }  // namespace hydroscope

@@ -7,6 +7,7 @@
 
 #include "alarms/alarm_machine.h"
 #include "diagnosis/drift/drift_monitor.h"
+#include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 #include "storage/alarm_journal.h"
@@ -22,30 +23,38 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file);
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
 ///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
-///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal.
+///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal;
+///   then valve checks, and for each new finding what comparing the strokes before and after it says.
 class AxisMonitor {
  public:
-  /// All arguments must outlive the object; `machine_id` is that of `database`.
+  /// All arguments must outlive the object; `machine_id` is that of `database`, `path` its file for messages.
   AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
-              const drift::RuleBook& rules, const Database& database, std::int64_t machine_id,
-              AlarmJournal& journal);
+              const drift::RuleBook& rules, const Database& database, std::string path,
+              std::int64_t machine_id, AlarmJournal& journal);
 
   /// An error if the model's parameters cannot be watched; the other functions then fail with it.
   Status watchable() const { return model_ ? Status{} : Status(tl::unexpected(model_.error())); }
-  /// Judges every stroke stored since the last call; `wall` in s since 1970. Errors: database or journal
-  /// cannot be used.
+  /// Judges every stroke and valve check stored since the last call; `wall` in s since 1970. Errors: database
+  /// or journal cannot be used.
   Status CatchUp(double wall);
   /// Learns a new reference from the strokes first <= number < last and freezes it; strokes already judged
   /// stay judged.
   Status Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user);
-  /// For the live service: press idle, valve check running.
-  Status SetSuppression(Suppression reason, bool on, const AlarmMoment& now);
+  /// For the live service, which says it anew after a restart. Idle suppresses what is not active yet: a
+  /// fault found in production stands through the break.
+  Status SetSuppression(Suppression reason, bool on, double wall);
+  /// An alarm that something else than strokes raises; `condition` empty clears it.
+  Status Observe(const std::string& alarm, const AlarmSettings& settings,
+                 const std::optional<AlarmCondition>& condition, double wall);
+  /// Ends shelves whose time is over.
+  Status Tick(double wall);
 
   /// nullptr while commissioning. Valid after CatchUp().
   const drift::DriftMonitor* monitor() const { return monitor_ ? &*monitor_ : nullptr; }
   /// Strokes commissioning has so far and needs.
-  std::int64_t commissioning_strokes() const { return commissioning_strokes_; }
+  std::int64_t commissioning_strokes() const { return static_cast<std::int64_t>(collected_.size()); }
   const std::vector<AlarmState>& alarms() const { return alarms_; }
+  const std::string& name() const { return machine_.name; }
   /// NAMUR NE 107.
   char Health() const { return NamurStatus(alarms_, !monitor_); }
 
@@ -57,27 +66,39 @@ class AxisMonitor {
   };
   Result<std::vector<Stored>> Load(std::int64_t first, std::int64_t count) const;
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;
-  Status LoadMonitor(const AxisContent& content);
-  Result<bool> Commission(std::int64_t first, double wall);
+  bool Learnable(const drift::StrokeEvidence& evidence) const;
+  Status Refresh();
+  Status Restore(const AxisContent& content);
+  std::vector<std::uint8_t> SaveState() const;
+  /// Changes this axis in the journal, with the state as it then is in memory.
+  Status Change(double wall, const std::function<void(AxisContent&)>& change);
+  AlarmMoment Moment(double wall) const;
+  Result<bool> Commission(double wall);
   Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                    const AlarmUser& user);
+  Status JudgeStrokes(double wall);
   void Judge(const Stored& stroke, double wall, AxisContent& content);
-  void JudgeFindings(const AlarmMoment& now, AxisContent& content);
-  void JudgeSlowDrifts(const AlarmMoment& now, AxisContent& content);
-  void JudgeLimits(const Stored& stroke, const AlarmMoment& now, AxisContent& content);
-  void JudgeSignals(const Stored& stroke, const drift::Judgement& judgement, const AlarmMoment& now,
-                    AxisContent& content);
+  Status JudgeValveChecks(double wall);
+  Status ExplainFindings(double wall);
+  void Suppress(AxisContent& content, const AlarmMoment& now);
 
   const Machine& machine_;
   const drift::RuleBook& rules_;
   const Database& database_;
+  std::string path_;
   std::int64_t machine_id_;
   AlarmJournal& journal_;
   Result<drift::WatchedModel> model_;
   int columns_;
   std::optional<drift::DriftMonitor> monitor_;
-  std::int64_t next_ = -1;  ///< stroke the monitor in memory stands before
-  std::int64_t commissioning_strokes_ = 0;
+  drift::ValveCheckMonitor valve_;
+  std::int64_t checks_ = 0;                         ///< valve checks judged
+  std::int64_t next_ = 0;                           ///< first stroke not judged yet
+  std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
+  AlarmMoment last_;                                ///< of the last stroke judged
+  std::vector<drift::StrokeEvidence> collected_;    ///< by commissioning
+  std::int64_t collected_to_ = 0;                   ///< first stroke not looked at by commissioning
+  std::uint8_t suppressed_ = 0;                     ///< by SetSuppression()
   std::vector<AlarmState> alarms_;
 };
 

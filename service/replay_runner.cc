@@ -308,7 +308,7 @@ Status ReplayRunner::Watch(WatchOutcome& watch) {
   if (!rules) return tl::unexpected(rules.error());
   auto journal = AlarmJournal::Open(AlarmJournal::PathFor(options_.database));
   if (!journal) return tl::unexpected(journal.error());
-  AxisMonitor axis(machine_, model_, *rules, database_, machine_id_, *journal);
+  AxisMonitor axis(machine_, model_, *rules, database_, options_.database, machine_id_, *journal);
   if (!axis.watchable()) {
     watch.problem = axis.watchable().error().text;
     return {};

@@ -71,7 +71,7 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
   } else {
     const Deviation deviation = reference_.Judge(model_, stroke);
     judgement.operating_class = deviation.operating_class;
-    if (deviation.operating_class < 0) {
+    if (!deviation.judged) {
       judgement.reason = JudgementReason::kNewClass;
       LearnClass(stroke);
     } else {
@@ -84,6 +84,8 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
 /// Strokes of a kind that commissioning did not see are collected until its offsets can be learned. What open
 /// findings explain is taken out, so that a fault does not become part of what is healthy.
 void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
+  for (const DriftFinding& f : findings_)
+    if (f.state == FindingState::kSuspected) return;  // not before it is known what to take out
   const int index = candidates_.FindOrAdd(stroke);
   if (index < 0) return;
   auto& members = new_classes_[index];
@@ -91,6 +93,11 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   if (static_cast<int>(members.size()) < Reference::kLeastClassStrokes) return;
   reference_.AddClass(model_, members);
   new_classes_.erase(index);
+}
+
+void DriftMonitor::TakeExplanation(std::int64_t number, std::string text) {
+  for (DriftFinding& f : findings_)
+    if (f.number == number) f.explanation = std::move(text);
 }
 
 void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgement& judgement) {

@@ -69,10 +69,12 @@ struct DriftFinding {
   std::vector<std::string> rivals;  ///< quantities that would explain the same
   bool alarm = false;               ///< one part is beyond its alarm change
   int quiet = 0;                    ///< strokes it has been small for
+  std::string explanation;          ///< what comparing strokes before and after said; "" before that was done
 };
 
-/// One sentence: "since stroke 48 210 internal leakage appears, 1.2 +- 0.2 l/min at 200 bar".
-std::string FindingText(const DriftFinding& finding);
+/// One sentence: "since stroke 48210: Internal leakage past the piston seal; internal_leakage +1.2 +- 0.2
+/// l/min at 200 bar". `counted`: what its numbers count.
+std::string FindingText(const DriftFinding& finding, const char* counted = "stroke");
 
 /// Slow drift of one quantity towards a limit.
 struct SlowDrift {
@@ -88,7 +90,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 1;
+  static constexpr std::uint32_t kFormat = 2;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
   static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
   static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided
@@ -98,6 +100,7 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
+  void TakeExplanation(std::int64_t number, std::string text);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

@@ -10,7 +10,7 @@ constexpr std::uint32_t kMostMembers = 100;
 void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.number);
   out.Put(f.state);
-  for (const std::string& text : {f.rule, f.name, f.guidance}) PutText(out, text);
+  for (const std::string& text : {f.rule, f.name, f.guidance, f.explanation}) PutText(out, text);
   out.Put(f.severity);
   out.Put(f.since);
   out.Put(f.found);
@@ -33,7 +33,7 @@ DriftFinding GetFinding(ByteReader& in) {
   DriftFinding f;
   f.number = in.Get<std::int64_t>();
   f.state = in.Get<FindingState>();
-  for (std::string* text : {&f.rule, &f.name, &f.guidance}) *text = GetText(in);
+  for (std::string* text : {&f.rule, &f.name, &f.guidance, &f.explanation}) *text = GetText(in);
   f.severity = in.Get<RuleSeverity>();
   f.since = in.Get<ChangeTime>();
   f.found = in.Get<std::int64_t>();

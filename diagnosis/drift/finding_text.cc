@@ -27,10 +27,11 @@ std::string PartText(const FindingPart& part) {
 
 }  // namespace
 
-std::string FindingText(const DriftFinding& finding) {
+std::string FindingText(const DriftFinding& finding, const char* counted) {
+  const ChangeTime& since = finding.since;
   std::string text =
-      fmt::format("since stroke {} (between {} and {}): {}", finding.since.last_before + 1,
-                  finding.since.low + 1, finding.since.high + 1,
+      fmt::format("since {} {}{}: {}", counted, since.last_before + 1,
+                  since.low == since.high ? "" : fmt::format(" ({} to {})", since.low + 1, since.high + 1),
                   finding.name.empty() ? "something changed; its cause is not told apart yet" : finding.name);
   for (std::size_t i = 0; i < finding.parts.size(); ++i)
     text += (i == 0 ? "; " : ", ") + PartText(finding.parts[i]);

@@ -1,5 +1,6 @@
 #include "diagnosis/drift/operating_class.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hydroscope::drift {
@@ -29,6 +30,17 @@ int OperatingClasses::FindOrAdd(const StrokeEvidence& stroke) {
   if (found >= 0 || count() >= kMostClasses) return found;
   centres_.push_back(FeaturesOf(stroke));
   return count() - 1;
+}
+
+bool OperatingClasses::Encloses(const StrokeEvidence& stroke) const {
+  const Features features = FeaturesOf(stroke);
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const auto between = [f](const Features& a, const Features& b) { return a[f] < b[f]; };
+    const auto [low, high] = std::minmax_element(centres_.begin(), centres_.end(), between);
+    if (low == centres_.end() || features[f] < (*low)[f] - kRadius || features[f] > (*high)[f] + kRadius)
+      return false;
+  }
+  return true;
 }
 
 double OperatingClasses::speed(int index) const { return std::exp(centres_[index][0]); }

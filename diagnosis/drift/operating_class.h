@@ -20,6 +20,8 @@ class OperatingClasses {
   int Find(const StrokeEvidence& stroke) const;
   /// The same, a new class if it is like none; -1 if there are kMostClasses already.
   int FindOrAdd(const StrokeEvidence& stroke);
+  /// Whether speed and pressures lie within those of the classes, or no farther outside than a class is wide.
+  bool Encloses(const StrokeEvidence& stroke) const;
   int count() const { return static_cast<int>(centres_.size()); }
   double speed(int index) const;     ///< m/s
   double pressure(int index) const;  ///< Pa, mean

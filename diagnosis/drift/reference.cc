@@ -14,10 +14,8 @@ constexpr double kStepsPerKelvin = 10.0;
 constexpr double kBinWidth = 1.5;  ///< K
 constexpr std::size_t kBinStrokes = 12;
 constexpr int kMostBins = 40;
-constexpr int kPasses = 8;          ///< of taking class means out
-constexpr int kSteps = 6;           ///< of Gauss and Newton
-constexpr std::size_t kBlock = 10;  ///< strokes, for the correlation of neighbours
-constexpr double kClip = 3.5;       ///< standard deviations, against single bad strokes
+constexpr int kPasses = 8;  ///< of taking class means out
+constexpr int kSteps = 6;   ///< of Gauss and Newton
 
 /// Strokes of nearly the same oil temperature, summed.
 struct Bin {
@@ -70,29 +68,6 @@ double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureMode
   return std::max(1.0, sum / std::max<double>(1.0, static_cast<double>(points.size())));
 }
 
-/// Variance of deviations in units of what their information promises: the larger of single strokes and of
-/// blocks of neighbours, so that correlation between strokes counts; single bad strokes are clipped.
-double Scatter(const std::vector<double>& standardised) {
-  std::vector<double> sizes;
-  for (const double z : standardised) sizes.push_back(std::abs(z));
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<long>(sizes.size() / 2), sizes.end());
-  const double scale = std::max(sizes[sizes.size() / 2] / 0.6745, 1e-12);
-  double single = 0, blocks = 0, block = 0;
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < standardised.size(); ++k) {
-    const double z = std::clamp(standardised[k], -kClip * scale, kClip * scale);
-    single += z * z;
-    block += z;
-    if ((k + 1) % kBlock == 0) {
-      blocks += block * block / kBlock;
-      block = 0;
-      ++count;
-    }
-  }
-  single /= static_cast<double>(standardised.size());
-  return count >= 5 ? std::max(single, blocks / static_cast<double>(count)) : single;
-}
-
 }  // namespace
 
 Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
@@ -123,19 +98,7 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
     reference.expected_.clear();
     reference.LearnCurves(model, level);
   }
-  std::vector<std::vector<const StrokeEvidence*>> members;
-  for (const StrokeEvidence& s : strokes) {
-    const int index = reference.classes_.FindOrAdd(s);
-    if (index < 0) continue;
-    members.resize(reference.classes_.count());
-    members[index].push_back(&s);
-  }
-  reference.offsets_.resize(members.size());
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    reference.class_strokes_.push_back(static_cast<int>(members[c].size()));
-    if (static_cast<int>(members[c].size()) >= kLeastClassStrokes)
-      reference.LearnClass(model, members[c], static_cast<int>(c));
-  }
+  reference.LearnClasses(model, strokes);
   return reference;
 }
 
@@ -160,7 +123,7 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
   for (StrokeEvidence& s : level) {
     const int c = classes.Find(s);
-    if (c >= 0)
+    if (c >= 0 && count[c] >= kLeastClassStrokes)
       s.equations.g -=
           (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
   }
@@ -258,60 +221,80 @@ Score Reference::ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke
           e.jacobian.transpose() * stroke.equations.h * e.jacobian};
 }
 
-void Reference::LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes,
-                           int index) {
-  std::vector<Score> scores;
-  for (const StrokeEvidence* s : strokes) scores.push_back(ScoreOf(model, *s));
-  std::vector<ClassOffset> offsets(model.size());
-  for (int q = 0; q < model.size(); ++q) {
-    double information = 0;
-    std::vector<std::pair<double, double>> single;  // deviation, information
-    for (const Score& s : scores)
-      if (s.information(q, q) > 0) {
-        single.emplace_back(s.score[q] / s.information(q, q), s.information(q, q));
-        information += s.information(q, q);
-      }
-    if (single.empty()) {
-      offsets[q].std = std::numeric_limits<double>::infinity();
-      continue;
+/// Per quantity, deviations of the strokes from the curves.
+std::vector<std::vector<ClassDeviation>> Reference::DeviationsOf(
+    const WatchedModel& model, std::span<const StrokeEvidence> strokes) const {
+  std::vector<std::vector<ClassDeviation>> deviations(model.size());
+  for (const StrokeEvidence& s : strokes) {
+    const Score score = ScoreOf(model, s);
+    for (int q = 0; q < model.size(); ++q) {
+      const double information = score.information(q, q);
+      if (information > 0) deviations[q].push_back({score.score[q] / information, information});
     }
-    // Weighted median: where half of the information lies on either side.
-    std::sort(single.begin(), single.end());
-    double passed = 0;
-    for (const auto& [value, weight] : single)
-      if ((passed += weight) >= information / 2) {
-        offsets[q].offset = value;
-        break;
-      }
-    std::vector<double> standardised;
-    for (const Score& s : scores)
-      if (s.information(q, q) > 0)
-        standardised.push_back((s.score[q] - s.information(q, q) * offsets[q].offset) /
-                               std::sqrt(s.information(q, q)));
-    offsets[q].scatter = std::max(Scatter(standardised), 1e-300);
-    offsets[q].std = 1.2533 * std::sqrt(offsets[q].scatter / information);  // of a median
   }
-  if (static_cast<std::size_t>(index) >= offsets_.size()) offsets_.resize(index + 1);
-  offsets_[index] = std::move(offsets);
+  return deviations;
+}
+
+/// Offsets of the classes, how they differ, and the scatter of all strokes about them.
+void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
+  std::vector<std::vector<StrokeEvidence>> members;
+  for (const StrokeEvidence& s : strokes) {
+    const int index = classes_.FindOrAdd(s);
+    if (index < 0) continue;
+    members.resize(classes_.count());
+    members[index].push_back(s);
+  }
+  std::vector<std::vector<std::vector<ClassDeviation>>> deviations;  // class, quantity, stroke
+  for (const auto& m : members) deviations.push_back(DeviationsOf(model, m));
+  offsets_.assign(members.size(), {});
+  for (int q = 0; q < model.size(); ++q) {
+    std::vector<double> standardised;
+    std::size_t fitted = 0;
+    for (const auto& of_class : deviations) {
+      if (static_cast<int>(of_class[q].size()) < kLeastOffsetStrokes) continue;
+      const double offset = MeasureOffset(of_class[q]).offset;
+      for (const ClassDeviation& d : of_class[q])
+        standardised.push_back((d.value - offset) * std::sqrt(d.information));
+      ++fitted;
+    }
+    const double all = static_cast<double>(standardised.size());
+    scatter_.push_back(Scatter(standardised) * all / std::max(1.0, all - static_cast<double>(fitted)));
+    std::vector<ClassOffset> measured;
+    for (const auto& of_class : deviations)
+      measured.push_back(static_cast<int>(of_class[q].size()) >= kLeastClassStrokes
+                             ? MeasureOffset(of_class[q])
+                         : static_cast<int>(of_class[q].size()) >= kLeastOffsetStrokes
+                             ? MeasureOffset(of_class[q], scatter_[q])
+                             : MeasureOffset({}, scatter_[q]));
+    spread_.push_back(SpreadOf(measured));
+    for (std::size_t c = 0; c < members.size(); ++c) offsets_[c].push_back(Combine(measured[c], spread_[q]));
+  }
+  const bool comparable = std::count_if(members.begin(), members.end(), [](const auto& m) {
+                            return static_cast<int>(m.size()) >= kLeastOffsetStrokes;
+                          }) >= kLeastClasses;
+  for (std::size_t c = 0; c < members.size(); ++c)
+    if (static_cast<int>(members[c].size()) < kLeastClassStrokes && !comparable) offsets_[c].clear();
+  if (!comparable)
+    for (OffsetSpread& spread : spread_) spread.std = std::numeric_limits<double>::infinity();
 }
 
 void Reference::AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   if (strokes.empty()) return;
   const int index = classes_.FindOrAdd(strokes.front());
   if (index < 0) return;
-  std::vector<const StrokeEvidence*> members;
-  for (const StrokeEvidence& s : strokes) members.push_back(&s);
-  class_strokes_.resize(classes_.count(), 0);
   offsets_.resize(classes_.count());
-  class_strokes_[index] = static_cast<int>(strokes.size());
-  LearnClass(model, members, index);
+  offsets_[index].clear();
+  for (const auto& deviations : DeviationsOf(model, strokes))
+    offsets_[index].push_back(MeasureOffset(deviations));
 }
 
 Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stroke) const {
   Deviation d;
   const int index = classes_.Find(stroke);
-  if (!ClassLearned(index)) return d;
-  d.operating_class = index;
+  const bool learned = ClassLearned(index);
+  if (!learned && !(std::isfinite(spread_.front().std) && classes_.Encloses(stroke))) return d;
+  d.judged = true;
+  d.operating_class = learned ? index : -1;
   const Expected& e = At(model, stroke.oil_temperature);
   const Score score = ScoreOf(model, stroke);
   const int n = model.size();
@@ -323,7 +306,7 @@ Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stro
   Eigen::VectorXd scatter(n);
   Eigen::VectorXd own = score.score;
   for (int q = 0; q < n; ++q) {
-    const ClassOffset& o = offsets_[index][q];
+    const ClassOffset o = learned ? offsets_[index][q] : Combine(MeasureOffset({}, scatter_[q]), spread_[q]);
     const double information = score.information(q, q);
     own[q] -= information * o.offset;
     d.value[q] = information > 0 ? own[q] / information : 0;
@@ -354,9 +337,10 @@ void Reference::Save(ByteWriter& out) const {
   PutVector(out, theta_);
   PutVector(out, typical_);
   for (const TemperatureModel& curve : curves_) curve.Save(out);
+  for (const OffsetSpread& spread : spread_) out.Put(spread);
+  for (const double scatter : scatter_) out.Put(scatter);
   classes_.Save(out);
   for (std::size_t c = 0; c < offsets_.size(); ++c) {
-    out.Put<std::int32_t>(class_strokes_[c]);
     out.Put<std::uint8_t>(!offsets_[c].empty());
     for (const ClassOffset& o : offsets_[c]) out.Put(o);
   }
@@ -374,10 +358,13 @@ bool Reference::Restore(ByteReader& in) {
   curves_.resize(theta_.size());
   for (TemperatureModel& curve : curves_)
     if (!curve.Restore(in)) return false;
+  spread_.resize(theta_.size());
+  for (OffsetSpread& spread : spread_) spread = in.Get<OffsetSpread>();
+  scatter_.resize(theta_.size());
+  for (double& scatter : scatter_) scatter = in.Get<double>();
   if (!classes_.Restore(in)) return false;
   offsets_.resize(classes_.count());
   for (auto& offsets : offsets_) {
-    class_strokes_.push_back(in.Get<std::int32_t>());
     offsets.resize(in.Get<std::uint8_t>() != 0 ? theta_.size() : 0);
     for (ClassOffset& o : offsets) o = in.Get<ClassOffset>();
   }

@@ -6,26 +6,19 @@
 #include <vector>
 
 #include "core/result.h"
+#include "diagnosis/drift/class_offset.h"
 #include "diagnosis/drift/operating_class.h"
 #include "diagnosis/drift/temperature_model.h"
 #include "diagnosis/drift/watched_model.h"
 
 namespace hydroscope::drift {
 
-/// What an operating class adds to the reference of one quantity. A model that misses something small answers
-/// each kind of stroke with its own small offset.
-struct ClassOffset {
-  double offset = 0;   ///< SI
-  double std = 0;      ///< SI, of the offset
-  double scatter = 1;  ///< variance of a stroke's deviation over what its information promises, neighbours'
-                       ///< correlation included
-};
-
 /// A stroke's deviation from the reference, ready for the tests.
 struct Deviation {
-  int operating_class = -1;
-  Eigen::VectorXd value;      ///< SI, each quantity alone, offset of the class taken out
-  Eigen::VectorXd std;        ///< SI, sampling
+  bool judged = false;       ///< false: a kind of stroke the reference knows nothing about, the rest is empty
+  int operating_class = -1;  ///< -1: none of its own, judged by what classes differ by
+  Eigen::VectorXd value;     ///< SI, each quantity alone, offset of the class taken out
+  Eigen::VectorXd std;       ///< SI, sampling
   Eigen::VectorXd reference;  ///< SI, expected value at this oil temperature
   Eigen::VectorXd doubt;  ///< SI, std of the reference itself (the same for all strokes at this temperature)
   Eigen::VectorXd score;  ///< offsets taken out, divided by the class's scatter
@@ -37,9 +30,11 @@ struct Deviation {
 /// classes. Never changed afterwards; learning again gives a new version.
 class Reference {
  public:
-  static constexpr std::uint32_t kFormat = 1;
+  static constexpr std::uint32_t kFormat = 2;
   static constexpr int kLeastStrokes = 100;      ///< of commissioning
-  static constexpr int kLeastClassStrokes = 30;  ///< before strokes of a class are judged
+  static constexpr int kLeastClassStrokes = 30;  ///< for a scatter of its own
+  static constexpr int kLeastOffsetStrokes = 5;  ///< for an offset of its own
+  static constexpr int kLeastClasses = 5;        ///< for judging strokes between the classes
 
   /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell
   /// the parameters.
@@ -49,7 +44,8 @@ class Reference {
   /// curves.
   void AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
 
-  /// Deviation of a stroke; operating_class is -1 and the rest empty if its class was not learned.
+  /// Deviation of a stroke. A stroke of no learned class is judged if commissioning saw kLeastClasses classes
+  /// and its speed and pressures lie among theirs: how the classes differ then says what it may deviate by.
   Deviation Judge(const WatchedModel& model, const StrokeEvidence& stroke) const;
 
   /// The stroke as it would have been without deviations of these sizes.
@@ -78,8 +74,10 @@ class Reference {
   const Expected& At(const WatchedModel& model, double temperature) const;
   std::vector<StrokeEvidence> WithoutClassMeans(const WatchedModel& model,
                                                 std::span<const StrokeEvidence> strokes) const;
+  void LearnClasses(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
-  void LearnClass(const WatchedModel& model, const std::vector<const StrokeEvidence*>& strokes, int index);
+  std::vector<std::vector<ClassDeviation>> DeviationsOf(const WatchedModel& model,
+                                                        std::span<const StrokeEvidence> strokes) const;
   Score ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const;
 
   int version_ = 0;
@@ -87,7 +85,8 @@ class Reference {
   Eigen::VectorXd theta_, typical_;
   std::vector<TemperatureModel> curves_;  ///< per quantity
   OperatingClasses classes_;
-  std::vector<int> class_strokes_;
+  std::vector<OffsetSpread> spread_;               ///< per quantity, between classes
+  std::vector<double> scatter_;                    ///< per quantity, of all classes together
   std::vector<std::vector<ClassOffset>> offsets_;  ///< per class, per quantity; empty = not learned
   mutable std::map<int, Expected> expected_;       ///< by oil temperature in steps of 0.1 K
 };

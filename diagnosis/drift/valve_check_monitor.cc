@@ -11,9 +11,10 @@ struct Figure {
   const char* unit;
   ValueWithStd ValveCheck::*value;
 };
-constexpr std::array<Figure, 3> kFigureList = {{{"f0", "Hz", &ValveCheck::natural_frequency},
-                                                {"D", "1", &ValveCheck::damping},
-                                                {"T_dead", "s", &ValveCheck::dead_time}}};
+constexpr auto& kNames = ValveCheckMonitor::kFigureNames;
+constexpr std::array<Figure, kNames.size()> kFigureList = {{{kNames[0], "Hz", &ValveCheck::natural_frequency},
+                                                            {kNames[1], "1", &ValveCheck::damping},
+                                                            {kNames[2], "s", &ValveCheck::dead_time}}};
 constexpr std::uint32_t kMostPoints = 10'000;
 
 }  // namespace

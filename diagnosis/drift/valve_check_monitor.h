@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace hydroscope::drift {
 /// and reference together.
 class ValveCheckMonitor {
  public:
+  static constexpr std::array kFigureNames = {"f0", "D", "T_dead"};
   static constexpr int kCommissioning = 5;  ///< checks the reference is learned from
   static constexpr double kLimit = 4.0;
 
@@ -29,7 +31,7 @@ class ValveCheckMonitor {
   bool Restore(ByteReader& in);
 
  private:
-  static constexpr int kFigures = 3;
+  static constexpr int kFigures = kFigureNames.size();
   void Learn();
 
   const RuleBook* rules_;

@@ -4,6 +4,7 @@
 
 #include "service/benchmarks/coverage_benchmark.h"
 #include "service/benchmarks/drift_benchmark.h"
+#include "service/benchmarks/drift_full_simulation.h"
 #include "service/benchmarks/endurance.h"
 #include "service/benchmarks/example_log.h"
 #include "service/benchmarks/filter_study.h"
@@ -160,6 +161,31 @@ void AddDrift(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunDriftBenchmark(*o); });
 }
 
+void AddDriftFull(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<DriftFullSimulationOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "drift-full", "Drift detection on fully simulated logs of machines at random, every stroke through the pipeline");
+  command->add_option("--machines", o->machines, "Machines, every second one with three products")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--commissioning", o->commissioning, "Strokes the reference is learned from")
+      ->check(CLI::Range(100, 100000))
+      ->capture_default_str();
+  command->add_option("--healthy", o->healthy, "Healthy strokes judged on each machine")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--faulty", o->faulty, "Strokes of each fault")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_flag("--details", o->details, "Print what was found on each machine");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark drift-full\n"
+      "  hydroscope benchmark drift-full --machines 2 --healthy 300 --details");
+  command->callback([o, &exit_code] { exit_code = RunDriftFullSimulation(*o); });
+}
+
 void AddSealFriction(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<SealFrictionOptions>();
   CLI::App* command = benchmark.add_subcommand(
@@ -266,6 +292,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddThirtyRuns(*benchmark, exit_code);
   AddEndurance(*benchmark, exit_code);
   AddDrift(*benchmark, exit_code);
+  AddDriftFull(*benchmark, exit_code);
   AddExampleLog(*benchmark, exit_code);
   AddLiveLatency(*benchmark, exit_code);
   AddLiveKill(*benchmark, exit_code);
