@@ -144,6 +144,7 @@ Status CollectOutcome(const Database& database, std::int64_t machine_id, const M
 Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machine_id,
                                     const ReplayOutcome& outcome, std::vector<StrokeOverlay> overlays) {
   ReportInput input;
+  std::optional<SkippedItem> unread;
   input.machine = outcome.machine;
   input.runs = outcome.runs;
   for (const RunInfo& run : outcome.runs) {
@@ -158,8 +159,13 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   auto trends = database.Trend(machine_id, "");
   if (!trends) return tl::unexpected(trends.error());
   input.trends = std::move(*trends);
+  if (auto blocks = EstimateBlocks(database, machine_id, outcome.machine, input.strokes); blocks)
+    input.blocks = std::move(*blocks);
+  else
+    unread = SkippedItem{"comparison of early and late strokes", 0, blocks.error().text};
   input.overlays = std::move(overlays);
   input.skipped = outcome.skipped;
+  if (unread) input.skipped.push_back(*unread);
   input.noise_floor = outcome.noise_floor;
   input.rms_holdout = outcome.rms_holdout;
   return input;

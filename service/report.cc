@@ -133,8 +133,8 @@ std::string Cards(const Report& report) {
   return out +
          "</div>\n<p class=\"note\">Over the record: mean of the last third of the strokes minus that of the "
          "first, ± half of its 95 % interval. "
-         "p: how often chance alone would show at least as much; below 0.01 is called clear, below 0.05 a "
-         "hint.</p>\n";
+         "p: how often chance alone would show as much in any one of the parameters; below 0.01 is called "
+         "clear, below 0.05 a hint.</p>\n";
 }
 
 std::string DurationText(double seconds) {
@@ -191,9 +191,8 @@ std::string TrendsNote(const Report& report, bool with_oil) {
              : ".";
   if (with_oil)
     out +=
-        " Right: the same estimates over the oil temperature, averaged over the estimator's memory as the "
-        "estimates are, with the straight line "
-        "through them and its 95 % interval.";
+        " Right: blocks of consecutive strokes, each fitted by itself, over their mean oil temperature, with "
+        "the straight line through them and its 95 % interval.";
   return out + "</p>\n";
 }
 
@@ -319,10 +318,9 @@ std::string Method(const Report& report) {
                                    machine.model_version, effects.empty() ? "none" : effects));
   out += Term("Estimator", MethodText(machine));
   out += Term("Intervals",
-              "95 %. Estimates carry their estimator's standard error. Successive estimates share data, so "
-              "changes and slopes over oil temperature "
-              "are fitted with errors that are correlated from stroke to stroke, at least as strongly as the "
-              "estimator's memory demands.");
+              "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
+              "their strokes, so changes and slopes over oil temperature are judged on blocks of consecutive "
+              "strokes that share none, each fitted by itself.");
   out += Term("Noise floor",
               "The flow error that sensor noise alone would cause, sent through the same filters. Error "
               "above it is model error.");

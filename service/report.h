@@ -8,6 +8,7 @@
 #include "core/records.h"
 #include "core/result.h"
 #include "models/machine.h"
+#include "service/block_estimates.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -35,6 +36,8 @@ struct ReportInput {
   std::vector<RunInfo> runs;
   std::vector<StrokeSummary> strokes;   ///< in order; summary.index is the machine-wide sequence here
   std::vector<TrendPoint> trends;       ///< all parameters, in order of sequence
+  /// Independent evidence of change and of what follows the oil; empty: nothing is said about either.
+  std::vector<BlockEstimates> blocks;
   std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
   std::string explanation_verdict;   ///< HTML of ExplainVerdictBox, "" = nothing was explained

@@ -9,23 +9,9 @@ namespace hydroscope {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kLeastStrokesForOil = 8;
+constexpr std::size_t kLeastBlocksForOil = 6;
 constexpr double kLeastOilRange = 1.5;  // K
 constexpr double kMostShared = 0.9, kMostCurved = 0.25;
-
-/// Seconds of data that one stroke gave the estimator.
-double UsedTime(const StrokeSummary& stroke) {
-  const double length = std::max(stroke.end - stroke.begin, 0.0);
-  const auto& counters = stroke.counters;
-  if (counters.samples <= 0) return length;
-  return length * static_cast<double>(counters.used) / static_cast<double>(counters.samples);
-}
-
-std::map<std::int64_t, double> UsedTimes(const ReportInput& input) {
-  std::map<std::int64_t, double> used;
-  for (const StrokeSummary& stroke : input.strokes) used[stroke.index] = UsedTime(stroke);
-  return used;
-}
 
 TrendSample ToSample(const TrendPoint& point) {
   TrendSample sample;
@@ -33,44 +19,38 @@ TrendSample ToSample(const TrendPoint& point) {
   sample.value = point.estimate.value;
   sample.std = point.estimate.std;
   sample.temperature = point.oil_temperature;
-  sample.remembered_temperature = point.estimate.oil_temperature;
   sample.reason = point.estimate.reason;
   sample.updated = point.estimate.reason == EstimateReason::kUpdated && std::isfinite(point.estimate.std);
   return sample;
 }
 
-/// Fills in remembered temperatures: what the estimator says its value stands for; where it does not say, the
-/// exponential mean over strokes.
-void RememberTemperatures(std::vector<TrendSample>& samples, const std::map<std::int64_t, double>& used,
-                          const Machine& machine, const std::string& parameter) {
-  double mean = kNaN;
-  for (TrendSample& sample : samples) {
-    const auto time = used.find(sample.sequence);
-    const double kept = MemoryCorrelation(machine, parameter, time == used.end() ? 0 : time->second);
-    if (std::isfinite(sample.temperature)) {
-      if (!std::isfinite(mean))
-        mean = sample.temperature;
-      else if (sample.updated)
-        mean = kept * mean + (1 - kept) * sample.temperature;
+/// Blocks as samples of the parameter; values that physics forbids say nothing about it.
+std::vector<TrendSample> BlocksOf(const std::vector<BlockEstimates>& blocks, const std::string& parameter) {
+  std::vector<TrendSample> samples;
+  for (const BlockEstimates& block : blocks)
+    for (const Estimate& estimate : block.parameters) {
+      if (estimate.parameter != parameter || estimate.reason != EstimateReason::kUpdated ||
+          !std::isfinite(estimate.value))
+        continue;
+      samples.push_back({(block.first + block.last - 1) / 2, estimate.value, estimate.std,
+                         block.oil_temperature, true, estimate.reason});
     }
-    if (!std::isfinite(sample.remembered_temperature))
-      sample.remembered_temperature = std::isfinite(sample.temperature) ? mean : kNaN;
-  }
+  return samples;
 }
 
-/// Columns of the samples that enter statistics.
+/// Columns of the blocks that enter statistics.
 struct Series {
   std::vector<double> value, std, temperature, progress;
 };
 
-Series UpdatedSeries(const std::vector<TrendSample>& samples, bool with_temperature) {
+Series SeriesOf(const std::vector<TrendSample>& blocks, bool with_temperature) {
   Series series;
-  for (const TrendSample& sample : samples) {
-    if (!sample.updated || (with_temperature && !std::isfinite(sample.remembered_temperature))) continue;
-    series.value.push_back(sample.value);
-    series.std.push_back(sample.std);
-    series.temperature.push_back(sample.remembered_temperature);
-    series.progress.push_back(static_cast<double>(sample.sequence));
+  for (const TrendSample& block : blocks) {
+    if (with_temperature && !std::isfinite(block.temperature)) continue;
+    series.value.push_back(block.value);
+    series.std.push_back(block.std);
+    series.temperature.push_back(block.temperature);
+    series.progress.push_back(static_cast<double>(block.sequence));
   }
   return series;
 }
@@ -84,11 +64,11 @@ double ThirdsDifference(const std::vector<double>& values) {
 
 /// The change at equal oil temperature: progress is scaled to rise by 1 from the first to the last third.
 TestedValue ChangeBeyondOil(const Series& series, const std::vector<double>& one,
-                            const std::vector<double>& warmth, double memory) {
+                            const std::vector<double>& warmth) {
   std::vector<double> progress = series.progress;
   const double span = ThirdsDifference(progress);
   for (double& p : progress) p = (p - series.progress.front()) / span;
-  const CorrelatedFit fit = FitCorrelated({one, warmth, progress}, series.value, series.std, memory);
+  const CorrelatedFit fit = FitCorrelated({one, warmth, progress}, series.value, series.std, 0);
   return fit.coefficients.empty() ? TestedValue() : fit.coefficients[2];
 }
 
@@ -103,10 +83,9 @@ double Spread(const std::vector<double>& a, double factor_a, const std::vector<d
   return high - low;
 }
 
-/// Share of the curved part in a cubic over temperature; 0 unless the curvature is clear. Legendre
-/// polynomials over the range keep straight and curved part apart.
-double CurvedShare(const Series& series, const std::vector<double>& one, const OilDependence& oil,
-                   double memory) {
+/// Share of the curved part in a cubic over temperature, and p of none. Legendre polynomials over the range
+/// keep straight and curved part apart.
+void FindCurvature(const Series& series, const std::vector<double>& one, OilDependence& oil) {
   std::vector<double> p1, p2, p3;
   for (const double t : series.temperature) {
     const double u = 2 * (t - oil.coldest) / (oil.warmest - oil.coldest) - 1;
@@ -114,17 +93,17 @@ double CurvedShare(const Series& series, const std::vector<double>& one, const O
     p2.push_back((3 * u * u - 1) / 2);
     p3.push_back((5 * u * u * u - 3 * u) / 2);
   }
-  const CorrelatedFit fit = FitCorrelated({one, p1, p2, p3}, series.value, series.std, memory);
-  if (fit.coefficients.empty()) return 0;
-  const bool clear = SignificanceOf(fit.coefficients[2]) == Significance::kClear ||
-                     SignificanceOf(fit.coefficients[3]) == Significance::kClear;
-  if (!clear) return 0;
+  const CorrelatedFit fit = FitCorrelated({one, p1, p2, p3}, series.value, series.std, 0);
+  if (fit.coefficients.empty()) return;
+  oil.curved_p = fit.JointP(2);
   const double straight = 2 * std::abs(fit.coefficients[1].value);
-  return Spread(p2, fit.coefficients[2].value, p3, fit.coefficients[3].value) / std::max(straight, 1e-300);
+  oil.curved_share =
+      Spread(p2, fit.coefficients[2].value, p3, fit.coefficients[3].value) / std::max(straight, 1e-300);
 }
 
-OilOutcome OutcomeOf(const TestedValue& slope) {
-  switch (SignificanceOf(slope)) {
+OilOutcome OutcomeOf(const OilDependence& oil) {
+  if (oil.curved_p < 0.01 && oil.curved_share >= kMostCurved) return OilOutcome::kNotInStep;
+  switch (SignificanceOf(oil.slope)) {
     case Significance::kClear:
       return OilOutcome::kFollows;
     case Significance::kHint:
@@ -135,16 +114,17 @@ OilOutcome OutcomeOf(const TestedValue& slope) {
   return OilOutcome::kNotSeen;
 }
 
-OilDependence AnalyseOil(const std::vector<TrendSample>& samples, double memory) {
-  const Series series = UpdatedSeries(samples, true);
+/// All but what needs the family-wise p.
+OilDependence AnalyseOil(const std::vector<TrendSample>& blocks, bool measured) {
   OilDependence oil;
-  if (series.value.empty()) return oil;
+  if (!measured) return oil;
+  oil.outcome = OilOutcome::kTooFewStrokes;
+  const Series series = SeriesOf(blocks, true);
+  if (series.value.size() < kLeastBlocksForOil) return oil;
   const auto [coldest, warmest] = std::minmax_element(series.temperature.begin(), series.temperature.end());
   oil.coldest = *coldest;
   oil.warmest = *warmest;
   oil.warming = ThirdsDifference(series.temperature);
-  oil.outcome = OilOutcome::kTooFewStrokes;
-  if (series.value.size() < kLeastStrokesForOil) return oil;
   oil.outcome = OilOutcome::kOilHardlyMoved;
   if (oil.warmest - oil.coldest < kLeastOilRange) return oil;
 
@@ -153,18 +133,28 @@ OilDependence AnalyseOil(const std::vector<TrendSample>& samples, double memory)
   const std::vector<double> one(series.value.size(), 1.0);
   std::vector<double> warmth = series.temperature;
   for (double& t : warmth) t -= oil.mean_temperature;
-  oil.line = FitCorrelated({one, warmth}, series.value, series.std, memory);
+  oil.line = FitCorrelated({one, warmth}, series.value, series.std, 0);
   if (oil.line.coefficients.empty()) return oil;
+  oil.outcome = OilOutcome::kNotSeen;
   oil.value_at_mean = oil.line.coefficients[0].value;
   oil.slope = oil.line.coefficients[1];
-  oil.outcome = OutcomeOf(oil.slope);
   oil.explained = oil.slope.value * oil.warming;
-  oil.curved_share = CurvedShare(series, one, oil, memory);
-  if (oil.curved_share >= kMostCurved) oil.outcome = OilOutcome::kNotInStep;
+  FindCurvature(series, one, oil);
   oil.shared_with_time = SquaredCorrelation(series.temperature, series.progress);
   oil.separable = oil.shared_with_time < kMostShared;
-  if (oil.separable) oil.beyond = ChangeBeyondOil(series, one, warmth, memory);
+  if (oil.separable) oil.beyond = ChangeBeyondOil(series, one, warmth);
   return oil;
+}
+
+/// The same question of every parameter is one family.
+void AdjustForFamilies(std::vector<ParameterAnalysis>& parameters) {
+  std::vector<double*> change, slope, curved, beyond;
+  for (ParameterAnalysis& p : parameters) {
+    if (p.change.change.Known()) change.push_back(&p.change.change.p);
+    if (p.oil.slope.Known()) slope.push_back(&p.oil.slope.p), curved.push_back(&p.oil.curved_p);
+    if (p.oil.beyond.Known()) beyond.push_back(&p.oil.beyond.p);
+  }
+  for (const auto& family : {change, slope, curved, beyond}) AdjustForFamily(family);
 }
 
 /// How far `value` lies beyond the pair of limits; negative inside.
@@ -233,28 +223,28 @@ std::optional<EstimateReason> WhyNot(const ParameterAnalysis& analysis) {
   return most == analysis.not_updated.end() ? std::nullopt : std::optional(most->first);
 }
 
-void Analyse(ParameterAnalysis& analysis, const ReportInput& input,
-             const std::map<std::int64_t, double>& used) {
-  std::vector<double> times;
+void Analyse(ParameterAnalysis& analysis, const ReportInput& input, bool oil_measured) {
   for (const TrendSample& sample : analysis.samples) {
     if (sample.updated) {
       ++analysis.updated;
       analysis.latest = sample;
-      if (const auto time = used.find(sample.sequence); time != used.end()) times.push_back(time->second);
     } else {
       ++analysis.not_updated[sample.reason];
     }
   }
-  const double typical = Median(times);
-  analysis.memory_correlation =
-      MemoryCorrelation(input.machine, analysis.parameter, std::isfinite(typical) ? typical : 0);
-  RememberTemperatures(analysis.samples, used, input.machine, analysis.parameter);
-  const Series series = UpdatedSeries(analysis.samples, false);
-  analysis.change = CompareThirds(series.value, series.std, times.empty() ? 0 : analysis.memory_correlation);
-  analysis.oil = AnalyseOil(analysis.samples, times.empty() ? 0 : analysis.memory_correlation);
+  // A parameter the estimator never took for identified has no history to judge.
+  if (analysis.updated > 0) analysis.blocks = BlocksOf(input.blocks, analysis.parameter);
+  const Series series = SeriesOf(analysis.blocks, false);
+  analysis.change = CompareThirds(series.value, series.std, 0);
+  analysis.oil = AnalyseOil(analysis.blocks, oil_measured);
   analysis.limits = CheckLimits(analysis.samples, input.machine, analysis.parameter);
-  analysis.unexplained = Unexplained(analysis);
   analysis.why_not = WhyNot(analysis);
+}
+
+/// What the family-wise p say.
+void Conclude(ParameterAnalysis& analysis) {
+  if (analysis.oil.slope.Known()) analysis.oil.outcome = OutcomeOf(analysis.oil);
+  analysis.unexplained = Unexplained(analysis);
 }
 
 ModelErrorAnalysis AnalyseError(const ReportInput& input) {
@@ -288,22 +278,6 @@ double Duration(const ReportInput& input) {
 
 }  // namespace
 
-double MemoryCorrelation(const Machine& machine, const std::string& parameter, double used) {
-  if (!(used > 0)) return 0;
-  const EstimatorSpec& estimator = machine.estimator;
-  const bool published = estimator.equation == EquationForm::kPublished;
-  double kept = 0;
-  if (published || estimator.form == EstimatorForm::kExponential) {
-    const double period = published ? estimator.update_period : machine.window.block;
-    kept = period > 0 ? std::pow(estimator.forgetting_factor, used / period) : 0;
-  } else {
-    const auto own = estimator.time_constants.find(parameter);
-    const double constant = own == estimator.time_constants.end() ? estimator.time_constant : own->second;
-    kept = constant > 0 ? std::exp(-used / constant) : 0;
-  }
-  return std::isfinite(kept) ? std::clamp(kept, 0.0, 0.99) : 0;
-}
-
 ReportAnalysis AnalyseReport(const ReportInput& input) {
   ReportAnalysis analysis;
   std::map<std::string, std::size_t> index;
@@ -321,15 +295,17 @@ ReportAnalysis AnalyseReport(const ReportInput& input) {
     else
       ++parameter.not_updated[point.estimate.reason];
   }
-  const std::map<std::int64_t, double> used = UsedTimes(input);
-  for (ParameterAnalysis& parameter : analysis.parameters) Analyse(parameter, input, used);
-  analysis.error = AnalyseError(input);
-  analysis.duration = Duration(input);
   analysis.coldest = analysis.warmest = kNaN;
   for (const StrokeSummary& stroke : input.strokes) {
     analysis.coldest = std::fmin(analysis.coldest, stroke.oil_temperature);
     analysis.warmest = std::fmax(analysis.warmest, stroke.oil_temperature);
   }
+  for (ParameterAnalysis& parameter : analysis.parameters)
+    Analyse(parameter, input, std::isfinite(analysis.coldest));
+  AdjustForFamilies(analysis.parameters);
+  for (ParameterAnalysis& parameter : analysis.parameters) Conclude(parameter);
+  analysis.error = AnalyseError(input);
+  analysis.duration = Duration(input);
   return analysis;
 }
 

@@ -13,7 +13,7 @@ namespace hydroscope {
 /// What the record says about a parameter and the oil temperature.
 enum class OilOutcome {
   kNotMeasured,     ///< no oil temperature in the record
-  kTooFewStrokes,   ///< fewer than 8 strokes with both
+  kTooFewStrokes,   ///< fewer than 6 blocks of strokes with both
   kOilHardlyMoved,  ///< the oil temperature stayed within 1.5 K
   kNotSeen,  ///< no dependence beyond what chance gives; the interval of the slope says how large one may be
   kHint,     ///< 0.01 <= p < 0.05
@@ -24,14 +24,14 @@ enum class OilOutcome {
 struct OilDependence {
   OilOutcome outcome = OilOutcome::kNotMeasured;
   TestedValue slope;                ///< SI of the parameter per K
-  double coldest = 0, warmest = 0;  ///< K, of the averaged temperatures
+  double coldest = 0, warmest = 0;  ///< K, of the blocks
   double mean_temperature = 0;  ///< K; the regression line is value_at_mean + slope (T - mean_temperature)
   double value_at_mean = 0;     ///< SI
   CorrelatedFit line;           ///< coefficients of 1 and T - mean_temperature
-  /// Size of the curved part over the straight part of a cubic through the estimates; at least a quarter and
-  /// clear (p < 0.01) makes kNotInStep. Viscosity alone bends the line by less over the temperatures of a
-  /// press.
-  double curved_share = 0;
+  /// Size of the curved part over the straight part of a cubic through the blocks, and p of no curvature; at
+  /// least a quarter and clear (p < 0.01) makes kNotInStep. Viscosity alone bends the line by less over the
+  /// temperatures of a press.
+  double curved_share = 0, curved_p = 1;
   double explained = 0;  ///< SI, slope times the warming from the first to the last third
   double warming = 0;    ///< K, last third minus first third
   /// Squared correlation of oil temperature and stroke number: near 1, a slow change of the machine and the
@@ -52,12 +52,11 @@ struct LimitCheck {
   bool over_now = false;            ///< the latest estimate is beyond it
 };
 
-/// One estimate as plotted. Estimates that were not updated repeat older knowledge and enter no statistics.
+/// One estimate as plotted: of the recursive estimator after a stroke, or of a block of strokes by itself.
 struct TrendSample {
-  std::int64_t sequence = 0;
-  double value = 0, std = 0;          ///< SI
-  double temperature = 0;             ///< K, of this stroke
-  double remembered_temperature = 0;  ///< K, averaged over the estimator's memory as the estimate is
+  std::int64_t sequence = 0;  ///< of a block: in its middle
+  double value = 0, std = 0;  ///< SI
+  double temperature = 0;     ///< K, of this stroke or mean over the block
   bool updated = false;
   EstimateReason reason = EstimateReason::kUpdated;
 };
@@ -65,12 +64,13 @@ struct TrendSample {
 struct ParameterAnalysis {
   std::string parameter, unit;       ///< unit: SI
   std::vector<TrendSample> samples;  ///< in order of sequence; finite values only
-  std::size_t updated = 0;           ///< samples that were updated
+  /// Independent of each other, in order of sequence; all statistics are theirs, none is of `samples`.
+  std::vector<TrendSample> blocks;
+  std::size_t updated = 0;  ///< samples that were updated
   std::map<EstimateReason, std::size_t> not_updated;
   std::optional<TrendSample> latest;      ///< last updated sample
   std::optional<EstimateReason> why_not;  ///< most frequent reason if the parameter was never identified, or
                                           ///< the reason of the last stroke if that did not update it
-  double memory_correlation = 0;          ///< of successive estimates, from the estimator's settings
   ThirdsComparison change;
   OilDependence oil;
   LimitCheck limits;
@@ -91,11 +91,8 @@ struct ReportAnalysis {
   double coldest = 0, warmest = 0;  ///< K, NaN if not measured
 };
 
+/// Every p of the result is family-wise over the parameters: with several of them, one that shows something
+/// by chance alone is the rule, not the exception.
 ReportAnalysis AnalyseReport(const ReportInput& input);
-
-/// What an estimate still knows of the one before it after a stroke with `used` seconds of data, from the
-/// estimator's settings: exp(-used / time constant), or lambda^(used / update period) for exponential
-/// forgetting. 0...0.99.
-double MemoryCorrelation(const Machine& machine, const std::string& parameter, double used);
 
 }  // namespace hydroscope

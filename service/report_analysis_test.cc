@@ -96,7 +96,7 @@ TEST(CompareThirds, NeverIsSurerThanTheStatedStandardDeviationAllows) {
 
 TEST(AnalyseReport, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
   int follows = 0, covered = 0, false_alarms = 0;
-  const int seeds = 40;
+  const int seeds = 100;
   for (int seed = 0; seed < seeds; ++seed) {
     ReportFixture fixture;
     fixture.seed = 100 + seed;
@@ -104,15 +104,18 @@ TEST(AnalyseReport, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
     const OilDependence& flow = Of(analysis, "Q_vn").oil;
     follows += flow.outcome == OilOutcome::kFollows;
     covered += std::abs(flow.slope.value - 0.006 * ReportFixture::kNominalFlow) < flow.slope.HalfWidth();
+    bool alarm = false;
     for (const char* steady : {"K", "V0", "y_0"}) {
-      false_alarms += Of(analysis, steady).oil.outcome == OilOutcome::kFollows;
-      false_alarms += Of(analysis, steady).unexplained == Significance::kClear;
+      const ParameterAnalysis& parameter = Of(analysis, steady);
+      alarm |= parameter.oil.outcome == OilOutcome::kFollows || parameter.oil.outcome == OilOutcome::kNotInStep;
+      alarm |= parameter.unexplained == Significance::kClear;
     }
+    false_alarms += alarm;
     EXPECT_EQ(Of(analysis, "Q_vn").unexplained == Significance::kClear, false) << seed;
   }
   EXPECT_EQ(follows, seeds);
   EXPECT_GE(covered, 0.88 * seeds);
-  EXPECT_LE(false_alarms, 0.04 * seeds * 6);
+  EXPECT_LE(false_alarms, 0.05 * seeds);
 }
 
 TEST(AnalyseReport, CallsALossOfFlowUnexplainedAlsoWhileTheOilWarms) {
@@ -202,15 +205,29 @@ TEST(AnalyseReport, AddsUpTheRunsAndNotThePausesBetweenThem) {
   EXPECT_NEAR(AnalyseReport(fixture.Make()).duration, 3 * (4 + ReportFixture::kStrokeTime), 1e-9);
 }
 
-TEST(MemoryCorrelation, FollowsTheForgettingOfTheEstimator) {
-  Machine machine;
-  machine.estimator.time_constant = 60;
-  EXPECT_NEAR(MemoryCorrelation(machine, "K", 6), std::exp(-0.1), 1e-12);
-  machine.estimator.time_constants["K"] = 6;
-  EXPECT_NEAR(MemoryCorrelation(machine, "K", 6), std::exp(-1.0), 1e-12);
-  machine.estimator.equation = EquationForm::kPublished;
-  EXPECT_NEAR(MemoryCorrelation(machine, "K", 1), std::pow(0.998, 100), 1e-12);
-  EXPECT_EQ(MemoryCorrelation(machine, "K", 0), 0);
+TEST(AdjustForFamily, RaisesEachPByTheQuestionsStillOpen) {
+  double a = 0.01, b = 0.04, c = 0.03, d = 0.5;
+  AdjustForFamily({&a, &b, &c, &d});
+  EXPECT_DOUBLE_EQ(a, 0.04);
+  EXPECT_DOUBLE_EQ(c, 0.09);
+  EXPECT_DOUBLE_EQ(b, 0.09);  // never below a smaller one
+  EXPECT_DOUBLE_EQ(d, 0.5);
+}
+
+TEST(FitCorrelated, JointTestFindsCurvatureAsOftenAsItSaysWhereThereIsNone) {
+  const std::vector<double> x = Ramp(36), one(36, 1.0);
+  std::vector<double> square, cube;
+  for (const double v : x) square.push_back(v * v), cube.push_back(v * v * v);
+  const int seeds = 600;
+  int false_findings = 0, findings = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    std::vector<double> y = Correlated(36, 0, 20000 + seed);
+    false_findings += FitCorrelated({one, x, square, cube}, y, {}, 0).JointP(2) < 0.05;
+    for (std::size_t i = 0; i < y.size(); ++i) y[i] += 20 * square[i];
+    findings += FitCorrelated({one, x, square, cube}, y, {}, 0).JointP(2) < 0.05;
+  }
+  EXPECT_LT(false_findings, 0.08 * seeds);
+  EXPECT_GT(findings, 0.95 * seeds);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -10,7 +11,8 @@
 namespace hydroscope {
 
 /// A made-up record for the tests of the report: strokes of a press whose oil warms over consecutive logs,
-/// seen by an estimator with exponential memory. The truth of every parameter is known.
+/// seen by an estimator with exponential memory and in blocks by themselves. The truth of every parameter is
+/// known.
 struct ReportFixture {
   int runs = 30, strokes_per_run = 10;
   double cold = 26, warm = 32;     ///< °C over the record
@@ -40,8 +42,8 @@ class Remembering {
     const double kept = std::exp(-ReportFixture::kUsed / ReportFixture::kTimeConstant);
     const double one = std_ * std::sqrt((1 + kept) / (1 - kept));
     std::normal_distribution<double> normal;
-    value_ = started_ ? kept * value_ + (1 - kept) * (truth + one * normal(random))
-                      : truth + std_ * normal(random);
+    value_ = started_ ? kept * value_ + (1 - kept) * Fresh(truth + one * normal(random))
+                      : Fresh(truth + std_ * normal(random));
     started_ = true;
     Estimate estimate;
     estimate.parameter = parameter_;
@@ -53,11 +55,29 @@ class Remembering {
     return estimate;
   }
 
+  /// What the strokes since the last call say by themselves.
+  Estimate Block() {
+    const double kept = std::exp(-ReportFixture::kUsed / ReportFixture::kTimeConstant);
+    Estimate estimate;
+    estimate.parameter = parameter_;
+    estimate.value = fresh_ / fresh_count_;
+    estimate.std = std_ * std::sqrt((1 + kept) / (1 - kept) / fresh_count_);
+    estimate.reason = EstimateReason::kUpdated;
+    fresh_ = fresh_count_ = 0;
+    return estimate;
+  }
+
  private:
+  double Fresh(double value) {
+    fresh_ += value;
+    ++fresh_count_;
+    return value;
+  }
+
   std::string parameter_, unit_;
   double std_, value_ = 0;
   bool started_ = false;
-  double count_ = 0;
+  double count_ = 0, fresh_ = 0, fresh_count_ = 0;
 };
 
 inline StrokeOverlay Overlay(std::int64_t sequence, double floor, std::mt19937_64& random) {
@@ -89,6 +109,8 @@ inline ReportInput ReportFixture::Make() const {
   Remembering k("K", "Pa", 8e6), v0("V0", "m3", 7e-6), q("Q_vn", "m3/s", 7e-7), y0("y_0", "1", 1.5e-4);
   const int total = runs * strokes_per_run;
   const double floor = 0.31 / 6e4;
+  const int block = std::max(3, total / 40);
+  double block_oil = 0;
   for (int i = 0; i < total; ++i) {
     const int run = i / strokes_per_run;
     if (i % strokes_per_run == 0)
@@ -114,6 +136,10 @@ inline ReportInput ReportFixture::Make() const {
     for (const Estimate& estimate : {k.Next(kBulkModulus, random), v0.Next(kDeadVolume, random),
                                      q.Next(flow_truth, random), y0.Next(kSpoolZero, random)})
       input.trends.push_back({run, i % strokes_per_run, i, stroke.end, stroke.oil_temperature, estimate});
+    block_oil += stroke.oil_temperature / block;
+    if ((i + 1) % block != 0) continue;
+    input.blocks.push_back({i + 1 - block, i + 1, block_oil, {k.Block(), v0.Block(), q.Block(), y0.Block()}});
+    block_oil = 0;
   }
   input.rows = 60000LL * runs;
   if (total > 0) input.overlays.push_back(report_fixture::Overlay(total / 2, floor, random));

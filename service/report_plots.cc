@@ -21,16 +21,17 @@ std::string AxisLabel(const ParameterInfo& info) {
 
 /// Range of the estimates with four typical half widths: the first, still wide intervals must not flatten the
 /// rest.
-AxisRange ValueRange(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+AxisRange ValueRange(const std::vector<TrendSample>& samples, const ParameterInfo& info) {
   std::vector<double> half_widths;
   double low = 0, high = 0;
   bool any = false;
-  for (const TrendSample& sample : analysis.samples) {
+  for (const TrendSample& sample : samples) {
     const double shown = info.Shown(sample.value);
     low = any ? std::min(low, shown) : shown;
     high = any ? std::max(high, shown) : shown;
     any = true;
-    if (sample.updated) half_widths.push_back(1.96 * sample.std * std::abs(info.factor));
+    if (sample.updated && std::isfinite(sample.std))
+      half_widths.push_back(1.96 * sample.std * std::abs(info.factor));
   }
   const double typical = half_widths.empty() ? 0 : Median(half_widths);
   double widest = typical;
@@ -71,11 +72,11 @@ struct Columns {
   std::vector<std::string> titles;
 };
 template <typename XOf>
-Columns ColumnsOf(const ParameterAnalysis& analysis, const ParameterInfo& info, bool updated, XOf x_of) {
+Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& info, bool updated, XOf x_of) {
   Columns columns;
-  for (const TrendSample& sample : analysis.samples) {
-    if (sample.updated != updated) continue;
-    const double half = 1.96 * sample.std;
+  for (const TrendSample& sample : samples) {
+    if (sample.updated != updated || !std::isfinite(x_of(sample))) continue;
+    const double half = std::isfinite(sample.std) ? 1.96 * sample.std : 0;
     columns.x.push_back(x_of(sample));
     columns.y.push_back(info.Shown(sample.value));
     columns.low.push_back(info.Shown(sample.value - half));
@@ -107,11 +108,11 @@ std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysi
   options.x_label = "stroke number";
   options.y_label = AxisLabel(info);
   options.whole_x = true;
-  if (!analysis.samples.empty()) options.y_range = ValueRange(analysis, info);
+  if (!analysis.samples.empty()) options.y_range = ValueRange(analysis.samples, info);
   SvgPlot plot(options);
   const auto number = [](const TrendSample& sample) { return static_cast<double>(sample.sequence); };
-  Columns updated = ColumnsOf(analysis, info, true, number);
-  Columns stale = ColumnsOf(analysis, info, false, number);
+  Columns updated = ColumnsOf(analysis.samples, info, true, number);
+  Columns stale = ColumnsOf(analysis.samples, info, false, number);
   plot.Borders(RunBorders(input));
   plot.Band(updated.x, updated.low, updated.high, Ink::kBlue, updated.x.size() < 2 ? "" : "95 % interval");
   if (updated.x.size() == 1) plot.ErrorBars(updated.x, updated.low, updated.high, Ink::kBlue);
@@ -127,20 +128,19 @@ std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysi
 
 std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis, const ParameterInfo& info) {
   const OilDependence& oil = analysis.oil;
-  if (oil.outcome == OilOutcome::kNotMeasured) return "";
+  if (oil.outcome == OilOutcome::kNotMeasured || oil.outcome == OilOutcome::kTooFewStrokes) return "";
   SvgPlot::Options options;
   options.width = 350;
   options.title = AxisLabel(info) + " over oil temperature";
   options.x_label = "oil temperature (°C)";
   options.y_label = info.symbol + (info.unit.empty() ? "" : " (" + info.unit + ")");
-  options.y_range = ValueRange(analysis, info);
+  options.y_range = ValueRange(analysis.blocks, info);
   SvgPlot plot(options);
-  Columns points = ColumnsOf(analysis, info, true,
-                             [](const TrendSample& s) { return s.remembered_temperature - kZeroCelsius; });
+  Columns points = ColumnsOf(analysis.blocks, info, true,
+                             [](const TrendSample& s) { return s.temperature - kZeroCelsius; });
   AddLevels(plot, input, analysis, info, false);
-  const bool many = points.x.size() > 150;
-  if (!many) plot.ErrorBars(points.x, points.low, points.high, Ink::kBlue);
-  plot.Points(points.x, points.y, {Ink::kBlue, Marker::kCircle, many ? 1.5 : 2.4, false}, "", points.titles);
+  plot.ErrorBars(points.x, points.low, points.high, Ink::kBlue);
+  plot.Points(points.x, points.y, {Ink::kBlue, Marker::kCircle, 2.4, false}, "", points.titles);
   if (oil.line.coefficients.empty()) return plot.Render();
   std::vector<double> x, line, low, high;
   const double quantile =

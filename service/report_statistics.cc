@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -52,12 +53,39 @@ double CorrectedCorrelation(double raw, double p, double n) {
   return std::clamp((raw + p / n) / std::max(0.2, 1 - (p + 2) / n), 0.0, kMostCorrelation);
 }
 
-double ResidualCorrelation(const Eigen::VectorXd& residuals, Eigen::Index p) {
-  const Eigen::Index n = residuals.size();
-  const double square = residuals.squaredNorm();
+/// Correlation of successive residuals of y on the columns of x, about the one step that fits best beside
+/// them: a jump must not pass for slow wandering, which would hide it. The search for the step counts as two
+/// more unknowns.
+double CorrelationAboutStep(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
+  const Eigen::Index n = x.rows();
+  const Eigen::MatrixXd basis =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(n, x.cols());
+  const auto beside = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+    return v - basis * (basis.transpose() * v);
+  };
+  const Eigen::VectorXd residuals = beside(y);
+  Eigen::VectorXd best = residuals;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, n / 60);
+  for (Eigen::Index at = 2; at + 2 <= n; at += stride) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    step.tail(n - at).setOnes();
+    step = beside(step);
+    const Eigen::VectorXd left =
+        residuals - step * (step.dot(residuals) / std::max(step.squaredNorm(), 1e-12));
+    if (left.squaredNorm() < best.squaredNorm()) best = left;
+  }
+  const double square = best.squaredNorm();
   if (square <= 0) return 0;
-  const double raw = residuals.head(n - 1).dot(residuals.tail(n - 1)) / square;
-  return CorrectedCorrelation(raw, static_cast<double>(p), static_cast<double>(n));
+  const double raw = best.head(n - 1).dot(best.tail(n - 1)) / square;
+  return CorrectedCorrelation(raw, static_cast<double>(x.cols() + 2), static_cast<double>(n));
+}
+
+/// A constant and a straight line over the number of a value.
+Eigen::MatrixXd Line(std::size_t n) {
+  Eigen::MatrixXd x(n, 2);
+  x << Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n)),
+      Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -1, 1);
+  return x;
 }
 
 Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
@@ -115,6 +143,29 @@ Significance SignificanceOf(const TestedValue& tested) {
   return tested.p < 0.01 ? Significance::kClear : Significance::kHint;
 }
 
+void AdjustForFamily(const std::vector<double*>& family) {
+  std::vector<double*> sorted = family;
+  std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return *a < *b; });
+  double largest = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    largest = std::max(largest, std::min(1.0, *sorted[k] * static_cast<double>(sorted.size() - k)));
+    *sorted[k] = largest;
+  }
+}
+
+double CorrelatedFit::JointP(std::size_t first) const {
+  const auto p = static_cast<Eigen::Index>(coefficients.size()), from = static_cast<Eigen::Index>(first);
+  if (p <= from) return 1;
+  Eigen::VectorXd tested(p - from);
+  for (Eigen::Index j = from; j < p; ++j) tested(j - from) = coefficients[static_cast<std::size_t>(j)].value;
+  const Eigen::Map<const Eigen::MatrixXd> all(covariance.data(), p, p);
+  const double f = tested.dot(all.bottomRightCorner(p - from, p - from).ldlt().solve(tested)) /
+                   static_cast<double>(p - from);
+  if (!(f >= 0)) return 1;
+  const boost::math::fisher_f distribution(static_cast<double>(p - from), coefficients.front().degrees);
+  return boost::math::cdf(boost::math::complement(distribution, f));
+}
+
 double CorrelatedFit::StdAt(const std::vector<double>& x) const {
   const std::size_t n = coefficients.size();
   double variance = 0;
@@ -133,22 +184,13 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   rows.col(p) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
   rows = RowWeights(std, y.size()).asDiagonal() * rows;
 
-  double correlation = std::clamp(least_correlation, 0.0, kMostCorrelation);
-  Eigen::VectorXd beta;
-  Eigen::MatrixXd white;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  for (int pass = 0; pass < 12; ++pass) {
-    white = Whitened(rows, correlation);
-    qr.compute(white.leftCols(p));
-    qr.setThreshold(1e-10);
-    if (qr.rank() < p) return {};
-    beta = qr.solve(white.col(p));
-    const double found = ResidualCorrelation(rows.col(p) - rows.leftCols(p) * beta, p);
-    const double next = Settle(found, least_correlation, y.size());
-    if (std::abs(next - correlation) < 1e-6) break;
-    correlation = next;
-  }
-
+  const double correlation =
+      Settle(CorrelationAboutStep(rows.leftCols(p), rows.col(p)), least_correlation, y.size());
+  const Eigen::MatrixXd white = Whitened(rows, correlation);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(white.leftCols(p));
+  qr.setThreshold(1e-10);
+  if (qr.rank() < p) return {};
+  const Eigen::VectorXd beta = qr.solve(white.col(p));
   const double variance =
       (white.col(p) - white.leftCols(p) * beta).squaredNorm() / static_cast<double>(n - p);
   const Eigen::MatrixXd covariance = variance * (white.leftCols(p).transpose() * white.leftCols(p)).inverse();
@@ -164,33 +206,6 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   return fit;
 }
 
-namespace {
-
-Eigen::VectorXd AboutLine(const Eigen::VectorXd& values) {
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(values.size(), -1, 1);
-  const Eigen::VectorXd centred = values.array() - values.mean();
-  return centred - x * (x.dot(centred) / x.squaredNorm());
-}
-
-/// Correlation of successive values about a straight line and the one step that fits best: a jump must not
-/// pass for slow wandering, which would hide it. The search for the step counts as two more unknowns.
-double CorrelationAboutStep(const std::vector<double>& y) {
-  const auto n = static_cast<Eigen::Index>(y.size());
-  const Eigen::VectorXd residuals = AboutLine(Eigen::Map<const Eigen::VectorXd>(y.data(), n));
-  Eigen::VectorXd best = residuals;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, n / 60);
-  for (Eigen::Index at = 2; at + 2 <= n; at += stride) {
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    step.tail(n - at).setOnes();
-    step = AboutLine(step);
-    const Eigen::VectorXd left = residuals - step * (step.dot(residuals) / step.squaredNorm());
-    if (left.squaredNorm() < best.squaredNorm()) best = left;
-  }
-  return ResidualCorrelation(best, 5);
-}
-
-}  // namespace
-
 ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<double>& std,
                                double least_correlation) {
   ThirdsComparison result;
@@ -202,7 +217,10 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.first = WeightedMean(y.data(), weights.data(), result.count);
   result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
 
-  result.correlation = Settle(CorrelationAboutStep(y), least_correlation, y.size());
+  result.correlation = Settle(
+      CorrelationAboutStep(Line(y.size()),
+                           Eigen::Map<const Eigen::VectorXd>(y.data(), static_cast<Eigen::Index>(y.size()))),
+      least_correlation, y.size());
   const double scatter = DifferenceSquare(y) / (2 * (1 - result.correlation));
   const auto variance_of = [&](std::size_t begin) {
     const double stated = std.size() == y.size()

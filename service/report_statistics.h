@@ -18,26 +18,32 @@ struct TestedValue {
   double HalfWidth() const;
 };
 
-/// p < 0.01 is a finding, p < 0.05 a hint: a report asks some ten questions at once, so 0.05 alone would cry
-/// wolf.
+/// p < 0.01 is a finding, p < 0.05 a hint.
 enum class Significance { kNone, kHint, kClear };
 Significance SignificanceOf(const TestedValue& tested);
 
-/// A straight line or plane fitted to successive estimates, whose errors are a first-order autoregression.
+/// Raises the p of questions asked together to family-wise levels: the chance that any of them shows as much
+/// where there is nothing (Holm 1979).
+void AdjustForFamily(const std::vector<double*>& family);
+
+/// A straight line or plane fitted to successive values, whose errors are a first-order autoregression.
 struct CorrelatedFit {
   std::vector<TestedValue> coefficients;
   double correlation = 0;   ///< of successive errors
   double residual_std = 0;  ///< of one value about the fit
   /// Standard error of the fitted value at regressors `x`.
   double StdAt(const std::vector<double>& x) const;
+  /// p of the F test that the coefficients from `first` on are all 0.
+  double JointP(std::size_t first) const;
   std::vector<double> covariance;  ///< of the coefficients, row by row
 };
 
 /// Generalised least squares of y on the columns of `x` (each as long as y; give a column of ones for the
 /// intercept) with weights 1/std^2 (all 1 if any std is not positive) and errors e_k = phi e_(k-1) + white
-/// (Prais, Winsten 1954). phi is found from the residuals with the small-sample correction of Kendall (1954)
-/// extended to p regressors, and is at least `least_correlation`, which the caller knows from the estimator's
-/// memory. Degrees of freedom count effective values n (1 - phi)/(1 + phi), at least 2, because phi itself is
+/// (Prais, Winsten 1954). phi is found from the residuals of ordinary least squares, about the one step that
+/// fits best, with the small-sample correction of Kendall (1954) extended to p regressors, and is at least
+/// `least_correlation`, which the caller knows from how the values came about (0 for values that share no
+/// data). Degrees of freedom count effective values n (1 - phi)/(1 + phi), at least 2, because phi itself is
 /// only estimated. Empty coefficients if there are fewer than columns + 3 values or the columns are not
 /// independent.
 CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std::vector<double>& y,

@@ -91,7 +91,7 @@ std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
       return "too few strokes to ask";
     case OilOutcome::kOilHardlyMoved:
       return fmt::format(
-          "cannot be asked: averaged over the estimator's memory the oil temperature moved by {} K only",
+          "cannot be asked: averaged over blocks of strokes the oil temperature moved by {} K only",
           FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return fmt::format("no dependence seen: {} ({}); up to {} cannot be ruled out",
@@ -182,8 +182,8 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
              "it.";
     case OilOutcome::kOilHardlyMoved:
       return fmt::format(
-          "It changed over the record while the oil temperature, averaged over the estimator's memory, "
-          "stayed within {} K.",
+          "It changed over the record while the oil temperature, averaged over blocks of strokes, stayed "
+          "within {} K.",
           FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return "It changed over the record, and no dependence on the oil temperature is seen that would "
@@ -388,9 +388,9 @@ Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis
         "what was skipped below.");
   else if (!AnyChangeKnown(analysis))
     out.push_back(fmt::format(
-        "A change over the record can be judged from 6 strokes on that identify a parameter; this record has "
+        "A change over the record can be judged from {} strokes on that identify a parameter; this record has "
         "{} stroke{}.",
-        FormatCount(static_cast<std::int64_t>(input.strokes.size())), input.strokes.size() == 1 ? "" : "s"));
+        6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())), input.strokes.size() == 1 ? "" : "s"));
   for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})
     if (const auto names = standing(wanted); !names.empty())
       out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),

@@ -14,14 +14,13 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostSingle = 256;           ///< strokes that still stand for themselves
-constexpr std::int64_t kUnits = 128;                ///< units aimed at beyond that
+constexpr std::int64_t kUnits = 128;                ///< units aimed at where strokes are grouped
 constexpr std::int64_t kSmall = 64, kLarge = 4096;  ///< groups whose sums the database keeps
 constexpr std::int64_t kSample = 256;               ///< summaries read at most
 
 /// Strokes per unit, a size whose sums are stored or quickly added.
-std::int64_t UnitSize(std::int64_t strokes) {
-  if (strokes <= kMostSingle) return 1;
+std::int64_t UnitSize(std::int64_t strokes, std::int64_t most_single) {
+  if (strokes <= most_single) return 1;
   if (strokes >= 16 * kLarge) return kLarge;
   return kSmall * ((strokes + kSmall * kUnits - 1) / (kSmall * kUnits));
 }
@@ -218,7 +217,8 @@ Result<Machine> StoredMachine(const Database& database, const std::string& path,
 }
 
 Result<StrokeHistory> LoadHistory(const Database& database, const std::string& path,
-                                  const std::vector<HistoryPart>& parts, const Machine& machine) {
+                                  const std::vector<HistoryPart>& parts, const Machine& machine,
+                                  std::int64_t most_single) {
   StrokeHistory history;
   history.database = path;
   history.machine = machine;
@@ -239,7 +239,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
                     path);
   history.window = WindowSamples::From(machine.window, period);
   history.window.level_form = history.model->level_form;
-  const std::int64_t size = UnitSize(history.strokes());
+  const std::int64_t size = UnitSize(history.strokes(), most_single);
   for (const HistoryPart& part : parts) {
     if (part.strokes() == 0) continue;
     if (const Status read = ReadUnits(database, part, size, history); !read)

@@ -55,9 +55,11 @@ Status Narrow(const Database& database, const std::string& from, const std::stri
 /// The machine as the database has it: the version promoted last, else that of the newest run.
 Result<Machine> StoredMachine(const Database& database, const std::string& path, const HistoryPart& part);
 
-/// Reads the Grams of `parts`, several machines as one fleet. Errors: no strokes, strokes recorded with other
-/// Gram columns than `machine` has, or logs of different sample periods.
+/// Reads the Grams of `parts`, several machines as one fleet; up to `most_single` strokes stand for
+/// themselves. Errors: no strokes, strokes recorded with other Gram columns than `machine` has, or logs of
+/// different sample periods.
 Result<StrokeHistory> LoadHistory(const Database& database, const std::string& path,
-                                  const std::vector<HistoryPart>& parts, const Machine& machine);
+                                  const std::vector<HistoryPart>& parts, const Machine& machine,
+                                  std::int64_t most_single = 256);
 
 }  // namespace hydroscope

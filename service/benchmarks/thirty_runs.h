@@ -22,8 +22,9 @@ struct ThirtyRunsOptions {
 /// regressed on the oil temperature twice: fitted to each run by itself over the run's mean temperature, as
 /// published, and as the recursive estimator's trend has them after each run over the temperature the
 /// estimate stands for. Returns 0 if for the first seed both 95 % intervals of the slope of Q_vn exclude 0
-/// and hold the truth, those of K' and V0 hold 0, and the report says the same, else 1; the exit code of the
-/// error if files cannot be written.
+/// and hold the truth, those of K' and V0 hold 0, and the report says the same, and if over all seeds at most
+/// 5 % of the reports claim that K' or V0 moves, follows the oil or changed, and all that Q_vn follows; else
+/// 1; the exit code of the error if files cannot be written.
 int RunThirtyRuns(const ThirtyRunsOptions& options);
 
 }  // namespace hydroscope
