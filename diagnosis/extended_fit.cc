@@ -11,7 +11,7 @@ using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
 constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be judged on strokes left out
-constexpr double kConsistent = 0.25;       ///< relative difference of two values of a law's one parameter
+constexpr double kConsistent = 0.25;      ///< relative difference of two values of a law's one parameter
 
 /// W' G W with the columns of W sparse; the last column is the output.
 Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& columns) {
@@ -50,8 +50,11 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
 /// Augmented matrices: regressors first, output last.
 struct StrokeSet::Reduced {
   Eigen::MatrixXd clean, noise, flow;
-  double count = 0, windows = 0;
+  double windows = 0;
+  std::int64_t blocks = 0, spans = 0;
   std::size_t stroke = 0;
+
+  double count() const { return static_cast<double>(blocks - spans); }
 };
 
 StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
@@ -61,9 +64,10 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
     noise_.push_back(Unpacked(gram.noise));
     clean_.push_back(Unpacked(gram.integral) - noise_.back());
     flow_.push_back(Unpacked(gram.flow));
-    count_.push_back(static_cast<double>(gram.blocks - gram.spans));
+    blocks_.push_back(gram.blocks);
+    spans_.push_back(gram.spans);
     windows_.push_back(static_cast<double>(gram.windows));
-    equations_ += count_.back();
+    equations_ += static_cast<double>(gram.blocks - gram.spans);
     bad_.emplace_back(model_->column_count(), false);
     for (int c = 0; c < model_->column_count(); ++c) {
       if (std::isfinite(clean_.back()(c, c))) continue;
@@ -146,7 +150,7 @@ std::vector<StrokeSet::Reduced> StrokeSet::Reduce(const SparseColumns& columns,
   std::vector<Reduced> out;
   for (std::size_t s : strokes)
     out.push_back({Congruence(clean_[s], columns), Congruence(noise_[s], columns),
-                   Congruence(flow_[s], columns), count_[s], windows_[s], s});
+                   Congruence(flow_[s], columns), windows_[s], blocks_[s], spans_[s], s});
   return out;
 }
 
@@ -157,7 +161,7 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   std::vector<Reduced> reduced = Reduce(Composite({}, Eigen::VectorXd::Zero(model_->base_count)), usable);
   const auto solve = [&](const std::vector<Reduced>& strokes) {
     NormalEquations total;
-    for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
+    for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count());
     return SolveNormalEquations(total);
   };
   fit.theta = solve(reduced);
@@ -180,16 +184,17 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
                       ExtendedFit& fit) const {
   const int n = static_cast<int>(fit.theta.size());
   NormalEquations total;
-  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count);
+  for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count());
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
   Eigen::MatrixXd replicas(n, strokes.size());
   fit.excess.setConstant(static_cast<Eigen::Index>(clean_.size()), std::numeric_limits<double>::quiet_NaN());
   double excess = 0;
   double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
+  NoiseFloorSum floor(window_);
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     NormalEquations rest = total;
-    rest -= AsEquations(strokes[s].clean, strokes[s].count);
+    rest -= AsEquations(strokes[s].clean, strokes[s].count());
     Eigen::VectorXd theta = SolveNormalEquations(rest);
     if (theta.size() == 0) theta = fit.theta;
     replicas.col(s) = theta;
@@ -198,6 +203,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     excess += error;
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
+    floor.Add(strokes[s].noise, fit.theta, model_->walk_columns, strokes[s].blocks, strokes[s].spans);
     flow_error += Energy(strokes[s].flow, theta);
     windows += strokes[s].windows;
   }
@@ -205,7 +211,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   fit.noise_variance = noise / total.equations;
   fit.fit_excess_ratio = fit_excess / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
-  fit.noise_floor = std::sqrt(std::max(0.0, fit.noise_variance * window_.FlowVarianceGain()));
+  fit.noise_floor = floor.Rms();
 
   const double count = static_cast<double>(strokes.size());
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();

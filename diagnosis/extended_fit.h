@@ -87,7 +87,8 @@ class StrokeSet {
   std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
   std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
-  std::vector<double> count_, windows_;
+  std::vector<std::int64_t> blocks_, spans_;
+  std::vector<double> windows_;
   std::vector<std::vector<bool>> bad_;  ///< [stroke][column]: a signal it needs was bad
   double equations_ = 0;
 };

@@ -28,11 +28,20 @@ std::vector<int> BaseColumns(const ModelStructure& model) {
 
 /// Centred energy that a random walk of unit variance per block leaves in the spans of a stroke, (B^2 - 1) /
 /// 6 each: full spans and the rest of one segment.
-double WalkGain(const StrokeGram& gram, int span) {
+double WalkGain(std::int64_t stroke_blocks, int span) {
   const auto gain = [](double blocks) { return (blocks * blocks - 1.0) / 6.0; };
-  const auto full = gram.blocks / span;
-  const auto rest = gram.blocks % span;
+  const auto full = stroke_blocks / span;
+  const auto rest = stroke_blocks % span;
   return static_cast<double>(full) * gain(span) + (rest > 0 ? gain(static_cast<double>(rest)) : 0.0);
+}
+
+/// Noise share of a stroke over chosen regressors, output last.
+Eigen::MatrixXd NoiseShare(const StrokeGram& gram, std::span<const int> columns, int output) {
+  const NormalEquations e = Extract(gram.noise, columns, output);
+  const auto n = e.g.size();
+  Eigen::MatrixXd share(n + 1, n + 1);
+  share << e.h, e.g, e.g.transpose(), e.yy;
+  return share;
 }
 
 /// Why a physical parameter with this value and std should not be trusted, if so.
@@ -131,26 +140,34 @@ std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, con
   return own;
 }
 
-double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
-                  const Eigen::VectorXd& theta, const WindowSamples& window,
-                  std::span<const int> walk_columns) {
-  double white = 0, equations = 0, walk = 0, walk_gain = 0;
-  for (const StrokeGram& gram : strokes) {
-    const NormalEquations e = Extract(gram.noise, columns, output);
-    double walking = 0;
-    for (const int i : walk_columns)
-      for (const int j : walk_columns) walking += theta[i] * e.h(i, j) * theta[j];
-    white += theta.dot(e.h * theta) - 2 * theta.dot(e.g) + e.yy - walking;
-    walk += walking;
-    equations += static_cast<double>(gram.blocks - gram.spans);
-    walk_gain += WalkGain(gram, window.span);
-  }
-  if (equations <= 0) return 0.0;
+void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
+                        std::int64_t blocks, std::int64_t spans) {
+  const auto n = theta.size();
+  double walking = 0;
+  for (const int i : walk)
+    for (const int j : walk) walking += theta[i] * noise(i, j) * theta[j];
+  white_ += theta.dot(noise.topLeftCorner(n, n) * theta) - 2 * theta.dot(noise.col(n).head(n)) + noise(n, n) -
+            walking;
+  walk_ += walking;
+  equations_ += static_cast<double>(blocks - spans);
+  walk_gain_ += WalkGain(blocks, window_.span);
+}
+
+double NoiseFloorSum::Rms() const {
+  if (equations_ <= 0) return 0.0;
   // A walk that gains the variance q per block: means of h blocks, h blocks apart, differ by 2/3 h q.
-  const double block_time = window.block * window.period;
-  const double per_block = walk_gain > 0 ? walk / walk_gain : 0.0;
-  const double walk_variance = 2.0 / 3.0 * per_block / (window.half_window * block_time * block_time);
-  return std::sqrt(std::max(0.0, white / equations * window.FlowVarianceGain() + walk_variance));
+  const double block_time = window_.block * window_.period;
+  const double per_block = walk_gain_ > 0 ? walk_ / walk_gain_ : 0.0;
+  const double walk_variance = 2.0 / 3.0 * per_block / (window_.half_window * block_time * block_time);
+  return std::sqrt(std::max(0.0, white_ / equations_ * window_.FlowVarianceGain() + walk_variance));
+}
+
+double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
+                  const Eigen::VectorXd& theta, const WindowSamples& window, std::span<const int> walk) {
+  NoiseFloorSum sum(window);
+  for (const StrokeGram& gram : strokes)
+    sum.Add(NoiseShare(gram, columns, output), theta, walk, gram.blocks, gram.spans);
+  return sum.Rms();
 }
 
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,

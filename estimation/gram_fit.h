@@ -64,12 +64,29 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
 /// simpler ones are taken away (K' is theta3, so V0 = A theta2 / theta3 is theta2).
 std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, const Eigen::VectorXd& theta);
 
-/// Flow error that sensor noise alone would cause with these parameters, m^3/s rms. White noise of a block
-/// mean and noise that is integrated (ModelStructure::walk_columns, entries of `columns`) reach a flow
-/// differently: a random walk grows over a span, but within the short window of a flow there is little of it.
+/// Flow error that sensor noise alone would cause, summed over strokes. White noise of a block mean and noise
+/// that is integrated (ModelStructure::walk_columns) reach a flow differently: a random walk grows over a
+/// span, but within the short window of a flow there is little of it.
+class NoiseFloorSum {
+ public:
+  explicit NoiseFloorSum(const WindowSamples& window) : window_(window) {}
+
+  /// `noise`: share of a stroke's integral form that is noise, regressors first, output last; `theta` goes
+  /// with the regressors, `walk` are the entries of it whose noise is integrated; `blocks`, `spans` of the
+  /// stroke.
+  void Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
+           std::int64_t blocks, std::int64_t spans);
+  /// Output units rms (m^3/s of a volume balance); 0 without any stroke.
+  double Rms() const;
+
+ private:
+  WindowSamples window_;
+  double white_ = 0, equations_ = 0, walk_ = 0, walk_gain_ = 0;
+};
+
+/// The same of stored strokes, with regressors `columns` against `output`; `walk` are entries of `columns`.
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
-                  const Eigen::VectorXd& theta, const WindowSamples& window,
-                  std::span<const int> walk_columns);
+                  const Eigen::VectorXd& theta, const WindowSamples& window, std::span<const int> walk);
 
 /// Share of each regressor's information that the others do not explain, 0...1.
 Eigen::VectorXd Excitation(const Eigen::MatrixXd& h);

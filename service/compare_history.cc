@@ -16,19 +16,23 @@ double Energy(const SymmetricMatrix& gram, const Eigen::VectorXd& weights) {
 }
 
 /// Errors of one group of strokes; `modelled` are the model's column weights.
-StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled, int output,
+StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled, const ModelStructure& model,
                          const WindowSamples& window) {
   StrokeComparison out;
-  const double windows = static_cast<double>(gram.windows),
-               equations = static_cast<double>(gram.blocks - gram.spans);
+  const int output = model.output_column();
+  const double windows = static_cast<double>(gram.windows);
   out.windows = static_cast<int>(gram.windows);
-  if (windows <= 0 || equations <= 0) return out;
+  if (windows <= 0 || gram.blocks <= gram.spans) return out;
   Eigen::VectorXd residual = -modelled;
   residual[output] += 1;
   out.rms_measured = std::sqrt(gram.flow(output, output) / windows);
   out.rms_modelled = std::sqrt(Energy(gram.flow, modelled) / windows);
   out.rms_residual = std::sqrt(Energy(gram.flow, residual) / windows);
-  out.noise_floor = std::sqrt(Energy(gram.noise, residual) / equations * window.FlowVarianceGain());
+  std::vector<int> columns;  // base columns first, as ModelStructure::walk_columns counts them
+  for (int c = 0; c < modelled.size(); ++c)
+    if (c < model.base_count || (modelled[c] != 0 && c != output)) columns.push_back(c);
+  out.noise_floor =
+      NoiseFloor({&gram, 1}, columns, output, modelled(columns).eval(), window, model.walk_columns);
   return out;
 }
 
@@ -54,7 +58,7 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   StrokeGram total;
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
-    out.per_stroke.push_back(Compare(unit, weights, history.model->output_column(), history.window));
+    out.per_stroke.push_back(Compare(unit, weights, *history.model, history.window));
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
     if (total.windows == 0) {
@@ -68,7 +72,7 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
     total.noise += unit.noise;
     total.flow += unit.flow;
   }
-  out.overall = Compare(total, weights, history.model->output_column(), history.window);
+  out.overall = Compare(total, weights, *history.model, history.window);
   return out;
 }
 
