@@ -1,6 +1,7 @@
 #include "dds/participant.h"
 
 #include <arpa/inet.h>
+#include <fastdds/rtps/transport/TransportInterface.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
@@ -20,17 +21,23 @@
 #include <mutex>
 #include <set>
 
+#include "dds/shared_memory.h"
+
 namespace hydroscope {
 namespace {
 
 using namespace eprosima::fastdds::dds;
 using eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+using eprosima::fastdds::rtps::TransportInterface;
 using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
 using eprosima::fastrtps::Duration_t;
+using eprosima::fastrtps::rtps::IPLocator;
+using eprosima::fastrtps::rtps::Locator_t;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr std::uint64_t kSharedMemoryNeeded = 8u << 20;
-constexpr std::uint32_t kPortsAskedAtPeers = 16;  // participants of a computer that a peer's address reaches
+constexpr std::uint32_t kPortsAskedAtPeers = 16;   // participants of a computer that a peer's address reaches
+constexpr char kDiscoveryGroup[] = "239.255.0.1";  // of the DDSI-RTPS specification, 9.6.1.4.1
 constexpr std::uint32_t kSocketBuffer = 4u << 20;
 
 /// Numbers of this process's participants; a number determines the ports. Left to itself the library never
@@ -94,6 +101,9 @@ Status CheckAddresses(const DdsNetwork& network) {
   return {};
 }
 
+/// Where this participant listens. Announcements go by UDP, by the loopback alone where data shall go by
+/// shared memory alone: the library's shared port for announcements keeps a place for each killed process
+/// until it is full or locked for good. Data have ports of shared memory that no process had before.
 Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
   qos.transport().use_builtin_transports = false;
   const bool room = FreeSharedMemory() >= kSharedMemoryNeeded;
@@ -101,15 +111,23 @@ Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
     return BadInput(
         "/dev/shm has {} kB free, shared memory needs {} kB; enlarge it or use transport = \"udp\"",
         FreeSharedMemory() >> 10, kSharedMemoryNeeded >> 10);
-  if (network.udp) {
-    auto udp = std::make_shared<UDPv4TransportDescriptor>();
-    udp->interfaceWhiteList = network.interfaces;
-    udp->sendBufferSize = udp->receiveBufferSize = kSocketBuffer;
-    udp->maxInitialPeersRange = kPortsAskedAtPeers;
-    qos.transport().user_transports.push_back(udp);
-  }
-  if (network.shared_memory && room)
-    qos.transport().user_transports.push_back(std::make_shared<SharedMemTransportDescriptor>());
+  auto udp = std::make_shared<UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = network.udp ? network.interfaces : std::vector<std::string>{"127.0.0.1"};
+  udp->sendBufferSize = udp->receiveBufferSize = kSocketBuffer;
+  udp->maxInitialPeersRange = kPortsAskedAtPeers;
+  qos.transport().user_transports.push_back(udp);
+  if (!network.shared_memory || !room) return {};
+  RemoveDeadSharedMemory();
+  auto shared_memory = std::make_shared<SharedMemTransportDescriptor>();
+  qos.transport().user_transports.push_back(shared_memory);
+  Locator_t any_card, group;
+  IPLocator::setIPv4(group, kDiscoveryGroup);
+  auto& wire = qos.wire_protocol();
+  wire.builtin.metatrafficUnicastLocatorList.push_back(any_card);
+  wire.builtin.metatrafficMulticastLocatorList.push_back(group);
+  if (network.udp) wire.default_unicast_locator_list.push_back(any_card);
+  const std::unique_ptr<TransportInterface> maker(shared_memory->create_transport());
+  maker->getDefaultUnicastLocators(wire.default_unicast_locator_list, UnusedSharedMemoryPort());
   return {};
 }
 
@@ -146,8 +164,8 @@ Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork&
   discovery.leaseDuration = Seconds(1);
   discovery.leaseDuration_announcementperiod = Seconds(0.25);
   for (const std::string& peer : network.peers) {
-    eprosima::fastrtps::rtps::Locator_t locator;
-    eprosima::fastrtps::rtps::IPLocator::setIPv4(locator, peer);
+    Locator_t locator;
+    IPLocator::setIPv4(locator, peer);
     qos.wire_protocol().builtin.initialPeersList.push_back(locator);
   }
   // Short cuts within a process leave a late volatile reader deaf until the writer's history has turned over;

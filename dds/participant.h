@@ -27,7 +27,9 @@ struct DdsNetwork {
 
 /// A DDS participant with the settings that proved themselves: it announces itself every 0.25 s and counts as
 /// gone 1 s after its last sign of life (the defaults, 3 s and 20 s, block a sender for as long when a reader
-/// dies).
+/// dies). Announcements always go by UDP (by the loopback if shared memory is all that is wanted); shared
+/// memory carries data only, through a port that is new in every life, and what killed processes left there
+/// is removed.
 class DdsParticipant {
  public:
   /// Errors: no such interface, no address, shared memory alone on a /dev/shm below 8 MB (the library would
