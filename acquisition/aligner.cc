@@ -12,7 +12,10 @@ namespace {
 
 constexpr std::int64_t kFarthest = 1ll << 40;  ///< rows from the beginning of a session
 constexpr std::int64_t kRowsOfSlip = 2;        ///< a second sender may be off before it is moved
-constexpr std::uint32_t kMarksVersion = 1;
+constexpr std::uint32_t kMarksVersion = 2;
+constexpr std::uint32_t kMarksWithoutTime = 1;  ///< version written before the time of the last row was kept
+constexpr double kLongestOverlap =
+    10.0;  ///< s that an earlier life may have been ahead; more is a stepped clock
 
 }  // namespace
 
@@ -251,7 +254,8 @@ void Aligner::Emit(Axis& axis, std::size_t rows, bool late) {
   axis.Drop(rows);
 }
 
-/// s, host wall time of the row: nominal steps, gently pulled to where the sender's clock says.
+/// s, host wall time of the row: nominal steps, gently pulled to where the sender's clock says. The first one
+/// lies behind the rows of an earlier life of the service, whose sender's clock was known less well.
 double Aligner::NextTime(Axis& axis, std::int64_t row) {
   constexpr double kPull = 500e-6, kStep = 0.5;  // s per s; s
   const double period = static_cast<double>(period_) * 1e-9;
@@ -259,7 +263,8 @@ double Aligner::NextTime(Axis& axis, std::int64_t row) {
   if (!axis.begun) {
     axis.begun = true;
     axis.jumped = false;
-    return axis.time = due;
+    const double ahead = axis.stored_time + period - due;
+    return axis.time = ahead > 0 && ahead < kLongestOverlap ? axis.stored_time + period : due;
   }
   const double nominal = axis.time + period;
   const double error = due - nominal;
@@ -318,19 +323,23 @@ std::vector<std::uint8_t> Aligner::marks(int axis) const {
     out.Put(part->anchored ? static_cast<std::uint64_t>(std::max<std::int64_t>(0, next))
                            : part->stored_until);
   }
+  out.Put(from.begun ? from.time : from.stored_time);
   return out.Take();
 }
 
 void Aligner::RestoreMarks(int axis, const std::vector<std::uint8_t>& marks) {
   Axis& to = *axes_[static_cast<std::size_t>(axis)];
   ByteReader in(marks);
-  if (in.Get<std::uint32_t>() != kMarksVersion) return;
+  const auto version = in.Get<std::uint32_t>();
+  if (version != kMarksVersion && version != kMarksWithoutTime) return;
   const auto count = in.Get<std::uint32_t>();
   for (std::uint32_t i = 0; i < count && in.ok(); ++i) {
     const auto key = in.Get<std::uint64_t>(), session = in.Get<std::uint64_t>();
     const auto until = in.Get<std::uint64_t>();
     if (in.ok()) to.stored[key] = {session, until};
   }
+  if (version == kMarksWithoutTime) return;
+  if (const auto time = in.Get<double>(); in.ok()) to.stored_time = time;
 }
 
 const AlignerCounters& Aligner::counters(int axis) const {

@@ -85,7 +85,8 @@ class Aligner {
   Aligner(const Machine& machine, const AlignerOptions& options, HostTime start);
   ~Aligner();
 
-  /// Rows that marks() of an earlier life name are not taken again.
+  /// Rows that marks() of an earlier life name are not taken again, and times go on behind its last row
+  /// unless a clock was stepped by more than 10 s.
   void RestoreMarks(int axis, const std::vector<std::uint8_t>& marks);
   /// A batch of source number `source`.
   void Add(int source, const SampleBatch& batch);
@@ -94,7 +95,7 @@ class Aligner {
   /// Moves the rows that are ready into `block`; false if there are none.
   bool Take(int axis, SampleBlock& block);
 
-  /// Which rows of which sender are among those taken.
+  /// Which rows of which sender are among those taken, and the time of the last row.
   std::vector<std::uint8_t> marks(int axis) const;
   const AlignerCounters& counters(int axis) const;
   /// One per channel of LiveChannels(machine).

@@ -118,6 +118,7 @@ struct Aligner::Axis {
   bool begun = false;             ///< a row was given out
   bool jumped = false;            ///< the next row follows a gap that was not written out
   double time = 0;                ///< s, of the last row given out
+  double stored_time = 0;         ///< s, of the last row an earlier life of the service had stored
   std::int64_t hold_until = 0;    ///< ns, no rows before: the clock settles
   std::int64_t last_arrival = 0;  ///< ns, newest row of a fast sender
   std::int64_t missing_run = 0;   ///< rows in a row given out without anything

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 
 namespace hydroscope {
@@ -339,6 +340,49 @@ TEST(Aligner, RowsThatAnEarlierLifeStoredAreNotTakenAgain) {
   auto taken = second.Sequences();
   taken.resize(100);
   EXPECT_EQ(taken, Count(500, 600));
+}
+
+TEST(Aligner, AnotherLifeGoesOnBehindTheTimesOfTheOneBefore) {
+  Bench first;
+  first.Stream(0, 500);
+  const double last = first.got.time.back();
+  for (const double ahead : {0.004, 5.0}) {  // s, what the first life's clock was off
+    Bench second;
+    auto marks = first.aligner.marks(0);
+    const double stored = last + ahead;
+    std::memcpy(marks.data() + marks.size() - sizeof(stored), &stored, sizeof(stored));
+    second.aligner.RestoreMarks(0, marks);
+    second.Stream(500, 1000);
+    ASSERT_GT(second.got.rows(), 0u);
+    EXPECT_GT(second.got.time.front(), stored);
+  }
+}
+
+TEST(Aligner, AClockThatWasSteppedBackBetweenTwoLivesIsBelieved) {
+  Bench first;
+  first.Stream(0, 500);
+  auto marks = first.aligner.marks(0);
+  const double stored = first.got.time.back() + 3600;
+  std::memcpy(marks.data() + marks.size() - sizeof(stored), &stored, sizeof(stored));
+  Bench second;
+  second.aligner.RestoreMarks(0, marks);
+  second.Stream(500, 1000);
+  ASSERT_GT(second.got.rows(), 0u);
+  EXPECT_LT(second.got.time.back(), stored - 3000);
+}
+
+TEST(Aligner, MarksWithoutATimeAreStillRead) {
+  Bench first;
+  first.Stream(0, 500);
+  auto marks = first.aligner.marks(0);
+  marks.resize(marks.size() - sizeof(double));
+  marks[0] = 1;  // version
+  Bench second;
+  second.aligner.RestoreMarks(0, marks);
+  second.now = kStartMono + 600 * kMs;
+  for (std::uint64_t s = 300; s < 600; s += 10) second.Add(second.Rows(s, 10));
+  second.Wait(1);
+  EXPECT_EQ(second.counters().already_stored, 200);
 }
 
 TEST(Aligner, TheOtherAxisGivesNothingWhileNothingComesForIt) {

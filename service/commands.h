@@ -26,6 +26,8 @@ void AddStatusCommand(CLI::App& app, int& exit_code);
 void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
 void AddAlarmsCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
+/// The benchmarks called live-...
+void AddLiveBenchmarks(CLI::App& benchmark, int& exit_code);
 
 /// The whole command line; returns the exit code. main() and the tests call it.
 int RunCommandLine(int argc, const char* const* argv);

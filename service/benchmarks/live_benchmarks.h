@@ -19,6 +19,7 @@ int RunLiveLatency(const LiveLatencyOptions& options);
 
 struct LiveKillOptions {
   int times = 20;
+  std::string transport = "default";  ///< of DDS
   std::uint64_t seed = 1;
 };
 /// kill -9 at random times under load; every step that was acknowledged must be there once.
@@ -30,6 +31,14 @@ struct LiveFaultOptions {
 };
 /// Senders killed, hung, talking nonsense; clock stepped; disk full.
 int RunLiveFaults(const LiveFaultOptions& options);
+
+struct LiveNetworkOptions {
+  double cut = 60;  ///< s, the longer of the two cuts
+  std::uint64_t seed = 1;
+};
+/// Press and service in network namespaces of their own, joined by a wire that loses, delays, reorders and is
+/// cut. Where namespaces are not allowed it says so and returns 0.
+int RunLiveNetwork(const LiveNetworkOptions& options);
 
 struct LiveSoakOptions {
   double minutes = 30;

@@ -3,89 +3,34 @@
 #include <filesystem>
 #include <fstream>
 
+#include "service/benchmarks/fault_table.h"
 #include "service/benchmarks/live_benchmarks.h"
-#include "service/benchmarks/live_rig.h"
-#include "service/live/verify_live.h"
 #include "service/output.h"
 #include "storage/mounted_disk.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kStaleAllowed = 0.2 + 0.1;  // s: two periods of the slow channels, and the time to ask
-constexpr double kBackAllowed = 4.0;         // s: twice the longest pause between attempts
-constexpr double kPatience = 15.0;           // s
-
 using Json = nlohmann::json;
 
-std::int64_t Count(const Json& status, const char* counter) {
-  std::int64_t sum = 0;
-  for (const auto& axis : status.at("axes")) sum += axis.at("counters").at(counter).get<std::int64_t>();
-  return sum;
-}
+constexpr double kPatience = FaultTable::kPatience;
 
-/// All channels of that signal are stale, or none is.
-bool Stale(const Json& status, const std::string& signal, bool wanted) {
-  bool any = false;
-  for (const auto& channel : status.at("channels"))
-    if (channel.at("name").get<std::string>().ends_with("/" + signal)) {
-      any = true;
-      if (channel.at("stale").get<bool>() != wanted) return false;
-    }
-  return any;
-}
-
-class Campaign {
- public:
-  explicit Campaign(LiveRig& rig) : rig_(rig) {
-    fmt::print("{:<46} {:>12} {:>12}   {}\n", "fault", "stale after", "back after", "");
-  }
-
-  /// Something happens to a signal and is undone after `seconds`.
-  void Cut(const char* what, const std::string& signal, double seconds, const std::function<void()>& begin,
-           const std::function<void()>& end) {
-    rig_.WaitFor([&](const Json& s) { return Stale(s, signal, false); }, kPatience);
-    begin();
-    const auto stale = rig_.WaitFor([&](const Json& s) { return Stale(s, signal, true); }, kPatience);
-    Sleep(std::max(0.0, seconds - stale.value_or(0)));
-    end();
-    const auto back = rig_.WaitFor([&](const Json& s) { return Stale(s, signal, false); }, kPatience);
-    const bool ok =
-        stale && *stale <= kStaleAllowed && back && *back <= kBackAllowed && rig_.service().Alive();
-    Row(what, stale, back, ok, "");
-  }
-
-  void Row(const char* what, std::optional<double> stale, std::optional<double> back, bool ok,
-           const std::string& note) {
-    const auto shown = [](std::optional<double> s) {
-      return s ? fmt::format("{:.2f} s", *s) : std::string("-");
-    };
-    fmt::print("{:<46} {:>12} {:>12}   {}{}{}\n", what, shown(stale), shown(back), ok ? "reached" : "MISSED",
-               note.empty() ? "" : ": ", note);
-    std::fflush(stdout);
-    missed_ += !ok;
-  }
-  int missed() const { return missed_; }
-
- private:
-  LiveRig& rig_;
-  int missed_ = 0;
-};
-
-void StepClock(LiveRig& rig, Campaign& campaign, const char* what, const char* line) {
+void StepClock(LiveRig& rig, FaultTable& campaign, const char* what, const char* line) {
   const auto before = rig.Ask();
   rig.press().Say(line);
   Sleep(3);
   const auto after = rig.Ask();
-  const bool told = before && after && Count(*after, "clock_jumps") > Count(*before, "clock_jumps");
-  const bool whole = before && after && Count(*after, "missing_rows") == Count(*before, "missing_rows") &&
-                     Count(*after, "late_rows") == Count(*before, "late_rows");
+  const bool told =
+      before && after && SumOverAxes(*after, "clock_jumps") > SumOverAxes(*before, "clock_jumps");
+  const bool whole = before && after &&
+                     SumOverAxes(*after, "missing_rows") == SumOverAxes(*before, "missing_rows") &&
+                     SumOverAxes(*after, "late_rows") == SumOverAxes(*before, "late_rows");
   campaign.Row(what, {}, {}, told && whole,
                told ? whole ? "told; no row lost or twice" : "rows were lost" : "not told");
 }
 
 /// The disk fills up and is freed; `min_free` in MB.
-void FillDisk(LiveRig& rig, Campaign& campaign, const char* what, const std::string& min_free) {
+void FillDisk(LiveRig& rig, FaultTable& campaign, const char* what, const std::string& min_free) {
   if (rig.service().Alive()) rig.service().End(SIGTERM);
   rig.StartService({"--min-free", min_free, "--raw-period", "0.2"});
   rig.WaitFor([](const Json& s) { return s.at("writer").at("rows").get<std::int64_t>() > 0; }, kPatience);
@@ -119,7 +64,7 @@ int RunLiveFaults(const LiveFaultOptions& o) {
   rig.StartService({"--min-free", "8"});
   if (!rig.WaitFor([](const Json& s) { return s.at("writer").at("strokes").get<std::int64_t>() > 0; }, 60))
     return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
-  Campaign campaign(rig);
+  FaultTable campaign(rig);
   const auto say = [&](const char* line) { return [&rig, line] { rig.press().Say(line); }; };
   campaign.Cut("DDS silent for 5 s", "p_A", 5, say("dds mute"), say("dds on"));
   if (o.long_cuts) campaign.Cut("DDS silent for 60 s", "p_A", 60, say("dds mute"), say("dds on"));
@@ -142,17 +87,12 @@ int RunLiveFaults(const LiveFaultOptions& o) {
     fmt::print("disk full: not tried, mounting a small disk needs the right to mount\n");
   }
   const int ended = rig.service().End(SIGTERM);
-  const auto verified = VerifyLive(rig.database());
-  if (!verified) return ReportError(verified.error());
-  std::int64_t same = 0, different = 0;
-  for (const VerifiedRun& run : *verified) {
-    same += run.outcome == VerifiedRun::Outcome::kSame;
-    different += run.outcome == VerifiedRun::Outcome::kDiffers;
-  }
-  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", same,
-             same + different, ended);
+  const auto replays = CountReplays(rig.database());
+  if (!replays) return ReportError(replays.error());
+  fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
+             replays->same + replays->different, ended);
   if (!disk.ok()) std::filesystem::remove_all(folder);
-  return campaign.missed() == 0 && different == 0 && same > 0 && ended == 0 ? 0 : 1;
+  return campaign.missed() == 0 && replays->ok() && ended == 0 ? 0 : 1;
 }
 
 }  // namespace hydroscope

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <iostream>
 
+#include "service/benchmarks/fault_table.h"
 #include "service/benchmarks/live_benchmarks.h"
-#include "service/benchmarks/live_rig.h"
 #include "service/live/live_status.h"
-#include "service/live/verify_live.h"
 #include "service/output.h"
 
 namespace hydroscope {
@@ -14,12 +13,6 @@ namespace {
 
 constexpr double kLatencyAllowed = 0.020;  // s, p99
 constexpr double kSettle = 5.0;            // s before anything is measured
-
-std::int64_t Sum(const nlohmann::json& status, const char* counter) {
-  std::int64_t sum = 0;
-  for (const auto& axis : status.at("axes")) sum += axis.at("counters").at(counter).get<std::int64_t>();
-  return sum;
-}
 
 void Print(const char* what, const std::string& value, const std::string& required, bool reached) {
   fmt::print("{:<52} {:>14}   {:<18} {}\n", what, value, required,
@@ -34,7 +27,9 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
   rig.StartPress();
   rig.StartService();
-  const auto running = [](const nlohmann::json& s) { return !s.at("axes").empty() && Sum(s, "rows") > 0; };
+  const auto running = [](const nlohmann::json& s) {
+    return !s.at("axes").empty() && SumOverAxes(s, "rows") > 0;
+  };
   if (!rig.WaitFor(running, 20))
     return ReportError(
         {ErrorKind::kInternal, "the service received nothing from the simulated press within 20 s"});
@@ -52,20 +47,15 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   const auto last = rig.Ask();
   if (!first || !last) return ReportError({ErrorKind::kInternal, "the service does not answer"});
   const int ended = rig.service().End(SIGTERM);
-  const auto verified = VerifyLive(rig.database());
-  if (!verified) return ReportError(verified.error());
-  std::int64_t same = 0, different = 0;
-  for (const VerifiedRun& run : *verified) {
-    same += run.outcome == VerifiedRun::Outcome::kSame;
-    different += run.outcome == VerifiedRun::Outcome::kDiffers;
-  }
+  const auto replays = CountReplays(rig.database());
+  if (!replays) return ReportError(replays.error());
 
   const auto& writer = last->at("writer");
   const double p99 = writer.at("latency_p99_s").get<double>();
   const double share = (after.cpu - before.cpu) / measured;
-  const double rows = static_cast<double>(Sum(*last, "rows") - Sum(*first, "rows"));
-  const std::int64_t lost = Sum(*last, "missing_rows") - Sum(*first, "missing_rows") +
-                            Sum(*last, "skipped_rows") - Sum(*first, "skipped_rows");
+  const double rows = static_cast<double>(SumOverAxes(*last, "rows") - SumOverAxes(*first, "rows"));
+  const std::int64_t lost = SumOverAxes(*last, "missing_rows") - SumOverAxes(*first, "missing_rows") +
+                            SumOverAxes(*last, "skipped_rows") - SumOverAxes(*first, "skipped_rows");
   const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
@@ -87,12 +77,11 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
         fmt::format("{:g} within 2 %", o.rate), std::abs(rows / o.axes / measured / o.rate - 1) < 0.02);
   Print("rows missing", fmt::format("{}", lost), "none", lost == 0);
   Print("dropped in queues", fmt::format("{}", dropped), "none", dropped == 0);
-  Print("runs whose replay is the same to the last bit", fmt::format("{} of {}", same, same + different),
-        "all", different == 0 && same > 0);
+  Print("runs whose replay is the same to the last bit",
+        fmt::format("{} of {}", replays->same, replays->same + replays->different), "all", replays->ok());
   Print("exit code after SIGTERM", fmt::format("{}", ended), "0", ended == 0);
   const bool reached = (!four || (p99 <= kLatencyAllowed && share <= 0.15)) && lost == 0 && dropped == 0 &&
-                       different == 0 && same > 0 && ended == 0 &&
-                       std::abs(rows / o.axes / measured / o.rate - 1) < 0.02;
+                       replays->ok() && ended == 0 && std::abs(rows / o.axes / measured / o.rate - 1) < 0.02;
   return reached ? 0 : 1;
 }
 

@@ -1,6 +1,7 @@
 #include "service/benchmarks/live_rig.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -19,15 +20,15 @@ namespace {
 constexpr double kLook = 0.02;  ///< s between two questions
 
 /// The press of machines/press_live.toml with any number of axes, on a domain and a port of its own.
-std::string MachineText(const RigOptions& o, int domain, int port) {
+std::string MachineText(const RigOptions& o, int domain, int port, const std::string& own_address) {
   std::string axes;
   for (int a = 1; a <= o.axes; ++a) axes += fmt::format("{}\"cushion_{}\"", a > 1 ? ", " : "", a);
   std::string text = fmt::format(
       "[machine]\nname = \"press\"\nmodel = \"die_cushion\"\n\n[live]\ngrid_period = {}\naxes = [{}]\n\n"
-      "[live.modbus]\nhost = \"127.0.0.1\"\nport = {}\nunit = 1\npoll_period = 0.1\ntimeout = 0.3\nheartbeat "
+      "[live.modbus]\nhost = \"{}\"\nport = {}\nunit = 1\npoll_period = 0.1\ntimeout = 0.3\nheartbeat "
       "= 15\n"
       "time = 8\nsweep = {{ coil = 0, status = 20, axis = 21, amplitude = 22 }}\n",
-      1 / o.rate, axes, port);
+      1 / o.rate, axes, o.press_address, port);
   if (o.modbus_ring) {
     const int width = 2 + 14 * o.axes;
     text += fmt::format(
@@ -37,9 +38,9 @@ std::string MachineText(const RigOptions& o, int domain, int port) {
         std::min(1024, (65536 - 1000) / width), width, 1 / o.rate);
   } else {
     text += fmt::format(
-        "\n[live.dds]\ndomain = {}\ntopic = \"hydroscope/samples\"\ninterfaces = [\"127.0.0.1\"]\n"
+        "\n[live.dds]\ndomain = {}\ntopic = \"hydroscope/samples\"\ninterfaces = [\"{}\"]\n"
         "transport = \"{}\"\n",
-        domain, o.transport);
+        domain, own_address, o.transport);
   }
   text += "\n[signals]\n";
   struct Signal {
@@ -74,7 +75,7 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Child::Child(const std::vector<std::string>& arguments, const std::string& log) {
+Child::Child(const std::vector<std::string>& arguments, const std::string& log, int network) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return;
   std::vector<char*> words = {const_cast<char*>("hydroscope")};
@@ -84,6 +85,7 @@ Child::Child(const std::vector<std::string>& arguments, const std::string& log) 
   pid_ = fork();
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (network >= 0 && setns(network, CLONE_NEWNET) != 0) _exit(126);
     dup2(ends[0], STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
@@ -133,7 +135,9 @@ LiveRig::LiveRig(const RigOptions& options) : options_(options), folder_(options
   }
   std::filesystem::create_directories(folder_);
   const int own = static_cast<int>(getpid());
-  std::ofstream(File("press.toml")) << MachineText(options, 20 + own % 200, 20'000 + own % 20'000);
+  const int domain = 20 + own % 200, port = 20'000 + own % 20'000;
+  std::ofstream(File("press.toml")) << MachineText(options, domain, port, options.press_address);
+  std::ofstream(File("service.toml")) << MachineText(options, domain, port, options.service_address);
 }
 
 LiveRig::~LiveRig() {
@@ -154,14 +158,14 @@ void LiveRig::StartPress() {
     arguments.push_back("--clock-drift");
     arguments.push_back(fmt::format("{:g}", options_.clock_drift));
   }
-  press_ = std::make_unique<Child>(arguments, File("press.log"));
+  press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network);
 }
 
 void LiveRig::StartService(std::vector<std::string> more) {
-  std::vector<std::string> arguments = {"serve", File("press.toml"), "--db",   database(), "--port",
-                                        "0",     "--log-level",      "warning"};
+  std::vector<std::string> arguments = {"serve", File("service.toml"), "--db",   database(), "--port",
+                                        "0",     "--log-level",        "warning"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  service_ = std::make_unique<Child>(arguments, File("serve.log"));
+  service_ = std::make_unique<Child>(arguments, File("serve.log"), options_.service_network);
 }
 
 std::optional<nlohmann::json> LiveRig::Ask() const {

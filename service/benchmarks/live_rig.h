@@ -15,8 +15,9 @@ namespace hydroscope {
 /// A child of this very program, killed with its object.
 class Child {
  public:
-  /// `arguments` of hydroscope; standard output and error go to `log`.
-  Child(const std::vector<std::string>& arguments, const std::string& log);
+  /// `arguments` of hydroscope; standard output and error go to `log`. `network`: file of the network
+  /// namespace it shall live in, -1 for that of its parent.
+  Child(const std::vector<std::string>& arguments, const std::string& log, int network = -1);
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -42,9 +43,12 @@ struct RigOptions {
   std::string transport = "default";  ///< of DDS
   double clock_drift = 0;             ///< ppm
   std::string folder;                 ///< "" = a temporary one, removed at the end
+  std::string press_address = "127.0.0.1", service_address = "127.0.0.1";
+  int press_network = -1, service_network = -1;  ///< namespaces, see Child
 };
 
-/// A simulated press and a service that watches it, each a process of its own, on the loopback only.
+/// A simulated press and a service that watches it, each a process of its own, on the loopback unless told
+/// otherwise.
 class LiveRig {
  public:
   explicit LiveRig(const RigOptions& options);

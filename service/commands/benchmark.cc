@@ -10,7 +10,6 @@
 #include "service/benchmarks/filter_study.h"
 #include "service/benchmarks/frf_benchmark.h"
 #include "service/benchmarks/hidden_effects_benchmark.h"
-#include "service/benchmarks/live_benchmarks.h"
 #include "service/benchmarks/seal_friction.h"
 #include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
@@ -220,60 +219,6 @@ void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunExampleLog(*o); });
 }
 
-void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<LiveLatencyOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "live-latency",
-      "Service and simulated press as processes: latency, processor share, loss, live against replay");
-  command->add_option("--axes", o->axes, "Axes of the press")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_option("--rate", o->rate, "Samples per second, Hz")
-      ->check(CLI::Range(50.0, 1e4))
-      ->capture_default_str();
-  command->add_option("--seconds", o->seconds, "s measured")
-      ->check(CLI::Range(5.0, 1e6))
-      ->capture_default_str();
-  command->add_flag("--ring", o->ring, "All signals by the Modbus burst ring in place of DDS");
-  command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
-  command->footer(
-      "Examples:\n"
-      "  hydroscope benchmark live-latency\n"
-      "  hydroscope benchmark live-latency --axes 64 --rate 500");
-  command->callback([o, &exit_code] { exit_code = RunLiveLatency(*o); });
-}
-
-void AddLiveKill(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<LiveKillOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "live-kill", "kill -9 of the service at random times under load: nothing acknowledged is lost");
-  command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of press and times")->capture_default_str();
-  command->footer("Example:\n  hydroscope benchmark live-kill --times 200");
-  command->callback([o, &exit_code] { exit_code = RunLiveKill(*o); });
-}
-
-void AddLiveFaults(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<LiveFaultOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "live-faults",
-      "Senders killed, hung, talking nonsense, clocks stepped, disk full: told in time, back in time");
-  command->add_flag("--long", o->long_cuts, "Also the silence of 60 s");
-  command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
-  command->footer("Example:\n  hydroscope benchmark live-faults --long");
-  command->callback([o, &exit_code] { exit_code = RunLiveFaults(*o); });
-}
-
-void AddLiveSoak(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<LiveSoakOptions>();
-  CLI::App* command =
-      benchmark.add_subcommand("live-soak", "Memory and descriptors of the service over time at full rates");
-  command->add_option("--minutes", o->minutes, "Length")->check(CLI::Range(0.5, 1e5))->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
-  command->footer("Example:\n  hydroscope benchmark live-soak --minutes 30");
-  command->callback([o, &exit_code] { exit_code = RunLiveSoak(*o); });
-}
-
 }  // namespace
 
 void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
@@ -294,10 +239,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddDrift(*benchmark, exit_code);
   AddDriftFull(*benchmark, exit_code);
   AddExampleLog(*benchmark, exit_code);
-  AddLiveLatency(*benchmark, exit_code);
-  AddLiveKill(*benchmark, exit_code);
-  AddLiveFaults(*benchmark, exit_code);
-  AddLiveSoak(*benchmark, exit_code);
+  AddLiveBenchmarks(*benchmark, exit_code);
   AddSealFriction(*benchmark, exit_code);
 }
 
