@@ -133,7 +133,7 @@ std::string Cards(const Report& report) {
   return out +
          "</div>\n<p class=\"note\">Over the record: mean of the last third of the strokes minus that of the "
          "first, ± half of its 95 % interval. "
-         "p: how often chance alone would show as much in any one of the parameters; below 0.01 is called "
+         "p: how often chance alone would show as much anywhere among these numbers; below 0.01 is called "
          "clear, below 0.05 a hint.</p>\n";
 }
 

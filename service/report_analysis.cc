@@ -146,15 +146,15 @@ OilDependence AnalyseOil(const std::vector<TrendSample>& blocks, bool measured) 
   return oil;
 }
 
-/// The same question of every parameter is one family.
-void AdjustForFamilies(std::vector<ParameterAnalysis>& parameters) {
-  std::vector<double*> change, slope, curved, beyond;
+/// All questions of the report are one family.
+void AdjustForAll(std::vector<ParameterAnalysis>& parameters) {
+  std::vector<double*> family;
   for (ParameterAnalysis& p : parameters) {
-    if (p.change.change.Known()) change.push_back(&p.change.change.p);
-    if (p.oil.slope.Known()) slope.push_back(&p.oil.slope.p), curved.push_back(&p.oil.curved_p);
-    if (p.oil.beyond.Known()) beyond.push_back(&p.oil.beyond.p);
+    if (p.change.change.Known()) family.push_back(&p.change.change.p);
+    if (p.oil.slope.Known()) family.push_back(&p.oil.slope.p), family.push_back(&p.oil.curved_p);
+    if (p.oil.beyond.Known()) family.push_back(&p.oil.beyond.p);
   }
-  for (const auto& family : {change, slope, curved, beyond}) AdjustForFamily(family);
+  AdjustForFamily(family);
 }
 
 /// How far `value` lies beyond the pair of limits; negative inside.
@@ -302,7 +302,7 @@ ReportAnalysis AnalyseReport(const ReportInput& input) {
   }
   for (ParameterAnalysis& parameter : analysis.parameters)
     Analyse(parameter, input, std::isfinite(analysis.coldest));
-  AdjustForFamilies(analysis.parameters);
+  AdjustForAll(analysis.parameters);
   for (ParameterAnalysis& parameter : analysis.parameters) Conclude(parameter);
   analysis.error = AnalyseError(input);
   analysis.duration = Duration(input);

@@ -91,8 +91,8 @@ struct ReportAnalysis {
   double coldest = 0, warmest = 0;  ///< K, NaN if not measured
 };
 
-/// Every p of the result is family-wise over the parameters: with several of them, one that shows something
-/// by chance alone is the rule, not the exception.
+/// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
+/// dozen questions one that shows something by chance alone is the rule, not the exception.
 ReportAnalysis AnalyseReport(const ReportInput& input);
 
 }  // namespace hydroscope
