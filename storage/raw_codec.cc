@@ -2,40 +2,242 @@
 
 #include <zlib.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
+
+#include "core/bytes.h"
 
 namespace hydroscope {
 namespace {
 
-template <typename T>
-std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
-  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
-  std::vector<std::uint8_t> shuffled(columns.size() * rows * sizeof(T));
-  std::uint8_t* column_start = shuffled.data();
-  for (const auto& column : columns) {
-    for (std::size_t row = 0; row < rows; ++row) {
-      std::uint8_t bytes[sizeof(T)];
-      std::memcpy(bytes, &column[row], sizeof(T));
-      for (std::size_t byte = 0; byte < sizeof(T); ++byte) column_start[byte * rows + row] = bytes[byte];
-    }
-    column_start += rows * sizeof(T);
+constexpr std::uint8_t kVersion = 2;  // version 1 had no such byte: it begins with zlib's 0x78
+constexpr std::uint8_t kZlibBegins = 0x78;
+constexpr int kLevel = 6;                       // of zlib
+constexpr int kHighestOrder = 2;                // of the differences
+constexpr std::int64_t kLargestCorrection = 3;  // units in the last place
+constexpr double kMostSteps = 1e9;
+
+using Integers = std::vector<std::int64_t>;
+
+// ---- numbers <-> integers
+
+/// Bit pattern as a number that grows with the value, so that neighbours differ by little.
+std::int64_t Ordered(double value) {
+  const auto bits = std::bit_cast<std::int64_t>(value);
+  return bits < 0 ? bits ^ std::numeric_limits<std::int64_t>::max() : bits;
+}
+double FromOrdered(std::int64_t number) {
+  return std::bit_cast<double>(number < 0 ? number ^ std::numeric_limits<std::int64_t>::max() : number);
+}
+
+/// Differences wrap around, so that every pattern comes back.
+std::int64_t Minus(std::int64_t a, std::int64_t b) {
+  return std::int64_t(std::uint64_t(a) - std::uint64_t(b));
+}
+std::int64_t Plus(std::int64_t a, std::int64_t b) {
+  return std::int64_t(std::uint64_t(a) + std::uint64_t(b));
+}
+
+/// A column of a converter: value = step * whole number, to a few units in the last place.
+struct Steps {
+  double step = 0;
+  Integers numbers, corrections;  ///< `corrections` empty: the products are exact
+};
+
+/// The numbers of steps of all values; nullopt if the column is no multiple of `step`.
+std::optional<Steps> CountSteps(std::span<const double> values, double step) {
+  Steps found{.step = step, .numbers = {}, .corrections = {}};
+  found.numbers.reserve(values.size());
+  bool exact = true;
+  for (const double value : values) {
+    const double steps = std::nearbyint(value / step);
+    if (!(std::abs(steps) < kMostSteps)) return std::nullopt;
+    const auto number = static_cast<std::int64_t>(steps);  // -0.0 becomes 0, as for who reads it back
+    const std::int64_t correction = Minus(Ordered(value), Ordered(static_cast<double>(number) * step));
+    if (correction < -kLargestCorrection || correction > kLargestCorrection) return std::nullopt;
+    found.numbers.push_back(number);
+    found.corrections.push_back(correction);
+    exact = exact && correction == 0;
   }
-  uLongf size = compressBound(shuffled.size());
-  std::vector<std::uint8_t> packed(size);
-  compress2(packed.data(), &size, shuffled.data(), shuffled.size(),
-            1);  // cannot fail into compressBound bytes
-  packed.resize(size);
-  return packed;
+  if (exact) found.corrections.clear();
+  return found;
+}
+
+/// The step of an analogue-to-digital converter behind the column, if there is one: the smallest difference
+/// of neighbours, made exact by the largest value.
+std::optional<Steps> FindSteps(std::span<const double> values) {
+  double least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) return std::nullopt;
+    largest = std::max(largest, std::abs(values[i]));
+    if (i > 0 && values[i] != values[i - 1]) least = std::min(least, std::abs(values[i] - values[i - 1]));
+  }
+  if (!std::isfinite(least) || largest / least > kMostSteps) return std::nullopt;
+  std::optional<Steps> best;
+  for (const int part : {1, 2, 3}) {  // the smallest difference seen may be several steps
+    const double number = std::nearbyint(largest / least * part);
+    double step = largest / number;
+    for (int off = 0; off < 3; ++off) {
+      if (auto counted = CountSteps(values, step); counted && (!best || counted->corrections.empty()))
+        best = std::move(counted);
+      if (best && best->corrections.empty()) return best;
+      step = std::nextafter(largest / number, off == 0 ? 0 : std::numeric_limits<double>::infinity());
+    }
+    if (best) return best;
+  }
+  return best;
+}
+
+// ---- integers <-> bytes
+
+std::uint64_t Folded(std::int64_t number) {  // small magnitudes of both signs become small numbers
+  return std::uint64_t(number) << 1 ^ std::uint64_t(number >> 63);
+}
+std::int64_t Unfolded(std::uint64_t folded) { return std::int64_t(folded >> 1) ^ -std::int64_t(folded & 1); }
+
+Integers Differences(Integers numbers, int order) {
+  for (int k = 0; k < order; ++k)
+    for (std::size_t i = numbers.size(); i-- > static_cast<std::size_t>(k) + 1;)
+      numbers[i] = Minus(numbers[i], numbers[i - 1]);
+  return numbers;
+}
+
+/// Order, width in bytes, then the first bytes of all differences, their second bytes, ...
+void PutIntegers(const Integers& numbers, ByteWriter& out) {
+  Integers best;
+  double least = std::numeric_limits<double>::infinity();
+  int order = 0;
+  for (int tried = 0; tried <= kHighestOrder; ++tried) {
+    Integers differences = Differences(numbers, tried);
+    double bits = 0;
+    for (const std::int64_t number : differences) bits += std::bit_width(Folded(number));
+    if (bits < least) {
+      least = bits;
+      best = std::move(differences);
+      order = tried;
+    }
+  }
+  std::uint64_t all = 0;
+  for (const std::int64_t number : best) all |= Folded(number);
+  const int width = (std::bit_width(all) + 7) / 8;
+  out.Put(static_cast<std::uint8_t>(order));
+  out.Put(static_cast<std::uint8_t>(width));
+  for (int byte = 0; byte < width; ++byte)
+    for (const std::int64_t number : best) out.Put(static_cast<std::uint8_t>(Folded(number) >> (8 * byte)));
+}
+
+std::optional<Integers> GetIntegers(ByteReader& in, std::size_t rows) {
+  const auto order = in.Get<std::uint8_t>(), width = in.Get<std::uint8_t>();
+  if (!in.ok() || order > kHighestOrder || width > 8) return std::nullopt;
+  std::vector<std::uint64_t> folded(rows);
+  for (int byte = 0; byte < width; ++byte)
+    for (auto& number : folded) number |= std::uint64_t(in.Get<std::uint8_t>()) << (8 * byte);
+  if (!in.ok()) return std::nullopt;
+  Integers numbers(rows);
+  std::transform(folded.begin(), folded.end(), numbers.begin(), Unfolded);
+  for (int k = order; k-- > 0;)
+    for (std::size_t i = static_cast<std::size_t>(k) + 1; i < rows; ++i)
+      numbers[i] = Plus(numbers[i], numbers[i - 1]);
+  return numbers;
+}
+
+// ---- columns
+
+enum Kind : std::uint8_t { kPatterns = 0, kSteps = 1, kCorrectedSteps = 2 };
+
+void PutColumn(std::span<const double> values, ByteWriter& out) {
+  if (const auto steps = FindSteps(values)) {
+    out.Put(static_cast<std::uint8_t>(steps->corrections.empty() ? kSteps : kCorrectedSteps));
+    out.Put(steps->step);
+    PutIntegers(steps->numbers, out);
+    if (!steps->corrections.empty()) PutIntegers(steps->corrections, out);
+    return;
+  }
+  out.Put(static_cast<std::uint8_t>(kPatterns));
+  Integers patterns(values.size());
+  std::transform(values.begin(), values.end(), patterns.begin(), Ordered);
+  PutIntegers(patterns, out);
+}
+
+void PutColumn(std::span<const Quality> flags, ByteWriter& out) {
+  PutIntegers(Integers(flags.begin(), flags.end()), out);
+}
+
+std::optional<std::vector<double>> GetDoubles(ByteReader& in, std::size_t rows) {
+  const auto kind = in.Get<std::uint8_t>();
+  if (!in.ok() || kind > kCorrectedSteps) return std::nullopt;
+  const double step = kind == kPatterns ? 0 : in.Get<double>();
+  const auto numbers = GetIntegers(in, rows);
+  if (!numbers) return std::nullopt;
+  std::vector<double> values(rows);
+  std::transform(numbers->begin(), numbers->end(), values.begin(), [&](std::int64_t number) {
+    return kind == kPatterns ? FromOrdered(number) : static_cast<double>(number) * step;
+  });
+  if (kind != kCorrectedSteps) return values;
+  const auto corrections = GetIntegers(in, rows);
+  if (!corrections) return std::nullopt;
+  for (std::size_t i = 0; i < rows; ++i) values[i] = FromOrdered(Plus(Ordered(values[i]), (*corrections)[i]));
+  return values;
+}
+
+std::optional<std::vector<Quality>> GetFlags(ByteReader& in, std::size_t rows) {
+  const auto numbers = GetIntegers(in, rows);
+  if (!numbers) return std::nullopt;
+  return std::vector<Quality>(numbers->begin(), numbers->end());
+}
+
+// ---- zlib, one block with a code of its own for each column
+
+class Deflater {
+ public:
+  Deflater() { deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS, 9, Z_DEFAULT_STRATEGY); }
+  ~Deflater() { deflateEnd(&stream_); }
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+
+  void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
+    stream_.next_in = const_cast<Bytef*>(bytes.data());
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    const std::size_t begin = out.size();
+    out.resize(begin + deflateBound(&stream_, bytes.size()) + 64);
+    stream_.next_out = out.data() + begin;
+    stream_.avail_out = static_cast<uInt>(out.size() - begin);
+    deflate(&stream_, last ? Z_FINISH : Z_BLOCK);  // cannot fail into deflateBound bytes
+    out.resize(out.size() - stream_.avail_out);
+  }
+
+ private:
+  z_stream stream_{};
+};
+
+std::optional<std::vector<std::uint8_t>> Inflate(std::span<const std::uint8_t> bytes, std::size_t most) {
+  std::vector<std::uint8_t> plain(most);
+  uLongf size = most;
+  if (uncompress(plain.data(), &size, bytes.data(), bytes.size()) != Z_OK) return std::nullopt;
+  plain.resize(size);
+  return plain;
 }
 
 template <typename T>
-Result<std::vector<std::vector<T>>> Unpack(std::span<const std::uint8_t> bytes, std::size_t columns,
-                                           std::size_t rows) {
-  std::vector<std::uint8_t> shuffled(columns * rows * sizeof(T));
-  uLongf size = shuffled.size();
-  const int code = uncompress(shuffled.data(), &size, bytes.data(), bytes.size());
-  if (code != Z_OK || size != shuffled.size())
-    return BadInput("damaged: {} bytes do not unpack to {} columns of {} rows", bytes.size(), columns, rows);
+std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
+  std::vector<std::uint8_t> packed = {kVersion};
+  Deflater deflater;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    ByteWriter plain;
+    PutColumn(columns[c], plain);
+    deflater.Add(plain.Take(), c + 1 == columns.size(), packed);
+  }
+  return packed;
+}
+
+/// Version 1: the first bytes of all values of a column, then their second bytes, ...; all columns together.
+template <typename T>
+std::vector<std::vector<T>> Unshuffle(const std::vector<std::uint8_t>& shuffled, std::size_t columns,
+                                      std::size_t rows) {
   std::vector<std::vector<T>> values(columns, std::vector<T>(rows));
   const std::uint8_t* column_start = shuffled.data();
   for (auto& column : values) {
@@ -46,6 +248,33 @@ Result<std::vector<std::vector<T>>> Unpack(std::span<const std::uint8_t> bytes, 
     }
     column_start += rows * sizeof(T);
   }
+  return values;
+}
+
+template <typename T, typename Get>
+Result<std::vector<std::vector<T>>> Unpack(std::span<const std::uint8_t> bytes, std::size_t columns,
+                                           std::size_t rows, Get get) {
+  const auto damaged = [&] {
+    return BadInput("damaged: {} bytes do not unpack to {} columns of {} rows", bytes.size(), columns, rows);
+  };
+  if (bytes.empty()) return damaged();
+  if (bytes.front() == kZlibBegins) {
+    const auto shuffled = Inflate(bytes, columns * rows * sizeof(T));
+    if (!shuffled || shuffled->size() != columns * rows * sizeof(T)) return damaged();
+    return Unshuffle<T>(*shuffled, columns, rows);
+  }
+  constexpr std::size_t kHeadOfColumn = 32;
+  if (bytes.front() != kVersion) return damaged();
+  const auto plain = Inflate(bytes.subspan(1), columns * (kHeadOfColumn + 16 * rows));
+  if (!plain) return damaged();
+  ByteReader in(*plain);
+  std::vector<std::vector<T>> values;
+  for (std::size_t c = 0; c < columns; ++c) {
+    auto column = get(in, rows);
+    if (!column) return damaged();
+    values.push_back(std::move(*column));
+  }
+  if (!in.at_end()) return damaged();
   return values;
 }
 
@@ -61,12 +290,12 @@ std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const Quality>
 
 Result<std::vector<std::vector<double>>> UnpackColumns(std::span<const std::uint8_t> bytes,
                                                        std::size_t columns, std::size_t rows) {
-  return Unpack<double>(bytes, columns, rows);
+  return Unpack<double>(bytes, columns, rows, GetDoubles);
 }
 
 Result<std::vector<std::vector<Quality>>> UnpackFlags(std::span<const std::uint8_t> bytes,
                                                       std::size_t columns, std::size_t rows) {
-  return Unpack<Quality>(bytes, columns, rows);
+  return Unpack<Quality>(bytes, columns, rows, GetFlags);
 }
 
 }  // namespace hydroscope

@@ -9,15 +9,16 @@
 
 namespace hydroscope {
 
-/// Columns of equal length as compressed bytes: each column's values (little endian) are regrouped so that
-/// the first bytes of all values come first, then the second bytes, ... (neighbouring samples share sign,
-/// exponent and leading digits), all columns one after the other, then zlib at level 1. Every bit comes back,
-/// NaN included.
+/// Columns of equal length as compressed bytes; every bit comes back, NaN included. A column that is a
+/// multiple of one step (an analogue-to-digital converter's) becomes whole numbers, another one the bit
+/// patterns of its values; both are differenced up to twice, whichever leaves the smallest numbers, and
+/// deflated. Format: docs/database.md.
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const double>>& columns);
 /// The same for quality flags.
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const Quality>>& columns);
 
-/// `columns` x `rows` values back; the error tells what is wrong with the bytes.
+/// `columns` x `rows` values back, also of what version 1 packed; the error tells what is wrong with the
+/// bytes.
 Result<std::vector<std::vector<double>>> UnpackColumns(std::span<const std::uint8_t> bytes,
                                                        std::size_t columns, std::size_t rows);
 Result<std::vector<std::vector<Quality>>> UnpackFlags(std::span<const std::uint8_t> bytes,

@@ -150,7 +150,8 @@ void LiveRig::StartPress() {
   std::vector<std::string> arguments = {"simulate", "press", "--serve", File("press.toml")};
   for (const auto& [option, value] :
        {std::pair<std::string, std::string>{"--seed", std::to_string(options_.seed)},
-        {"--sample-period", fmt::format("{:.9g}", 1 / options_.rate)}}) {
+        {"--sample-period", fmt::format("{:.9g}", 1 / options_.rate)},
+        {"--adc-bits", std::to_string(options_.adc_bits)}}) {
     arguments.push_back(option);
     arguments.push_back(value);
   }

@@ -42,6 +42,7 @@ struct RigOptions {
   std::uint64_t seed = 1;
   std::string transport = "default";  ///< of DDS
   double clock_drift = 0;             ///< ppm
+  int adc_bits = 16;                  ///< of the press's converters; 0 = none
   std::string folder;                 ///< "" = a temporary one, removed at the end
   std::string press_address = "127.0.0.1", service_address = "127.0.0.1";
   int press_network = -1, service_network = -1;  ///< namespaces, see Child

@@ -1,0 +1,115 @@
+#include "storage/raw_codec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+namespace hydroscope {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::size_t kRows = 1000;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Size of the column packed, after a look whether every bit comes back.
+std::size_t PackedSize(const std::vector<double>& column) {
+  const auto packed = PackColumns(std::vector<std::span<const double>>{column});
+  const auto back = UnpackColumns(packed, 1, column.size());
+  EXPECT_TRUE(back) << back.error().text;
+  if (!back) return packed.size();
+  for (std::size_t i = 0; i < column.size(); ++i)
+    EXPECT_EQ(std::bit_cast<std::uint64_t>((*back)[0][i]), std::bit_cast<std::uint64_t>(column[i])) << i;
+  return packed.size();
+}
+
+template <typename Make>
+std::vector<double> Column(Make make) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::vector<double> column;
+  for (std::size_t i = 0; i < kRows; ++i) column.push_back(make(i, normal(random)));
+  return column;
+}
+
+TEST(RawCodec, AConvertersReadingsTakeNoMoreThanTheirNoise) {
+  constexpr double kStep = 400e5 / 65536;
+  const auto readings = Column([](std::size_t i, double noise) {
+    return std::round((2e7 + 1e4 * static_cast<double>(i) + 10 * kStep * noise) / kStep) * kStep;
+  });
+  // Differences of noise of 10 steps: log2(10 * sqrt(2 * 2 * pi * e)) = 5.9 bits a row.
+  EXPECT_LT(PackedSize(readings), kRows * 7.5 / 8);
+}
+
+TEST(RawCodec, ReadingsConvertedToSiUnitsPackAsWell) {
+  const auto readings = Column(
+      [](std::size_t, double noise) { return std::round(20000 + 10 * noise) * (400.0 / 65536) * 1e5; });
+  EXPECT_LT(PackedSize(readings), kRows * 9.0 / 8);
+}
+
+TEST(RawCodec, TimeTakesNextToNothing) {
+  double time = 1.7e9;
+  EXPECT_LT(PackedSize(Column([&](std::size_t, double) { return time += 1e-3; })), kRows / 3);
+}
+
+TEST(RawCodec, AnyPatternOfBitsComesBack) {
+  PackedSize(Column([](std::size_t, double noise) { return noise; }));
+  std::mt19937_64 random(5);
+  PackedSize(Column([&](std::size_t, double) { return std::bit_cast<double>(std::uint64_t(random())); }));
+  const double odd[] = {0.0,    -0.0,    kInfinity, -kInfinity, std::nan("7"), -std::nan("9"),
+                        5e-324, -5e-324, 1e308,     -1e308,     1.0,           -1.0};
+  PackedSize(Column([&](std::size_t i, double) { return odd[i % std::size(odd)]; }));
+  PackedSize(
+      Column([&](std::size_t i, double) { return i % 3 == 0 ? -0.0 : 0.25 * static_cast<double>(i % 7); }));
+  PackedSize(Column([&](std::size_t i, double) { return i % 100 == 7 ? std::nan("") : 0.5; }));
+  PackedSize({});
+  PackedSize({3.25});
+}
+
+TEST(RawCodec, FlagsComeBack) {
+  std::vector<Quality> flags(kRows);
+  for (std::size_t i = 0; i < kRows; i += 7) flags[i] = static_cast<Quality>(65535 - i);
+  const auto packed = PackColumns(std::vector<std::span<const Quality>>{flags, flags});
+  const auto back = UnpackFlags(packed, 2, kRows);
+  ASSERT_TRUE(back) << back.error().text;
+  EXPECT_EQ((*back)[0], flags);
+  EXPECT_EQ((*back)[1], flags);
+}
+
+TEST(RawCodec, WhatVersionOnePackedIsStillRead) {
+  const auto column = Column([](std::size_t, double noise) { return noise; });
+  std::vector<std::uint8_t> shuffled(8 * kRows);
+  for (std::size_t i = 0; i < kRows; ++i)
+    for (std::size_t byte = 0; byte < 8; ++byte)
+      shuffled[byte * kRows + i] =
+          static_cast<std::uint8_t>(std::bit_cast<std::uint64_t>(column[i]) >> (8 * byte));
+  std::vector<std::uint8_t> packed(compressBound(shuffled.size()));
+  uLongf size = packed.size();
+  ASSERT_EQ(compress2(packed.data(), &size, shuffled.data(), shuffled.size(), 1), Z_OK);
+  packed.resize(size);
+  const auto back = UnpackColumns(packed, 1, kRows);
+  ASSERT_TRUE(back) << back.error().text;
+  EXPECT_EQ((*back)[0], column);
+}
+
+TEST(RawCodec, DamagedBytesAreRefusedWhateverTheyAre) {
+  const auto column = Column([](std::size_t i, double) { return 0.5 * static_cast<double>(i % 9); });
+  const auto packed = PackColumns(std::vector<std::span<const double>>{column, column});
+  for (std::size_t cut = 0; cut < packed.size(); ++cut) {
+    const auto back = UnpackColumns(std::span(packed).first(cut), 2, kRows);
+    ASSERT_FALSE(back) << cut;
+    EXPECT_THAT(back.error().text, HasSubstr("2 columns of 1000 rows"));
+  }
+  EXPECT_FALSE(UnpackColumns(packed, 3, kRows));
+  EXPECT_FALSE(UnpackColumns(packed, 1, kRows));
+  EXPECT_FALSE(UnpackColumns(packed, 2, kRows + 1));
+}
+
+}  // namespace
+}  // namespace hydroscope
