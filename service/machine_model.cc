@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/units.h"
+#include "diagnosis/nonlinear_scatter.h"
 #include "models/effect.h"
 
 namespace hydroscope {
@@ -64,6 +65,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
+  WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   return out;
 }
 

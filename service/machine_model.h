@@ -16,6 +16,7 @@ struct MachineModel {
 };
 
 /// Fits it to the kept strokes; nonlinear parameters of added effects come from the best grid value, refined.
+/// Where an effect has free ones, standard deviations hold what their own scatter adds.
 /// Errors: an added effect is not in the library or its signal is not measured; the strokes cannot separate
 /// the parameters.
 Result<MachineModel> FitMachineModel(const LogStrokes& log);

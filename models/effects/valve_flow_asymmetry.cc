@@ -4,13 +4,13 @@
 
 namespace hydroscope::effects {
 
-/// The edge used for y_v < 0 has another gain: flow (1 + a) there (Jelali and Kroll 2003, sec. 4.3). Needs strokes
-/// that use both edges.
+/// The edge used for u = y_v - y_0 < 0 has another gain: flow (1 + a) there (Jelali and Kroll 2003, sec. 4.3);
+/// y_0 enters by its slope. Needs strokes that use both edges.
 Effect ValveFlowAsymmetry(const CushionGeometry&) {
   Effect e;
   e.id = "valve_flow_asymmetry";
   e.title = "Different gain of the two metering edges";
-  e.law = "Q = (1 + a) Q for y_v < 0";
+  e.law = "Q = (1 + a) Q for y_v < y_0";
   e.source = "Jelali and Kroll 2003, sec. 4.3";
   e.parameter = "a";
   e.unit = "1";
@@ -26,7 +26,13 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       IntegrateOverTime(s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
     };
-    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      IntegrateOverTime(s, [=](int k) { return y[k] < 0 ? root[k] : 0.0; }, out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
   };
   return e;
 }

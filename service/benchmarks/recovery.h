@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+struct RecoveryOptions {
+  double seconds = 120;    ///< of each log
+  std::uint64_t seed = 1;  ///< of the first log of each effect
+  int seeds = 1;           ///< logs per effect
+};
+
+/// One parameter of one fit against the truth it was simulated with.
+struct RecoveredValue {
+  std::string name, unit;
+  double truth = 0, value = 0, std = 0;  ///< SI; value +- 1.96 std is the 95 % interval
+  double Deviation() const { return (value - truth) / std; }
+};
+
+/// Simulates the example press with `effect` at its typical size (the simulator's own equations), and fits
+/// the machine's model with the effect added, thresholds and widths found by the fit. First value: the size
+/// of the effect; then the base parameters. Strokes are drawing strokes with speeds of their own; effects of
+/// the metering edge that these do not use (spool overlap, asymmetry) are given strokes that rest and return
+/// too.
+Result<std::vector<RecoveredValue>> RecoverEffect(const std::string& effect, double seconds,
+                                                  std::uint64_t seed);
+
+/// All effects of the library. Prints sizes and deviations of every parameter in standard deviations. Returns
+/// 0 if each stated interval of three standard deviations holds its truth (of one log per effect), or 90 % or
+/// more of all 95 % intervals, and of those of the sizes (of several); else 1.
+int RunRecovery(const RecoveryOptions& options);
+
+}  // namespace hydroscope
