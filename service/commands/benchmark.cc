@@ -10,6 +10,7 @@
 #include "service/benchmarks/filter_study.h"
 #include "service/benchmarks/frf_benchmark.h"
 #include "service/benchmarks/hidden_effects_benchmark.h"
+#include "service/benchmarks/recovery.h"
 #include "service/benchmarks/seal_friction.h"
 #include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
@@ -121,6 +122,24 @@ void AddThirtyRuns(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark thirty-runs --db runs.db --report runs.html\n"
       "  hydroscope benchmark thirty-runs --seeds 20");
   command->callback([o, &exit_code] { exit_code = RunThirtyRuns(*o); });
+}
+
+void AddRecovery(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<RecoveryOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "recovery", "Each effect of the library simulated at a known size: found again by the extended model?");
+  command->add_option("--seconds", o->seconds, "Length of each log, s")
+      ->check(CLI::Range(30.0, 1e4))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the first log of each effect")->capture_default_str();
+  command->add_option("--seeds", o->seeds, "Logs per effect")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark recovery\n"
+      "  hydroscope benchmark recovery --seeds 10");
+  command->callback([o, &exit_code] { exit_code = RunRecovery(*o); });
 }
 
 void AddEndurance(CLI::App& benchmark, int& exit_code) {
@@ -235,6 +254,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddFrf(*benchmark, exit_code);
   AddFilterStudy(*benchmark, exit_code);
   AddThirtyRuns(*benchmark, exit_code);
+  AddRecovery(*benchmark, exit_code);
   AddEndurance(*benchmark, exit_code);
   AddDrift(*benchmark, exit_code);
   AddDriftFull(*benchmark, exit_code);
