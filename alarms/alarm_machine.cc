@@ -13,6 +13,8 @@ const char* SuppressionName(Suppression reason) {
       return "valve check running";
     case kSuppressedTooCold:
       return "oil below the minimum temperature";
+    case kSuppressedCommonCause:
+      return "all axes changed together";
   }
   return "";
 }
@@ -153,6 +155,11 @@ Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now) {
 }
 
 }  // namespace alarm_machine
+
+bool AtRest(const AlarmState& alarm) {
+  return !alarm.active && alarm.acknowledged && !alarm.latched && !alarm.shelved_until &&
+         !alarm.out_of_service;
+}
 
 char NamurStatus(const std::vector<AlarmState>& alarms, bool checking) {
   char status = '-';

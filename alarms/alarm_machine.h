@@ -64,6 +64,10 @@ Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now);
 
 }  // namespace alarm_machine
 
+/// Nothing to show to anybody: not active, nothing to acknowledge or reset, not shelved, in service. A suppressed alarm
+/// without cause is at rest too.
+bool AtRest(const AlarmState& alarm);
+
 /// Health of an axis after NAMUR NE 107: 'F' failure, 'C' function check, 'S' out of specification, 'M'
 /// maintenance required, '-' good; the most urgent of its alarms in this order. Shelved alarms count,
 /// suppressed ones do not. `checking`: commissioning or a valve check is under way.

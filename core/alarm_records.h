@@ -17,6 +17,7 @@ enum Suppression : std::uint8_t {
   kSuppressedIdle = 1,        ///< press idle
   kSuppressedValveCheck = 2,  ///< valve check running
   kSuppressedTooCold = 4,     ///< oil below the minimum temperature
+  kSuppressedCommonCause = 8,  ///< the machine's own alarm says it for all axes
 };
 
 /// One alarm of one axis: orthogonal flags from which the state's name is derived (ISA-18.2-2016, fig. 3; IEC 62682).

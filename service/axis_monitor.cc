@@ -134,8 +134,8 @@ Status AxisMonitor::Restore(const AxisContent& content) {
   if (saved_->empty()) return {};
   ByteReader in(*saved_);
   const bool learned = in.Get<std::uint8_t>() != 0;
-  if (learned) monitor_.emplace(*model_, rules_, drift::Reference());
-  const bool restored = !learned || monitor_->Restore(in);
+  if (learned) monitor_ = drift::DriftMonitor::Restored(*model_, rules_, in);
+  const bool restored = monitor_.has_value() == learned;
   checks_ = in.Get<std::int64_t>();
   if (restored && valve_.Restore(in) && in.at_end()) return {};
   // Written by another program version or for another model: the frozen reference alone may still serve.
@@ -287,6 +287,13 @@ Status AxisMonitor::SetSuppression(Suppression reason, bool on, double wall) {
   return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
 }
 
+Status AxisMonitor::SetCommonCause(std::set<std::string> alarms, double wall) {
+  if (alarms == common_cause_) return {};
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  common_cause_ = std::move(alarms);
+  return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
+}
+
 /// Brings the flags of every alarm, new ones too, to what the live service said last.
 void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
   for (AlarmState& alarm : content.alarms) {
@@ -294,6 +301,8 @@ void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
     if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
     content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
                                            (suppressed_ & kSuppressedValveCheck) != 0, now));
+    content.Append(alarm_machine::Suppress(alarm, kSuppressedCommonCause,
+                                           common_cause_.contains(alarm.id), now));
   }
 }
 
@@ -304,8 +313,10 @@ Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& setti
       std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == alarm; });
   if (!condition && (known == alarms_.end() || !known->active)) return {};
   return Change(wall, [&](AxisContent& axis) {
-    AlarmState& state = axis.Alarm(alarm);
     const AlarmMoment now = Moment(wall);
+    axis.Alarm(alarm);
+    Suppress(axis, now);
+    AlarmState& state = axis.Alarm(alarm);
     axis.Append(condition ? alarm_machine::Observe(state, settings, *condition, now)
                           : alarm_machine::Clear(state, settings, now));
   });

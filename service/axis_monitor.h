@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,8 @@ class AxisMonitor {
   /// For the live service, which says it anew after a restart. Idle suppresses what is not active yet: a
   /// fault found in production stands through the break.
   Status SetSuppression(Suppression reason, bool on, double wall);
+  /// Alarms of this axis whose cause the whole press shares; an alarm of the press stands for them.
+  Status SetCommonCause(std::set<std::string> alarms, double wall);
   /// An alarm that something else than strokes raises; `condition` empty clears it.
   Status Observe(const std::string& alarm, const AlarmSettings& settings,
                  const std::optional<AlarmCondition>& condition, double wall);
@@ -55,6 +58,8 @@ class AxisMonitor {
   std::int64_t commissioning_strokes() const { return static_cast<std::int64_t>(collected_.size()); }
   const std::vector<AlarmState>& alarms() const { return alarms_; }
   const std::string& name() const { return machine_.name; }
+  /// First stroke not judged yet.
+  std::int64_t next_stroke() const { return next_; }
   /// NAMUR NE 107.
   char Health() const { return NamurStatus(alarms_, !monitor_); }
 
@@ -99,6 +104,7 @@ class AxisMonitor {
   std::vector<drift::StrokeEvidence> collected_;    ///< by commissioning
   std::int64_t collected_to_ = 0;                   ///< first stroke not looked at by commissioning
   std::uint8_t suppressed_ = 0;                     ///< by SetSuppression()
+  std::set<std::string> common_cause_;
   std::vector<AlarmState> alarms_;
 };
 

@@ -34,6 +34,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddStatusCommand(app, exit_code);
   AddVerifyLiveCommand(app, exit_code);
   AddAlarmsCommand(app, exit_code);
+  AddLearnCommand(app, exit_code);
   AddBenchmarkCommand(app, exit_code);
   try {
     app.parse(argc, argv);

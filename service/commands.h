@@ -25,6 +25,7 @@ void AddServeCommand(CLI::App& app, int& exit_code);
 void AddStatusCommand(CLI::App& app, int& exit_code);
 void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
 void AddAlarmsCommand(CLI::App& app, int& exit_code);
+void AddLearnCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
 /// The benchmarks called live-...
 void AddLiveBenchmarks(CLI::App& benchmark, int& exit_code);

@@ -320,7 +320,7 @@ Status ReplayRunner::Watch(WatchOutcome& watch) {
   watch.commissioning_needed = rules->commissioning;
   watch.health = axis.Health();
   for (const AlarmState& alarm : axis.alarms())
-    if (std::string(StateName(alarm)) != "NORM") watch.alarms.push_back(alarm);
+    if (!AtRest(alarm)) watch.alarms.push_back(alarm);
   return {};
 }
 

@@ -234,6 +234,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   for (const HistoryPart& part : parts)
     if (const Status fits = CheckRuns(database, part, period, history); !fits)
       return tl::unexpected(fits.error());
+  if (!(period > 0) && machine.live) period = machine.live->grid_period;  // its first run goes on
   if (!(period > 0))
     return BadInput("{}: no log was replayed to its end, so the sample period is not known; replay it again",
                     path);

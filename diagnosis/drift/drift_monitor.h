@@ -108,9 +108,11 @@ class DriftMonitor {
   const RuleBook& rules() const { return *rules_; }
 
   void Save(ByteWriter& out) const;
-  bool Restore(ByteReader& in);
+  /// The monitor as saved; nullopt if the bytes are damaged, of another version or of another model.
+  static std::optional<DriftMonitor> Restored(WatchedModel model, const RuleBook& rules, ByteReader& in);
 
  private:
+  bool RestoreRest(ByteReader& in);
   void LearnClass(const StrokeEvidence& stroke);
   void Test(const StrokeEvidence& stroke, const Deviation& deviation, Judgement& judgement);
   void Explain(const Eigen::VectorXd& doubt, double oil_temperature);

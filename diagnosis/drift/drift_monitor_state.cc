@@ -105,13 +105,20 @@ void DriftMonitor::Save(ByteWriter& out) const {
   }
 }
 
-bool DriftMonitor::Restore(ByteReader& in) {
-  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return false;
-  const auto n = static_cast<Eigen::Index>(in.Get<std::uint32_t>());
-  if (n != model_.size()) return false;
+std::optional<DriftMonitor> DriftMonitor::Restored(WatchedModel model, const RuleBook& rules,
+                                                   ByteReader& in) {
+  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return std::nullopt;
+  if (in.Get<std::uint32_t>() != static_cast<std::uint32_t>(model.size())) return std::nullopt;
   Reference reference;
-  if (!reference.Restore(in) || static_cast<Eigen::Index>(reference.curves().size()) != n) return false;
-  *this = DriftMonitor(model_, *rules_, std::move(reference));
+  if (!reference.Restore(in) || static_cast<int>(reference.curves().size()) != model.size())
+    return std::nullopt;
+  DriftMonitor monitor(std::move(model), rules, std::move(reference));
+  if (!monitor.RestoreRest(in)) return std::nullopt;
+  return monitor;
+}
+
+bool DriftMonitor::RestoreRest(ByteReader& in) {
+  const auto n = static_cast<Eigen::Index>(model_.size());
   for (CumulativeSum& test : tests_) test = in.Get<CumulativeSum>();
   for (SlowTrend& trend : trends_)
     if (!trend.Restore(in)) return false;

@@ -116,8 +116,6 @@ struct Listed {
   AlarmState alarm;
 };
 
-bool AtRest(const AlarmState& a) { return std::string(StateName(a)) == "NORM"; }
-
 Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Arguments& a) {
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());

@@ -8,6 +8,7 @@
 #include "acquisition/live_sources.h"
 #include "alarms/feeds/feeds.h"
 #include "service/commands.h"
+#include "service/live/drift_watch.h"
 #include "service/live/http_endpoint.h"
 #include "service/live/live_service.h"
 #include "service/live/log.h"
@@ -59,21 +60,32 @@ void PrintAcknowledged(const LiveWriter::Axis& axis, const WriteItem& item) {
   if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size()) std::fflush(stdout);
 }
 
-void Reload(LiveService& service) {
+/// Watches for drift; nullptr if the model's parameters cannot be watched or journal or rules are unusable:
+/// the strokes are stored all the same and can be judged later.
+std::unique_ptr<PressMonitor> MakePressMonitor(const LiveOptions& options, const Machine& machine) {
+  auto press = PressMonitor::Create(options.machine_file, machine, options.database);
+  if (press) return std::move(*press);
+  LogError("drift_is_not_watched", {{"why", press.error().text}});
+  return nullptr;
+}
+
+/// Limits of the machine file and the rules file beside it.
+void Reload(LiveService& service, DriftWatch* watch, const LiveOptions& options) {
   sd_notify(0, "RELOADING=1");
-  if (const Status reloaded = service.Reload(); !reloaded)
-    LogError("reload_refused", {{"why", reloaded.error().text}});
-  else
-    LogInfo("limits_reloaded");
+  const Status reloaded = service.Reload();
+  if (!reloaded) LogError("reload_refused", {{"why", reloaded.error().text}});
+  if (const auto model = LoadLiveModel(options.machine_file); reloaded && model && watch != nullptr)
+    if (auto press = MakePressMonitor(options, (*model)->machine)) watch->Replace(std::move(press));
+  if (reloaded) LogInfo("limits_reloaded");
   sd_notify(0, "READY=1");
 }
 
 /// Until a signal ends it.
-void Wait(LiveService& service, const sigset_t& signals) {
+void Wait(LiveService& service, DriftWatch* watch, const LiveOptions& options, const sigset_t& signals) {
   for (;;) {
     const timespec patience{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &patience);
-    if (signal == SIGHUP) Reload(service);
+    if (signal == SIGHUP) Reload(service, watch, options);
     if (signal == SIGTERM || signal == SIGINT) return;
     const LiveStatus status = service.status();
     sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(status.writer.state),
@@ -105,8 +117,17 @@ int Run(ServeArguments& a) {
   LiveService& service = **created;
   const Feeds feeds = Feeds::Start(service.machine(), a.live.database, RealTime);
   ValveChecks checks(service, a.valve_check, RealTime);
+  std::unique_ptr<DriftWatch> watch;
+  if (auto press = MakePressMonitor(a.live, service.machine()))
+    watch = std::make_unique<DriftWatch>(
+        std::move(press),
+        DriftWatch::Inputs{[&] { return service.status(); }, [&] { return checks.checking(); }}, RealTime);
   const auto status = [&] {
     LiveStatus now = service.status();
+    if (watch)
+      now.drift = watch->status();
+    else
+      now.drift.problem = "see the log of the start";
     now.valve_check = checks.state();
     now.feeds = feeds.status();
     return now;
@@ -118,16 +139,19 @@ int Run(ServeArguments& a) {
   if (!endpoint) return ReportError(endpoint.error());
   if (const Status started = service.Start(); !started) return ReportError(started.error());
   checks.Start();
+  if (watch) watch->Start();
   LogInfo("serving", {{"machine", service.machine().name},
                       {"axes", std::to_string(AxisCount(service.machine()))},
                       {"database", a.live.database},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
-  Wait(service, signals);
+  Wait(service, watch.get(), a.live, signals);
   sd_notify(0, "STOPPING=1");
   LogInfo("stopping");
   checks.Stop();
+  if (watch) watch->Stop();
   const bool stored = service.Stop();
+  if (watch) watch->Finish();
   if (!stored) LogError("stopped_with_a_loss", {{"why", "what waited could not be written within 10 s"}});
   LogInfo("stopped");
   return stored ? kDone : kPartlyDone;

@@ -189,9 +189,7 @@ bool LiveService::Stop() {
   for (const auto& source : sources_) source->Stop();
   stop_ = true;
   thread_.join();
-  const bool stored = writer_->Stop(options_.patient ? kPatience : 0);
-  sources_.clear();
-  return stored;
+  return writer_->Stop(options_.patient ? kPatience : 0);
 }
 
 void LiveService::Run() {
@@ -301,6 +299,8 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
     ChannelStatus channel;
     channel.name = live.name;
     channel.unit = FindUnit(spec.unit).value_or(Unit{}).si;
+    channel.axis = live.axis;
+    channel.required = spec.required;
     channel.rate = rates_[c];
     channel.age = states[c].last_received == 0 ? kNaN : Seconds(now - states[c].last_received);
     channel.value = states[c].last_value;

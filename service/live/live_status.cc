@@ -150,6 +150,37 @@ class Metrics {
   std::string name_, text_;
 };
 
+json DriftJson(const DriftWatchStatus& drift) {
+  json axes = json::array();
+  for (const AxisHealth& a : drift.axes)
+    axes.push_back({{"name", a.name},
+                    {"health", std::string(1, a.health)},
+                    {"reference_version", a.reference},
+                    {"commissioning_strokes", a.learned},
+                    {"commissioning_needed", a.needed},
+                    {"judged_to", a.judged},
+                    {"alarms", a.alarms}});
+  return {{"problem", drift.problem}, {"axes", std::move(axes)}};
+}
+
+std::string DriftText(const json& drift) {
+  std::string text;
+  if (const auto problem = drift.at("problem").get<std::string>(); !problem.empty())
+    text += fmt::format("PROBLEM     drift is not watched: {}\n", problem);
+  for (const json& a : drift.at("axes")) {
+    std::vector<std::string> alarms = a.at("alarms");
+    const auto needed = a.at("commissioning_needed").get<std::int64_t>();
+    const bool learning = needed > 0 && a.at("reference_version").get<int>() == 0;
+    text += fmt::format("health {} {}: {}{}\n", a.at("health").get<std::string>(),
+                        a.at("name").get<std::string>(),
+                        learning ? fmt::format("learning the healthy machine, {} of {} strokes; ",
+                                               a.at("commissioning_strokes").get<std::int64_t>(), needed)
+                                 : "",
+                        alarms.empty() ? "no alarm stands" : fmt::format("{}", fmt::join(alarms, ", ")));
+  }
+  return text;
+}
+
 }  // namespace
 
 json StatusJson(const LiveStatus& s) {
@@ -177,6 +208,7 @@ json StatusJson(const LiveStatus& s) {
                   {"dropped_batches", s.inbox.dropped_batches},
                   {"dropped_values", s.inbox.dropped_values}};
   out["writer"] = WriterJson(s.writer);
+  out["drift"] = DriftJson(s.drift);
   return out;
 }
 
@@ -229,6 +261,7 @@ std::string StatusText(const json& s) {
                         feed.at("name").get<std::string>(), feed.at("state").get<std::string>(),
                         feed.at("clients").get<int>(), feed.at("delivered").get<std::int64_t>(),
                         feed.at("behind").get<std::int64_t>(), feed.at("errors").get<std::int64_t>());
+  text += DriftText(s.at("drift"));
   text += fmt::format("\n{:<24} {:>9} {:>9} {:>14} {:>14} {:>8}\n", "channel", "rate", "age", "value",
                       "noise", "flagged");
   for (const json& c : s.at("channels")) {
@@ -320,6 +353,13 @@ std::string PrometheusText(const LiveStatus& s) {
   for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.behind), feed_label(feed));
   m.Begin("feed_errors_total", "counter", "Rounds of the feed that failed.");
   for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.errors), feed_label(feed));
+  m.Begin("axis_health", "gauge", "NAMUR NE 107: 1 for the state the axis is in.");
+  for (const AxisHealth& a : s.drift.axes)
+    for (const char state : {'-', 'M', 'S', 'C', 'F'})
+      m.Add(a.health == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
+  m.Begin("axis_alarms", "gauge", "Alarms that are not at rest.");
+  for (const AxisHealth& a : s.drift.axes)
+    m.Add(static_cast<double>(a.alarms.size()), fmt::format("axis=\"{}\"", Label(a.name)));
   m.Begin("process_resident_bytes", "gauge", "Memory of the process.");
   m.Add(static_cast<double>(s.memory));
   m.Begin("process_descriptors", "gauge", "Open files of the process.");

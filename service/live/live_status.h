@@ -8,6 +8,7 @@
 #include "acquisition/aligner.h"
 #include "acquisition/source.h"
 #include "alarms/feeds/feed.h"
+#include "service/live/drift_watch_status.h"
 #include "service/live/inbox.h"
 #include "service/live/writer.h"
 
@@ -23,6 +24,8 @@ struct ChannelStatus {
   double noise_std = 0;      ///< SI; NaN: not known
   std::int64_t flagged = 0;  ///< values with any quality flag, in the present run
   bool stale = false;        ///< older than two periods
+  int axis = 0;
+  bool required = false;  ///< the model cannot do without it
 };
 
 struct AxisStatus {
@@ -53,6 +56,7 @@ struct LiveStatus {
   int descriptors = 0;          ///< open files
   std::string valve_check;      ///< what it does now, "" = off
   std::vector<FeedStatus> feeds;
+  DriftWatchStatus drift;
 };
 
 nlohmann::json StatusJson(const LiveStatus& status);

@@ -218,6 +218,11 @@ SweepStatus ValveChecks::Ask(int axis, double& begin) {
   return SweepStatus::kUndecided;
 }
 
+int ValveChecks::checking() const {
+  std::lock_guard lock(mutex_);
+  return recording_;
+}
+
 void ValveChecks::Record(int axis, const SampleBlock& block) {
   std::lock_guard lock(mutex_);
   if (axis != recording_ || rows_.rows() + block.rows() > kMostRows) return;

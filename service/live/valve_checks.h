@@ -44,6 +44,8 @@ class ValveChecks {
   Status Request(const std::string& axis);
   /// For people; "" if checks are off and none was asked for.
   std::string state() const;
+  /// Axis whose valve is being swept, -1 if none is.
+  int checking() const;
 
  private:
   void Run();

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hydroscope {
+
+/// How one axis stands, for `status`.
+struct AxisHealth {
+  std::string name;                 ///< "press/cushion_1"; the press itself: "press"
+  char health = 'C';                ///< NAMUR NE 107
+  int reference = 0;                ///< version; 0: commissioning
+  std::int64_t learned = 0;         ///< strokes commissioning has ...
+  std::int64_t needed = 0;          ///< ... and needs
+  std::int64_t judged = 0;          ///< stroke up to which all are judged
+  std::vector<std::string> alarms;  ///< "UNACK internal_leakage": those that are not at rest
+};
+
+struct DriftWatchStatus {
+  std::string problem;  ///< why nothing is judged, "" while all is well
+  std::vector<AxisHealth> axes;
+};
+
+}  // namespace hydroscope
