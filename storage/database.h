@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,11 @@ struct LiveBatch {
   std::vector<std::uint8_t> pipeline_state;  ///< behind the last stroke; empty: as stored before
   std::vector<std::uint8_t> sender_marks;    ///< newest rows of the senders taken; empty: as stored before
   std::int64_t rows_taken = 0;               ///< rows of the run the pipeline has taken, with these
+};
+
+struct LiveStep {
+  std::int64_t run = 0;
+  const LiveBatch* batch = nullptr;
 };
 
 /// How much raw data is kept of a machine.
@@ -171,7 +177,16 @@ class Database {
   /// One step of the live service, in one transaction: all of it is stored or nothing. Strokes as by
   /// StoreStrokes, raw rows as by StoreRaw with their flags.
   Status StoreLive(std::int64_t run, const std::vector<std::string>& signals, const LiveBatch& batch,
+                   const RawLimits& limits) {
+    const LiveStep step{run, &batch};
+    return StoreLive({&step, 1}, signals, limits);
+  }
+  /// Steps of several runs, in order, in one transaction: pages they share are written once.
+  Status StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                    const RawLimits& limits);
+  /// Moves what the write-ahead log holds into the database file, as far as no reader is in the way. It happens by
+  /// itself when the log is long; asked for in a pause, it keeps nobody waiting.
+  Status Checkpoint();
   /// The machine's newest run; nullopt if it has none.
   Result<std::optional<LiveProgress>> NewestRun(std::int64_t machine) const;
   /// Runs of the machine of which raw rows are kept, in order.

@@ -17,24 +17,39 @@ void UpdateProgress(Connection& connection, std::int64_t run, const LiveBatch& b
       .Run();
 }
 
+Status StoreStep(Connection& connection, const std::string& path, const LiveStep& step,
+                 const std::vector<std::string>& signals, const RawLimits& limits) {
+  const LiveBatch& batch = *step.batch;
+  auto row = connection.FindRun(step.run);
+  if (!row) return tl::unexpected(row.error());
+  if (row->state != "open")
+    return InternalError("{}: run {} is {} and takes nothing more", path, step.run, row->state);
+  if (const Status stored = AppendStrokes(connection, *row, batch.strokes); !stored) return stored;
+  const SampleBlock& raw = batch.raw;
+  if (raw.rows() > 0)
+    if (const Status stored = AppendRaw(connection, *row, signals, raw.time, raw.signal, raw.quality, limits);
+        !stored)
+      return stored;
+  UpdateProgress(connection, step.run, batch);
+  return {};
+}
+
 }  // namespace
 
-Status Database::StoreLive(std::int64_t run, const std::vector<std::string>& signals, const LiveBatch& batch,
+Status Database::StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                            const RawLimits& limits) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
-    auto row = impl_->FindRun(run);
-    if (!row) return tl::unexpected(row.error());
-    if (row->state != "open")
-      return InternalError("{}: run {} is {} and takes nothing more", impl_->path, run, row->state);
-    if (const Status stored = AppendStrokes(*impl_, *row, batch.strokes); !stored) return stored;
-    const SampleBlock& raw = batch.raw;
-    if (raw.rows() > 0)
-      if (const Status stored = AppendRaw(*impl_, *row, signals, raw.time, raw.signal, raw.quality, limits);
-          !stored)
-        return stored;
-    UpdateProgress(*impl_, run, batch);
+    for (const LiveStep& step : steps)
+      if (const Status stored = StoreStep(*impl_, impl_->path, step, signals, limits); !stored) return stored;
     transaction.commit();
+    return {};
+  });
+}
+
+Status Database::Checkpoint() {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    impl_->db.exec("PRAGMA wal_checkpoint(PASSIVE)");
     return {};
   });
 }

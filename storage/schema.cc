@@ -218,6 +218,7 @@ Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = NORMAL");
   db.exec("PRAGMA journal_size_limit = 67108864");
+  db.exec("PRAGMA wal_autocheckpoint = 2048");  // pages: 16 MB; a checkpoint waits for the disk
   db.exec("PRAGMA foreign_keys = ON");
   if (kind.version == kFormatVersion) return {};
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 
 #include "service/live/log.h"
 
@@ -12,6 +13,9 @@ namespace hydroscope {
 namespace {
 
 constexpr std::chrono::milliseconds kRetry(250);
+constexpr std::chrono::milliseconds kPause(50);  // without work: time for a checkpoint
+constexpr std::size_t kStepsToCheckpoint = 16;
+constexpr std::size_t kStepsTogether = 128;
 constexpr std::size_t kLatenciesKept = 65536;
 constexpr std::size_t kItemsKept = 10'000;
 
@@ -103,6 +107,13 @@ void LiveWriter::Run() {
   std::unique_lock lock(mutex_);
   while (WaitForWork(lock)) {
     lock.unlock();
+    if (!HasCurrent()) {
+      static_cast<void>(
+          database_.Checkpoint());  // what is in the way of it is in the way of the next step as well
+      not_checkpointed_ = 0;
+      lock.lock();
+      continue;
+    }
     const Status done = DiskHasRoom() ? Work() : NoRoom();
     lock.lock();
     if (done || !MayPass(done.error())) {
@@ -114,27 +125,59 @@ void LiveWriter::Run() {
   }
 }
 
-/// Takes the next thing to do; false at the end. What could not be written is taken again.
+/// Takes the next things to do, nothing if there is time for a checkpoint; false at the end. What could not
+/// be written is taken again.
 bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
-  changed_.wait(lock, [this] {
-    return stopping_ || current_ || current_check_ || !items_.empty() || !valve_checks_.empty();
-  });
+  const auto wanted = [this] {
+    return stopping_ || HasCurrent() || !items_.empty() || !valve_checks_.empty();
+  };
+  if (not_checkpointed_ < kStepsToCheckpoint)
+    changed_.wait(lock, wanted);
+  else if (!changed_.wait_for(lock, kPause, wanted))
+    return true;
   if (give_up_) return false;
-  if (current_ || current_check_) return true;
+  if (HasCurrent()) return true;
   if (!valve_checks_.empty()) {
     current_check_ = std::move(valve_checks_.front());
     valve_checks_.pop_front();
-  } else if (!items_.empty()) {
-    current_ = std::move(items_.front());
-    items_.pop_front();
+    return true;
   }
-  return current_ || current_check_;
+  const auto is_step = [this] { return !items_.empty() && items_.front().kind == WriteItem::Kind::kStep; };
+  const std::size_t most = singly_ > 0 ? 1 : kStepsTogether;
+  while (current_.empty() ? !items_.empty() : current_.size() < most && is_step()) {
+    current_.push_back(std::move(items_.front()));
+    items_.pop_front();
+    if (current_.front().kind != WriteItem::Kind::kStep) break;
+  }
+  singly_ -= std::min(singly_, current_.size());
+  return HasCurrent();
 }
 
 Status LiveWriter::Work() {
-  if (current_) return Execute(*current_);
-  return database_.AddValveCheck(axes_[static_cast<std::size_t>(current_check_->first)].machine,
-                                 current_check_->second);
+  if (current_check_)
+    return database_.AddValveCheck(axes_[static_cast<std::size_t>(current_check_->first)].machine,
+                                   current_check_->second);
+  return current_.front().kind == WriteItem::Kind::kStep ? StoreSteps() : Execute(current_.front());
+}
+
+/// All steps of `current_` in one transaction.
+Status LiveWriter::StoreSteps() {
+  std::map<int, std::int64_t> next;  // stroke of each axis
+  std::vector<LiveStep> steps;
+  for (WriteItem& item : current_) {
+    const Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
+    std::int64_t& index = next.try_emplace(item.axis, axis.strokes).first->second;
+    for (StrokeRecord& record : item.step.strokes) record.summary.index = index++;
+    steps.push_back({axis.run, &item.step});
+  }
+  if (const Status stored = database_.StoreLive(steps, signals_, options_.raw); !stored) return stored;
+  ++not_checkpointed_;
+  for (const WriteItem& item : current_) {
+    Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
+    axis.strokes += static_cast<std::int64_t>(item.step.strokes.size());
+    if (acknowledged_) acknowledged_(axis, item);
+  }
+  return {};
 }
 
 Status LiveWriter::NoRoom() const {
@@ -143,21 +186,28 @@ Status LiveWriter::NoRoom() const {
       options_.min_free >> 20);
 }
 
-/// What was to be done is over, one way or the other.
+/// What was to be done is over, one way or the other. Of several steps refused together each is tried alone.
 void LiveWriter::Settle(const Status& done) {
+  if (!done && current_.size() > 1) {
+    singly_ = current_.size();
+    items_.insert(items_.begin(), std::make_move_iterator(current_.begin()),
+                  std::make_move_iterator(current_.end()));
+    current_.clear();
+    return;
+  }
   if (!done) {
     ++status_.refused;
-    const int axis = current_ ? current_->axis : current_check_->first;
+    const int axis = current_check_ ? current_check_->first : current_.front().axis;
     broken_.insert(axis);
     LogError("write_refused",
              {{"axis", axes_[static_cast<std::size_t>(axis)].name}, {"why", done.error().text}});
   }
-  if (current_) {
-    status_.waiting_bytes -= Bytes(*current_);
-    status_.waiting_strokes -= static_cast<std::int64_t>(current_->step.strokes.size());
-    if (done) Count(*current_);
+  for (const WriteItem& item : current_) {
+    status_.waiting_bytes -= Bytes(item);
+    status_.waiting_strokes -= static_cast<std::int64_t>(item.step.strokes.size());
+    if (done) Count(item);
   }
-  current_.reset();
+  current_.clear();
   current_check_.reset();
   if (done && status_.state != WriterState::kWriting) {
     LogInfo("writing_again", {{"after", WriterStateName(status_.state)}});
@@ -193,17 +243,12 @@ bool LiveWriter::DiskHasRoom() {
   return free >= options_.min_free;
 }
 
+/// Ends or begins a run.
 Status LiveWriter::Execute(WriteItem& item) {
   Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
   switch (item.kind) {
-    case WriteItem::Kind::kStep: {
-      std::int64_t index = axis.strokes;
-      for (StrokeRecord& record : item.step.strokes) record.summary.index = index++;
-      if (const Status stored = database_.StoreLive(axis.run, signals_, item.step, options_.raw); !stored)
-        return stored;
-      axis.strokes = index;
+    case WriteItem::Kind::kStep:
       break;
-    }
     case WriteItem::Kind::kEndRun:
       if (const Status ended = database_.FinishRun(axis.run, item.summary, item.state); !ended) return ended;
       break;
@@ -241,24 +286,25 @@ void LiveWriter::Count(const WriteItem& item) {
 bool LiveWriter::Stop(double seconds) {
   {
     std::unique_lock lock(mutex_);
-    if (!thread_.joinable()) return items_.empty() && !current_;
+    if (!thread_.joinable()) return items_.empty() && current_.empty();
     stopping_ = true;
     changed_.notify_all();
     const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-    while ((!items_.empty() || current_ || !valve_checks_.empty()) &&
+    while ((!items_.empty() || HasCurrent() || !valve_checks_.empty()) &&
            std::chrono::steady_clock::now() < until)
       changed_.wait_for(lock, std::chrono::milliseconds(5));
     give_up_ = true;
   }
   changed_.notify_all();
   thread_.join();
-  return items_.empty() && !current_;
+  return items_.empty() && current_.empty();
 }
 
 WriterStatus LiveWriter::status() const {
   std::lock_guard lock(mutex_);
   WriterStatus status = status_;
-  status.waiting_items = static_cast<std::int64_t>(items_.size()) + (current_ ? 1 : 0);
+  status.waiting_items =
+      static_cast<std::int64_t>(items_.size()) + static_cast<std::int64_t>(current_.size());
   status.latency_p50 = Quantile(latencies_, 0.5);
   status.latency_p99 = Quantile(latencies_, 0.99);
   status.commit_p99 = Quantile(commits_, 0.99);

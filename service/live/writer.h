@@ -41,9 +41,10 @@ struct WriterStatus {
   double commit_p99 = 0;                                     ///< s, pipeline to stored
 };
 
-/// Stores what the pipelines say, on a thread of its own, one transaction per step. When the disk is full or
-/// the database locked, it waits and tries again; what waits meanwhile is bounded: raw rows go first, oldest
-/// first, then strokes, counted.
+/// Stores what the pipelines say, on a thread of its own: a step is stored as a whole or not at all, and
+/// steps that wait together share a transaction, so that strokes of many axes that end at once cost little
+/// more than one. When the disk is full or the database locked, it waits and tries again; what waits
+/// meanwhile is bounded: raw rows go first, oldest first, then strokes, counted.
 class LiveWriter {
  public:
   /// Runs already begun, one id per axis. `acknowledged`, if given, is told each stored step.
@@ -71,9 +72,11 @@ class LiveWriter {
   void Run();
   bool WaitForWork(std::unique_lock<std::mutex>& lock);
   Status Work();
+  Status StoreSteps();
   Status Execute(WriteItem& item);
   Status NoRoom() const;
   void Settle(const Status& done);
+  bool HasCurrent() const { return !current_.empty() || current_check_.has_value(); }
   void Trim();
   bool DiskHasRoom();
   void Fail(const Error& error);
@@ -90,7 +93,9 @@ class LiveWriter {
   std::condition_variable changed_;
   std::deque<WriteItem> items_;
   std::deque<std::pair<int, ValveCheckRecord>> valve_checks_;
-  std::optional<WriteItem> current_;  ///< taken off the queue by the thread, which alone touches it
+  std::vector<WriteItem> current_;    ///< taken off the queue by the thread, which alone touches it
+  std::size_t singly_ = 0;            ///< items to be taken one by one, because one of them was refused
+  std::size_t not_checkpointed_ = 0;  ///< transactions
   std::optional<std::pair<int, ValveCheckRecord>> current_check_;
   WriterStatus status_;
   std::vector<double> latencies_, commits_;
