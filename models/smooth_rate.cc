@@ -2,15 +2,26 @@
 
 #include <algorithm>
 
+#include "core/wide.h"
+
 namespace hydroscope {
 
-double WhiteNoiseVariance(const double* x, int n) {
-  double sum[4] = {};  // no sum waits for the one before
-  for (int k = 3; k < n; ++k) {
+HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
+  if (n <= 3) return 0.0;
+  constexpr int kSums = 8;  // no sum waits for the one before; one vector of them
+  double sum[kSums] = {};
+  int k = 3;
+  for (; k + kSums <= n; k += kSums)
+    for (int i = 0; i < kSums; ++i) {
+      const double third = x[k + i] - 3 * x[k + i - 1] + 3 * x[k + i - 2] - x[k + i - 3];
+      sum[i] += third * third;
+    }
+  for (; k < n; ++k) {
     const double third = x[k] - 3 * x[k - 1] + 3 * x[k - 2] - x[k - 3];
-    sum[k & 3] += third * third;
+    sum[0] += third * third;
   }
-  return n > 3 ? ((sum[0] + sum[1]) + (sum[2] + sum[3])) / (20.0 * (n - 3)) : 0.0;
+  const double total = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+  return total / (20.0 * (n - 3));
 }
 
 void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,

@@ -1,4 +1,5 @@
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -7,8 +8,8 @@ constexpr double kReferenceTemperature = 313.15;  // K, 40 degC
 
 }  // namespace
 
-/// Flow gain changes with oil temperature through viscosity and density: Q_vn (1 + c (T - 40 degC)) (press paper,
-/// fig. 18: nominal flow follows the oil from 26 to 32 degC).
+/// Flow gain changes with oil temperature through viscosity and density: Q_vn (1 + c (T - 40 degC)) (press
+/// paper, fig. 18: nominal flow follows the oil from 26 to 32 degC).
 Effect OilViscosity(const CushionGeometry&) {
   Effect e;
   e.id = "oil_viscosity";
@@ -22,20 +23,24 @@ Effect OilViscosity(const CushionGeometry&) {
   e.typical = 0.002;
   e.hidden_in = "Q_vn";
   e.plain =
-      "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out of order, the "
+      "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
+      "of order, the "
       "wrong oil grade.";
   e.channels = {kOilTemperature};
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
-      IntegrateOverTime(s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
     };
     const auto null = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *t = s[kOilTemperature];
-      IntegrateOverTime(s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
     };
-    return EffectVariant{{flow, null},
-                         [](const ShapeContext& c) { return std::vector<double>{c.theta[0], c.theta[3]}; }};
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
   };
   return e;
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -18,13 +19,15 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.confused_with = {"internal_leakage", "external_leakage", "spool_overlap"};
   e.hidden_in = "y_0";
   e.plain =
-      "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored bore, a "
+      "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored "
+      "bore, a "
       "check valve that does not close, an open bypass.";
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB];
-      IntegrateOverTime(s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
     });
   };
   return e;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -41,12 +42,12 @@ Effect PressureOffset(const CushionGeometry&) {
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [=](int k) { return y[k] * RootChange(root[k], y[k], b); }, out);
     };
     const auto null = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [=](int k) { return RootChange(root[k], y[k], b); }, out);
     };
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {

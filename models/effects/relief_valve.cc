@@ -1,11 +1,12 @@
 #include <algorithm>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
-/// A relief valve that opens proportionally above its cracking pressure, Q = G (p_A - p_crack)+ (Merritt 1967,
-/// sec. 9-2, static characteristic).
+/// A relief valve that opens proportionally above its cracking pressure, Q = G (p_A - p_crack)+ (Merritt
+/// 1967, sec. 9-2, static characteristic).
 Effect ReliefValve(const CushionGeometry&) {
   Effect e;
   e.id = "relief_valve";
@@ -20,12 +21,14 @@ Effect ReliefValve(const CushionGeometry&) {
   e.confused_with = {"internal_leakage", "external_leakage"};
   e.hidden_in = "Q_vn";
   e.plain =
-      "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, dirt on the "
+      "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, "
+      "dirt on the "
       "seat, a warm return line.";
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double* p = s[kPressureA];
-      IntegrateOverTime(s, [=](int k) { return -std::max(p[k] - crack, 0.0); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return -std::max(p[k] - crack, 0.0); }, out);
     });
   };
   e.grid = {{120e5}, {150e5}, {170e5}, {190e5}};

@@ -2,11 +2,13 @@
 #include <cmath>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
-/// Dead band around the null: the edge opens only once |y_v| exceeds d (Merritt 1967, sec. 5-3, closed-centre valve).
-/// Fully open the dead band looks like a shifted null, so it shows only where the spool passes the band.
+/// Dead band around the null: the edge opens only once |y_v| exceeds d (Merritt 1967, sec. 5-3, closed-centre
+/// valve). Fully open the dead band looks like a shifted null, so it shows only where the spool passes the
+/// band.
 Effect SpoolOverlap(const CushionGeometry&) {
   Effect e;
   e.id = "spool_overlap";
@@ -22,12 +24,14 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.confused_with = {"valve_flow_curvature", "orifice_leakage"};
   e.hidden_in = "y_0";
   e.plain =
-      "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of a zero-lap "
+      "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
+      "a zero-lap "
       "one, the wrong valve after a repair, a mechanical null far off.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOverTime(s, [=](int k) { return -root[k] * std::clamp(y[k], -band, band) / band; }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return -root[k] * std::clamp(y[k], -band, band) / band; }, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };

@@ -1,0 +1,39 @@
+#include "service/benchmarks/recovery.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulator/effects.h"
+
+namespace hydroscope {
+namespace {
+
+std::vector<std::string> AllEffects() {
+  std::vector<std::string> ids;
+  for (const EffectInfo& effect : PressEffects()) ids.push_back(effect.id);
+  return ids;
+}
+
+/// Laws of pressure and position delays smooth the pressure's rate, which costs up to 5 % of the size.
+double KnownBias(const RecoveredValue& value) {
+  const bool smoothed = value.name == "pressure_signal_delay" || value.name == "position_signal_delay";
+  return smoothed ? 0.05 * value.truth : 0;
+}
+
+class EveryEffect : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(OfTheLibrary, EveryEffect, testing::ValuesIn(AllEffects()));
+
+TEST_P(EveryEffect, IsRecoveredWithinThreeStandardDeviationsAndTheBaseParametersToo) {
+  const auto values = RecoverEffect(GetParam(), 60, 77);
+  ASSERT_TRUE(values) << values.error().text;
+  ASSERT_EQ(values->size(), 5u);
+  for (const RecoveredValue& value : *values) {
+    EXPECT_TRUE(std::isfinite(value.std) && value.std > 0) << value.name;
+    EXPECT_LE(std::abs(value.value - value.truth), 3 * value.std + KnownBias(value))
+        << value.name << " " << value.value << " +- " << value.std << ", truth " << value.truth;
+  }
+}
+
+}  // namespace
+}  // namespace hydroscope
