@@ -11,7 +11,8 @@ packages=(
   libsqlitecpp-dev libsqlite3-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev
   libmicrohttpd-dev libspdlog-dev libsystemd-dev
-  libgtest-dev libgmock-dev
+  libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler
+  libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs
 )
 for option in "$@"; do
   case "$option" in
@@ -21,19 +22,28 @@ for option in "$@"; do
   esac
 done
 
+# Some packages of nodejs bring npm along and conflict with the one of its own.
+command -v npm >/dev/null || packages+=(npm)
+
 missing=()
 for package in "${packages[@]}"; do
   state=$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)
   [[ $state == ii* || $state == hi* ]] || missing+=("$package")
 done
-if [[ ${#missing[@]} -eq 0 ]]; then
+decoder=$(dirname "$0")/../alarms/feeds/sparkplug/decoder  # with what tests of MQTT payloads decode them
+if [[ ${#missing[@]} -eq 0 && -d $decoder/node_modules ]]; then
   echo "setup: all ${#packages[@]} packages are there"
   exit 0
 fi
 
-echo "setup: installing ${missing[*]}"
-root=()
-if [[ $(id -u) -ne 0 ]]; then root=(sudo); fi
-apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
-"${apt[@]}" update
-"${apt[@]}" install -y --no-install-recommends "${missing[@]}"
+if [[ ${#missing[@]} -gt 0 ]]; then
+  echo "setup: installing ${missing[*]}"
+  root=()
+  if [[ $(id -u) -ne 0 ]]; then root=(sudo); fi
+  apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+  "${apt[@]}" update
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
+fi
+if [[ ! -d $decoder/node_modules ]]; then
+  npm ci --prefix "$decoder" --no-audit --no-fund --ignore-scripts
+fi

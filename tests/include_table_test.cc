@@ -50,7 +50,7 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
     {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
     {"<mqtt/", {"alarms/feeds/sparkplug/"}},
-    {"<google/protobuf", {"alarms/feeds/sparkplug/"}},
+    {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
     {"<CLI/", {"service/"}},
     {"<muParser", {"models/expression_evaluator"}},

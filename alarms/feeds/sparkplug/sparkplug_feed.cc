@@ -1,0 +1,300 @@
+#include "alarms/feeds/sparkplug/sparkplug_feed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "alarms/feeds/feed_loop.h"
+#include "alarms/feeds/sparkplug/mqtt_connection.h"
+#include "alarms/feeds/sparkplug/payload.h"
+#include "storage/outbox.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kPeriod = 0.1;                         // s between two looks at the journal
+constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at the axes
+constexpr std::int64_t kRowsAtOnce = 1000;
+constexpr std::int64_t kMostWaiting = 20'000;  // items in the outbox; the journal keeps the rest
+constexpr std::int64_t kMostInFlight = 400;    // messages the broker has not acknowledged
+
+Result<std::string> FirstLine(const std::string& path) {
+  std::string line;
+  if (path.empty()) return line;
+  std::ifstream file(path);
+  if (!std::getline(file, line))
+    return BadInput("[feeds.sparkplug] password_file = \"{}\" cannot be read, or is empty", path);
+  return line;
+}
+
+/// What the births of a device have announced, and what its data said last.
+struct Announced {
+  std::set<std::string> alarms, parameters;
+  std::int64_t strokes = 0;
+  char health = 0;
+};
+
+class SparkplugFeed : public Feed {
+ public:
+  SparkplugFeed(SparkplugFeedSpec spec, FeedReader reader, std::string outbox_path, Clock clock)
+      : spec_(std::move(spec)),
+        reader_(std::move(reader)),
+        outbox_path_(std::move(outbox_path)),
+        clock_(std::move(clock)),
+        group_(sparkplug::TopicPart(spec_.group)),
+        node_(sparkplug::TopicPart(spec_.node)),
+        loop_(kPeriod, [this] { return Round(); }) {}
+  ~SparkplugFeed() override {
+    loop_.Stop();
+    if (connection_ && connection_->connected()) static_cast<void>(connection_->Publish(Death()));
+    connection_.reset();  // while what its callbacks use is there
+  }
+
+  FeedStatus status() const override {
+    std::lock_guard lock(mutex_);
+    FeedStatus status = status_;
+    status.errors = loop_.errors();
+    status.name = fmt::format("sparkplug {} {}/{}", spec_.broker, group_, node_);
+    if (const std::string problem = loop_.problem(); !problem.empty()) status.state = problem;
+    return status;
+  }
+
+ private:
+  Status Round() {
+    if (const Status done = RoundSteps(); !done) {
+      connection_.reset();  // the next one begins with births
+      Report(false);
+      return done;
+    }
+    Report(true);
+    return {};
+  }
+
+  Status RoundSteps() {
+    if (const Status filled = Fill(); !filled) return filled;
+    if (!connection_ || !connection_->connected())
+      if (const Status connected = Connect(); !connected) return connected;
+    if (rebirth_.exchange(false))
+      if (const Status born = Births(); !born) return born;
+    if (const Status told = TellAxes(); !told) return told;
+    if (const Status sent = SendItems(); !sent) return sent;
+    return RemoveAcknowledged();
+  }
+
+  /// Journal -> outbox, with or without a broker.
+  Status Fill() {
+    if (!outbox_) {
+      auto opened = Outbox::Open(outbox_path_);
+      if (!opened) return tl::unexpected(opened.error());
+      outbox_ = std::move(*opened);
+    }
+    const auto cursor = outbox_->Cursor();
+    if (!cursor) return tl::unexpected(cursor.error());
+    const auto waiting = outbox_->Count();
+    if (!waiting) return tl::unexpected(waiting.error());
+    cursor_ = *cursor;
+    if (*waiting >= kMostWaiting) return {};
+    const auto rows = reader_.Rows(cursor_, kRowsAtOnce);
+    if (!rows) return tl::unexpected(rows.error());
+    if (rows->empty()) return {};
+    std::vector<OutboxItem> items;
+    for (const JournalRow& row : *rows)
+      if (const int axis = reader_.AxisNumber(row.machine); axis > 0) {
+        items.push_back({row.sequence, DeviceTopic("DDATA", row.machine), sparkplug::Event(row)});
+        if (!row.event.alarm.empty()) spoken_of_[row.machine].insert(row.event.alarm);
+      }
+    cursor_ = rows->back().sequence;
+    return outbox_->Put(items, cursor_);
+  }
+
+  Status Connect() {
+    connection_.reset();
+    const auto password = FirstLine(spec_.password_file);
+    if (!password) return tl::unexpected(password.error());
+    const auto birth = outbox_->NextBirth();
+    if (!birth) return tl::unexpected(birth.error());
+    birth_death_ = *birth;
+    {
+      std::lock_guard lock(mutex_);
+      acknowledged_.clear();
+    }
+    auto opened = MqttConnection::Open({.broker = spec_.broker,
+                                        .client_id = fmt::format("hydroscope-{}-{}", group_, node_),
+                                        .user = spec_.user,
+                                        .password = *password,
+                                        .will = Death()},
+                                       {.acknowledged = [this](std::int64_t id) { Acknowledged(id); },
+                                        .arrived = [this](MqttMessage message) { Arrived(message); },
+                                        .lost = [this] { loop_.Wake(); }});
+    if (!opened) return tl::unexpected(opened.error());
+    connection_ = std::move(*opened);
+    // What was put before could not be told when it happened.
+    historical_up_to_ = cursor_;
+    sent_ = 0;
+    in_flight_ = 0;
+    if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
+    rebirth_ = false;
+    return Births();
+  }
+
+  Status Births() {
+    auto axes = reader_.Axes();
+    if (!axes) return tl::unexpected(axes.error());
+    const double wall = Wall();
+    sequence_ = 0;
+    if (const Status born = Send(NodeTopic("NBIRTH"), sparkplug::NodeBirth(birth_death_, wall)); !born)
+      return born;
+    for (const AxisPicture& axis : *axes)
+      if (const Status born = BirthOf(axis, wall); !born) return born;
+    return {};
+  }
+
+  Status BirthOf(const AxisPicture& axis, double wall) {
+    Announced& announced = announced_[axis.machine];
+    announced = {.alarms = {}, .parameters = {}, .strokes = axis.strokes, .health = axis.health};
+    for (const AlarmState& alarm : axis.alarms) announced.alarms.insert(alarm.id);
+    for (const TrendPoint& point : axis.estimates) announced.parameters.insert(point.estimate.parameter);
+    return Send(DeviceTopic("DBIRTH", axis.machine), sparkplug::DeviceBirth(axis, wall));
+  }
+
+  /// Tells axes that changed; one that has something its birth did not announce is born again.
+  Status TellAxes() {
+    const std::int64_t now = clock_().monotonic_ns;
+    const bool news = std::any_of(spoken_of_.begin(), spoken_of_.end(), [&](const auto& axis) {
+      const auto& known = announced_[axis.first].alarms;
+      return !std::includes(known.begin(), known.end(), axis.second.begin(), axis.second.end());
+    });
+    if (!news && now - pictured_ < kPicturePeriod) return {};
+    pictured_ = now;
+    const auto axes = reader_.Axes();
+    if (!axes) return tl::unexpected(axes.error());
+    for (const AxisPicture& axis : *axes) {
+      Announced& announced = announced_[axis.machine];
+      const auto& spoken = spoken_of_[axis.machine];
+      const bool unknown =
+          std::any_of(
+              axis.estimates.begin(), axis.estimates.end(),
+              [&](const TrendPoint& p) { return !announced.parameters.contains(p.estimate.parameter); }) ||
+          !std::includes(announced.alarms.begin(), announced.alarms.end(), spoken.begin(), spoken.end());
+      if (unknown) {
+        if (const Status born = BirthOf(axis, Wall()); !born) return born;
+      } else if (axis.strokes != announced.strokes || axis.health != announced.health) {
+        announced.strokes = axis.strokes;
+        announced.health = axis.health;
+        if (const Status told = Send(DeviceTopic("DDATA", axis.machine), sparkplug::DeviceData(axis, Wall()));
+            !told)
+          return told;
+      }
+    }
+    return {};
+  }
+
+  /// Outbox -> broker in the order of the journal.
+  Status SendItems() {
+    if (in_flight_ >= kMostInFlight) return {};
+    const auto items = outbox_->Items(sent_, kMostInFlight - in_flight_);
+    if (!items) return tl::unexpected(items.error());
+    for (const OutboxItem& item : *items) {
+      const bool historical = item.sequence <= historical_up_to_;
+      if (const Status sent = Send(item.topic, item.payload, historical, item.sequence); !sent) return sent;
+      sent_ = item.sequence;
+      ++in_flight_;
+    }
+    return {};
+  }
+
+  Status RemoveAcknowledged() {
+    std::vector<std::int64_t> taken;
+    {
+      std::lock_guard lock(mutex_);
+      taken.swap(acknowledged_);
+    }
+    if (taken.empty()) return {};
+    in_flight_ -= static_cast<std::int64_t>(taken.size());
+    loop_.Wake();  // there is room for more
+    return outbox_->Remove(taken);
+  }
+
+  /// `id` > 0: until the broker acknowledges it.
+  Status Send(const std::string& topic, const std::string& payload, bool historical = false,
+              std::int64_t id = 0) {
+    const auto sealed = sparkplug::Sealed(payload, sequence_, historical);
+    if (!sealed) return InternalError("{}: item {} is no Sparkplug payload", outbox_path_, id);
+    ++sequence_;
+    return connection_->Publish({topic, *sealed, id > 0 ? 1 : 0}, id);
+  }
+
+  void Report(bool connected) {
+    std::int64_t first = 0, count = 0;
+    if (outbox_) {
+      if (const auto waiting = outbox_->Count()) count = *waiting;
+      if (const auto items = outbox_->Items(0, 1); items && !items->empty()) first = items->front().sequence;
+    }
+    const auto last = reader_.LastSequence();
+    std::lock_guard lock(mutex_);
+    status_.connected = connected;
+    status_.state = fmt::format("born {} times, {} rows wait in the outbox", birth_death_ + 1, count);
+    status_.delivered = first > 0 ? first - 1 : cursor_;
+    status_.behind = count + (last ? *last - cursor_ : 0);
+  }
+
+  /// On the library's thread.
+  void Acknowledged(std::int64_t id) {
+    {
+      std::lock_guard lock(mutex_);
+      acknowledged_.push_back(id);
+    }
+    loop_.Wake();
+  }
+  void Arrived(const MqttMessage& message) {
+    if (message.topic != NodeTopic("NCMD") || !sparkplug::AsksForRebirth(message.payload)) return;
+    rebirth_ = true;
+    loop_.Wake();
+  }
+
+  MqttMessage Death() const { return {NodeTopic("NDEATH"), sparkplug::NodeDeath(birth_death_), 1}; }
+  std::string NodeTopic(const char* kind) const {
+    return fmt::format("spBv1.0/{}/{}/{}", group_, kind, node_);
+  }
+  std::string DeviceTopic(const char* kind, const std::string& machine) const {
+    return fmt::format("{}/{}", NodeTopic(kind),
+                       sparkplug::TopicPart(machine.substr(machine.rfind('/') + 1)));
+  }
+  double Wall() const { return static_cast<double>(clock_().wall_ns) * 1e-9; }
+
+  SparkplugFeedSpec spec_;
+  FeedReader reader_;
+  std::string outbox_path_;
+  Clock clock_;
+  std::string group_, node_;
+
+  std::optional<Outbox> outbox_;
+  std::int64_t cursor_ = 0;
+  std::map<std::string, std::set<std::string>> spoken_of_;  // alarms of rows put by this life, by machine
+  std::map<std::string, Announced> announced_;              // by machine
+  std::uint8_t birth_death_ = 0, sequence_ = 0;
+  std::int64_t historical_up_to_ = 0, sent_ = 0, in_flight_ = 0;
+  std::int64_t pictured_ = 0;  // ns, monotonic
+  std::unique_ptr<MqttConnection> connection_;
+
+  std::atomic<bool> rebirth_ = false;
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<std::int64_t> acknowledged_;
+  FeedStatus status_;
+  FeedLoop loop_;
+};
+
+}  // namespace
+
+std::unique_ptr<Feed> MakeSparkplugFeed(SparkplugFeedSpec spec, FeedReader reader, std::string outbox_path,
+                                        Clock clock) {
+  return std::make_unique<SparkplugFeed>(std::move(spec), std::move(reader), std::move(outbox_path),
+                                         std::move(clock));
+}
+
+}  // namespace hydroscope
