@@ -197,19 +197,22 @@ class DdsSource : public Source {
  private:
   /// Nothing came for the time that is allowed: whatever the library believes, begin anew.
   void Watch(const std::stop_token& stop) {
-    double patience = options_.deaf_after;
-    std::int64_t seen = receiver_->status().batches;
+    const double step = options_.deaf_after;
+    double patience = step, silent = 0;
+    SourceStatus seen = receiver_->status();
     std::unique_lock lock(mutex_);
-    while (!wake_.wait_for(lock, stop, std::chrono::duration<double>(patience), [] { return false; })) {
+    while (!wake_.wait_for(lock, stop, std::chrono::duration<double>(step), [] { return false; })) {
       if (stop.stop_requested()) return;
-      const std::int64_t batches = receiver_->status().batches;
-      if (batches != seen) {
-        seen = batches;
-        patience = options_.deaf_after;
-        continue;
-      }
-      patience = std::min(2 * patience, std::max(kLongestDeaf, options_.deaf_after));
+      const SourceStatus now = receiver_->status();
+      const bool heard = now.batches != seen.batches, found = now.connected && !seen.connected;
+      seen = now;
+      silent = heard || found ? 0 : silent + step;
+      if (heard || found) patience = step;
+      if (silent < patience) continue;
+      patience = std::min(2 * patience, std::max(kLongestDeaf, step));
+      silent = 0;
       Rebuild();
+      seen.connected = false;
     }
   }
 

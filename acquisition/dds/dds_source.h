@@ -10,8 +10,9 @@ namespace hydroscope {
 struct DdsSourceOptions {
   DdsSpec spec;
   std::vector<std::string> wanted;  ///< DDS name of each channel of the source, "" = not from DDS
-  double deaf_after =
-      5.0;  ///< s without a batch after which the participant is made anew; doubles up to 60 s
+  /// s without a batch after which the participant is made anew; doubles up to 60 s while none comes, and
+  /// begins again with each sender that is found.
+  double deaf_after = 1.0;
 };
 /// Settings for the channels of a live machine (LiveChannels).
 DdsSourceOptions DdsOptionsFor(const Machine& machine);
