@@ -36,6 +36,13 @@ ValveCheck CheckOf(const ValveCheckRecord& record) {
   return check;
 }
 
+/// Whether a finding has as many strokes behind it as its next explanation waits for.
+bool ExplanationIsDue(const drift::DriftFinding& finding, std::int64_t strokes) {
+  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.settled) return false;
+  return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
+                     [&](std::int64_t wanted) { return finding.explained < wanted && wanted <= strokes; });
+}
+
 }  // namespace
 
 Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
@@ -301,8 +308,8 @@ void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
     if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
     content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
                                            (suppressed_ & kSuppressedValveCheck) != 0, now));
-    content.Append(alarm_machine::Suppress(alarm, kSuppressedCommonCause,
-                                           common_cause_.contains(alarm.id), now));
+    content.Append(
+        alarm_machine::Suppress(alarm, kSuppressedCommonCause, common_cause_.contains(alarm.id), now));
   }
 }
 
@@ -372,19 +379,17 @@ Status AxisMonitor::JudgeValveChecks(double wall) {
   });
 }
 
-/// A finding with enough strokes behind it is explained once; the answer becomes part of it and of its alarm.
+/// New findings are compared with the strokes before; the answer becomes part of finding and alarm.
 Status AxisMonitor::ExplainFindings(double wall) {
   if (!monitor_) return {};
   const std::vector<drift::DriftFinding> findings = monitor_->findings();
   for (const drift::DriftFinding& finding : findings) {
     const std::int64_t changed = std::max(finding.since.last_before, finding.since.high) + 1;
-    if (finding.parts.empty() || finding.state == drift::FindingState::kGone ||
-        !finding.explanation.empty() || next_ - changed < kStrokesToExplain)
-      continue;
-    const std::string text = ExplainFinding(database_, path_, machine_.name, machine_id_, finding,
-                                            monitor_->reference().first_sequence(), next_);
+    if (!ExplanationIsDue(finding, next_ - changed)) continue;
+    const FindingExplanation explanation = ExplainFinding(
+        database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
     const Status stored = Change(wall, [&](AxisContent& axis) {
-      monitor_->TakeExplanation(finding.number, text);
+      monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled);
       AlarmEvent event;
       event.alarm = AlarmIdOf(finding);
       event.event = "explained";
@@ -394,12 +399,12 @@ Status AxisMonitor::ExplainFindings(double wall) {
       event.oil_temperature = last_.oil_temperature;
       event.model_version = last_.model_version;
       event.reference_version = monitor_->reference().version();
-      event.text = text;
+      event.text = explanation.text;
       event.first_stroke = changed;
       event.last_stroke = next_ - 1;
       AlarmState& alarm = axis.Alarm(event.alarm);
       drift::DriftFinding explained = finding;
-      explained.explanation = text;
+      explained.explanation = explanation.text;
       alarm.text = FindingWords(explained);
       event.state_before = event.state = StateName(alarm);
       axis.events.push_back(std::move(event));

@@ -68,9 +68,10 @@ std::string Sentence(const ChangeResult& result) {
 
 }  // namespace
 
-std::string ExplainFinding(const Database& database, const std::string& path, const std::string& machine,
-                           std::int64_t machine_id, const drift::DriftFinding& finding,
-                           std::int64_t first_healthy, std::int64_t end) {
+FindingExplanation ExplainFinding(const Database& database, const std::string& path,
+                                  const std::string& machine, std::int64_t machine_id,
+                                  const drift::DriftFinding& finding, std::int64_t first_healthy,
+                                  std::int64_t end) {
   // Strokes in the interval of the change belong to neither side.
   const std::int64_t healthy_end = std::min(finding.since.low, finding.since.last_before) + 1;
   const std::int64_t changed = std::max(finding.since.high, finding.since.last_before) + 1;
@@ -80,8 +81,10 @@ std::string ExplainFinding(const Database& database, const std::string& path, co
   const std::string strokes = fmt::format("Strokes {} to {} against {} to {}", after.first, after.last - 1,
                                           before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);
-  if (!result) return fmt::format("{} could not be compared: {}.", strokes, result.error().text);
-  return fmt::format("{}: {}.", strokes, Sentence(*result));
+  if (!result) return {fmt::format("{} could not be compared: {}.", strokes, result.error().text), false};
+  const Verdict verdict = result->after.explanation.verdict;
+  return {fmt::format("{}: {}.", strokes, Sentence(*result)),
+          verdict == Verdict::kNamed || verdict == Verdict::kAdequate};
 }
 
 }  // namespace hydroscope

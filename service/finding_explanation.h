@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -8,15 +9,22 @@
 
 namespace hydroscope {
 
-/// Strokes since a change before it is compared with those before: fewer leave weak effects open.
-inline constexpr std::int64_t kStrokesToExplain = 24;
+/// Strokes since a change at which it is compared with those before; what then stays open is compared again
+/// with more.
+inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
+
+struct FindingExplanation {
+  std::string text;
+  bool settled = false;  ///< named or adequate: more strokes would say the same
+};
 
 /// Compares the strokes before and after a finding by the engine of `hydroscope explain --since`, from stored
 /// Grams alone, and says in one or two sentences what changed: effects that appeared with their sizes,
 /// parameters that moved, and how far the error on strokes left out fell. At most 300 strokes on either side
 /// are used; `end` is behind the newest stroke. Never fails: what prevented it is what it says.
-std::string ExplainFinding(const Database& database, const std::string& path, const std::string& machine,
-                           std::int64_t machine_id, const drift::DriftFinding& finding,
-                           std::int64_t first_healthy, std::int64_t end);
+FindingExplanation ExplainFinding(const Database& database, const std::string& path,
+                                  const std::string& machine, std::int64_t machine_id,
+                                  const drift::DriftFinding& finding, std::int64_t first_healthy,
+                                  std::int64_t end);
 
 }  // namespace hydroscope

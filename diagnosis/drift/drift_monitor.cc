@@ -95,9 +95,14 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   new_classes_.erase(index);
 }
 
-void DriftMonitor::TakeExplanation(std::int64_t number, std::string text) {
-  for (DriftFinding& f : findings_)
-    if (f.number == number) f.explanation = std::move(text);
+void DriftMonitor::TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes,
+                                   bool settled) {
+  for (DriftFinding& f : findings_) {
+    if (f.number != number) continue;
+    f.explanation = text;
+    f.explained = strokes;
+    f.settled = settled;
+  }
 }
 
 void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgement& judgement) {

@@ -70,6 +70,8 @@ struct DriftFinding {
   bool alarm = false;               ///< one part is beyond its alarm change
   int quiet = 0;                    ///< strokes it has been small for
   std::string explanation;          ///< what comparing strokes before and after said; "" before that was done
+  std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
+  bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
 };
 
 /// One sentence: "since stroke 48210: Internal leakage past the piston seal; internal_leakage +1.2 +- 0.2
@@ -100,7 +102,7 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
-  void TakeExplanation(std::int64_t number, std::string text);
+  void TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

@@ -18,6 +18,8 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.oil_temperature);
   out.Put(f.alarm);
   out.Put(f.quiet);
+  out.Put(f.explained);
+  out.Put(f.settled);
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.parts.size()));
   for (const FindingPart& part : f.parts) {
     PutText(out, part.quantity);
@@ -41,6 +43,8 @@ DriftFinding GetFinding(ByteReader& in) {
   f.oil_temperature = in.Get<double>();
   f.alarm = in.Get<bool>();
   f.quiet = in.Get<int>();
+  f.explained = in.Get<std::int64_t>();
+  f.settled = in.Get<bool>();
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
     FindingPart part;
     part.quantity = GetText(in);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "service/live/log.h"
 
@@ -14,6 +15,7 @@ constexpr std::chrono::milliseconds kRound(100);
 constexpr std::chrono::milliseconds kRetry(2000);  ///< after an error
 constexpr double kLookEvery = 0.5;                 ///< s between looks at channels
 constexpr double kSilence = 2.0;                   ///< s a channel may be stale before that is told
+constexpr double kStart = 15.0;                    ///< s after the start in which senders may be found
 constexpr double kIdle = 60.0;                     ///< s without a stroke
 constexpr AlarmSettings kAtOnce{1, 1, 0, false};
 
@@ -108,7 +110,9 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   Axis& axis = axes_[static_cast<std::size_t>(index)];
   std::vector<std::string> silent;
   for (const ChannelStatus& channel : live.channels)
-    if (channel.axis == index && channel.required && channel.stale) silent.push_back(channel.name);
+    if (channel.axis == index && channel.required && channel.stale &&
+        (std::isfinite(channel.age) || live.uptime > kStart))
+      silent.push_back(channel.name);
   if (silent.empty()) {
     axis.silent_since = 0;
     return press_->axis(index).Observe("no_samples", kAtOnce, std::nullopt, Wall(now));
