@@ -6,9 +6,11 @@
 #include <dlib/svm/rls.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 #include <vector>
 
+#include "estimation/information_filter.h"
 #include "estimation/recursive_least_squares.h"
 
 namespace hydroscope {
@@ -59,6 +61,36 @@ RecursiveLeastSquares::Options Form(Forgetting forgetting) {
 template <int N>
 void Directional(benchmark::State& state) {
   RunHydroscope<N>(state, Form(Forgetting::kDirectional));
+}
+
+/// The default form, per equation: equations are gathered, and as many as a stroke of 2 s has enter the
+/// information filter at once, which forgets the directions they excite (IntegralEstimator).
+template <int N>
+void DefaultForm(benchmark::State& state) {
+  constexpr int kStroke = 100;
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Square = Eigen::Matrix<double, N, N>;
+  const std::vector<double> rows = Equations<N>();
+  InformationFilter filter(InformationFilter::Vector::Zero(N), 500.0, 1e6);
+  Square gram = Square::Zero();
+  Vector cross = Vector::Zero();
+  int k = 0, gathered = 0;
+  for (auto _ : state) {
+    const double* row = &rows[static_cast<std::size_t>(k) * (N + 1)];
+    const Eigen::Map<const Vector> u(row);
+    gram.noalias() += u * u.transpose();
+    cross += row[N] * u;
+    benchmark::DoNotOptimize(gram.data());
+    k = (k + 1) % kEquations;
+    if (++gathered < kStroke) continue;
+    const Eigen::SelfAdjointEigenSolver<Square> eigen(gram);
+    filter.Forget(InformationFilter::Matrix(eigen.eigenvectors()), std::pow(kLambda, kStroke));
+    filter.Add(gram, cross, 300.0);
+    benchmark::DoNotOptimize(filter.Theta());
+    gram.setZero();
+    cross.setZero();
+    gathered = 0;
+  }
 }
 
 template <int N>
@@ -118,12 +150,14 @@ void TextbookEigen(benchmark::State& state) {
   }
 }
 
+BENCHMARK(DefaultForm<4>);
 BENCHMARK(Directional<4>);
 BENCHMARK(Exponential<4>);
 BENCHMARK(NoForgetting<4>);
 BENCHMARK(FactorPerParameter<4>);
 BENCHMARK(Dlib<4>);
 BENCHMARK(TextbookEigen<4>);
+BENCHMARK(DefaultForm<8>);
 BENCHMARK(Directional<8>);
 BENCHMARK(Dlib<8>);
 BENCHMARK(TextbookEigen<8>);

@@ -19,8 +19,7 @@ InformationFilter::InformationFilter(const Matrix& information, const Vector& st
 
 void InformationFilter::Forget(const Matrix& basis, double mu) {
   if (basis.cols() == 0 || mu >= 1.0) return;
-  const Vector theta = Theta();
-  const Matrix condition = ConditionMatrix();
+  const Knowledge before{information_, state_, moment_};
   const Matrix ra = information_ * basis;
   const Matrix ara = basis.transpose() * ra;
   // F = I - (1 - mu) R A (A' R A)^-1 A'; symmetric R <- F R, and F is applied to all that R multiplies.
@@ -29,23 +28,29 @@ void InformationFilter::Forget(const Matrix& basis, double mu) {
   information_ -= 0.5 * (less + less.transpose());
   state_ -= lost * state_;
   moment_ -= lost * moment_;
-  KeepBounded(theta, condition);
+  KeepBounded(before);
 }
 
 void InformationFilter::Add(const Matrix& gram, const Vector& cross, double condition) {
-  const Vector theta = Theta();
   if (std::isfinite(condition) && moment_.hasNaN()) moment_ = information_ * condition;
-  const Matrix before = ConditionMatrix();
-  information_ += gram;
-  state_ += cross;
+  const Knowledge before{information_, state_, moment_};
   if (std::isfinite(condition))
     moment_ += gram * condition;
   else
-    moment_ += gram * before;
-  KeepBounded(theta, before);
+    moment_ += gram * ConditionMatrix();
+  information_ += gram;
+  state_ += cross;
+  KeepBounded(before);
 }
 
-void InformationFilter::KeepBounded(const Vector& theta, const Matrix& condition) {
+void InformationFilter::KeepBounded(const Knowledge& before) {
+  // R - least I positive definite: every direction has enough. A factor is much cheaper than eigenvalues.
+  const auto n = information_.rows();
+  const Eigen::LLT<Matrix> enough(information_ - least_information_ * Matrix::Identity(n, n));
+  if (enough.info() == Eigen::Success) return;
+  const auto known = before.information.ldlt();
+  const Vector theta = known.solve(before.state);
+  const Matrix condition = known.solve(before.moment);
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information_);
   for (Eigen::Index d = 0; d < theta.size(); ++d) {
     const double missing = least_information_ - eigen.eigenvalues()[d];

@@ -54,7 +54,14 @@ class InformationFilter {
   double least_information() const { return least_information_; }
 
  private:
-  void KeepBounded(const Vector& theta, const Matrix& condition);
+  /// What the filter knew before a step.
+  struct Knowledge {
+    Matrix information;
+    Vector state;
+    Matrix moment;
+  };
+  /// Holds directions with too little information left at what was known `before`.
+  void KeepBounded(const Knowledge& before);
   Matrix ConditionMatrix() const;
 
   double least_information_;

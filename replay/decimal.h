@@ -27,6 +27,10 @@ inline constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  
                                                         1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                         1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
+/// For the digits of a fraction, at most eight.
+inline constexpr std::array<std::uint64_t, 9> kWholePowersOfTen = {1,      10,      100,      1000,     10000,
+                                                                   100000, 1000000, 10000000, 100000000};
+
 inline constexpr int kExactDigits = 15;  ///< any integer of so many digits is a double
 
 inline bool IsDigit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
@@ -83,7 +87,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
     } else {
       if (bits > 8 * kExactDigits || IsDigit(*p)) return ParseDecimalFinite(text, point, value);
       mantissa = EightDigits(whole << (64 - whole_bits)) *
-                     static_cast<std::uint64_t>(kPowersOfTen[fraction_bits >> 3]) +
+                     kWholePowersOfTen[fraction_bits >> 3] +
                  EightDigits(fraction << (64 - fraction_bits));
     }
     magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowersOfTen[fraction_bits >> 3];

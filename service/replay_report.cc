@@ -107,13 +107,21 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   if (!grams) return tl::unexpected(grams.error());
   const double period = ParseRunSummary(run->summary_json).sample_period;
   if (!(period > 0) || grams->empty() || grams->front().flow.dimension() != model.column_count()) return {};
+  WindowSamples window = WindowSamples::From(outcome.machine.window, period);
+  window.level_form = model.level_form;
+  if (outcome.machine.added_effects.empty()) {
+    if (const auto fit = FitBaseModel(model, *grams, window); fit) {
+      outcome.noise_floor = fit->noise_floor;
+      outcome.rms_holdout = fit->rms_holdout;
+    }
+    return {};
+  }
   StrokeHistory history;
   auto structure = BuildModel(outcome.machine);
   if (!structure) return tl::unexpected(structure.error());
   history.machine = outcome.machine;
   history.model = std::move(*structure);
-  history.window = WindowSamples::From(outcome.machine.window, period);
-  history.window.level_form = history.model->level_form;
+  history.window = window;
   history.units = std::move(*grams);
   const auto fitted = FitHistoryModel(outcome.machine, history);
   if (!fitted) return {};  // too little excitation is told parameter by parameter
