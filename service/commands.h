@@ -29,6 +29,7 @@ void AddLearnCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
 /// The benchmarks called live-...
 void AddLiveBenchmarks(CLI::App& benchmark, int& exit_code);
+void AddAlarmBenchmarks(CLI::App& benchmark, int& exit_code);
 
 /// The whole command line; returns the exit code. main() and the tests call it.
 int RunCommandLine(int argc, const char* const* argv);

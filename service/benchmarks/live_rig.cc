@@ -75,7 +75,8 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Child::Child(const std::vector<std::string>& arguments, const std::string& log, int network) {
+Child::Child(const std::vector<std::string>& arguments, const std::string& log, int network,
+             const std::string& program) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return;
   std::vector<char*> words = {const_cast<char*>("hydroscope")};
@@ -89,7 +90,7 @@ Child::Child(const std::vector<std::string>& arguments, const std::string& log, 
     dup2(ends[0], STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
-    execv("/proc/self/exe", words.data());
+    execv(program.c_str(), words.data());
     _exit(127);
   }
   close(ends[0]);

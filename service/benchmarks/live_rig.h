@@ -12,12 +12,13 @@
 
 namespace hydroscope {
 
-/// A child of this very program, killed with its object.
+/// A child of this very program, or of another one, killed with its object.
 class Child {
  public:
   /// `arguments` of hydroscope; standard output and error go to `log`. `network`: file of the network
   /// namespace it shall live in, -1 for that of its parent.
-  Child(const std::vector<std::string>& arguments, const std::string& log, int network = -1);
+  Child(const std::vector<std::string>& arguments, const std::string& log, int network = -1,
+        const std::string& program = "/proc/self/exe");
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;

@@ -189,6 +189,9 @@ void AddDriftFull(CLI::App& benchmark, int& exit_code) {
   command->add_option("--commissioning", o->commissioning, "Strokes the reference is learned from")
       ->check(CLI::Range(100, 100000))
       ->capture_default_str();
+  command->add_option("--learned-to", o->learned_to, "Warmest oil while the reference is learned, degC")
+      ->check(CLI::Range(24.0, 100.0))
+      ->capture_default_str();
   command->add_option("--healthy", o->healthy, "Healthy strokes judged on each machine")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
@@ -260,6 +263,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddDriftFull(*benchmark, exit_code);
   AddExampleLog(*benchmark, exit_code);
   AddLiveBenchmarks(*benchmark, exit_code);
+  AddAlarmBenchmarks(*benchmark, exit_code);
   AddSealFriction(*benchmark, exit_code);
 }
 

@@ -178,6 +178,19 @@ bool AsksForRebirth(const std::string& bytes) {
   return false;
 }
 
+std::optional<ToldRow> RowOf(const std::string& bytes) {
+  Payload payload;
+  if (!payload.ParseFromString(bytes)) return std::nullopt;
+  ToldRow row;
+  for (const Payload::Metric& metric : payload.metrics()) {
+    if (metric.name() == "Event/Sequence") row.sequence = static_cast<std::int64_t>(metric.long_value());
+    if (metric.name() == "Event/Alarm") row.alarm = metric.string_value();
+    if (metric.name() == "Event/Comment") row.comment = metric.string_value();
+  }
+  if (row.sequence == 0) return std::nullopt;
+  return row;
+}
+
 std::string TopicPart(const std::string& name) {
   std::string part = name;
   for (char& c : part)

@@ -26,6 +26,13 @@ std::optional<std::string> Sealed(const std::string& payload, std::uint8_t seque
 /// A command that asks the node to be born again. False for anything else, also for what is no payload.
 bool AsksForRebirth(const std::string& payload);
 
+/// What an event's payload says about the row it tells; nullopt: it is none.
+struct ToldRow {
+  std::int64_t sequence = 0;
+  std::string alarm, comment;
+};
+std::optional<ToldRow> RowOf(const std::string& payload);
+
 /// A name as topics allow it: without /, + and #.
 std::string TopicPart(const std::string& name);
 

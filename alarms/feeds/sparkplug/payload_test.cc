@@ -14,6 +14,19 @@ TEST(SparkplugPayload, AsksForRebirthOnlyWithTheCommandAndTrue) {
   EXPECT_TRUE(sparkplug::AsksForRebirth("\x12" + std::string(1, static_cast<char>(metric.size())) + metric));
 }
 
+TEST(SparkplugPayload, AnEventNamesItsRowAndABirthNone) {
+  JournalRow row;
+  row.sequence = 70'000'000'000;
+  row.event.alarm = "air";
+  row.event.comment = "seen";
+  const auto told = sparkplug::RowOf(*sparkplug::Sealed(sparkplug::Event(row), 3, true));
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->sequence, row.sequence);
+  EXPECT_EQ(told->alarm, "air");
+  EXPECT_EQ(told->comment, "seen");
+  EXPECT_FALSE(sparkplug::RowOf(sparkplug::DeviceBirth({}, 1)));
+}
+
 TEST(SparkplugPayload, NonsenseIsNotSealed) { EXPECT_FALSE(sparkplug::Sealed("\xff\xff\xff", 1, false)); }
 
 TEST(SparkplugPayload, SealingTwiceLeavesTheLastNumber) {
