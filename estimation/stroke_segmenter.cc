@@ -191,6 +191,7 @@ void StrokeSegmenter::Append(const Pending& block) {
     last_position_ = std::numeric_limits<double>::quiet_NaN();
   }
   last_gated_ = block.begin + window_.block * window_.period;
+  closed_for_ = 0;
   if (stretch_blocks_ == 0) stretch_begin_ = block.begin;
   const int m = window_.block;
   for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
@@ -243,6 +244,7 @@ void StrokeSegmenter::EndSegment() {
 }
 
 void StrokeSegmenter::CountOutside(double time) {
+  closed_for_ = time - last_gated_;
   if (in_stroke_ && (time - last_gated_ > gate_.stroke_gap || time < last_gated_ - gate_.stroke_gap))
     EndStroke();
 }

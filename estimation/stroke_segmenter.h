@@ -42,6 +42,8 @@ class StrokeSegmenter {
 
   /// Rows seen and used since the start.
   const StrokeCounters& totals() const { return totals_; }
+  /// s for which the gate has been closed in a stroke that is not over yet; 0 while it is open and between strokes.
+  double closed_for() const { return in_stroke_ ? closed_for_ : 0; }
   /// Strokes shorter than GateSpec::min_stroke.
   std::int64_t discarded_strokes() const { return discarded_; }
 
@@ -94,7 +96,7 @@ class StrokeSegmenter {
   double stretch_begin_ = 0;
   bool in_stroke_ = false;
   std::uint32_t direction_ = 0, stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
-  double last_gated_ = 0;
+  double last_gated_ = 0, closed_for_ = 0;
   StrokeSummary summary_;
   double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0, last_position_ = 0, travel_ = 0;
   int pressure_channel_ = -1, position_channel_ = -1, temperature_channel_ = -1;

@@ -43,6 +43,8 @@ class Pipeline {
   /// The model after the stroke handed over last: modelled output = weights . first rows of SpanEquations::flow. Empty
   /// before the first estimate.
   const Eigen::VectorXd& column_weights() const { return column_weights_; }
+  /// s for which the stroke under way has been outside the gate; it is over after GateSpec::stroke_gap.
+  double stroke_closed_for() const { return segmenter_.closed_for(); }
   std::int64_t discarded_strokes() const { return segmenter_.discarded_strokes(); }
 
  private:

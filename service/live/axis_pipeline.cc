@@ -48,6 +48,13 @@ bool AxisPipeline::Process(SampleBlock&& block) {
   return step_.strokes.size() > before;
 }
 
+bool AxisPipeline::StrokeEndsSoon() const {
+  const Machine& machine = model_->machine;
+  const double half = machine.gate.stroke_gap / 2;
+  return pipeline_->stroke_closed_for() > half &&
+         static_cast<double>(pending_rows()) * machine.live->grid_period > half;
+}
+
 WriteItem AxisPipeline::TakeStep(std::vector<std::uint8_t> sender_marks) {
   WriteItem item;
   item.axis = axis_;

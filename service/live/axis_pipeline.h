@@ -44,6 +44,9 @@ class AxisPipeline {
   /// Judges the rows and identifies. True if a stroke ended.
   bool Process(SampleBlock&& block);
   std::int64_t pending_rows() const { return static_cast<std::int64_t>(step_.raw.rows()); }
+  /// The stroke under way will probably end within half of GateSpec::stroke_gap, and more rows than that are
+  /// pending: store them now, so that the stroke's own step is small when it is due.
+  bool StrokeEndsSoon() const;
   /// What came since the last call, to be stored.
   WriteItem TakeStep(std::vector<std::uint8_t> sender_marks);
   /// Ends the run and begins another one, with `model`. Refused: the model has other parameters.

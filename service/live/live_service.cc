@@ -231,7 +231,12 @@ void LiveService::ProcessAxis(int a, std::int64_t now) {
     newest = block.time.back();
     stroke = axis.pipeline->Process(std::move(block)) || stroke;
   }
-  const bool due = Seconds(now - axis.stored) >= options_.raw_period && axis.pipeline->pending_rows() > 0;
+  // All axes at once: they share a transaction, and the pages of the database it touches.
+  const auto turn = [&](std::int64_t at) {
+    return std::floor(Seconds(at - start_.monotonic_ns) / options_.raw_period);
+  };
+  const bool due = axis.pipeline->pending_rows() > 0 &&
+                   (turn(now) > turn(axis.stored) || axis.pipeline->StrokeEndsSoon());
   if (stroke || due) {
     WriteItem item = axis.pipeline->TakeStep(aligner_->marks(a));
     if (stroke) {
