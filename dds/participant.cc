@@ -91,12 +91,13 @@ Status CheckAddresses(const DdsNetwork& network) {
   for (const std::string& peer : network.peers) {
     in_addr address{};
     if (inet_pton(AF_INET, peer.c_str(), &address) != 1)
-      return BadInput("[live.dds] peers: \"{}\" is no IPv4 address; expected e.g. \"192.168.0.20\"", peer);
+      return BadInput("[{}] peers: \"{}\" is no IPv4 address; expected e.g. \"192.168.0.20\"",
+                      network.section, peer);
   }
   const std::vector<std::string> own = OwnAddresses();
   for (const std::string& wanted : network.interfaces)
     if (std::find(own.begin(), own.end(), wanted) == own.end())
-      return BadInput("[live.dds] interfaces: this computer has no address {}; it has {}", wanted,
+      return BadInput("[{}] interfaces: this computer has no address {}; it has {}", network.section, wanted,
                       fmt::format("{}", fmt::join(own, ", ")));
   return {};
 }
@@ -152,6 +153,14 @@ void SetHeartbeat(DataWriterQos& qos) {
   qos.reliability().max_blocking_time = Seconds(0.02);
 }
 
+template <typename Qos>
+void KeepLatestOfEach(Qos& qos) {
+  qos.history().kind = KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 1;
+  qos.resource_limits().max_instances = kMostFindings;
+  qos.resource_limits().max_samples_per_instance = 1;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork& network,
@@ -195,7 +204,7 @@ Result<Topic*> DdsParticipant::MakeTopic(const std::string& name, const TypeSupp
   if (type.register_type(participant_) != ReturnCode_t::RETCODE_OK)
     return InternalError("DDS does not take the type {}", type.get_type_name());
   Topic* topic = participant_->create_topic(name, type.get_type_name(), TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) return BadInput("[live.dds] topic: DDS does not take the name \"{}\"", name);
+  if (topic == nullptr) return BadInput("DDS does not take \"{}\" as the name of a topic", name);
   return topic;
 }
 
@@ -227,6 +236,34 @@ DataWriterQos LayoutWriterQos() {
 DataReaderQos LayoutReaderQos() {
   DataReaderQos qos = DATAREADER_QOS_DEFAULT;
   SetCommon(qos, 64);
+  return qos;
+}
+
+DataWriterQos AlarmEventWriterQos() {
+  DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
+  SetCommon(qos, kAlarmEventsKept);
+  SetHeartbeat(qos);
+  return qos;
+}
+
+DataReaderQos AlarmEventReaderQos() {
+  DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+  SetCommon(qos, kAlarmEventsKept);
+  return qos;
+}
+
+DataWriterQos FindingWriterQos() {
+  DataWriterQos qos = DATAWRITER_QOS_DEFAULT;
+  SetCommon(qos, kMostFindings);
+  SetHeartbeat(qos);
+  KeepLatestOfEach(qos);
+  return qos;
+}
+
+DataReaderQos FindingReaderQos() {
+  DataReaderQos qos = DATAREADER_QOS_DEFAULT;
+  SetCommon(qos, kMostFindings);
+  KeepLatestOfEach(qos);
   return qos;
 }
 

@@ -23,6 +23,7 @@ struct DdsNetwork {
   bool shared_memory = true;  ///< left out by itself where /dev/shm is too small, unless it is the only way
   std::vector<std::string> interfaces;  ///< IPv4 addresses of network cards; empty: all
   std::vector<std::string> peers;       ///< IPv4 addresses asked directly, for networks without multicast
+  std::string section = "live.dds";     ///< of the machine file, for messages
 };
 
 /// A DDS participant with the settings that proved themselves: it announces itself every 0.25 s and counts as
@@ -62,6 +63,17 @@ eprosima::fastdds::dds::DataReaderQos SampleReaderQos(double deadline, bool back
 /// Both sides of the layout: reliable, the latest one of each sender is kept for late joiners.
 eprosima::fastdds::dds::DataWriterQos LayoutWriterQos();
 eprosima::fastdds::dds::DataReaderQos LayoutReaderQos();
+
+/// Both sides of alarm events: reliable, in order, nothing overwritten; the newest `kAlarmEventsKept` are
+/// kept for late joiners. A writer waits 20 ms at most for a slow reader, then refuses.
+inline constexpr int kAlarmEventsKept = 4096;
+eprosima::fastdds::dds::DataWriterQos AlarmEventWriterQos();
+eprosima::fastdds::dds::DataReaderQos AlarmEventReaderQos();
+
+/// Both sides of findings: reliable, keyed, the latest of each is kept for late joiners.
+inline constexpr int kMostFindings = 8192;
+eprosima::fastdds::dds::DataWriterQos FindingWriterQos();
+eprosima::fastdds::dds::DataReaderQos FindingReaderQos();
 
 /// Offered by a sender, s: a reader may not ask for less.
 inline constexpr double kOfferedDeadline = 0.1;

@@ -1,5 +1,6 @@
 #include "alarms/feeds/feeds.h"
 
+#include "alarms/feeds/dds/dds_feed.h"
 #include "alarms/feeds/modbus/modbus_feed.h"
 #include "alarms/feeds/sparkplug/sparkplug_feed.h"
 #include "storage/outbox.h"
@@ -13,6 +14,8 @@ Feeds Feeds::Start(const Machine& machine, const std::string& database, const Cl
   for (int axis = 0; axis < AxisCount(machine); ++axis) axes.push_back(AxisMachineName(machine, axis));
   if (const auto& modbus = machine.feeds->modbus)
     started.feeds_.push_back(MakeModbusFeed(*modbus, {axes, database}, clock));
+  if (const auto& dds = machine.feeds->dds)
+    started.feeds_.push_back(MakeDdsFeed(*dds, {axes, database}, clock));
   if (auto sparkplug = machine.feeds->sparkplug) {
     if (sparkplug->node.empty()) sparkplug->node = machine.name;
     started.feeds_.push_back(

@@ -1,0 +1,249 @@
+#include "alarms/feeds/dds/dds_feed.h"
+
+#include <fmt/format.h>
+#include <hydroscope_wire/hydroscope_alarmsPubSubTypes.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <map>
+#include <mutex>
+
+#include "alarms/feeds/feed_loop.h"
+#include "dds/participant.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace eprosima::fastdds::dds;
+
+constexpr double kPeriod = 0.1;                         // s between two looks at the journal
+constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at axes without news
+constexpr std::int64_t kRowsAtOnce = 500;
+constexpr std::int64_t kBacklog = 500;  // rows from before the start that are told again
+
+std::int64_t Nanoseconds(double wall) { return static_cast<std::int64_t>(wall * 1e9); }
+
+/// Bounded texts of the wire.
+template <std::size_t kLength>
+void Put(eprosima::fastrtps::fixed_string<kLength>& to, const std::string& text) {
+  to = text.substr(0, kLength);
+}
+
+hydroscope_wire::AlarmEvent ToWire(const JournalRow& row) {
+  const AlarmEvent& e = row.event;
+  hydroscope_wire::AlarmEvent wire;
+  Put(wire.machine(), row.machine);
+  Put(wire.alarm(), e.alarm);
+  wire.version(hydroscope_wire::kAlarmVersion);
+  wire.journal_sequence(row.sequence);
+  wire.wall_time_ns(Nanoseconds(row.wall));
+  wire.machine_time(e.time);
+  wire.stroke(e.stroke);
+  Put(wire.event(), e.event);
+  Put(wire.state_before(), e.state_before);
+  Put(wire.state(), e.state);
+  Put(wire.severity(), SeverityName(e.severity));
+  wire.value(e.value);
+  wire.std(e.std);
+  wire.limit(e.limit);
+  Put(wire.unit(), e.unit);
+  wire.oil_temperature(e.oil_temperature);
+  wire.model_version(e.model_version);
+  wire.reference_version(e.reference_version);
+  wire.user(e.user);
+  wire.comment(e.comment);
+  wire.text(e.text);
+  wire.first_stroke(e.first_stroke);
+  wire.last_stroke(e.last_stroke);
+  return wire;
+}
+
+hydroscope_wire::Finding ToWire(const AxisPicture& axis, const AlarmState& a) {
+  hydroscope_wire::Finding wire;
+  Put(wire.machine(), axis.machine);
+  Put(wire.alarm(), a.id);
+  wire.version(hydroscope_wire::kAlarmVersion);
+  Put(wire.state(), StateName(a));
+  Put(wire.severity(), SeverityName(a.severity));
+  wire.health(axis.health);
+  wire.active(a.active);
+  wire.acknowledged(a.acknowledged);
+  wire.raised_wall_time_ns(Nanoseconds(a.raised_wall));
+  wire.raised_stroke(a.raised_stroke);
+  wire.value(a.value);
+  wire.std(a.std);
+  wire.limit(a.limit);
+  Put(wire.unit(), a.unit);
+  wire.text(a.text);
+  wire.first_stroke(a.first_stroke);
+  wire.last_stroke(a.last_stroke);
+  return wire;
+}
+
+/// Equal, what is not known included.
+bool Same(AlarmState a, AlarmState b) {
+  for (double AlarmState::*number : {&AlarmState::value, &AlarmState::std, &AlarmState::limit})
+    if (std::isnan(a.*number) && std::isnan(b.*number)) a.*number = b.*number = 0;
+  return a == b;
+}
+
+/// Participant and writers.
+class Publication {
+ public:
+  static Result<std::unique_ptr<Publication>> Create(const DdsFeedSpec& spec) {
+    auto participant = DdsParticipant::Create({.domain = spec.domain,
+                                               .udp = spec.transport != DdsTransport::kSharedMemory,
+                                               .shared_memory = spec.transport != DdsTransport::kUdp,
+                                               .interfaces = spec.interfaces,
+                                               .peers = spec.peers,
+                                               .section = "feeds.dds"},
+                                              "hydroscope_alarms");
+    if (!participant) return tl::unexpected(participant.error());
+    std::unique_ptr<Publication> made(new Publication);
+    made->participant_ = std::move(*participant);
+    const auto events = made->MakeWriter(spec.topic + "/alarms", AlarmEventWriterQos(),
+                                         TypeSupport(new hydroscope_wire::AlarmEventPubSubType()));
+    if (!events) return tl::unexpected(events.error());
+    const auto findings = made->MakeWriter(spec.topic + "/findings", FindingWriterQos(),
+                                           TypeSupport(new hydroscope_wire::FindingPubSubType()));
+    if (!findings) return tl::unexpected(findings.error());
+    made->events_ = *events;
+    made->findings_ = *findings;
+    return made;
+  }
+
+  Status Write(const JournalRow& row) {
+    auto wire = ToWire(row);
+    return Judge(events_->write(&wire));
+  }
+  Status Write(const AxisPicture& axis, const AlarmState& alarm) {
+    auto wire = ToWire(axis, alarm);
+    return Judge(findings_->write(&wire));
+  }
+  int readers() const {
+    PublicationMatchedStatus matched;
+    events_->get_publication_matched_status(matched);
+    return matched.current_count;
+  }
+
+ private:
+  Publication() = default;
+  static Status Judge(bool taken) {
+    if (taken) return {};
+    return InternalError("DDS takes no message: a reader does not keep up, or there are more than {} alarms",
+                         kMostFindings);
+  }
+  Result<DataWriter*> MakeWriter(const std::string& name, const DataWriterQos& qos, const TypeSupport& type) {
+    const auto topic = participant_->MakeTopic(name, type);
+    if (!topic) return tl::unexpected(topic.error());
+    Publisher* publisher = participant_->get()->create_publisher(PUBLISHER_QOS_DEFAULT);
+    DataWriter* writer = publisher != nullptr ? publisher->create_datawriter(*topic, qos) : nullptr;
+    if (writer == nullptr) return InternalError("DDS gives no writer for topic {}", name);
+    return writer;
+  }
+
+  std::unique_ptr<DdsParticipant> participant_;
+  DataWriter* events_ = nullptr;
+  DataWriter* findings_ = nullptr;
+};
+
+class DdsFeed : public Feed {
+ public:
+  DdsFeed(DdsFeedSpec spec, FeedReader reader, Clock clock)
+      : spec_(std::move(spec)),
+        reader_(std::move(reader)),
+        clock_(std::move(clock)),
+        loop_(kPeriod, [this] { return Round(); }) {}
+  ~DdsFeed() override { loop_.Stop(); }
+
+  FeedStatus status() const override {
+    std::lock_guard lock(mutex_);
+    FeedStatus status = status_;
+    status.name = fmt::format("dds {} domain {}", spec_.topic, spec_.domain);
+    status.errors = loop_.errors();
+    if (const std::string problem = loop_.problem(); !problem.empty()) status.state = problem;
+    return status;
+  }
+
+ private:
+  Status Round() {
+    if (const Status open = Open(); !open) return open;
+    const auto rows = reader_.Rows(cursor_, kRowsAtOnce);
+    if (!rows) return tl::unexpected(rows.error());
+    for (const JournalRow& row : *rows) {
+      if (const Status told = publication_->Write(row); !told) return told;
+      cursor_ = row.sequence;
+    }
+    if (const Status told = TellFindings(!rows->empty()); !told) return told;
+    const auto last = reader_.LastSequence();
+    if (!last) return tl::unexpected(last.error());
+    if (*last > cursor_) loop_.Wake();
+    std::lock_guard lock(mutex_);
+    status_ = {.name = {},
+               .connected = true,
+               .state = "publishing",
+               .clients = publication_->readers(),
+               .delivered = cursor_,
+               .behind = *last - cursor_,
+               .errors = 0};
+    return {};
+  }
+
+  Status Open() {
+    if (publication_) return {};
+    const auto last = reader_.LastSequence();
+    if (!last) return tl::unexpected(last.error());
+    auto publication = Publication::Create(spec_);
+    if (!publication) return tl::unexpected(publication.error());
+    publication_ = std::move(*publication);
+    cursor_ = std::max<std::int64_t>(0, *last - kBacklog);
+    return {};
+  }
+
+  /// Alarms that changed since they were told.
+  Status TellFindings(bool news) {
+    const std::int64_t now = clock_().monotonic_ns;
+    if (!news && now - pictured_ < kPicturePeriod) return {};
+    pictured_ = now;
+    const auto axes = reader_.Axes();
+    if (!axes) return tl::unexpected(axes.error());
+    for (const AxisPicture& axis : *axes)
+      for (const AlarmState& alarm : axis.alarms) {
+        Told& told = told_[{axis.machine, alarm.id}];
+        if (told.health == axis.health && Same(told.alarm, alarm)) continue;
+        if (const Status written = publication_->Write(axis, alarm); !written) return written;
+        told = {axis.health, alarm};
+      }
+    return {};
+  }
+
+  struct Told {
+    char health = 0;
+    AlarmState alarm;
+  };
+
+  DdsFeedSpec spec_;
+  FeedReader reader_;
+  Clock clock_;
+  std::unique_ptr<Publication> publication_;
+  std::int64_t cursor_ = 0;
+  std::int64_t pictured_ = -kPicturePeriod;  // ns, monotonic
+  std::map<std::pair<std::string, std::string>, Told> told_;
+
+  mutable std::mutex mutex_;
+  FeedStatus status_;  // guarded
+  FeedLoop loop_;
+};
+
+}  // namespace
+
+std::unique_ptr<Feed> MakeDdsFeed(DdsFeedSpec spec, FeedReader reader, Clock clock) {
+  return std::make_unique<DdsFeed>(std::move(spec), std::move(reader), std::move(clock));
+}
+
+}  // namespace hydroscope
