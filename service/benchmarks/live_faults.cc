@@ -1,4 +1,6 @@
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -29,6 +31,61 @@ void StepClock(LiveRig& rig, FaultTable& campaign, const char* what, const char*
                told ? whole ? "told; no row lost or twice" : "rows were lost" : "not told");
 }
 
+/// Holds the lock of SQLite's one writer (byte 120 of the index of the write-ahead log,
+/// https://sqlite.org/walformat.html, 2.3.3), as another program does that writes for long.
+class WriteLock {
+ public:
+  explicit WriteLock(const std::string& database)
+      : file_(open((database + "-shm").c_str(), O_RDWR | O_CLOEXEC)) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    lock.l_start = 120;
+    lock.l_len = 1;
+    held_ = file_ >= 0 && fcntl(file_, F_SETLKW, &lock) == 0;
+  }
+  ~WriteLock() {
+    if (file_ >= 0) close(file_);
+  }
+  WriteLock(const WriteLock&) = delete;
+  WriteLock& operator=(const WriteLock&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  int file_;
+  bool held_ = false;
+};
+
+std::optional<double> WaitForWriting(LiveRig& rig) {
+  return rig.WaitFor(
+      [](const Json& s) {
+        return s.at("writer").at("state") == "writing" && s.at("writer").at("waiting_items") < 3;
+      },
+      kPatience);
+}
+
+bool NothingDropped(const LiveRig& rig) {
+  const auto status = rig.Ask();
+  return status && status->at("writer").at("dropped_strokes") == 0 &&
+         status->at("writer").at("dropped_rows") == 0;
+}
+
+void LockDatabase(LiveRig& rig, FaultTable& campaign) {
+  std::optional<double> told;
+  bool held = false;
+  {
+    const WriteLock lock(rig.database());
+    held = lock.held();
+    told = rig.WaitFor([](const Json& s) { return s.at("writer").at("state") == "locked"; }, kPatience);
+    Sleep(3);
+  }
+  const auto back = WaitForWriting(rig);
+  const bool kept = NothingDropped(rig);
+  campaign.Row("database locked by another program", told, back,
+               held && told && back && kept && rig.service().Alive(),
+               kept ? "nothing dropped" : "something was dropped");
+}
+
 /// The disk fills up and is freed; `min_free` in MB.
 void FillDisk(LiveRig& rig, FaultTable& campaign, const char* what, const std::string& min_free) {
   if (rig.service().Alive()) rig.service().End(SIGTERM);
@@ -41,14 +98,8 @@ void FillDisk(LiveRig& rig, FaultTable& campaign, const char* what, const std::s
       rig.WaitFor([](const Json& s) { return s.at("writer").at("state") == "disk_full"; }, kPatience);
   Sleep(3);
   std::filesystem::remove(rig.File("ballast"));
-  const auto back = rig.WaitFor(
-      [](const Json& s) {
-        return s.at("writer").at("state") == "writing" && s.at("writer").at("waiting_items") < 3;
-      },
-      kPatience);
-  const auto after = rig.Ask();
-  const bool kept =
-      after && after->at("writer").at("dropped_strokes") == 0 && after->at("writer").at("dropped_rows") == 0;
+  const auto back = WaitForWriting(rig);
+  const bool kept = NothingDropped(rig);
   campaign.Row(what, told, back, told && back && kept && rig.service().Alive(),
                kept ? "nothing dropped" : "something was dropped");
 }
@@ -80,6 +131,7 @@ int RunLiveFaults(const LiveFaultOptions& o) {
   Sleep(2);
   StepClock(rig, campaign, "clock of the press +1 h", "clock 3600");
   StepClock(rig, campaign, "clock of the press -1 h", "clock -3600");
+  LockDatabase(rig, campaign);
   if (disk.ok()) {
     FillDisk(rig, campaign, "disk full, high-water mark 8 MB", "8");
     FillDisk(rig, campaign, "disk full, no mark", "0");

@@ -27,7 +27,7 @@ struct ServeArguments {
   int port = 9464;
   std::string log_level = "info";
   bool log_json = false, acknowledge = false;
-  double raw_days = 7, raw_gigabytes = 1, min_free_megabytes = 64, queue_megabytes = 128,
+  double raw_days = 7, raw_gigabytes = 4, min_free_megabytes = 64, queue_megabytes = 128,
          valve_check_hours = 0;
 };
 

@@ -207,6 +207,10 @@ json StatusJson(const LiveStatus& s) {
                   {"most_values", s.inbox.most_values},
                   {"dropped_batches", s.inbox.dropped_batches},
                   {"dropped_values", s.inbox.dropped_values}};
+  for (std::size_t i = 0; i < s.sources.size(); ++i) {
+    const auto dropped = s.inbox.dropped_by_source.find(static_cast<int>(i));
+    out["sources"][i]["dropped_values"] = dropped == s.inbox.dropped_by_source.end() ? 0 : dropped->second;
+  }
   out["writer"] = WriterJson(s.writer);
   out["drift"] = DriftJson(s.drift);
   return out;
