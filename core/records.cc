@@ -4,26 +4,40 @@ namespace hydroscope {
 
 const char* ReasonName(EstimateReason reason) {
   switch (reason) {
-    case EstimateReason::kUpdated: return "updated";
-    case EstimateReason::kNoStroke: return "no_stroke";
-    case EstimateReason::kTooShort: return "too_short";
-    case EstimateReason::kNotExcited: return "not_excited";
-    case EstimateReason::kConfounded: return "confounded";
-    case EstimateReason::kOutsidePhysics: return "outside_physics";
-    case EstimateReason::kPoorSignal: return "poor_signal";
+    case EstimateReason::kUpdated:
+      return "updated";
+    case EstimateReason::kNoStroke:
+      return "no_stroke";
+    case EstimateReason::kTooShort:
+      return "too_short";
+    case EstimateReason::kNotExcited:
+      return "not_excited";
+    case EstimateReason::kConfounded:
+      return "confounded";
+    case EstimateReason::kOutsidePhysics:
+      return "outside_physics";
+    case EstimateReason::kPoorSignal:
+      return "poor_signal";
   }
   return "unknown";
 }
 
 const char* ReasonText(EstimateReason reason) {
   switch (reason) {
-    case EstimateReason::kUpdated: return "identified from this stroke and those before";
-    case EstimateReason::kNoStroke: return "no drawing stroke seen yet";
-    case EstimateReason::kTooShort: return "the stroke was too short to learn from";
-    case EstimateReason::kNotExcited: return "this stroke did not move what the parameter acts on; the value is an older one";
-    case EstimateReason::kConfounded: return "these strokes cannot tell this parameter from another; vary ram speed and pressure";
-    case EstimateReason::kOutsidePhysics: return "the data ask for a value physics forbids; the model misses an effect or a signal is wrong";
-    case EstimateReason::kPoorSignal: return "bad signal quality left too little of the stroke";
+    case EstimateReason::kUpdated:
+      return "identified from this stroke and those before";
+    case EstimateReason::kNoStroke:
+      return "no drawing stroke seen yet";
+    case EstimateReason::kTooShort:
+      return "the stroke was too short to learn from";
+    case EstimateReason::kNotExcited:
+      return "this stroke did not move what the parameter acts on; the value is an older one";
+    case EstimateReason::kConfounded:
+      return "these strokes cannot tell this parameter from another; vary ram speed and pressure";
+    case EstimateReason::kOutsidePhysics:
+      return "the data ask for a value physics forbids; the model misses an effect or a signal is wrong";
+    case EstimateReason::kPoorSignal:
+      return "bad signal quality left too little of the stroke";
   }
   return "";
 }

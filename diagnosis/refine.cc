@@ -15,9 +15,9 @@ constexpr int kSweeps = 2;       ///< over the coordinates, if there are several
 constexpr int kScan = 6;         ///< points tried across the bracket, since the error may have several minima
 constexpr int kEvaluations = 6;  ///< of Brent's method between the best point's neighbours
 constexpr int kBits = 8;         ///< its relative accuracy, 2^-8
-constexpr int kImpliedSteps = 8;           ///< between a law's size and the shape it implies
+constexpr int kImpliedSteps = 8;            ///< between a law's size and the shape it implies
 constexpr double kImpliedAccuracy = 0.001;  ///< relative; well below the std of a size that is known
-constexpr double kLeastShare = 1e-4;       ///< of its limit: smaller values are not told from it
+constexpr double kLeastShare = 1e-4;        ///< of its limit: smaller values are not told from it
 
 /// Base and output columns alone, no shapes.
 ModelStructure BaseOnly(const ModelStructure& model) {

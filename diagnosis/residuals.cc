@@ -21,7 +21,8 @@ std::vector<ResidualSignal> SignalsOf(const ModelStructure& model) {
   std::vector<ResidualSignal> out;
   for (const ModelStructure::ShownChannel& shown : model.shown) {
     const DisplayUnit unit = DisplayUnitFor(shown.unit);
-    out.push_back({model.channel_names[shown.channel], shown.channel, unit.factor, unit.offset, std::string(unit.name)});
+    out.push_back({model.channel_names[shown.channel], shown.channel, unit.factor, unit.offset,
+                   std::string(unit.name)});
   }
   if (!out.empty()) {
     out.push_back(KnownSignals().back());
@@ -220,18 +221,21 @@ Eigen::VectorXd ColumnWeights(const ModelStructure& model, const ExtendedFit& fi
 
 namespace {
 
-/// The model with nothing in the columns that do not count, so that they cost nothing and a bad signal in them does no
-/// harm.
+/// The model with nothing in the columns that do not count, so that they cost nothing and a bad signal in
+/// them does no harm.
 std::shared_ptr<const ModelStructure> Weighted(const ModelStructure& model, const Eigen::VectorXd& weights) {
   auto out = std::make_shared<ModelStructure>(model);
   for (int c = model.output_column() + 1; c < model.column_count(); ++c)
     if (weights[c] == 0.0)
-      out->columns[c].fill = [](const Stretch&, double&, std::span<double> values) { std::fill(values.begin(), values.end(), 0.0); };
+      out->columns[c].fill = [](const Stretch&, double&, std::span<double> values) {
+        std::fill(values.begin(), values.end(), 0.0);
+      };
   return out;
 }
 
 bool IsFinite(const StrokeResiduals& stroke) {
-  return std::all_of(stroke.modelled.begin(), stroke.modelled.end(), [](double q) { return std::isfinite(q); });
+  return std::all_of(stroke.modelled.begin(), stroke.modelled.end(),
+                     [](double q) { return std::isfinite(q); });
 }
 
 }  // namespace
@@ -243,7 +247,8 @@ Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<con
   ResidualBuilder builder(Weighted(*model, weights), window, weights, out.signals);
   for (const StrokeStretches& stroke : strokes) {
     StrokeResiduals residuals = builder.Build(stroke);
-    if (!IsFinite(residuals)) residuals = StrokeResiduals{{}, {}, {}, Eigen::MatrixXd(out.signals.size(), 0), {}};
+    if (!IsFinite(residuals))
+      residuals = StrokeResiduals{{}, {}, {}, Eigen::MatrixXd(out.signals.size(), 0), {}};
     out.strokes.push_back(std::move(residuals));
   }
   std::vector<int> moving;

@@ -3,11 +3,12 @@
 
 namespace hydroscope {
 
-std::unique_ptr<StrokeEstimator> MakeEstimator(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+std::unique_ptr<StrokeEstimator> MakeEstimator(const Machine& machine,
+                                               std::shared_ptr<const ModelStructure> model,
                                                const WindowSamples& window) {
   if (machine.estimator.equation == EquationForm::kPublished)
-    return std::make_unique<PublishedEstimator>(machine.estimator, std::move(model), PublishedGeometry::From(machine),
-                                                window.period);
+    return std::make_unique<PublishedEstimator>(machine.estimator, std::move(model),
+                                                PublishedGeometry::From(machine), window.period);
   return std::make_unique<IntegralEstimator>(machine.estimator, std::move(model), window);
 }
 

@@ -9,29 +9,31 @@
 namespace hydroscope {
 namespace {
 
-/// Scales that bring the SI regression to order one ("theta_i(0) = 1, alpha = 500" makes sense only there): typical
-/// opening 0.2, pressure 100 bar, pressure rate 1000 bar/s, position 0.1 m, flow 60 l/min.
+/// Scales that bring the SI regression to order one ("theta_i(0) = 1, alpha = 500" makes sense only there):
+/// typical opening 0.2, pressure 100 bar, pressure rate 1000 bar/s, position 0.1 m, flow 60 l/min.
 constexpr double kOutputScale = 1e-3;
 constexpr std::array<double, 4> kRegressorScale = {0.2 * 3162.0, 1e8, 1e7, 3162.0};
 
 RecursiveLeastSquares MakeRls(const EstimatorSpec& spec) {
   RecursiveLeastSquares::Options options;
-  options.forgetting = spec.form == EstimatorForm::kDirectional ? Forgetting::kDirectional : Forgetting::kExponential;
+  options.forgetting =
+      spec.form == EstimatorForm::kDirectional ? Forgetting::kDirectional : Forgetting::kExponential;
   options.forgetting_factor = spec.form == EstimatorForm::kDirectional
                                   ? std::exp(-spec.update_period / spec.time_constant)
                                   : spec.forgetting_factor;
   options.initial_covariance = spec.initial_covariance;
   options.max_covariance = std::max(spec.max_covariance, spec.initial_covariance);
   options.dead_zone = spec.dead_zone;
-  const std::array<double, 4> initial = {spec.initial_parameter, spec.initial_parameter, spec.initial_parameter,
-                                         spec.initial_parameter};
+  const std::array<double, 4> initial = {spec.initial_parameter, spec.initial_parameter,
+                                         spec.initial_parameter, spec.initial_parameter};
   return RecursiveLeastSquares(initial, options);
 }
 
 }  // namespace
 
 PublishedGeometry PublishedGeometry::From(const Machine& machine) {
-  return {machine.Geometry("A_A").value_or(KnownValue{}).value, machine.Geometry("p_t").value_or(KnownValue{}).value};
+  return {machine.Geometry("A_A").value_or(KnownValue{}).value,
+          machine.Geometry("p_t").value_or(KnownValue{}).value};
 }
 
 PublishedEstimator::PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model,
@@ -57,7 +59,8 @@ void PublishedEstimator::AddStretch(const Stretch& stretch, const SpanEquations&
     const bool ready = spool_.Push(stretch[kSpool][k]);
     if (!ready || ++since_update_ < update_every_) continue;
     since_update_ = 0;
-    Learn(pressure_.value(), pressure_.derivative(), position_.value(), position_.derivative(), spool_.value());
+    Learn(pressure_.value(), pressure_.derivative(), position_.value(), position_.derivative(),
+          spool_.value());
   }
 }
 

@@ -5,7 +5,9 @@
 namespace hydroscope {
 
 PublishedFilter::PublishedFilter(int average, int derivative, double period)
-    : half_average_(std::max(0, average / 2)), half_derivative_(std::max(1, derivative / 2)), period_(period) {
+    : half_average_(std::max(0, average / 2)),
+      half_derivative_(std::max(1, derivative / 2)),
+      period_(period) {
   raw_.assign(2 * half_average_ + 1, 0.0);
   averaged_.assign(2 * half_derivative_ + 1, 0.0);
 }

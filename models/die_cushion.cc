@@ -10,7 +10,8 @@
 namespace hydroscope {
 namespace {
 
-/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put back.
+/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put
+/// back.
 double NoiseCorrectedRoot(double dp, double variance) {
   const double magnitude = std::abs(dp);
   const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
@@ -22,7 +23,8 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   const double variance = WhiteNoiseVariance(p.data(), s.samples);
   auto& root = s.channel[kFlowRoot];
   for (int k = 0; k < s.samples; ++k) {
-    const bool to_tank = s.channel[kSpool][k] >= 0.0 || !has_supply || std::isnan(s.channel[kSupplyPressure][k]);
+    const bool to_tank =
+        s.channel[kSpool][k] >= 0.0 || !has_supply || std::isnan(s.channel[kSupplyPressure][k]);
     const double dp = to_tank ? p[k] - tank_pressure : s.channel[kSupplyPressure][k] - p[k];
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
@@ -37,27 +39,32 @@ std::vector<Column> BaseColumns(double area) {
       {"flow_area",
        [](const Stretch& s, double&, std::span<double> out) {
          const double *root = s[kFlowRoot], *y = s[kSpool];
-         IntegrateOverTime(s, [=](int k) { return root[k] * y[k]; }, out);
+         IntegrateOverTime(
+             s, [=](int k) { return root[k] * y[k]; }, out);
        }},
       {"dead_volume",
        [](const Stretch& s, double&, std::span<double> out) {
          const double* p = s[kPressureA];
-         Differences(s, [=](int k) { return p[k]; }, out);
+         Differences(
+             s, [=](int k) { return p[k]; }, out);
        }},
       {"stroke_volume",
        [](const Stretch& s, double&, std::span<double> out) {
          const double *p = s[kPressureA], *z = s[kPosition];
-         IntegrateOver(s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
+         IntegrateOver(
+             s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
        }},
       {"flow_null",
        [](const Stretch& s, double&, std::span<double> out) {
          const double* root = s[kFlowRoot];
-         IntegrateOverTime(s, [=](int k) { return root[k]; }, out);
+         IntegrateOverTime(
+             s, [=](int k) { return root[k]; }, out);
        }},
       {"piston_volume",
        [area](const Stretch& s, double&, std::span<double> out) {
          const double* z = s[kPosition];
-         Differences(s, [=](int k) { return area * z[k]; }, out);
+         Differences(
+             s, [=](int k) { return area * z[k]; }, out);
        }},
   };
 }
@@ -65,18 +72,20 @@ std::vector<Column> BaseColumns(double area) {
 /// Pressure noise in the flow through the valve: d(root y)/dp = y / (2 root), d(root)/dp = 1 / (2 root).
 void IntegratedNoise(const Stretch& s, int sample, Eigen::VectorXd& rate_noise) {
   const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
-  const double slope = 0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
+  const double slope =
+      0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
   rate_noise[0] = slope * s[kSpool][sample];
   rate_noise[3] = slope;
 }
 
-DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient, bool admissible,
-                         double geometry_std) {
+DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
+                         bool admissible, double geometry_std) {
   return {name, unit, value, gradient, admissible && std::isfinite(value), geometry_std};
 }
 
 /// Eq. 13-16 of the press paper with their gradients.
-std::vector<DerivedParameter> Derive(double area, double area_std, double root_dp_nom, const Eigen::VectorXd& t) {
+std::vector<DerivedParameter> Derive(double area, double area_std, double root_dp_nom,
+                                     const Eigen::VectorXd& t) {
   const double bulk = -area / t[2], dead = area * t[1] / t[2];
   const double flow = -root_dp_nom * t[0], null = -t[3] / t[0];
   const double relative_area = area > 0 ? area_std / area : 0.0;
@@ -95,18 +104,23 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   const auto area = machine.Geometry("A_A");
   const auto dp_nom = machine.Geometry("dp_nom");
   if (!area || !dp_nom || area->value <= 0 || dp_nom->value <= 0)
-    return BadInput("machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom (nominal pressure drop of the valve), both > 0",
-                    machine.name);
+    return BadInput(
+        "machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom (nominal pressure drop "
+        "of the valve), both > 0",
+        machine.name);
   auto model = std::make_shared<ModelStructure>();
   model->name = "die_cushion";
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
   model->output_unit = "m3/s";
-  model->channel_names = {"p_A", "z", "y_v", "p_B", "p_0", "T_oil", "flow_root", "speed", "acceleration", "pressure_rate"};
-  for (int c = 0; c < kMeasuredChannels; ++c) model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
+  model->channel_names = {"p_A",   "z",         "y_v",   "p_B",          "p_0",
+                          "T_oil", "flow_root", "speed", "acceleration", "pressure_rate"};
+  for (int c = 0; c < kMeasuredChannels; ++c)
+    model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
     if (model->channel_source[c] < 0)
-      return BadInput("machine '{}': model die_cushion needs signal {} in [signals]", machine.name, model->channel_names[c]);
+      return BadInput("machine '{}': model die_cushion needs signal {} in [signals]", machine.name,
+                      model->channel_names[c]);
     model->needed_signals.push_back(model->channel_source[c]);
   }
   model->columns = BaseColumns(area->value);
@@ -118,15 +132,17 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{0.2, 0}).value;
   static_assert(kDieCushionChannels == 10);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
-  model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) { DeriveChannels(tank, has_supply, s); };
+  model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
+    DeriveChannels(tank, has_supply, s);
+  };
   model->integrated_noise = IntegratedNoise;
   model->walk_columns = {0, 3};
-  model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](const Eigen::VectorXd& theta) {
-    return Derive(a, a_std, root, theta);
-  };
+  model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
+                      const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
   AddLibrary(DieCushionEffects(geometry), *model);
   // Own effects are flows out of chamber A, as leaks are.
-  if (const Status added = AddUserEffects(machine, -1.0, *model); !added) return tl::unexpected(added.error());
+  if (const Status added = AddUserEffects(machine, -1.0, *model); !added)
+    return tl::unexpected(added.error());
   return model;
 }
 

@@ -291,13 +291,14 @@ std::string ExperimentSection(const Machine& machine, const MachineNotes& notes)
     return Inline(limits);
   };
   Pairs pairs;
-  if (spec.speed_min || spec.speed_max) pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
+  if (spec.speed_min || spec.speed_max)
+    pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
   if (spec.pressure_min || spec.pressure_max)
     pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
   pairs.emplace_back("warm_up", Plain(spec.warm_up));
   pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
-  return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.", pairs, notes,
-                 "experiment");
+  return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",
+                 pairs, notes, "experiment");
 }
 
 std::string Terms(const std::vector<TermSpec>& terms) {
@@ -437,9 +438,9 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
   text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
           GeometrySection(machine, notes) + GateSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
-          MonitorSections(machine, notes) + ValveSection(machine, notes) +
-          ExperimentSection(machine, notes) + BalanceSection(machine, notes) +
-          EffectSections(machine, notes) + LiveSections(machine, notes) + FeedsSections(machine, notes);
+          MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
+          BalanceSection(machine, notes) + EffectSections(machine, notes) + LiveSections(machine, notes) +
+          FeedsSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
   return text + FormatModelHistory(machine.model_history);

@@ -76,7 +76,8 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"feeds.dds", {"domain", "topic", "transport", "interfaces", "peers"}},
       {"feeds.sparkplug", {"broker", "group", "node", "user", "password_file"}},
       {"model_history",
-       {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit", "parameters"}},
+       {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit",
+        "parameters"}},
       {"model_history.parameters.<name>", {"value", "std", "unit"}},
       {"<quantity>", {"value", "unit"}},
   };

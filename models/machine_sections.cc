@@ -227,9 +227,11 @@ void ReadGate(TableReader& file, Machine& machine) {
       bound.rate = Unwrap("ddt(", bound.signal);
       const int index = machine.SignalIndex(bound.signal);
       if (index < 0) {
-        conditions.Problem(entry.where,
-                           fmt::format("\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
-                                       bound.signal, DidYouMean(bound.signal, names), Listed(names)));
+        conditions.Problem(
+            entry.where,
+            fmt::format(
+                "\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
+                bound.signal, DidYouMean(bound.signal, names), Listed(names)));
         continue;
       }
       const toml::table* limits = conditions.Table(entry.key);

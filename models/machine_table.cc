@@ -58,8 +58,9 @@ Error FileProblems::ToError() const {
                    [](const auto& a, const auto& b) { return a.line < b.line; });
   std::string text;
   for (std::size_t i = 0; i < std::min(problems.size(), kReported); ++i)
-    text += fmt::format("{}{}:{}{}: {}", i == 0 ? "" : "\n", origin_, problems[i].line,
-                        problems[i].column > 0 ? fmt::format(":{}", problems[i].column) : "", problems[i].text);
+    text +=
+        fmt::format("{}{}:{}{}: {}", i == 0 ? "" : "\n", origin_, problems[i].line,
+                    problems[i].column > 0 ? fmt::format(":{}", problems[i].column) : "", problems[i].text);
   if (problems.size() > kReported) text += fmt::format("\n... and {} more", problems.size() - kReported);
   return Error{ErrorKind::kBadInput, text};
 }

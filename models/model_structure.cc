@@ -14,8 +14,9 @@ std::vector<std::string> ModelStructure::ColumnNames() const {
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
   if (machine.model == "die_cushion") return BuildDieCushion(machine);
   if (machine.model == "expressions") return BuildExpressionBalance(machine);
-  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: die_cushion, expressions", machine.name,
-                  machine.model);
+  return BadInput(
+      "machine '{}': model '{}' cannot be identified from strokes; known models: die_cushion, expressions",
+      machine.name, machine.model);
 }
 
 }  // namespace hydroscope

@@ -27,7 +27,9 @@ std::vector<StrokeGram> LogStrokes::Grams() const {
   return grams;
 }
 
-StrokeCollector::StrokeCollector(const Machine& machine, KeepSamples keep) : keep_(keep) { out_.machine = machine; }
+StrokeCollector::StrokeCollector(const Machine& machine, KeepSamples keep) : keep_(keep) {
+  out_.machine = machine;
+}
 
 Pipeline::RecordSink StrokeCollector::Sink() {
   return [this](StrokeRecord&& record) {
@@ -85,7 +87,8 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, K
   return out;
 }
 
-Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine, KeepSamples keep) {
+Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
+                               KeepSamples keep) {
   constexpr double kSamePeriod = 0.05;
   std::optional<LogStrokes> all;
   for (const std::string& log : logs) {
@@ -97,8 +100,9 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
     }
     const double period = next->window.period, first = all->window.period;
     if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
-      return BadInput("{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log, period,
-                      logs.front(), first);
+      return BadInput(
+          "{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log,
+          period, logs.front(), first);
     // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
     if (all->stretches.size() < all->strokes.size()) next->stretches.clear();
     const auto offset = static_cast<std::int64_t>(all->strokes.size());

@@ -86,15 +86,18 @@ nlohmann::json RemainderJson(const ExplainResult& result) {
   if (!shape) return nullptr;
   nlohmann::json points = nlohmann::json::array();
   for (const ShapePoint& point : shape->points)
-    points.push_back({{"x", point.x}, {"value", point.value * Factor(result)}, {"std", point.std * Factor(result)}});
-  return {{"signal", shape->signal}, {"unit", shape->unit}, {"explained", shape->explained}, {"points", points}};
+    points.push_back(
+        {{"x", point.x}, {"value", point.value * Factor(result)}, {"std", point.std * Factor(result)}});
+  return {
+      {"signal", shape->signal}, {"unit", shape->unit}, {"explained", shape->explained}, {"points", points}};
 }
 
 nlohmann::json PlanJson(const Experiment& experiment) {
   if (experiment.pressures.empty()) return nullptr;
-  return {{"strokes", experiment.strokes},   {"speeds", experiment.speeds},         {"speed_unit", "m/s"},
-          {"pressures", experiment.pressures}, {"pressure_unit", "Pa"},             {"warm_up", experiment.warm_up},
-          {"seconds", experiment.seconds},   {"separation", experiment.separation}};
+  return {{"strokes", experiment.strokes}, {"speeds", experiment.speeds},
+          {"speed_unit", "m/s"},           {"pressures", experiment.pressures},
+          {"pressure_unit", "Pa"},         {"warm_up", experiment.warm_up},
+          {"seconds", experiment.seconds}, {"separation", experiment.separation}};
 }
 
 }  // namespace

@@ -35,8 +35,9 @@ void TakeBase(ExplainResult& result) {
   result.base.noise_floor = fit.noise_floor;
 }
 
-/// A balance of the user's own rarely describes a machine down to the sensor noise, and its library holds what its user
-/// thought of. So an explanation that takes four fifths of the model error away names its effects; what is left is said.
+/// A balance of the user's own rarely describes a machine down to the sensor noise, and its library holds
+/// what its user thought of. So an explanation that takes four fifths of the model error away names its
+/// effects; what is left is said.
 constexpr double kOwnBalanceLeft = 0.2;
 
 void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
@@ -112,7 +113,8 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         ShapeOfRemainder(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
                                      ColumnWeights(*out.explanation.model, out.explanation.final)));
   if (out.explanation.verdict == Verdict::kAmbiguous)
-    out.experiment = ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.window);
+    out.experiment =
+        ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.window);
   return out;
 }
 
@@ -129,7 +131,8 @@ Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const st
   if (!strokes) return tl::unexpected(strokes.error());
   auto out = ExplainStrokes(std::move(*strokes), options);
   if (!out)
-    return tl::unexpected(Error{out.error().kind, fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text)});
+    return tl::unexpected(
+        Error{out.error().kind, fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text)});
   out->target = "--machine " + machine_file;
   return out;
 }

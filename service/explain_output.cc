@@ -79,9 +79,8 @@ std::string UnknownText(const ExplainResult& result) {
 /// Why a set is not proven, if so.
 std::string DoubtText(const Explanation& x) {
   if (x.doubt.empty()) return "";
-  return fmt::format(
-      "  PARTIAL: {}. The cause may be a relative of {} that the library does not hold.\n", x.doubt,
-      x.set.size() == 1 ? "this effect" : "these effects");
+  return fmt::format("  PARTIAL: {}. The cause may be a relative of {} that the library does not hold.\n",
+                     x.doubt, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
 /// The curve of what is missing, for a person to recognise.
@@ -90,12 +89,14 @@ std::string RemainderText(const std::optional<RemainderShape>& shape, const Disp
   if (!shape) return "";
   double largest = 0;
   for (const ShapePoint& p : shape->points) largest = std::max(largest, std::abs(p.value));
-  std::string text = fmt::format("\nShape of what is missing, over {} (follows {:.0f} % of the error), measured less modelled\n",
-                                 shape->signal, 100 * shape->explained);
+  std::string text = fmt::format(
+      "\nShape of what is missing, over {} (follows {:.0f} % of the error), measured less modelled\n",
+      shape->signal, 100 * shape->explained);
   for (std::size_t k = 0; k < shape->points.size(); k += kEvery) {
     const ShapePoint& p = shape->points[k];
     const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
-    const std::string left = p.value < 0 ? std::string(bar, '#') : "", right = p.value >= 0 ? std::string(bar, '#') : "";
+    const std::string left = p.value < 0 ? std::string(bar, '#') : "",
+                      right = p.value >= 0 ? std::string(bar, '#') : "";
     text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, shape->unit, left, right,
                         p.value * unit.factor, kNormal95 * p.std * unit.factor, unit.name);
   }
@@ -196,7 +197,8 @@ std::string RankingText(const ExplainResult& result) {
                         SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
   }
   return text + fmt::format(
-                    "  error in {}; evidence: error energy removed on strokes left out, in noise variances; * stands "
+                    "  error in {}; evidence: error energy removed on strokes left out, in noise variances; "
+                    "* stands "
                     "out\n",
                     unit.name);
 }
@@ -215,8 +217,7 @@ std::string RuledOutText(const Explanation& x) {
 std::string UntestableText(const ExplainResult& result) {
   std::string text;
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable)
-      text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
+    if (!ranked.testable) text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
     text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured));
   return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
@@ -244,7 +245,8 @@ std::string NotFiniteText(const StrokeCounters& totals) {
   const std::int64_t rows = totals.flagged[std::countr_zero(quality::kExpression)];
   if (rows == 0) return "";
   return fmt::format(
-      "{} rows left out: an expression of the machine file is no finite number there (division by zero, root of a "
+      "{} rows left out: an expression of the machine file is no finite number there (division by zero, root "
+      "of a "
       "negative value); 'hydroscope check' says where.\n",
       rows);
 }

@@ -40,7 +40,9 @@ std::string FitText(const FitResult& result) {
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
       result.fit.strokes, result.log.totals.used, result.log.totals.samples);
   if (result.fit.rms_holdout > 1.15 * result.fit.noise_floor)
-    text += "The error is above the noise: the model misses something, and the parameters above absorb part of it.\n";
+    text +=
+        "The error is above the noise: the model misses something, and the parameters above absorb part of "
+        "it.\n";
   return text;
 }
 

@@ -53,10 +53,11 @@ std::vector<Effect> EffectsOf(const Machine* machine) {
 
 std::string EffectText(const Effect& e) {
   const EffectUnit unit = EffectUnitFor(e.unit);
-  std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id, e.title,
-                                 e.plain, e.law, e.source, e.parameter);
-  text += std::isfinite(e.typical) ? fmt::format(", typically {:.3g} {}\n", e.typical * unit.factor, unit.name)
-                                   : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
+  std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id,
+                                 e.title, e.plain, e.law, e.source, e.parameter);
+  text += std::isfinite(e.typical)
+              ? fmt::format(", typically {:.3g} {}\n", e.typical * unit.factor, unit.name)
+              : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
   for (const NonlinearParameter& n : e.nonlinear) {
     const EffectUnit shown = EffectUnitFor(n.unit);
     text += fmt::format("                 {}, found between {:.3g} and {:.3g} {}\n", n.name,
@@ -90,8 +91,9 @@ nlohmann::json EffectJson(const Effect& e) {
 }  // namespace
 
 std::string EffectsText(const Machine* machine) {
-  std::string text = machine == nullptr ? "Effects that the model of a die cushion may be missing\n"
-                                        : fmt::format("Effects that the model of {} may be missing\n", machine->name);
+  std::string text = machine == nullptr
+                         ? "Effects that the model of a die cushion may be missing\n"
+                         : fmt::format("Effects that the model of {} may be missing\n", machine->name);
   for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(effect);
   return text + "\nAdd one to a machine: hydroscope model add internal_leakage --machine press.toml\n";
 }

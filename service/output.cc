@@ -15,9 +15,12 @@ namespace hydroscope {
 int ReportError(const Error& error) {
   std::cerr << "hydroscope: " << error.text << "\n";
   switch (error.kind) {
-    case ErrorKind::kUsage: return kWrongUse;
-    case ErrorKind::kBadInput: return kWrongInput;
-    case ErrorKind::kInternal: return kOwnFault;
+    case ErrorKind::kUsage:
+      return kWrongUse;
+    case ErrorKind::kBadInput:
+      return kWrongInput;
+    case ErrorKind::kInternal:
+      return kOwnFault;
   }
   return kOwnFault;
 }
@@ -55,8 +58,8 @@ void ProgressBar::Update(double share, std::int64_t count) {
   const double rate = static_cast<double>(count) / elapsed;
   const double left = share > 0 ? elapsed * (1 - share) / share : 0;
   const int full = static_cast<int>(share * 30);
-  const std::string line = fmt::format("\r{} [{:=<{}}{: <{}}] {:3.0f} %  {:.3g} {}/s  {:.0f} s left\033[K", what_, "", full, "",
-                                       30 - full, share * 100, rate, unit_, left);
+  const std::string line = fmt::format("\r{} [{:=<{}}{: <{}}] {:3.0f} %  {:.3g} {}/s  {:.0f} s left\033[K",
+                                       what_, "", full, "", 30 - full, share * 100, rate, unit_, left);
   std::fputs(line.c_str(), stderr);
 }
 

@@ -145,12 +145,14 @@ nlohmann::json LogJson(const LogReplay& r) {
 std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
   if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
   if (watch.reference_version == 0)
-    return fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n", watch.commissioning_strokes,
-                       watch.commissioning_needed);
-  std::string text = fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {}; {}\n", watch.reference_version,
-                                 watch.health, watch.alarms.empty() ? "no alarm stands" : "alarms:");
+    return fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n",
+                       watch.commissioning_strokes, watch.commissioning_needed);
+  std::string text = fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {}; {}\n",
+                                 watch.reference_version, watch.health,
+                                 watch.alarms.empty() ? "no alarm stands" : "alarms:");
   for (const AlarmState& alarm : watch.alarms)
-    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id, alarm.text);
+    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id,
+                        alarm.text);
   if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
   return text;
 }
@@ -176,8 +178,8 @@ nlohmann::json WatchJson(const WatchOutcome& watch) {
 }  // namespace
 
 std::string ReplayText(const ReplayOptions& options, const ReplayOutcome& outcome) {
-  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) + SkippedTable(outcome) +
-         Next(options, outcome);
+  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) +
+         SkippedTable(outcome) + Next(options, outcome);
 }
 
 nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& outcome) {

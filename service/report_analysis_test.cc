@@ -107,7 +107,8 @@ TEST(AnalyseReport, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
     bool alarm = false;
     for (const char* steady : {"K", "V0", "y_0"}) {
       const ParameterAnalysis& parameter = Of(analysis, steady);
-      alarm |= parameter.oil.outcome == OilOutcome::kFollows || parameter.oil.outcome == OilOutcome::kNotInStep;
+      alarm |=
+          parameter.oil.outcome == OilOutcome::kFollows || parameter.oil.outcome == OilOutcome::kNotInStep;
       alarm |= parameter.unexplained == Significance::kClear;
     }
     false_alarms += alarm;

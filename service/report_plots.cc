@@ -72,7 +72,8 @@ struct Columns {
   std::vector<std::string> titles;
 };
 template <typename XOf>
-Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& info, bool updated, XOf x_of) {
+Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& info, bool updated,
+                  XOf x_of) {
   Columns columns;
   for (const TrendSample& sample : samples) {
     if (sample.updated != updated || !std::isfinite(x_of(sample))) continue;

@@ -387,10 +387,12 @@ Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis
         "No drawing stroke was found in the record. Check the gate of the machine file against the log, and "
         "what was skipped below.");
   else if (!AnyChangeKnown(analysis))
-    out.push_back(fmt::format(
-        "A change over the record can be judged from {} strokes on that identify a parameter; this record has "
-        "{} stroke{}.",
-        6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())), input.strokes.size() == 1 ? "" : "s"));
+    out.push_back(
+        fmt::format("A change over the record can be judged from {} strokes on that identify a parameter; "
+                    "this record has "
+                    "{} stroke{}.",
+                    6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())),
+                    input.strokes.size() == 1 ? "" : "s"));
   for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})
     if (const auto names = standing(wanted); !names.empty())
       out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),

@@ -152,13 +152,15 @@ std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   if (result.log.model->name == "expressions")
     return x.verdict == Verdict::kAmbiguous
-               ? std::optional<std::string>("Record strokes in which the expressions of these effects go different ways.")
+               ? std::optional<std::string>(
+                     "Record strokes in which the expressions of these effects go different ways.")
                : std::nullopt;
   const std::optional<std::string> one_speed = OneSpeed(result);
   if (x.verdict == Verdict::kAmbiguous) {
     if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment);
     const std::string separating =
-        "No series of strokes within [experiment] of the machine file would settle it. " + Separating(x.groups);
+        "No series of strokes within [experiment] of the machine file would settle it. " +
+        Separating(x.groups);
     return one_speed ? *one_speed + " " + separating : separating;
   }
   if (one_speed) return one_speed;

@@ -54,8 +54,9 @@ void RamMotion::NextPhase() {
       const double bottom = motion_.z_bottom + random_.Uniform(-1, 1) * motion_.z_bottom_spread;
       const double random_speed = random_.Uniform(motion_.speed_min, motion_.speed_max);
       move(PressPhase::kDraw, bottom,
-           motion_.speeds.empty() ? random_speed
-                                  : motion_.speeds[static_cast<std::size_t>(stroke_) % motion_.speeds.size()]);
+           motion_.speeds.empty()
+               ? random_speed
+               : motion_.speeds[static_cast<std::size_t>(stroke_) % motion_.speeds.size()]);
       break;
     }
     case PressPhase::kDraw:

@@ -78,9 +78,11 @@ Status Validate(const PressOptions& o) {
   });
   if (!ranges) return ranges;
   for (const double speed : w.speeds)
-    if (const Status status = CheckRanges({{"ram speed in turn", speed, 1e-4, w.speed_max, "m/s"}}); !status) return status;
+    if (const Status status = CheckRanges({{"ram speed in turn", speed, 1e-4, w.speed_max, "m/s"}}); !status)
+      return status;
   for (const double level : w.set_points)
-    if (const Status status = CheckRanges({{"set point in turn", level, 1e5, 1e8, "Pa"}}); !status) return status;
+    if (const Status status = CheckRanges({{"set point in turn", level, 1e5, 1e8, "Pa"}}); !status)
+      return status;
   if (const auto effects = ResolveEffects(o.effects); !effects) return tl::unexpected(effects.error());
   return CheckFaults(o.faults);
 }

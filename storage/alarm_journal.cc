@@ -326,8 +326,7 @@ Result<std::vector<JournalRow>> AlarmJournal::Rows(const std::string& machine, s
 }
 
 Result<std::int64_t> AlarmJournal::LastSequence() const {
-  return Guarded(impl_->path, &impl_->db,
-                 [&]() -> Result<std::int64_t> { return NewestSequence(*impl_); });
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::int64_t> { return NewestSequence(*impl_); });
 }
 
 Result<std::vector<std::pair<std::string, std::string>>> AlarmJournal::AlarmsByAppearance() const {

@@ -11,9 +11,10 @@ namespace {
 class AlarmJournalFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    path = (std::filesystem::path(::testing::TempDir()) /
-            (std::string("journal_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".db"))
-               .string();
+    path =
+        (std::filesystem::path(::testing::TempDir()) /
+         (std::string("journal_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".db"))
+            .string();
     for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(path + end);
   }
   /// Raises an alarm with `text`.

@@ -24,7 +24,8 @@ std::int64_t ContentHash(const StrokeRecord& record, const std::vector<std::uint
   for (const Estimate& e : record.estimates) {
     hash.Add(e.parameter);
     hash.Add(e.unit);
-    for (const double value : {e.value, e.std, e.excitation, e.last_excited, e.oil_temperature}) hash.Add(value);
+    for (const double value : {e.value, e.std, e.excitation, e.last_excited, e.oil_temperature})
+      hash.Add(value);
     hash.Add(std::string_view(ReasonName(e.reason)));
   }
   hash.Add(std::span<const std::uint8_t>(gram));

@@ -16,12 +16,14 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.confused_with = {"internal_leakage", "orifice_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
-      "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check or "
+      "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check "
+      "or "
       "drain valve, a valve body worn through to tank.";
   e.variant = [tank = geometry.tank_pressure](const auto&) {
     return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
       const double* a = s[kPressureA];
-      IntegrateOverTime(s, [=](int k) { return tank - a[k]; }, out);
+      IntegrateOverTime(
+          s, [=](int k) { return tank - a[k]; }, out);
     });
   };
   return e;

@@ -2,7 +2,8 @@
 
 namespace hydroscope::effects {
 
-/// Laminar gap flow past the piston seal from A to B, Q = G (p_A - p_B) (Merritt 1967, eq. 2-32 for annular gaps).
+/// Laminar gap flow past the piston seal from A to B, Q = G (p_A - p_B) (Merritt 1967, eq. 2-32 for annular
+/// gaps).
 Effect InternalLeakage(const CushionGeometry&) {
   Effect e;
   e.id = "internal_leakage";
@@ -22,7 +23,8 @@ Effect InternalLeakage(const CushionGeometry&) {
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB];
-      IntegrateOverTime(s, [=](int k) { return b[k] - a[k]; }, out);
+      IntegrateOverTime(
+          s, [=](int k) { return b[k] - a[k]; }, out);
     });
   };
   return e;

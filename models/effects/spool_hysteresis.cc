@@ -4,8 +4,8 @@
 
 namespace hydroscope::effects {
 
-/// The metering edge follows the measured spool with play: it moves only after the spool has turned by the width w
-/// (play operator, Visintin 1994, sec. III.1).
+/// The metering edge follows the measured spool with play: it moves only after the spool has turned by the
+/// width w (play operator, Visintin 1994, sec. III.1).
 Effect SpoolHysteresis(const CushionGeometry&) {
   Effect e;
   e.id = "spool_hysteresis";
@@ -21,7 +21,8 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.confused_with = {"spool_signal_delay"};
   e.hidden_in = "-";
   e.plain =
-      "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a sticking "
+      "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a "
+      "sticking "
       "spool, silt in the pilot stage.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {

@@ -16,8 +16,8 @@ double LostSlope(double u, double x) {
 }  // namespace
 
 /// The return line drops R Q^2 behind the valve. With k = -theta1 and u = y_v - y_0 the flow becomes
-/// k u root(dp) / sqrt(1 + R k^2 u^2) (two turbulent restrictions in series, Merritt 1967, sec. 3-4). The choke ratio
-/// x = R k^2 is the nonlinear parameter; y_0 enters by its slope.
+/// k u root(dp) / sqrt(1 + R k^2 u^2) (two turbulent restrictions in series, Merritt 1967, sec. 3-4). The
+/// choke ratio x = R k^2 is the nonlinear parameter; y_0 enters by its slope.
 Effect TankBackPressure(const CushionGeometry&) {
   Effect e;
   e.id = "tank_back_pressure";
@@ -33,17 +33,20 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.confused_with = {"valve_flow_curvature"};
   e.hidden_in = "Q_vn";
   e.plain =
-      "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed cock, a "
+      "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed "
+      "cock, a "
       "squeezed return hose.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const double x = nonlinear[0];
     const auto flow = [x](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * Lost(y[k], x); }, out);
     };
     const auto null = [x](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOverTime(s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * LostSlope(y[k], x); }, out);
     };
     return EffectVariant{{flow, null}, [x](const ShapeContext& c) {
                            const double k = -c.theta[0], null = -c.theta[3] / c.theta[0];

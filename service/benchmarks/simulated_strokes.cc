@@ -34,7 +34,8 @@ SampleBlock RowsOf(const SimulatedLog& log, const Machine& machine) {
   SampleBlock rows;
   rows.Resize(machine.signals.size(), log.rows());
   rows.time = log.t;
-  const std::vector<double>* columns[] = {&log.p_A, &log.p_B, &log.p_0, &log.z, &log.y_v, &log.U_v, &log.T_oil};
+  const std::vector<double>* columns[] = {&log.p_A, &log.p_B, &log.p_0,  &log.z,
+                                          &log.y_v, &log.U_v, &log.T_oil};
   for (std::size_t s = 0; s < machine.signals.size(); ++s) rows.signal[s] = *columns[s];
   return rows;
 }

@@ -182,7 +182,8 @@ void AddDrift(CLI::App& benchmark, int& exit_code) {
 void AddDriftFull(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<DriftFullSimulationOptions>();
   CLI::App* command = benchmark.add_subcommand(
-      "drift-full", "Drift detection on fully simulated logs of machines at random, every stroke through the pipeline");
+      "drift-full",
+      "Drift detection on fully simulated logs of machines at random, every stroke through the pipeline");
   command->add_option("--machines", o->machines, "Machines, every second one with three products")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();

@@ -14,7 +14,8 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
     std::string log, machine, json;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("fit", "Physical parameters of the model from one log, with 95 % intervals");
+  CLI::App* command =
+      app.add_subcommand("fit", "Physical parameters of the model from one log, with 95 % intervals");
   command->add_option("log", options->log, "Log of press strokes (CSV, CSV.gz or MAT)")->required();
   command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();
   command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
@@ -30,7 +31,8 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
     }
     if (options->json != "-") std::cout << FitText(*result);
     if (!options->json.empty())
-      if (const Status written = WriteJson(options->json, FitJson(*result)); !written) exit_code = ReportError(written.error());
+      if (const Status written = WriteJson(options->json, FitJson(*result)); !written)
+        exit_code = ReportError(written.error());
   });
 }
 

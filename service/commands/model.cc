@@ -33,7 +33,8 @@ void AddEffectsCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
                       "Machine file (TOML): the effects tried on this machine, those of its own too");
   command->add_option("--json", options->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
-      "Examples:\n  hydroscope model effects\n  hydroscope model effects --machine machines/seal_friction.toml\n"
+      "Examples:\n  hydroscope model effects\n  hydroscope model effects --machine "
+      "machines/seal_friction.toml\n"
       "  hydroscope model effects --json -");
   command->callback([options, &exit_code] {
     if (options->machine.empty()) {
