@@ -12,7 +12,7 @@ if ! command -v clang++ >/dev/null; then
   echo "fuzz: clang is not installed, nothing was run; scripts/setup.sh --fuzz installs it"
   exit 0
 fi
-targets=(acquisition/message_fuzz acquisition/registers_fuzz models/machine_fuzz replay/csv_fuzz)
+targets=(acquisition/message_fuzz acquisition/registers_fuzz models/machine_fuzz replay/csv_fuzz alarms/feeds/requests_fuzz)
 scripts/build.sh fuzz "${targets[@]##*/}"
 for target in "${targets[@]}"; do
   corpus=build/fuzz/corpus/${target##*/}
