@@ -11,8 +11,8 @@
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
-#include "alarms/feeds/feed_fixture.h"
 #include "dds/participant.h"
+#include "tests/feed_fixture.h"
 
 namespace hydroscope {
 namespace {

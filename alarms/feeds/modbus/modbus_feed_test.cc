@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "acquisition/modbus/link.h"
-#include "alarms/feeds/feed_fixture.h"
 #include "alarms/feeds/modbus/register_map.h"
 #include "core/registers.h"
+#include "tests/feed_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include "alarms/feeds/feed_fixture.h"
-#include "alarms/feeds/sparkplug/broker_fixture.h"
 #include "alarms/feeds/sparkplug/payload.h"
 #include "storage/database.h"
 #include "storage/outbox.h"
+#include "tests/broker_fixture.h"
+#include "tests/feed_fixture.h"
 
 namespace hydroscope {
 namespace {
