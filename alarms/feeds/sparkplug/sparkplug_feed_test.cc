@@ -143,7 +143,8 @@ TEST_F(SparkplugFeedTest, WhatHappensWithoutABrokerIsToldLaterAsHistorical) {
   ASSERT_TRUE(WaitUntil([&] { return status().behind == 300 && status().errors > 0; }));
   EXPECT_FALSE(status().connected);
   EXPECT_THAT(status().state, HasSubstr("MQTT broker"));
-  EXPECT_EQ(*Outbox::Open(Outbox::PathFor(database()))->Count(), 300);
+  const auto outbox = Outbox::Open(Outbox::PathFor(database()));
+  ASSERT_TRUE(WaitUntil([&] { return *outbox->Count() == 300; }));
   StartBroker();
   ASSERT_TRUE(WaitUntil([&] { return status().behind == 0; }, 20)) << status().state;
   ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA") >= 300; }));
@@ -154,7 +155,7 @@ TEST_F(SparkplugFeedTest, WhatHappensWithoutABrokerIsToldLaterAsHistorical) {
   for (const Json& message : Decoded("DDATA"))
     historical += message["payload"]["metrics"][0].value("isHistorical", false);
   EXPECT_EQ(historical, 300u);
-  EXPECT_EQ(*Outbox::Open(Outbox::PathFor(database()))->Count(), 0);
+  EXPECT_EQ(*outbox->Count(), 0);
 }
 
 TEST_F(SparkplugFeedTest, ABrokerThatDiesAndComesBackGetsWhatItDidNotAcknowledge) {
