@@ -238,7 +238,7 @@ class SparkplugFeed : public Feed {
     const auto last = reader_.LastSequence();
     std::lock_guard lock(mutex_);
     status_.connected = connected;
-    status_.state = fmt::format("born {} times, {} rows wait in the outbox", birth_death_ + 1, count);
+    status_.state = fmt::format("{} rows wait in the outbox", count);
     status_.delivered = first > 0 ? first - 1 : cursor_;
     status_.behind = count + (last ? *last - cursor_ : 0);
   }
