@@ -288,6 +288,23 @@ Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, co
   return LearnFrom(std::move(strokes), next, wall, user);
 }
 
+Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int64_t first,
+                                                                        std::int64_t count) const {
+  std::vector<JudgedValue> values;
+  if (!monitor_) return values;
+  for (std::int64_t from = first; from < first + count; from += kStrokesPerChange) {
+    const auto strokes = Load(from, std::min(kStrokesPerChange, first + count - from));
+    if (!strokes) return tl::unexpected(strokes.error());
+    for (const Stored& stroke : *strokes) {
+      const drift::StrokeEvidence evidence = EvidenceOf(stroke);
+      if (Learnable(evidence))
+        values.push_back(
+            {stroke.sequence, evidence.oil_temperature, monitor_->reference().Judge(*model_, evidence)});
+    }
+  }
+  return values;
+}
+
 Status AxisMonitor::SetSuppression(Suppression reason, bool on, double wall) {
   if (const Status fresh = Refresh(); !fresh) return fresh;
   suppressed_ = static_cast<std::uint8_t>(on ? suppressed_ | reason : suppressed_ & ~reason);

@@ -60,6 +60,14 @@ class AxisMonitor {
   const std::string& name() const { return machine_.name; }
   /// First stroke not judged yet.
   std::int64_t next_stroke() const { return next_; }
+  /// A stroke against the reference in force, whatever was said when it came.
+  struct JudgedValue {
+    std::int64_t sequence = 0;
+    double oil_temperature = 0;  ///< K
+    drift::Deviation deviation;
+  };
+  /// Of stored strokes first ... first + count - 1; empty while commissioning.
+  Result<std::vector<JudgedValue>> JudgedValues(std::int64_t first, std::int64_t count) const;
   /// NAMUR NE 107.
   char Health() const { return NamurStatus(alarms_, !monitor_); }
 

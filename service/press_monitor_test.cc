@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "service/benchmarks/simulated_strokes.h"
+#include "service/drift_report.h"
 
 namespace hydroscope {
 namespace {
@@ -210,6 +211,23 @@ TEST_F(PressMonitorTest, ALeakOfOneAxisIsItsAlarmWithTheStrokesAndTheExplanation
     if (alarm.id == "internal_leakage") {
       EXPECT_THAT(alarm.text, HasSubstr(finding.explanation));
     }
+}
+
+TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
+  const auto press = Open();
+  Store(0, Leaking());  // too few to learn from
+  ASSERT_OK(press->CatchUp(900));
+  EXPECT_THAT(DriftSection(press->axis(0), 100).value(), HasSubstr("being learned"));
+  EXPECT_EQ(DriftVerdictBox(press->axis(0)), "");
+  Store(1, Healthy());
+  Store(1, Leaking());
+  ASSERT_OK(press->CatchUp(1000));
+  const std::string section = DriftSection(press->axis(1), 100).value();
+  EXPECT_THAT(section, HasSubstr("Reference 1, learned from strokes 0 to 99"));
+  EXPECT_LT(section.find("internal_leakage, deviation"), section.find("K′, deviation"));
+  for (const char* curve : {"bulk modulus", "valve flow", "dead volume"})
+    EXPECT_THAT(section, HasSubstr(curve));
+  EXPECT_THAT(DriftVerdictBox(press->axis(1)), HasSubstr("appeared: internal_leakage"));
 }
 
 TEST_F(PressMonitorTest, WhatAllAxesShowTogetherIsToldOnceByThePress) {

@@ -10,6 +10,7 @@
 #include "service/explain_report.h"
 #include "service/live/raw_log.h"
 #include "service/axis_monitor.h"
+#include "service/drift_report.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
 #include "service/model_edit.h"
@@ -321,6 +322,11 @@ Status ReplayRunner::Watch(WatchOutcome& watch) {
   watch.health = axis.Health();
   for (const AlarmState& alarm : axis.alarms())
     if (!AtRest(alarm)) watch.alarms.push_back(alarm);
+  if (options_.report.empty()) return {};
+  auto section = DriftSection(axis, rules->commissioning);
+  if (!section) return tl::unexpected(section.error());
+  watch.section_html = std::move(*section);
+  watch.verdict_html = DriftVerdictBox(axis);
   return {};
 }
 
@@ -328,6 +334,8 @@ Status ReplayRunner::Report(const ReplayOutcome& outcome) {
   if (const Status collected = CollectOverlays(outcome); !collected) return collected;
   auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
   if (!input) return tl::unexpected(input.error());
+  input->drift_verdict = outcome.watch.verdict_html;
+  input->drift = outcome.watch.section_html;
   if (strokes_)
     if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained) {
       input->explanation_verdict = ExplainVerdictBox(*explained);

@@ -47,6 +47,7 @@ struct WatchOutcome {
   std::int64_t commissioning_strokes = 0, commissioning_needed = 0;
   char health = '-';           ///< NAMUR NE 107
   std::vector<AlarmState> alarms;
+  std::string verdict_html, section_html;  ///< for the report; "" without one
 };
 
 /// Everything a replay has to tell.

@@ -346,8 +346,8 @@ std::string FormatReport(const ReportInput& input) {
   const Report report = Prepare(input);
   const std::string verdicts = input.explanation_leads ? input.explanation_verdict + VerdictBox(report)
                                                        : VerdictBox(report) + input.explanation_verdict;
-  const std::string body = Header(report) + verdicts + Cards(report) + Tiles(report) + Trends(report) +
-                           ModelAgainstMeasurement(report) + input.explanation + Skipped(report) +
+  const std::string body = Header(report) + input.drift_verdict + verdicts + Cards(report) + Tiles(report) +
+                           Trends(report) + input.drift + ModelAgainstMeasurement(report) + input.explanation + Skipped(report) +
                            Method(report);
   return HtmlPage("Maintenance report: " + input.machine.name, "<main>" + body + "</main>\n");
 }

@@ -1,11 +1,6 @@
 // `hydroscope simulate press --serve` as a process of its own, read through the sources of a machine file.
-#include <fcntl.h>
-
-#include <csignal>
-
 #include "acquisition/live_sources.h"
-#include "tests/command_line_fixture.h"
-#include "tests/live_fixture.h"
+#include "tests/program_process.h"
 
 namespace hydroscope {
 namespace {
@@ -13,56 +8,11 @@ namespace {
 using namespace command_line_test;
 using ::testing::HasSubstr;
 
-/// The program with its stdin in our hands and its stdout in a file.
-class PressProcess {
+/// The press of a machine file.
+class PressProcess : public Program {
  public:
-  PressProcess(const std::string& machine, const std::string& out, const std::vector<std::string>& more = {})
-      : out_(out) {
-    int ends[2];
-    EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
-    std::vector<std::string> words = {HYDROSCOPE_BINARY, "simulate", "press", "--serve", machine};
-    words.insert(words.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    child_ = fork();
-    if (child_ == 0) {
-      dup2(ends[0], STDIN_FILENO);
-      if (freopen(out.c_str(), "w", stdout) == nullptr) _exit(99);
-      if (freopen((out + ".err").c_str(), "w", stderr) == nullptr) _exit(99);
-      execv(HYDROSCOPE_BINARY, argv.data());
-      _exit(99);
-    }
-    close(ends[0]);
-    input_ = ends[1];
-  }
-  ~PressProcess() {
-    if (child_ > 0) Kill(SIGKILL);
-    close(input_);
-  }
-
-  void Say(const std::string& line) {
-    const std::string text = line + "\n";
-    EXPECT_EQ(write(input_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
-  }
-  bool WaitFor(const std::string& answer) const {
-    return WaitUntil([&] { return ReadText(out_).find(answer) != std::string::npos; });
-  }
-  int Wait() {
-    int state = 0;
-    waitpid(child_, &state, 0);
-    child_ = 0;
-    return WIFEXITED(state) ? WEXITSTATUS(state) : -1;
-  }
-  int Kill(int signal) {
-    kill(child_, signal);
-    return Wait();
-  }
-
- private:
-  std::string out_;
-  pid_t child_ = 0;
-  int input_ = -1;
+  PressProcess(const std::string& machine, const std::string& out)
+      : Program({"simulate", "press", "--serve", machine}, out) {}
 };
 
 class SimulateServe : public CommandLine {

@@ -31,6 +31,22 @@ Sums SumAfter(const std::deque<JudgedStroke>& strokes, std::int64_t last_before)
   return sums;
 }
 
+/// The sums with the reference's own error, normal with std `doubt` and the same for all strokes, integrated
+/// out: what an error of the reference would explain as well no longer speaks for any quantity.
+///   J' = (J^-1 + D)^-1 = J - J (J + D^-1)^-1 J,   s' = s - J (J + D^-1)^-1 s,   D = diag(doubt^2)
+Sums WithoutReferenceError(const Sums& sums, const Eigen::VectorXd& doubt) {
+  const Eigen::VectorXd unit = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd j =
+      unit.cwiseInverse().asDiagonal() * sums.information * unit.cwiseInverse().asDiagonal();
+  const Eigen::VectorXd s = sums.score.cwiseQuotient(unit);
+  const Eigen::VectorXd root = doubt.cwiseProduct(unit).cwiseMin(1e4);  // of D in the same units
+  // (J + D^-1)^-1 = R (1 + R J R)^-1 R with R = D^(1/2): also for a reference without error.
+  const Eigen::MatrixXd inner =
+      Eigen::MatrixXd::Identity(j.rows(), j.cols()) + root.asDiagonal() * j * root.asDiagonal();
+  const Eigen::MatrixXd taken = root.asDiagonal() * inner.llt().solve(Eigen::MatrixXd(root.asDiagonal()));
+  return {unit.cwiseProduct(s - j * taken * s), unit.asDiagonal() * (j - j * taken * j) * unit.asDiagonal()};
+}
+
 /// Log-likelihood that shifts of `moved` together gain; 0 if a size has a sign that cannot be.
 double Gain(const Sums& sums, const std::vector<int>& moved, const std::vector<DriftSize>& sizes) {
   double gain = 0;
@@ -87,8 +103,9 @@ ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity)
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
                                 const std::vector<DriftSize>& sizes, const Eigen::VectorXd& doubt) {
   ChangeExplanation explanation;
-  const Sums sums = SumAfter(strokes, last_before);
+  Sums sums = SumAfter(strokes, last_before);
   if (sums.score.size() == 0) return explanation;
+  sums = WithoutReferenceError(sums, doubt);
   const int n = static_cast<int>(sums.score.size());
   std::vector<int> moved;
   double gained = 0;
@@ -119,7 +136,6 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
   }
   if (moved.empty()) return explanation;
   explanation.moved = FitTogether(sums.score, sums.information, moved);
-  for (Moved& m : explanation.moved) m.std = std::hypot(m.std, doubt[m.quantity]);
   if (moved.size() == 1)
     for (int q = 0; q < n; ++q)
       if (q != moved.front() && explanation.evidence - Gain(sums, {q}, sizes) <

@@ -45,8 +45,8 @@ struct ChangeExplanation {
 ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity);
 
 /// Explains the strokes after `last_before` by as few quantities as possible: the one that gains most
-/// log-likelihood, then others as long as each gains a tenth of the first and at least 12, with the sizes of
-/// all of them fitted together.
+/// log-likelihood beyond what an error of the reference (`doubt`, SI) would explain, then others as long as
+/// each gains a tenth of the first and at least 12, with the sizes of all of them fitted together.
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
                                 const std::vector<DriftSize>& sizes, const Eigen::VectorXd& doubt);
 

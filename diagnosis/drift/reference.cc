@@ -60,6 +60,10 @@ int TermsOf(const Quantity& quantity) {
   return quantity.family == CurveFamily::kFlow ? 3 : 2;
 }
 
+/// Of a quantity that depends on the oil, where commissioning saw one temperature only: relative, 1/K. Bulk
+/// modulus of mineral oils falls by some 0.5 %/K, valve flow follows the viscosity by less.
+constexpr double kUnknownSlope = 0.005;
+
 /// Mean square of the points about the curve in units of their std, at least 1.
 double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureModel& curve) {
   double sum = 0;
@@ -98,6 +102,11 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
     reference.expected_.clear();
     reference.LearnCurves(model, level);
   }
+  for (int q = 0; q < model.size(); ++q)
+    if (!model.quantities()[q].effect && TermsOf(model.quantities()[q]) > 1 &&
+        !reference.curves_[q].tells_slope())
+      reference.curves_[q].AssumeSlope(kUnknownSlope * std::abs(values[q]));
+  reference.expected_.clear();
   reference.LearnClasses(model, strokes);
   return reference;
 }

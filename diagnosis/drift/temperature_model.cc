@@ -11,8 +11,32 @@ namespace {
 
 constexpr double kForty = 313.15, kHundred = 373.15;  ///< K
 constexpr double kUnitTemperature = 10.0;             ///< K, of the straight and parabolic terms
-constexpr double kLeastRange = 4.0;                   ///< K, below which only a constant is fitted
 constexpr int kMostTerms = 3;
+
+/// Std of the slope of a straight line through the points, 1/K; their scatter about it counts if it is larger
+/// than their std says.
+double StraightSlopeStd(const std::vector<TemperaturePoint>& points) {
+  double weight = 0, t = 0, v = 0;
+  for (const TemperaturePoint& p : points) {
+    const double w = 1 / (p.std * p.std);
+    weight += w;
+    t += w * p.temperature;
+    v += w * p.value;
+  }
+  t /= weight;
+  v /= weight;
+  double tt = 0, tv = 0;
+  for (const TemperaturePoint& p : points) {
+    const double w = 1 / (p.std * p.std);
+    tt += w * (p.temperature - t) * (p.temperature - t);
+    tv += w * (p.temperature - t) * (p.value - v);
+  }
+  if (points.size() < 3 || !(tt > 0)) return 0;
+  double squares = 0;
+  for (const TemperaturePoint& p : points)
+    squares += std::pow((p.value - v - tv / tt * (p.temperature - t)) / p.std, 2);
+  return std::sqrt(std::max(1.0, squares / static_cast<double>(points.size() - 2)) / tt);
+}
 
 }  // namespace
 
@@ -105,7 +129,10 @@ void TemperatureModel::Adjust(std::vector<TemperaturePoint> points, const Eigen:
   points_ = std::move(points);
   coefficients_ += step;
   covariance_ = covariance;
+  slope_std_ = StraightSlopeStd(points_);
 }
+
+void TemperatureModel::AssumeSlope(double std) { slope_std_ = std; }
 
 TemperatureModel TemperatureModel::Known(double value) {
   TemperatureModel model;

@@ -53,6 +53,9 @@ class TemperatureModel {
   /// Takes over points, adds to the coefficients and states their covariance.
   void Adjust(std::vector<TemperaturePoint> points, const Eigen::VectorXd& step,
               const Eigen::MatrixXd& covariance);
+  /// Where the points span too few kelvin to tell a slope: what it may be outside them, SI/K.
+  void AssumeSlope(double std);
+  bool tells_slope() const { return points_.size() >= 3 && high_ - low_ >= kLeastRange; }
   /// A value that is known beforehand (no leakage).
   static TemperatureModel Known(double value);
 
@@ -68,6 +71,7 @@ class TemperatureModel {
   bool Restore(ByteReader& in);
 
  private:
+  static constexpr double kLeastRange = 4.0;  ///< K, below which only a constant is fitted
   double FitForm(int terms);
 
   CurveFamily family_ = CurveFamily::kSmooth;

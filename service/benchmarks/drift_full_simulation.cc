@@ -137,7 +137,7 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
     return tl::unexpected(probe.error());
   const auto model = drift::WatchedModel::Create(structure, {"internal_leakage"});
   if (!model) return tl::unexpected(model.error());
-  const auto first = Record(axis, &*model, o.commissioning, 24, 60, seed + 1000, sequence, nullptr);
+  const auto first = Record(axis, &*model, o.commissioning, 24, o.learned_to, seed + 1000, sequence, nullptr);
   if (!first) return tl::unexpected(first.error());
   auto reference = drift::Reference::Learn(*model, *first, 1);
   if (!reference) {

@@ -7,6 +7,7 @@ namespace hydroscope {
 struct DriftFullSimulationOptions {
   int machines = 12;        ///< half with pressures and speeds at random, half with three products
   int commissioning = 300;  ///< strokes
+  double learned_to = 60;   ///< degC, warmest oil of commissioning
   int healthy = 1500;       ///< strokes that follow
   int faulty = 120;         ///< strokes of each fault
   std::uint64_t seed = 1;
