@@ -23,7 +23,8 @@ class OutboxTest : public testing::Test {
   static OutboxItem Item(std::int64_t sequence) { return {sequence, "topic", std::string("a\0b", 3)}; }
   static std::vector<std::int64_t> Waiting(const Outbox& outbox) {
     std::vector<std::int64_t> sequences;
-    for (const OutboxItem& item : *outbox.Items(0, 100)) sequences.push_back(item.sequence);
+    const auto items = outbox.Items(0, 100);
+    for (const OutboxItem& item : *items) sequences.push_back(item.sequence);
     return sequences;
   }
 
