@@ -1,5 +1,6 @@
 #include "service/commands/alarms_scada.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <ctime>
@@ -15,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kRowsShown = 10;
+constexpr std::int64_t kNoStroke = 0xFFFFFFFF;  ///< of a row that belongs to none
 
 Json Number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
@@ -66,13 +68,27 @@ Json RowJson(const ScadaRow& r) {
           {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", Number(r.value)}};
 }
 
+/// Why a parameter's value is not of the last stroke; "" if it is.
+std::string QualityText(int quality) {
+  static constexpr std::array kReasons = {"",
+                                          "no stroke yet",
+                                          "last stroke too short",
+                                          "last stroke did not excite it",
+                                          "last stroke could not separate it",
+                                          "last estimate outside physics",
+                                          "poor signals"};
+  if (quality == 0) return "";
+  const bool known = quality > 0 && quality < static_cast<int>(kReasons.size());
+  return fmt::format("  older: {}", known ? kReasons[static_cast<std::size_t>(quality)] : "never identified");
+}
+
 std::string AxisText(const ScadaAxis& axis) {
   std::string text = fmt::format("{:<16} {} ({}), {} strokes", axis.name, axis.health,
                                  HealthText(axis.health), axis.strokes);
   if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
   for (const ScadaParameter& p : axis.parameters)
     text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, 1.96 * p.std,
-                        p.quality == 0 ? "" : fmt::format("  quality {}", p.quality));
+                        QualityText(p.quality));
   return text + "\n";
 }
 
@@ -99,6 +115,7 @@ std::string AxisName(const Seen& seen, int axis) {
 }
 
 void Print(const Seen& seen, const std::string& endpoint) {
+  std::cout << "axes, their parameters in SI with 95 % intervals\n";
   for (const ScadaAxis& axis : seen.axes) std::cout << AxisText(axis);
   std::cout << (seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
   for (const ScadaAlarm& a : seen.alarms)
@@ -112,8 +129,8 @@ void Print(const Seen& seen, const std::string& endpoint) {
   for (std::size_t i = first; i < seen.rows.size(); ++i) {
     const ScadaRow& r = seen.rows[i];
     std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, Clock(r.wall),
-                             r.stroke, AxisName(seen, r.axis), r.alarm, r.event,
-                             r.alarm == 0 ? "" : " -> " + r.state);
+                             r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis),
+                             r.alarm, r.event, r.alarm == 0 ? "" : " -> " + r.state);
   }
 }
 

@@ -103,10 +103,10 @@ inline constexpr std::array<char, 5> kHealthCodes = {'-', 'M', 'S', 'C', 'F'};
 inline constexpr std::array<std::string_view, 9> kStateCodes = {"NORM",  "UNACK", "ACKED", "RTNUN", "LTUNK",
                                                                 "LTACK", "SHLVD", "DSUPR", "OOSRV"};
 /// Any other event is 0.
-inline constexpr std::array<std::string_view, 13> kEventCodes = {
-    "other",     "raised",     "cleared",          "acknowledged",   "shelved",
-    "unshelved", "suppressed", "unsuppressed",     "out_of_service", "in_service",
-    "reset",     "escalated",  "reference_learned"};
+inline constexpr std::array<std::string_view, 14> kEventCodes = {
+    "other",     "raised",     "cleared",           "acknowledged",   "shelved",
+    "unshelved", "suppressed", "unsuppressed",      "out_of_service", "in_service",
+    "reset",     "escalated",  "reference_learned", "explained"};
 
 static_assert(kFirstAxis + kMostAxes * kAxisStride <= kFirstAlarm);
 static_assert(kFirstParameter + kMostParameters * kParameterStride <= kAxisStride);
