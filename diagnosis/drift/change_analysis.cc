@@ -12,6 +12,9 @@ constexpr double kLeastShare = 0.10;   ///< ... also as a share of the first one
 constexpr double kRivalShare = 0.003;  ///< a rival explains the same up to this share, or up to ...
 constexpr double kRivalGain = 6.0;     ///< ... this log-likelihood: odds of 400 to one
 
+constexpr double kMostInflation =
+    20.0;  ///< of a size's variance by the others: beyond, they cannot be told apart
+
 struct Sums {
   Eigen::VectorXd score;
   Eigen::MatrixXd information;
@@ -47,11 +50,13 @@ Sums WithoutReferenceError(const Sums& sums, const Eigen::VectorXd& doubt) {
   return {unit.cwiseProduct(s - j * taken * s), unit.asDiagonal() * (j - j * taken * j) * unit.asDiagonal()};
 }
 
-/// Log-likelihood that shifts of `moved` together gain; 0 if a size has a sign that cannot be.
+/// Log-likelihood that shifts of `moved` together gain; 0 if a size has a sign that cannot be, or if they
+/// cannot be told apart.
 double Gain(const Sums& sums, const std::vector<int>& moved, const std::vector<DriftSize>& sizes) {
   double gain = 0;
   for (const Moved& m : FitTogether(sums.score, sums.information, moved)) {
     if (sizes[m.quantity].only_upwards && m.size < 0) return 0;
+    if (m.std * m.std * sums.information(m.quantity, m.quantity) > kMostInflation) return 0;
     gain += 0.5 * m.size * sums.score[m.quantity];
   }
   return gain;

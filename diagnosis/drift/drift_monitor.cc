@@ -119,7 +119,7 @@ void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgem
   strokes_.push_back(std::move(rest));
   if (strokes_.size() > kRemembered) strokes_.pop_front();
   Follow(d, stroke);
-  if (!strokes_.empty()) Explain(d.doubt, stroke.oil_temperature);  // empty: a finding has just gone
+  if (!strokes_.empty()) Explain(d, stroke.oil_temperature);  // empty: a finding has just gone
 }
 
 std::vector<int> DriftMonitor::ExplainedQuantities() const {
@@ -172,7 +172,8 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
 
 /// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from
 /// others.
-void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature) {
+void DriftMonitor::Explain(const Deviation& deviation, double oil_temperature) {
+  const Eigen::VectorXd& doubt = deviation.doubt;
   const std::int64_t now = strokes_.back().sequence;
   int strongest = -1;
   for (int q = 0; q < model_.size(); ++q)
@@ -208,6 +209,9 @@ void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature)
   const auto after = std::count_if(strokes_.begin(), strokes_.end(),
                                    [&](const JudgedStroke& s) { return s.sequence > since.last_before; });
   const bool waited = now - open->found >= kMostToExplain;
+  // Few kinds of stroke, each learned at some temperatures only: what they do at others is a guess, and no
+  // cause is named.
+  explanation.decided = explanation.decided && (!deviation.outside || reference_.ComparesClasses());
   if (after < kLeastToExplain || (!explanation.decided && !waited)) return;
   open->rivals.clear();
   for (const int q : explanation.rivals) open->rivals.push_back(model_.quantities()[q].name);
@@ -240,7 +244,9 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     finding.name = finding.state == FindingState::kNamed ? "Change that no rule names"
                                                          : "Change with more than one possible cause";
     finding.guidance =
-        "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure.";
+        "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure. If the oil "
+        "is warmer or "
+        "colder than when the healthy machine was learned, learn again (`hydroscope learn`).";
   }
   // Sizes are followed from the strokes since the change alone, what was explained before included.
   recent_score_.setZero();

@@ -301,7 +301,7 @@ Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stro
   Deviation d;
   const int index = classes_.Find(stroke);
   const bool learned = ClassLearned(index);
-  if (!learned && !(std::isfinite(spread_.front().std) && classes_.Encloses(stroke))) return d;
+  if (!learned && !(ComparesClasses() && classes_.Encloses(stroke))) return d;
   d.judged = true;
   d.operating_class = learned ? index : -1;
   const Expected& e = At(model, stroke.oil_temperature);

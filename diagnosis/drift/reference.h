@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <span>
 #include <string>
@@ -59,6 +60,8 @@ class Reference {
   const OperatingClasses& classes() const { return classes_; }
   /// Strokes of commissioning in class `index`.
   bool ClassLearned(int index) const { return index >= 0 && !offsets_[index].empty(); }
+  /// Whether enough classes were learned to tell what they differ by.
+  bool ComparesClasses() const { return !spread_.empty() && std::isfinite(spread_.front().std); }
   /// Typical value of a quantity, to make relative sizes absolute.
   double typical(int quantity) const { return typical_[quantity]; }
 
