@@ -119,7 +119,7 @@ void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgem
   strokes_.push_back(std::move(rest));
   if (strokes_.size() > kRemembered) strokes_.pop_front();
   Follow(d, stroke);
-  if (!strokes_.empty()) Explain(d, stroke.oil_temperature);  // empty: a finding has just gone
+  if (!strokes_.empty()) Explain(d.doubt, stroke.oil_temperature);  // empty: a finding has just gone
 }
 
 std::vector<int> DriftMonitor::ExplainedQuantities() const {
@@ -172,8 +172,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
 
 /// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from
 /// others.
-void DriftMonitor::Explain(const Deviation& deviation, double oil_temperature) {
-  const Eigen::VectorXd& doubt = deviation.doubt;
+void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature) {
   const std::int64_t now = strokes_.back().sequence;
   int strongest = -1;
   for (int q = 0; q < model_.size(); ++q)
@@ -209,9 +208,6 @@ void DriftMonitor::Explain(const Deviation& deviation, double oil_temperature) {
   const auto after = std::count_if(strokes_.begin(), strokes_.end(),
                                    [&](const JudgedStroke& s) { return s.sequence > since.last_before; });
   const bool waited = now - open->found >= kMostToExplain;
-  // Few kinds of stroke, each learned at some temperatures only: what they do at others is a guess, and no
-  // cause is named.
-  explanation.decided = explanation.decided && (!deviation.outside || reference_.ComparesClasses());
   if (after < kLeastToExplain || (!explanation.decided && !waited)) return;
   open->rivals.clear();
   for (const int q : explanation.rivals) open->rivals.push_back(model_.quantities()[q].name);

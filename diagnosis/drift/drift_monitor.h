@@ -117,7 +117,7 @@ class DriftMonitor {
   bool RestoreRest(ByteReader& in);
   void LearnClass(const StrokeEvidence& stroke);
   void Test(const StrokeEvidence& stroke, const Deviation& deviation, Judgement& judgement);
-  void Explain(const Deviation& deviation, double oil_temperature);
+  void Explain(const Eigen::VectorXd& doubt, double oil_temperature);
   void Follow(const Deviation& deviation, const StrokeEvidence& stroke);
   void Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt);
   void Restart(std::int64_t sequence);
