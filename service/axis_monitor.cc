@@ -150,7 +150,10 @@ Status AxisMonitor::Restore(const AxisContent& content) {
   valve_ = drift::ValveCheckMonitor(rules_);
   checks_ = 0;
   const auto stored = journal_.LatestReference(machine_.name);
-  if (!stored) return tl::unexpected(stored.error());
+  if (!stored) {
+    saved_.reset();  // to be taken over again
+    return tl::unexpected(stored.error());
+  }
   if (!*stored) return {};
   drift::Reference reference;
   ByteReader bytes((*stored)->bytes);
@@ -235,9 +238,12 @@ Result<bool> AxisMonitor::Commission(double wall) {
     }
   }
   if (!rules_.automatic) return false;
-  if (const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"}); !learned)
-    return tl::unexpected(learned.error());
-  return true;
+  const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
+  if (learned) return true;
+  if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
+  // These strokes do not tell the parameters apart: the older half makes room for others.
+  collected_.erase(collected_.begin(), collected_.begin() + static_cast<long>(collected_.size() / 2));
+  return Commission(wall);
 }
 
 Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
