@@ -4,10 +4,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Median of |third difference| of white noise of standard deviation 1: 0.6745 sqrt(1 + 9 + 9 + 1).

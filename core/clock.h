@@ -13,4 +13,7 @@ struct HostTime {
 };
 using Clock = std::function<HostTime()>;
 
+/// ns in s.
+inline double Seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
 }  // namespace hydroscope

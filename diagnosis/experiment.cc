@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "core/quantile.h"
 #include "estimation/stroke_accumulator.h"
 #include "models/die_cushion.h"
 
@@ -101,15 +102,6 @@ double Separation(const Eigen::MatrixXd& played, const Eigen::VectorXd& a, const
                   a.dot(played * a) - weighted.dot(scaled.completeOrthogonalDecomposition().solve(weighted)));
 }
 
-/// The value below which `share` of the samples lie, over strokes in the middle of their way.
-double Quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 std::vector<std::vector<double>> PressureProfiles(const MachineMoves& moves) {
   const double low = moves.pressure_min, high = moves.pressure_max, middle = 0.5 * (low + high);
   return {{low, high},
@@ -141,10 +133,10 @@ MachineMoves MovesOf(const Machine& machine, std::span<const StrokeStretches> st
     }
   MachineMoves moves;
   const ExperimentSpec& spec = machine.experiment;
-  moves.speed_min = spec.speed_min.value_or(std::max(1e-3, Quantile(speeds, 0.05)));
-  moves.speed_max = std::max(moves.speed_min, spec.speed_max.value_or(Quantile(speeds, 0.95)));
-  moves.pressure_min = spec.pressure_min.value_or(std::max(5e5, Quantile(pressures, 0.05)));
-  moves.pressure_max = std::max(moves.pressure_min, spec.pressure_max.value_or(Quantile(pressures, 0.95)));
+  moves.speed_min = spec.speed_min.value_or(std::max(1e-3, Quantile(speeds, 0.05, 0)));
+  moves.speed_max = std::max(moves.speed_min, spec.speed_max.value_or(Quantile(speeds, 0.95, 0)));
+  moves.pressure_min = spec.pressure_min.value_or(std::max(5e5, Quantile(pressures, 0.05, 0)));
+  moves.pressure_max = std::max(moves.pressure_min, spec.pressure_max.value_or(Quantile(pressures, 0.95, 0)));
   moves.stroke = std::max(0.01, top - bottom);
   moves.warm_up = spec.warm_up;
   moves.max_strokes = spec.max_strokes;

@@ -8,13 +8,13 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/constants.h"
 #include "estimation/frequency_response_harmonics.h"
 
 namespace hydroscope {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kRelativeFloor = 1e-6;  // of the gain: below it, rounding and not noise sets the error
 constexpr int kMostBlocks = 16;
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
+
 namespace hydroscope {
-namespace {
-constexpr double kTwoPi = 2 * std::numbers::pi;
-}  // namespace
+namespace {}  // namespace
 
 double BandwidthOf(double f0, double damping) {
   const double b = 1 - 2 * damping * damping;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/constants.h"
 #include "estimation/frequency_response_figures.h"
 
 namespace hydroscope {
@@ -16,8 +17,6 @@ namespace {
 using Complex = std::complex<double>;
 using Vector4 = Eigen::Vector4d;
 using Matrix4 = Eigen::Matrix4d;
-constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kNormal95 = 1.959963984540054;
 
 // Above, the second pole lies a hundred times above the first: the response is of first order for any sweep.
 constexpr double kLargestDamping = 5;
@@ -224,14 +223,14 @@ double Polish(const Problem& problem, Vector4& p, bool damping_fixed = false) {
   return cost;
 }
 
-struct Search {
+struct Minimum {
   Vector4 p = Vector4::Zero();
   double cost = std::numeric_limits<double>::infinity();
   bool first_order = false;  ///< damping ran to its limit
 };
 
-Search FindMinimum(const Problem& problem) {
-  Search best;
+Minimum FindMinimum(const Problem& problem) {
+  Minimum best;
   for (Vector4 p : Starts(problem)) {
     const double cost = Polish(problem, p);
     if (cost < best.cost) best = {p, cost, false};
@@ -345,7 +344,7 @@ void UnwrapPhases(std::vector<FrequencyPoint>& points, const ValveModel* model) 
 
 namespace {
 
-Result<ValveModel> Fit(const Problem& problem, const Search& found, double correlation) {
+Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double correlation) {
   const auto& points = problem.points();
   Matrix4 covariance;
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
@@ -374,7 +373,7 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
     return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
                     continuous.points().size());
   }
-  const Search found = FindMinimum(continuous);
+  const Minimum found = FindMinimum(continuous);
   Result<ValveModel> model = Fit(continuous, found, correlation);
   const bool try_hold = sample_period > 0 && model && (surely_held || model->inflation > 1) &&
                         !model->first_order && 2 * model->highest * sample_period < 1;
@@ -382,7 +381,7 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
 
   // Half a sample of the delay found is the hold's own.
   const Problem held(points, sample_period);
-  Search search = found;
+  Minimum search = found;
   search.p(kDeadTime) -= sample_period / 2 * held.time_scale();
   search.cost = Polish(held, search.p);
   const bool better = surely_held ? std::isfinite(search.cost) : search.cost < found.cost / 4;

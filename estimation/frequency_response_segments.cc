@@ -6,24 +6,18 @@
 #include <numeric>
 #include <optional>
 
+#include "core/constants.h"
+#include "core/quantile.h"
 #include "estimation/frequency_response_harmonics.h"
 
 namespace hydroscope {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLineTolerance = 0.06;    // of a period: crossing against the line through the ones before
 constexpr double kPhasorTolerance = 0.02;  // of the amplitude: scatter of block phasors of a steady sine
 constexpr int kFewestPeriods = 3;
 constexpr std::size_t kGuardSamples = 2;  // a change that starts within the tolerance shows a little late
-
-double Quantile(std::vector<double> values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 /// Times (in samples) of upward crossings through `centre`. A crossing counts when the signal goes from below
 /// -h to above +h; its time is the middle between the first and last passage through zero on the way.
@@ -72,12 +66,12 @@ class GrowingLine {
   double count_ = 0, k_ = 0, kk_ = 0, t_ = 0, kt_ = 0;
 };
 
-struct Stretch {
+struct HeldFrequency {
   double begin, end, period;  // samples
 };
 
-std::vector<Stretch> StraightStretches(const std::vector<double>& crossings) {
-  std::vector<Stretch> stretches;
+std::vector<HeldFrequency> HeldFrequencies(const std::vector<double>& crossings) {
+  std::vector<HeldFrequency> held;
   std::size_t i = 0;
   while (i + kFewestPeriods - 1 < crossings.size()) {
     GrowingLine line;
@@ -90,13 +84,13 @@ std::vector<Stretch> StraightStretches(const std::vector<double>& crossings) {
       line.Add(crossings[j]);
     }
     if (line.count() >= kFewestPeriods) {
-      stretches.push_back({crossings[i], crossings[j - 1], line.Slope()});
+      held.push_back({crossings[i], crossings[j - 1], line.Slope()});
       i = j;
     } else {
       ++i;
     }
   }
-  return stretches;
+  return held;
 }
 
 /// Phasors of consecutive blocks of whole periods, against exp(i omega n) with n counted from the signal's
@@ -279,16 +273,16 @@ Stairs FindStairs(std::span<const double> command) {
 HeldSines FindInSmooth(std::span<const double> command) {
   HeldSines result;
   if (command.size() < 8) return result;
-  const double centre = Quantile({command.begin(), command.end()}, 0.5);
+  const double centre = Quantile({command.begin(), command.end()}, 0.5, 0);
   std::vector<double> magnitude(command.size());
   std::transform(command.begin(), command.end(), magnitude.begin(),
                  [centre](double u) { return std::abs(u - centre); });
-  const double amplitude = Quantile(magnitude, 0.98);
+  const double amplitude = Quantile(magnitude, 0.98, 0);
   if (!(amplitude > 0)) return result;
 
   const std::vector<double> crossings = UpwardCrossings(command, centre, amplitude);
   if (crossings.size() >= 2) result.active = static_cast<std::size_t>(crossings.back() - crossings.front());
-  for (const Stretch& stretch : StraightStretches(crossings)) {
+  for (const HeldFrequency& stretch : HeldFrequencies(crossings)) {
     Examine(command, static_cast<std::size_t>(std::ceil(stretch.begin)),
             static_cast<std::size_t>(stretch.end), kTwoPi / stretch.period, 0, result);
   }

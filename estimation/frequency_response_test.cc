@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "estimation/frequency_response_test_signals.h"
 #include "simulator/valve_sweep.h"
 
@@ -20,8 +21,6 @@ using test_signals::Normal;
 using test_signals::Simulate;
 using test_signals::Sweep;
 using test_signals::TrueResponse;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 ValveModel ModelOf(const Sweep& sweep, std::uint64_t seed = 1) {
   const auto response = MeasureFrequencyResponse(Simulate(sweep, seed));

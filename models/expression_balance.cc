@@ -11,7 +11,8 @@ namespace hydroscope {
 namespace {
 
 /// A checked expression of the balance with its constants put in; errors name the key.
-Result<CheckedExpression> Checked(const Machine& machine, const std::string& key, const std::string& text) {
+Result<CheckedExpression> CheckedText(const Machine& machine, const std::string& key,
+                                      const std::string& text) {
   const ExpressionNames names = ExpressionNamesOf(machine);
   auto checked = CheckExpression(text, names);
   if (!checked)
@@ -127,13 +128,13 @@ Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machi
   std::vector<Expression> trees;
   std::vector<std::string> units;
   for (const TermSpec& term : balance.terms) {
-    const auto checked = Checked(machine, "terms." + term.parameter, term.expression);
+    const auto checked = CheckedText(machine, "terms." + term.parameter, term.expression);
     if (!checked) return tl::unexpected(checked.error());
     model->parameters.push_back(term.parameter);
     units.push_back(ParameterUnit(term, checked->unit, balance.unit));
     trees.push_back(checked->tree);
   }
-  const auto output = Checked(machine, "output", balance.output);
+  const auto output = CheckedText(machine, "output", balance.output);
   if (!output) return tl::unexpected(output.error());
   trees.push_back(output->tree);
   AddSignalChannels(machine, trees, *model);

@@ -10,8 +10,6 @@ namespace {
 
 constexpr int kLastRegister = 65535;
 constexpr int kReadableRegisters = 125;  // in one request, by the Modbus specification
-const Quantity kSecondsAboveZero{.si = "s", .default_unit = "s", .low = 0, .above_low = true};
-
 std::vector<std::string> Names(const auto& names) { return {names.begin(), names.end()}; }
 
 void ReadOrder(TableReader& reader, WordOrder& order) {

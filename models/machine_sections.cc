@@ -11,8 +11,6 @@ namespace hydroscope {
 namespace {
 
 const Quantity kSeconds{.si = "s", .default_unit = "s", .low = 0};
-const Quantity kSecondsAboveZero{.si = "s", .default_unit = "s", .low = 0, .above_low = true};
-
 std::string SiOf(const std::string& unit) { return FindFileUnit(unit).value_or(FileUnit{.si = "1"}).si; }
 
 /// A section that is a table of its own; calls `read` with its reader if it is there.

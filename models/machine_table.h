@@ -45,6 +45,9 @@ struct Quantity {
   bool above_low = false;  ///< must be greater than `low`, not equal
 };
 
+/// A time that must not be 0.
+const Quantity kSecondsAboveZero{.si = "s", .default_unit = "s", .low = 0, .above_low = true};
+
 /// A unit that the file may name, also a rate such as "mm/s" or "bar/s": SI = number * scale + offset.
 struct FileUnit {
   double scale = 1.0;

@@ -5,13 +5,13 @@
 #include <cstring>
 #include <limits>
 
+#include "core/constants.h"
 #include "replay/date_time.h"
 #include "replay/decimal.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kRowsForPeriod = 1000;
 constexpr std::size_t kLongestQuote = 60;  // characters of the log quoted in a finding
 

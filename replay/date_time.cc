@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
+#include "replay/decimal.h"
+
 namespace hydroscope {
 namespace {
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 /// Walks over the text; every Take... leaves the position alone when it does not match.
 class Scanner {
@@ -26,7 +26,7 @@ class Scanner {
   std::optional<int> TakeNumber(int least, int most) {
     int value = 0;
     int digits = 0;
-    while (digits < most && at_ + digits < text_.size() && IsDigit(text_[at_ + digits])) {
+    while (digits < most && at_ + digits < text_.size() && decimal_detail::IsDigit(text_[at_ + digits])) {
       value = value * 10 + (text_[at_ + digits] - '0');
       ++digits;
     }
@@ -39,7 +39,7 @@ class Scanner {
     if (!TakeOneOf(".,")) return 0.0;
     double mantissa = 0;
     double power = 1;
-    for (; !AtEnd() && IsDigit(text_[at_]); ++at_) {
+    for (; !AtEnd() && decimal_detail::IsDigit(text_[at_]); ++at_) {
       if (power >= 1e15) continue;
       mantissa = mantissa * 10 + (text_[at_] - '0');
       power *= 10;

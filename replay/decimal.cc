@@ -7,8 +7,6 @@
 namespace hydroscope {
 namespace {
 
-using decimal_detail::IsDigit;
-
 /// A number taken apart: (-1)^negative * mantissa * 10^exponent.
 struct Parts {
   std::uint64_t mantissa = 0;
@@ -18,7 +16,7 @@ struct Parts {
 };
 
 const char* ReadDigits(const char* p, bool after_point, Parts& parts) {
-  for (; IsDigit(*p); ++p) {
+  for (; decimal_detail::IsDigit(*p); ++p) {
     parts.any_digit = true;
     if (parts.significant > 0 || *p != '0') ++parts.significant;
     if (parts.significant <= 19) parts.mantissa = parts.mantissa * 10 + static_cast<std::uint64_t>(*p - '0');
@@ -33,9 +31,9 @@ const char* ReadExponent(const char* p, Parts& parts) {
   const char* digits = p + 1;
   const bool negative = *digits == '-';
   if (*digits == '-' || *digits == '+') ++digits;
-  if (!IsDigit(*digits)) return p;
+  if (!decimal_detail::IsDigit(*digits)) return p;
   std::int64_t exponent = 0;
-  for (; IsDigit(*digits); ++digits)
+  for (; decimal_detail::IsDigit(*digits); ++digits)
     if (exponent < 100000) exponent = exponent * 10 + (*digits - '0');
   parts.exponent += negative ? -exponent : exponent;
   return digits;

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/constants.h"
 #include "replay/byte_source.h"
 #include "replay/date_time.h"
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Result<LogHead> ReadMatHead(const std::string& path, std::size_t rows) {
   auto mat = MatColumns::Open(path);

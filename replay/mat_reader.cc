@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kRowsForPeriod = 1000;
 constexpr std::int64_t kSliceRows = 16384;
 

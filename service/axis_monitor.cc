@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/constants.h"
 #include "service/axis_alarms.h"
 #include "service/finding_explanation.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
 constexpr std::int64_t kSlowDriftEvery = 50;     ///< strokes
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
   std::vector<std::string> names;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/fit_output.h"
 #include "service/identifiability.h"
@@ -13,8 +14,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
-constexpr double kLitresPerMinute = 6e4;
 constexpr double kLeastJitter = 1e-7;  // s; less is rounding of the time stamps
 
 DisplayUnit UnitOf(const SignalSpec& spec) {
@@ -105,8 +104,8 @@ std::string Gate(const CheckResult& check) {
     text += fmt::format("  mean pressure of the strokes       {:.0f} to {:.0f} bar\n", d.pressure_min / 1e5,
                         d.pressure_max / 1e5);
     if (std::isfinite(d.oil_min))
-      text += fmt::format("  oil temperature                    {:.1f} to {:.1f} °C\n", d.oil_min - 273.15,
-                          d.oil_max - 273.15);
+      text += fmt::format("  oil temperature                    {:.1f} to {:.1f} °C\n",
+                          d.oil_min - kZeroCelsius, d.oil_max - kZeroCelsius);
   }
   return text;
 }
@@ -150,8 +149,6 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   return text;
 }
 
-nlohmann::json Number(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr); }
-
 nlohmann::json SignalJson(const CheckedSignal& s) {
   const auto unit = FindUnit(s.spec.unit);
   nlohmann::json flags = nlohmann::json::object();
@@ -159,9 +156,9 @@ nlohmann::json SignalJson(const CheckedSignal& s) {
     for (std::size_t bit = 0; bit < s.range.flagged.size(); ++bit)
       if (s.present && flag == 1u << bit && s.range.flagged[bit] > 0)
         flags[std::string(name)] = {{"count", s.range.flagged[bit]}, {"first_s", s.range.first[bit]}};
-  return {{"signal", s.spec.name}, {"column", s.spec.column},          {"unit", unit ? unit->si : "1"},
-          {"present", s.present},  {"min", Number(s.range.min)},       {"max", Number(s.range.max)},
-          {"good", s.range.good},  {"noise_std", Number(s.noise_std)}, {"flags", flags}};
+  return {{"signal", s.spec.name}, {"column", s.spec.column},  {"unit", unit ? unit->si : "1"},
+          {"present", s.present},  {"min", s.range.min},       {"max", s.range.max},
+          {"good", s.range.good},  {"noise_std", s.noise_std}, {"flags", flags}};
 }
 
 nlohmann::json GateJson(const CheckResult& check) {
@@ -178,7 +175,7 @@ nlohmann::json GateJson(const CheckResult& check) {
           {"too_short", d.too_short},
           {"speed_m_s", {d.speed_min, d.speed_max}},
           {"pressure_Pa", {d.pressure_min, d.pressure_max}},
-          {"oil_temperature_K", {Number(d.oil_min), Number(d.oil_max)}}};
+          {"oil_temperature_K", {d.oil_min, d.oil_max}}};
 }
 
 nlohmann::json ParametersCheckJson(const CheckResult& check) {
@@ -186,7 +183,7 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
   for (const CheckedParameter& p : check.parameters) {
     nlohmann::json one = ParametersJson({p.estimate})[p.estimate.parameter];
     one["verdict"] = IdentifiabilityName(p.verdict);
-    one["half_width"] = Number(HalfWidth(p.estimate));
+    one["half_width"] = HalfWidth(p.estimate);
     one["why"] = p.reason;
     one["advice"] = p.advice;
     out[p.estimate.parameter] = one;

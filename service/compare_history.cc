@@ -6,7 +6,7 @@
 namespace hydroscope {
 namespace {
 
-double Energy(const SymmetricMatrix& gram, const Eigen::VectorXd& weights) {
+double QuadraticForm(const SymmetricMatrix& gram, const Eigen::VectorXd& weights) {
   double sum = 0;
   for (int i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) continue;
@@ -26,8 +26,8 @@ StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled
   Eigen::VectorXd residual = -modelled;
   residual[output] += 1;
   out.rms_measured = std::sqrt(gram.flow(output, output) / windows);
-  out.rms_modelled = std::sqrt(Energy(gram.flow, modelled) / windows);
-  out.rms_residual = std::sqrt(Energy(gram.flow, residual) / windows);
+  out.rms_modelled = std::sqrt(QuadraticForm(gram.flow, modelled) / windows);
+  out.rms_residual = std::sqrt(QuadraticForm(gram.flow, residual) / windows);
   std::vector<int> columns;  // base columns first, as ModelStructure::walk_columns counts them
   for (int c = 0; c < modelled.size(); ++c)
     if (c < model.base_count || (modelled[c] != 0 && c != output)) columns.push_back(c);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "service/effect_units.h"
 #include "service/report_parameters.h"
 #include "service/svg_plot.h"
@@ -13,7 +14,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kZeroCelsius = 273.15;
 constexpr std::int64_t kMostStrokes = 6000;  ///< judged strokes shown, the newest
 constexpr std::size_t kMostBlocks = 150;
 constexpr int kCurvePoints = 60;

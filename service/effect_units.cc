@@ -3,12 +3,13 @@
 #include <array>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/units.h"
 
 namespace hydroscope {
 
 EffectUnit EffectUnitFor(std::string_view si) {
-  constexpr double kLitresPerMinute = 6e4, kBar = 1e-5;
+  constexpr double kBar = 1e-5;
   if (si == "1") return {1.0, "-"};
   if (si == "s") return {1e3, "ms"};
   if (si == "1/K") return {1e2, "%/K"};

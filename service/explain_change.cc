@@ -19,12 +19,6 @@ void AddOnce(std::vector<std::string>& ids, const std::string& id) {
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
 }
 
-double Equations(const StrokeHistory& history) {
-  double equations = 0;
-  for (const StrokeGram& unit : history.units) equations += static_cast<double>(unit.blocks - unit.spans);
-  return equations;
-}
-
 /// The last effect of `fit` in the strokes before, in the same model and shape.
 class Reference {
  public:
@@ -139,7 +133,7 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   if (!then) return tl::unexpected(then.error());
   ChangeResult result{std::move(*then), {}, {}, {}, {}, 0};
   const Explanation& earlier = result.before.explanation;
-  ExplainOptions own = OptionsForEquations(options, Equations(after));
+  ExplainOptions own = OptionsForEquations(options, after.equations());
   own.start = IdsOf(*earlier.model, earlier.chosen);
   own.floor_excess += std::max(0.0, earlier.final.excess_ratio);
   StrokeHistory newest = after;

@@ -15,12 +15,6 @@ constexpr double kEquationsOfALog = 2000.0;
 /// Effects of the ranking whose nonlinear parameters are looked at between the grid values.
 constexpr std::size_t kRefined = 5;
 
-double Equations(const StrokeHistory& history) {
-  double equations = 0;
-  for (const StrokeGram& unit : history.units) equations += static_cast<double>(unit.blocks - unit.spans);
-  return equations;
-}
-
 /// Shapes between the grid values for the effects that matter.
 std::shared_ptr<const ModelStructure> Refined(const Explanation& x) {
   auto model = std::make_shared<ModelStructure>(*x.model);
@@ -85,7 +79,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
 }
 
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
-  ExplainOptions own = OptionsForEquations(options, Equations(history));
+  ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
   return ExplainUnits(history, own);
 }

@@ -118,6 +118,12 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   return out;
 }
 
+const Effect* ExplainResult::FindEffect(const std::string& id) const {
+  for (const auto& effect : log.model->effects)
+    if (effect->id == id) return effect.get();
+  return nullptr;
+}
+
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options) {
   return ExplainLogs({log}, machine_file, options);

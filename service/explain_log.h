@@ -34,12 +34,14 @@ struct ExplainResult {
   GramFit base;             ///< the model as it is, of the same strokes; `theta` holds its effects' sizes too
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
-  ErrorLocation location;               ///< of the error of the model as it is
-  std::vector<ResidualSignal> signals;  ///< that the maps of `location` name
+  ErrorLocation location;                   ///< of the error of the model as it is
+  std::vector<ResidualSignal> signals;      ///< that the maps of `location` name
   std::optional<RemainderShape> remainder;  ///< verdict unknown: what Explanation::final leaves
   Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart
 
   const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
+  /// nullptr if the library has no effect of this name.
+  const Effect* FindEffect(const std::string& id) const;
   /// Nonlinear parameters of an effect of the explanation, SI.
   const std::vector<double>& NonlinearOf(const EffectChoice& choice) const {
     return explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
@@ -49,9 +51,9 @@ struct ExplainResult {
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;
 
-/// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds what it
-/// misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes that do not excite
-/// the model. ExplainOptions::start is taken from the machine file.
+/// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds
+/// what it misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes
+/// that do not excite the model. ExplainOptions::start is taken from the machine file.
 Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
                                  const ExplainOptions& options = {});
 

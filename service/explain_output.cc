@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/quality.h"
 #include "core/units.h"
 #include "service/effect_units.h"
@@ -17,17 +18,9 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
-
-const Effect* FindEffect(const ExplainResult& result, const std::string& id) {
-  for (const auto& effect : result.log.model->effects)
-    if (effect->id == id) return effect.get();
-  return nullptr;
-}
-
 /// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for.
 std::string Described(const ExplainResult& result, const std::string& id) {
-  const Effect* effect = FindEffect(result, id);
+  const Effect* effect = result.FindEffect(id);
   if (effect == nullptr) return "  " + id + "\n";
   return fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
 }

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/constants.h"
 #include "diagnosis/residuals.h"
 #include "service/effect_units.h"
 #include "service/interval_text.h"
@@ -20,7 +21,6 @@ namespace {
 
 /// Model error energy per equation left with a fit, in % of `base`, with its 95 % interval over the strokes.
 PlotRow ErrorLeft(const ExtendedFit& fit, double base) {
-  constexpr double kNormal95 = 1.96;
   const double n = static_cast<double>(fit.excess.size());
   const double mean = fit.excess.mean();
   const double deviation = std::sqrt((fit.excess.array() - mean).square().sum() / std::max(1.0, n - 1) * n);

@@ -19,15 +19,9 @@
 namespace hydroscope {
 namespace {
 
-const Effect* EffectOf(const ExplainResult& result, const std::string& id) {
-  for (const auto& effect : result.log.model->effects)
-    if (effect->id == id) return effect.get();
-  return nullptr;
-}
-
 /// "<b>Internal leakage past the piston seal</b>: oil passes ...".
-std::string Described(const ExplainResult& result, const std::string& id) {
-  const Effect* effect = EffectOf(result, id);
+std::string DescribedInPage(const ExplainResult& result, const std::string& id) {
+  const Effect* effect = result.FindEffect(id);
   if (effect == nullptr) return "<b>" + EscapeText(id) + "</b>";
   return fmt::format("<b>{}</b>: {}", EscapeText(effect->title), EscapeText(effect->plain));
 }
@@ -54,7 +48,7 @@ std::string Headline(const ExplainResult& result) {
     case Verdict::kNamed: {
       std::string names;
       for (std::size_t k = 0; k < x.set.size(); ++k) {
-        const Effect* effect = EffectOf(result, x.set[k]);
+        const Effect* effect = result.FindEffect(x.set[k]);
         names += (k == 0                  ? ""
                   : k + 1 == x.set.size() ? " and "
                                           : ", ") +
@@ -90,16 +84,17 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::vector<std::string> out = {ErrorSentence(result)};
   if (x.verdict == Verdict::kNamed)
-    for (const std::string& id : x.set) out.push_back("Check on the machine – " + Described(result, id));
+    for (const std::string& id : x.set)
+      out.push_back("Check on the machine – " + DescribedInPage(result, id));
   if (!x.doubt.empty())
     out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
                               EscapeText(x.doubt)));
   if (x.verdict == Verdict::kAmbiguous)
     for (const auto& group : x.groups)
       for (const std::string& id : group)
-        out.push_back((group.size() > 1 ? "Possible – " : "Certain – ") + Described(result, id));
+        out.push_back((group.size() > 1 ? "Possible – " : "Certain – ") + DescribedInPage(result, id));
   if (x.verdict == Verdict::kUnknown && x.partial && !x.set.empty())
-    out.push_back("Nearest, not proven – " + Described(result, x.set.front()));
+    out.push_back("Nearest, not proven – " + DescribedInPage(result, x.set.front()));
   if (x.verdict == Verdict::kUnknown)
     out.push_back(
         "Look at where the error lies (map below) and check the signals with <code>hydroscope check</code>.");
@@ -225,7 +220,7 @@ std::string History(const ExplainResult& result) {
                                    "what sensor noise alone would leave.");
 }
 
-std::string Described(const ExplainResult& result) {
+std::string VerdictBoxText(const ExplainResult& result) {
   if (!result.described.empty()) return EscapeText(result.described);
   return fmt::format("{} strokes, {} of {} rows used", FormatCount(static_cast<std::int64_t>(result.strokes)),
                      FormatCount(result.log.totals.used), FormatCount(result.log.totals.samples));
@@ -250,7 +245,7 @@ Status WriteExplainReport(const std::string& path, const std::vector<ExplainResu
   for (const ExplainResult& result : results) {
     body += fmt::format(
         "<header><div><h1>What the model misses: {}</h1><p class=\"soft\">{}</p></div></header>\n",
-        EscapeText(result.log.machine.name), Described(result));
+        EscapeText(result.log.machine.name), VerdictBoxText(result));
     body += ExplainVerdictBox(result) + ExplainSections(result);
   }
   std::ofstream file(path, std::ios::binary);

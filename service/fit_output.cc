@@ -4,13 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/effect_units.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kNormal95 = 1.96;
 
 const char* Meaning(const std::string& parameter) {
   if (parameter == "K") return "effective bulk modulus";

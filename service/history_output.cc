@@ -68,16 +68,10 @@ std::string ValuesText(const std::string& title, const std::vector<ValueChange>&
   return text;
 }
 
-const Effect* EffectOf(const ExplainResult& result, const std::string& id) {
-  for (const auto& effect : result.log.model->effects)
-    if (effect->id == id) return effect.get();
-  return nullptr;
-}
-
 std::string EffectsText(const ChangeResult& result) {
   std::string text;
   for (const std::string& id : result.after.explanation.set)
-    if (const Effect* effect = EffectOf(result.after, id))
+    if (const Effect* effect = result.after.FindEffect(id))
       text += fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
   return text;
 }

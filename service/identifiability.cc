@@ -4,10 +4,11 @@
 
 #include <cmath>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
 constexpr int kFewStrokes = 10;
 constexpr double kLittleVariation = 1.3;  // largest over smallest mean speed or pressure
 constexpr double kMostStrokesAdvised = 2000;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/effect_units.h"
 
@@ -19,7 +20,6 @@ std::string WithInterval(double value, double half_width) {
 }
 
 std::string ShownWithInterval(double value, double std, const std::string& si_unit) {
-  constexpr double kNormal95 = 1.96;
   const EffectUnit unit = EffectUnitFor(si_unit);
   const double offset = DisplayUnitFor(si_unit).offset;
   return WithInterval(value * unit.factor + offset, kNormal95 * std * unit.factor) +

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
+#include "core/quantile.h"
+
 namespace hydroscope {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool IsUtf8(const std::string& text) {
   for (std::size_t i = 0; i < text.size();) {
@@ -30,14 +31,6 @@ std::string ReferenceOf(const LogLayout& layout, std::size_t column) {
   const std::string& name = layout.names[column];
   if (!name.empty() && IsUtf8(name) && layout.Find(name) == column) return name;
   return std::to_string(column + 1);
-}
-
-double Quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return kNaN;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 double StandardDeviation(const std::vector<double>& values) {
@@ -65,9 +58,9 @@ void Describe(LogColumn& column) {
   const double spread = StandardDeviation(values);
   column.roughness = spread > 0 ? StandardDeviation(steps) / spread : 0;
   column.repeated = steps.empty() ? 0 : static_cast<double>(same) / static_cast<double>(steps.size());
-  column.step = steps.empty() ? 0 : Quantile(steps, 0.5);
-  column.low = Quantile(values, 0.01);
-  column.high = Quantile(values, 0.99);
+  column.step = steps.empty() ? 0 : Quantile(steps, 0.5, kNaN);
+  column.low = Quantile(values, 0.01, kNaN);
+  column.high = Quantile(values, 0.99, kNaN);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::uint64_t kChunk = 64 * 1024;  // bytes
-constexpr int kReplayVersion = 1;            // raise when the same log and settings give other strokes
+constexpr std::uint64_t kPrintedBytes = 64 * 1024;  // bytes
+constexpr int kReplayVersion = 1;                   // raise when the same log and settings give other strokes
 
 std::uint32_t Crc(std::ifstream& file, std::uint64_t at, std::uint64_t length) {
   std::vector<char> bytes(length);
@@ -38,7 +38,7 @@ Result<LogFingerprint> FingerprintLog(const std::string& path) {
   if (!file) return BadInput("{}: cannot be opened; does the file exist and may it be read?", path);
   LogFingerprint print;
   print.size = SizeOf(file);
-  const std::uint64_t chunk = std::min(print.size, kChunk);
+  const std::uint64_t chunk = std::min(print.size, kPrintedBytes);
   print.head = Crc(file, 0, chunk);
   print.middle = Crc(file, (print.size - chunk) / 2, chunk);
   print.tail = Crc(file, print.size - chunk, chunk);
@@ -50,7 +50,7 @@ Result<bool> Continues(const std::string& path, const LogFingerprint& earlier) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return BadInput("{}: cannot be opened; does the file exist and may it be read?", path);
   if (earlier.size == 0 || SizeOf(file) <= earlier.size) return false;
-  const std::uint64_t chunk = std::min(earlier.size, kChunk);
+  const std::uint64_t chunk = std::min(earlier.size, kPrintedBytes);
   return Crc(file, 0, chunk) == earlier.head &&
          Crc(file, (earlier.size - chunk) / 2, chunk) == earlier.middle &&
          Crc(file, earlier.size - chunk, chunk) == earlier.tail;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/fit_output.h"
 #include "service/interval_text.h"
@@ -14,8 +15,6 @@
 
 namespace hydroscope {
 namespace {
-
-constexpr double kNormal95 = 1.96;
 
 double Shown(const ModelRecord& record, double si) { return si * DisplayUnitFor(record.unit).factor; }
 std::string_view ShownUnit(const ModelRecord& record) { return DisplayUnitFor(record.unit).name; }

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/fit_output.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
-constexpr double kLitresPerMinute = 6e4;
 constexpr std::size_t kFindingsShown = 3;
 
 std::string StatusText(const LogReplay& replay) {

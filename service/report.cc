@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/constants.h"
 #include "service/report_page.h"
 #include "service/report_plots.h"
 #include "service/report_words.h"
@@ -15,8 +16,6 @@
 
 namespace hydroscope {
 namespace {
-
-constexpr double kZeroCelsius = 273.15, kLitresPerMinute = 6e4;
 
 const char* ClassOf(Standing standing) {
   switch (standing) {
@@ -65,7 +64,7 @@ struct Report {
   ReportAnalysis analysis;
   std::vector<ParameterInfo> infos;
   std::vector<ParameterWords> words;
-  Verdict verdict;
+  ReportVerdict verdict;
 };
 
 Report Prepare(const ReportInput& input) {
@@ -99,7 +98,7 @@ std::string Header(const Report& report) {
 }
 
 std::string VerdictBox(const Report& report) {
-  const Verdict& verdict = report.verdict;
+  const ReportVerdict& verdict = report.verdict;
   std::string out = fmt::format("<section class=\"verdict {}\"><h2>{} {}</h2><ul>", ClassOf(verdict.standing),
                                 ShapeOf(verdict.standing), verdict.headline);
   for (const std::string& sentence : verdict.sentences) out += "<li>" + sentence + "</li>";
@@ -347,8 +346,8 @@ std::string FormatReport(const ReportInput& input) {
   const std::string verdicts = input.explanation_leads ? input.explanation_verdict + VerdictBox(report)
                                                        : VerdictBox(report) + input.explanation_verdict;
   const std::string body = Header(report) + input.drift_verdict + verdicts + Cards(report) + Tiles(report) +
-                           Trends(report) + input.drift + ModelAgainstMeasurement(report) + input.explanation + Skipped(report) +
-                           Method(report);
+                           Trends(report) + input.drift + ModelAgainstMeasurement(report) +
+                           input.explanation + Skipped(report) + Method(report);
   return HtmlPage("Maintenance report: " + input.machine.name, "<main>" + body + "</main>\n");
 }
 

@@ -5,10 +5,12 @@
 #include <limits>
 #include <numeric>
 
+#include "core/constants.h"
+#include "core/quantile.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kLeastBlocksForOil = 6;
 constexpr double kLeastOilRange = 1.5;  // K
 constexpr double kMostShared = 0.9, kMostCurved = 0.25;
@@ -253,7 +255,7 @@ ModelErrorAnalysis AnalyseError(const ReportInput& input) {
     if (stroke.noise_floor > 0 && std::isfinite(stroke.rms_error))
       ratios.push_back(stroke.rms_error / stroke.noise_floor);
   ModelErrorAnalysis error;
-  error.median_ratio = Median(ratios);
+  error.median_ratio = Median(ratios, kNaN);
   error.ratio = CompareThirds(ratios, {}, 0);
   return error;
 }

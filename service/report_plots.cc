@@ -6,13 +6,15 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "core/constants.h"
+#include "core/quantile.h"
 #include "service/svg_plot.h"
 #include "service/svg_text.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kZeroCelsius = 273.15, kLitresPerMinute = 6e4, kWide = 920;
+constexpr double kWide = 920;
 
 std::string AxisLabel(const ParameterInfo& info) {
   const std::string name = info.name.empty() ? info.symbol : info.name + " " + info.symbol;
@@ -33,7 +35,7 @@ AxisRange ValueRange(const std::vector<TrendSample>& samples, const ParameterInf
     if (sample.updated && std::isfinite(sample.std))
       half_widths.push_back(1.96 * sample.std * std::abs(info.factor));
   }
-  const double typical = half_widths.empty() ? 0 : Median(half_widths);
+  const double typical = Median(half_widths, 0);
   double widest = typical;
   for (const double half : half_widths)
     if (half <= 3 * typical) widest = std::max(widest, half);

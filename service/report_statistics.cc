@@ -9,10 +9,12 @@
 #include <limits>
 #include <numeric>
 
+#include "core/constants.h"
+#include "core/quantile.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostCorrelation = 0.99;
 
 double EffectiveCount(std::size_t n, double correlation) {
@@ -42,7 +44,7 @@ bool AllPositive(const std::vector<double>& values) {
 Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
   if (std.size() != n || !AllPositive(std)) return weights;
-  const double typical = Median(std);
+  const double typical = Median(std, kNaN);
   for (std::size_t i = 0; i < n; ++i)
     weights(static_cast<Eigen::Index>(i)) = typical / std::max(std[i], typical / 2);
   return weights;
@@ -225,7 +227,8 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   const auto variance_of = [&](std::size_t begin) {
     const double stated = std.size() == y.size()
                               ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
-                                        std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)})
+                                        std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)},
+                                       kNaN)
                               : 0;
     const double one_value = std::max(scatter, std::isfinite(stated) ? stated * stated : 0);
     return one_value / std::max(1.0, EffectiveCount(result.count, result.correlation));
@@ -249,15 +252,6 @@ double SquaredCorrelation(const std::vector<double>& a, const std::vector<double
     ab += (a[i] - mean_a) * (b[i] - mean_b);
   }
   return aa > 0 && bb > 0 ? ab * ab / (aa * bb) : 0;
-}
-
-double Median(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
 }  // namespace hydroscope

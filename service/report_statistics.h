@@ -67,7 +67,4 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
 /// Squared correlation coefficient, 0 if one of them does not vary.
 double SquaredCorrelation(const std::vector<double>& a, const std::vector<double>& b);
 
-/// Median; NaN if empty. Non-finite values are left out.
-double Median(std::vector<double> values);
-
 }  // namespace hydroscope

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quantile.h"
 #include "service/svg_text.h"
 
 namespace hydroscope {
@@ -365,9 +366,10 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
   return words;
 }
 
-Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
-                        const std::vector<ParameterInfo>& infos, const std::vector<ParameterWords>& words) {
-  Verdict verdict;
+ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+                              const std::vector<ParameterInfo>& infos,
+                              const std::vector<ParameterWords>& words) {
+  ReportVerdict verdict;
   bool inseparable = false;
   verdict.standing = words.empty() ? Standing::kUnknown : Standing::kSteady;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -429,7 +431,7 @@ FlowErrors OverallErrors(const ReportInput& input) {
   const auto known = [](double given, double median) {
     return given > 0 ? given : std::isfinite(median) ? median : 0;
   };
-  return {known(input.rms_holdout, Median(rms)), known(input.noise_floor, Median(floor))};
+  return {known(input.rms_holdout, Median(rms, kNaN)), known(input.noise_floor, Median(floor, kNaN))};
 }
 
 }  // namespace hydroscope

@@ -25,13 +25,14 @@ struct ParameterWords {
 ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info);
 
 /// The verdict over all parameters.
-struct Verdict {
+struct ReportVerdict {
   Standing standing = Standing::kUnknown;
   std::string headline;                ///< HTML
   std::vector<std::string> sentences;  ///< HTML
 };
-Verdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
-                        const std::vector<ParameterInfo>& infos, const std::vector<ParameterWords>& words);
+ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+                              const std::vector<ParameterInfo>& infos,
+                              const std::vector<ParameterWords>& words);
 
 /// Flow errors of the whole record in m^3/s, as given or the medians over the strokes; 0 if unknown.
 struct FlowErrors {

@@ -144,6 +144,12 @@ std::int64_t StrokeHistory::strokes() const {
   return sum;
 }
 
+double StrokeHistory::equations() const {
+  double sum = 0;
+  for (const StrokeGram& unit : units) sum += static_cast<double>(unit.blocks - unit.spans);
+  return sum;
+}
+
 std::int64_t StrokeHistory::strokes_per_unit() const {
   std::int64_t most = 0;
   for (const HistoryPart& unit : unit_parts) most = std::max(most, unit.strokes());

@@ -35,6 +35,8 @@ struct StrokeHistory {
   std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
 
   std::int64_t strokes() const;
+  /// Independent equations of all units.
+  double equations() const;
   /// Strokes of the largest unit; 1 = single strokes.
   std::int64_t strokes_per_unit() const;
 };

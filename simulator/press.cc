@@ -20,25 +20,6 @@ PressOptions WithSeeds(PressOptions options) {
   return options;
 }
 
-/// Whole numbers of controller cycles per sample and of integration steps per cycle.
-struct Grid {
-  std::int64_t cycles_per_sample, steps_per_cycle;
-  double cycle, step;  // s
-};
-Grid MakeGrid(const PressOptions& o, const PressEffectSizes& effects) {
-  Grid grid;
-  const auto parts = [](double whole, double part) {
-    return std::max<std::int64_t>(1, std::llround(std::ceil(whole / part - 1e-9)));
-  };
-  grid.cycles_per_sample = parts(o.sample_period, o.control_period);
-  grid.cycle = o.sample_period / static_cast<double>(grid.cycles_per_sample);
-  const double z_low = o.motion.z_bottom - o.motion.z_bottom_spread;
-  const double stable = 1 / PressPlant::StiffestRate(o.machine, effects, z_low);
-  grid.steps_per_cycle = parts(grid.cycle, std::min(o.max_step, stable));
-  grid.step = grid.cycle / static_cast<double>(grid.steps_per_cycle);
-  return grid;
-}
-
 /// A supply pressure that breathes slowly.
 double Breathing(double mean, double amplitude, double period, double t) {
   return mean + amplitude * std::sin(2 * std::numbers::pi * t / period);
@@ -47,10 +28,17 @@ double Breathing(double mean, double amplitude, double period, double t) {
 }  // namespace
 
 struct PressGenerator::State {
+  /// Whole numbers of controller cycles per sample and of integration steps per cycle.
+  struct Grid {
+    Grid(const PressOptions& o, const PressEffectSizes& effects);
+    std::int64_t cycles_per_sample, steps_per_cycle;
+    double cycle, step;  // s
+  };
+
   explicit State(const PressOptions& given)
       : options(WithSeeds(given)),
         effects(ResolveEffects(given.effects).value()),
-        grid(MakeGrid(options, effects)),
+        grid(options, effects),
         motion(options.motion, options.seed),
         set_point(options.machine, options.motion, options.control_seed),
         controller(options.machine, options.motion, grid.cycle, options.control_seed),
@@ -106,6 +94,18 @@ struct PressGenerator::State {
   PressTruth truth;
   std::int64_t stroke_rows = 0;
 };
+
+PressGenerator::State::Grid::Grid(const PressOptions& o, const PressEffectSizes& effects) {
+  const auto parts = [](double whole, double part) {
+    return std::max<std::int64_t>(1, std::llround(std::ceil(whole / part - 1e-9)));
+  };
+  cycles_per_sample = parts(o.sample_period, o.control_period);
+  cycle = o.sample_period / static_cast<double>(cycles_per_sample);
+  const double z_low = o.motion.z_bottom - o.motion.z_bottom_spread;
+  const double stable = 1 / PressPlant::StiffestRate(o.machine, effects, z_low);
+  steps_per_cycle = parts(cycle, std::min(o.max_step, stable));
+  step = cycle / static_cast<double>(steps_per_cycle);
+}
 
 PressRow PressGenerator::State::CleanRow(double t) const {
   PressRow r;

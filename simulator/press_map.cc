@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
 using namespace press_map;
-
-constexpr double kCelsius = 273.15;  // K at 0 degC
 
 std::span<std::uint16_t> At(std::span<std::uint16_t> registers, int first, int count) {
   return registers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
@@ -42,7 +42,8 @@ void PressMap::WriteRecord(std::uint64_t sequence, const std::vector<PressRow>& 
   EncodeUnsigned(number, At(registers, place, kRecordHead));
   place += kRecordHead;
   for (const PressRow& row : rows) {
-    for (const double value : {row.p_A, row.p_B, row.p_0, row.z, row.y_v, row.U_v, row.T_oil - kCelsius}) {
+    for (const double value :
+         {row.p_A, row.p_B, row.p_0, row.z, row.y_v, row.U_v, row.T_oil - kZeroCelsius}) {
       EncodeRegisters(value, RegisterType::kFloat32, order_, At(registers, place, 2));
       place += 2;
     }
@@ -56,7 +57,7 @@ void PressMap::WriteState(std::uint64_t newest, std::int64_t time_ns, const Live
   ++registers[kHeartbeat];
   registers[kSweepStatus] = static_cast<std::uint16_t>(press.sweep());
   registers[kSweepsDone] = static_cast<std::uint16_t>(press.sweeps_done());
-  EncodeRegisters(rows.front().T_oil - kCelsius, RegisterType::kFloat32, order_,
+  EncodeRegisters(rows.front().T_oil - kZeroCelsius, RegisterType::kFloat32, order_,
                   At(registers, kOilTemperature, 2));
   EncodeRegisters(rows.front().p_0 / 1e5, RegisterType::kFloat32, order_, At(registers, kSupply, 2));
   for (int axis = 0; axis < axes_; ++axis) {

@@ -9,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr const char* kTables = R"sql(
+constexpr const char* kJournalTables = R"sql(
 CREATE TABLE journal(
   sequence INTEGER PRIMARY KEY,
   machine TEXT NOT NULL,
@@ -109,7 +109,7 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
   if (db.execAndGet("PRAGMA application_id").getInt() !=
       kJournalApplicationId) {  // another process may have been faster
-    db.exec(kTables);
+    db.exec(kJournalTables);
     db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
     db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
   }

@@ -10,7 +10,7 @@ namespace hydroscope {
 namespace {
 
 /// Every table in order of its key.
-constexpr std::array<const char*, 12> kTables = {
+constexpr std::array<const char*, 12> kCheckedTables = {
     "SELECT * FROM machine ORDER BY id",
     "SELECT * FROM model_version ORDER BY machine, version",
     "SELECT * FROM model_column ORDER BY machine, version, position",
@@ -74,7 +74,7 @@ Result<std::string> Database::ContentDigest() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {
     SQLite::Transaction one_snapshot(impl_->db);
     Fnv1a hash;
-    for (const char* table : kTables) {
+    for (const char* table : kCheckedTables) {
       SQLite::Statement rows(impl_->db, table);
       hash.Add(std::string_view(table));
       while (rows.executeStep())

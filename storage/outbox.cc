@@ -7,7 +7,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr const char* kTables = R"sql(
+constexpr const char* kOutboxTables = R"sql(
 CREATE TABLE item(
   sequence INTEGER PRIMARY KEY,
   topic TEXT NOT NULL,
@@ -35,7 +35,7 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
     return BadInput("{} has outbox format {}, this program knows format {}; use the hydroscope that wrote it",
                     path, version, kOutboxFormat);
   if (fresh) {
-    db.exec(kTables);
+    db.exec(kOutboxTables);
     db.exec(fmt::format("PRAGMA application_id = {}", kOutboxApplicationId));
     db.exec(fmt::format("PRAGMA user_version = {}", kOutboxFormat));
   }

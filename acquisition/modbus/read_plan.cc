@@ -6,8 +6,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kMostRegisters = 125;  // in one request
-constexpr int kGapReadAlong = 20;    // registers; another request costs more
+constexpr int kGapReadAlong = 20;  // registers; another request costs more
 constexpr int kSequenceRegisters = 2;
 
 enum class Meaning { kValue, kHeartbeat, kTime };

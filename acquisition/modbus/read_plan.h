@@ -11,6 +11,9 @@
 
 namespace hydroscope {
 
+/// Most registers that one request reads (Modbus Application Protocol V1.1b3, 6.3).
+inline constexpr int kMostRegisters = 125;
+
 /// A value within a block of registers.
 struct PlannedValue {
   int offset = 0;  ///< registers behind the first one of the block

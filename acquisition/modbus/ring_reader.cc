@@ -7,7 +7,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kMostRegisters = 125;
 constexpr std::uint64_t kLatestTime = std::numeric_limits<std::int64_t>::max() / 2;
 constexpr std::uint64_t kFirst = 1ull
                                  << 32;  // sequences begin one wrap-around up, so that they may also fall

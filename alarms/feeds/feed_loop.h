@@ -12,6 +12,9 @@
 
 namespace hydroscope {
 
+inline constexpr double kLookPeriod = 0.1;                     ///< s between two looks at the journal
+inline constexpr std::int64_t kPicturePeriod = 1'000'000'000;  ///< ns between two looks at axes without news
+
 /// The thread of a feed: one round after the other. A round that fails is counted, its error kept for the
 /// status, and the next one waits for `kPatience` seconds.
 class FeedLoop {

@@ -11,9 +11,9 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPoll = 1;       // s between two looks of the SCADA system
-constexpr double kStart = 20;     // s until the feeds are there
-constexpr double kPatience = 20;  // s until everything is out
+constexpr double kPoll = 1;               // s between two looks of the SCADA system
+constexpr double kStart = 20;             // s until the feeds are there
+constexpr double kDeliveryPatience = 20;  // s until everything is out
 
 /// The line of the log that begins like this; "" if it does not come.
 std::string WaitForLine(const std::string& log, const std::string& begin) {
@@ -40,7 +40,7 @@ struct Scada {
 
 Result<Scada> PollAtOneHertz(ScadaClient& client, int alarms) {
   Scada scada;
-  for (const double begin = Now(); Now() - begin < kPatience;) {
+  for (const double begin = Now(); Now() - begin < kDeliveryPatience;) {
     const auto rows = client.NewRows();
     if (!rows) return tl::unexpected(rows.error());
     for (const ScadaRow& row : *rows) scada.rows.push_back(row.sequence);
@@ -70,7 +70,7 @@ int RunAlarmBurst(const AlarmBurstOptions& o) {
   const auto scada = PollAtOneHertz(*client, o.alarms);
   if (!scada) return ReportError(scada.error());
   const std::string raised = WaitForLine(log, "raised in ");
-  for (const double end = Now() + kPatience;
+  for (const double end = Now() + kDeliveryPatience;
        Now() < end && static_cast<int>((*rig)->told().size()) < o.alarms;)
     Sleep(0.05);
   std::vector<std::int64_t> told;

@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/constants.h"
+#include "core/quantile.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "service/benchmarks/drift_press.h"
 #include "service/benchmarks/simulated_strokes.h"
@@ -21,19 +23,18 @@ using drift::DriftMonitor;
 using drift::FindingState;
 using drift::StrokeEvidence;
 
-constexpr double kSecondsPerStroke = 7.0;    ///< about, over products and random speeds
-constexpr int kLeastPart = 50;               ///< strokes recorded of one product in a row
-constexpr double kOneLitre = 1 / 6e4 / 2e7;  ///< m^3/(s Pa): 1 l/min at 200 bar
-constexpr double kViscosity = 0.006;         ///< 1/K, change of the flow with the oil temperature
+constexpr double kSecondsPerStroke = 7.0;  ///< about, over products and random speeds
+constexpr int kLeastPart = 50;             ///< strokes recorded of one product in a row
+constexpr double kViscosity = 0.006;       ///< 1/K, change of the flow with the oil temperature
 
-struct Fault {
+struct FullFault {
   const char* name;
   const char* rule;
   int limit;  ///< strokes, median
   std::function<void(PressOptions&)> apply;
 };
 
-const std::array<Fault, 5> kFaults = {{
+const std::array<FullFault, 5> kFullFaults = {{
     {"K' -10 %", "entrained_air", 30, [](PressOptions& o) { o.machine.K *= 0.9; }},
     {"leakage 1 l/min at 200 bar", "internal_leakage", 50,
      [](PressOptions& o) {
@@ -77,8 +78,8 @@ Result<std::vector<StrokeEvidence>> Record(const Axis& axis, const drift::Watche
     }
     o.seed = StreamSeed(seed, "part") + part;
     o.seconds = kSecondsPerStroke * strokes / parts;
-    o.oil_start = 273.15 + cold + (warm - cold) * part / parts;
-    o.oil_end = 273.15 + cold + (warm - cold) * (part + 1) / parts;
+    o.oil_start = kZeroCelsius + cold + (warm - cold) * part / parts;
+    o.oil_end = kZeroCelsius + cold + (warm - cold) * (part + 1) / parts;
     if (fault) fault(o);
     const auto log = StrokesOf(SimulatePress(o), MachineFor(o));
     if (!log) return tl::unexpected(log.error());
@@ -89,24 +90,20 @@ Result<std::vector<StrokeEvidence>> Record(const Axis& axis, const drift::Watche
   return evidence;
 }
 
-struct Tally {
+struct FullFaultTally {
   int cases = 0, found = 0, right = 0, wrong = 0, undecided = 0, near = 0;
   std::vector<double> named;
 };
 
-bool Told(const drift::DriftFinding& f) {
-  return f.state == FindingState::kNamed || f.state == FindingState::kUndecided;
-}
-
 struct Campaign {
-  std::array<Tally, kFaults.size()> faults;
+  std::array<FullFaultTally, kFullFaults.size()> faults;
   std::int64_t strokes = 0, judged = 0;
   int false_alarms = 0;
   int untold = 0;  ///< machines whose strokes did not tell the parameters
 };
 
-void FollowFault(DriftMonitor monitor, const std::vector<StrokeEvidence>& strokes, const Fault& fault,
-                 bool details, Tally& tally) {
+void FollowFault(DriftMonitor monitor, const std::vector<StrokeEvidence>& strokes, const FullFault& fault,
+                 bool details, FullFaultTally& tally) {
   ++tally.cases;
   const std::int64_t begin = strokes.front().sequence;
   for (const StrokeEvidence& stroke : strokes) {
@@ -161,38 +158,32 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
       told = f.number;
       ++campaign.false_alarms;
       std::cout << fmt::format("  false alarm, machine {} stroke {} oil {:.1f} degC: {}\n", index + 1,
-                               stroke.sequence, f.oil_temperature - 273.15, drift::FindingText(f));
+                               stroke.sequence, f.oil_temperature - kZeroCelsius, drift::FindingText(f));
     }
   }
   if (!monitor.findings().empty()) return {};  // a fault beside a false alarm is another question
-  for (std::size_t f = 0; f < kFaults.size(); ++f) {
+  for (std::size_t f = 0; f < kFullFaults.size(); ++f) {
     std::int64_t number = sequence;
     const auto faulty =
-        Record(axis, &*model, o.faulty, 40, 45, seed + 3000 + f, number, nullptr, kFaults[f].apply);
+        Record(axis, &*model, o.faulty, 40, 45, seed + 3000 + f, number, nullptr, kFullFaults[f].apply);
     if (!faulty) return tl::unexpected(faulty.error());
-    FollowFault(monitor, *faulty, kFaults[f], o.details, campaign.faults[f]);
+    FollowFault(monitor, *faulty, kFullFaults[f], o.details, campaign.faults[f]);
   }
   return {};
-}
-
-double Median(std::vector<double> v) {
-  if (v.empty()) return std::numeric_limits<double>::infinity();
-  std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
-  return v[v.size() / 2];
 }
 
 bool Print(const Campaign& c, const DriftFullSimulationOptions& o) {
   std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases",
                            "found", "named", "change ±10", "right", "wrong", "undecided");
   bool reached = true;
-  for (std::size_t f = 0; f < kFaults.size(); ++f) {
-    const Tally& t = c.faults[f];
+  for (std::size_t f = 0; f < kFullFaults.size(); ++f) {
+    const FullFaultTally& t = c.faults[f];
     const double n = std::max(1, t.cases);
-    const double median = Median(t.named);
+    const double median = Median(t.named, kNever);
     std::cout << fmt::format("{:<28} {:>6} {:>5.1f} % {:>10} {:>10.1f} % {:>5.1f} % {:>5.1f} % {:>8.1f} %\n",
-                             kFaults[f].name, t.cases, 100 * t.found / n, median, 100 * t.near / n,
+                             kFullFaults[f].name, t.cases, 100 * t.found / n, median, 100 * t.near / n,
                              100 * t.right / n, 100 * t.wrong / n, 100 * t.undecided / n);
-    reached = reached && t.cases > 0 && median <= kFaults[f].limit && t.right >= 0.95 * t.cases &&
+    reached = reached && t.cases > 0 && median <= kFullFaults[f].limit && t.right >= 0.95 * t.cases &&
               t.wrong <= 0.01 * t.cases && t.near >= 0.95 * t.cases;
   }
   std::cout << fmt::format(

@@ -13,10 +13,14 @@ constexpr std::array<ProductMotion, StrokePress::kProducts> kMotions = {
     {{0.045, 60e5, 120e5}, {0.07, 90e5, 170e5}, {0.1, 120e5, 205e5}}};
 constexpr double kForty = 313.15;
 constexpr double kGrade = 32.0;                    ///< mm^2/s at 40 degC, of the simulated oil
-constexpr double kSecondsPerStroke = 8.0;          ///< enough for the slowest product
+constexpr double kSecondsOfSlowStroke = 8.0;       ///< enough for the slowest product
 constexpr double kHealthyLeak = 0.05 / 6e4 / 2e7;  ///< m^3/(s Pa)
 
 }  // namespace
+
+bool Told(const drift::DriftFinding& finding) {
+  return finding.state == drift::FindingState::kNamed || finding.state == drift::FindingState::kUndecided;
+}
 
 PressOptions ProductOptions(int product, std::uint64_t seed) {
   PressOptions o;
@@ -32,7 +36,7 @@ Result<StrokePress> StrokePress::Create(int strokes, std::uint64_t seed) {
   StrokePress press(seed);
   for (int product = 0; product < kProducts; ++product) {
     PressOptions options = ProductOptions(product, StreamSeed(seed, "product") + product);
-    options.seconds = strokes * kSecondsPerStroke;
+    options.seconds = strokes * kSecondsOfSlowStroke;
     const auto log = StrokesOf(SimulatePress(options), MachineFor(options));
     if (!log) return tl::unexpected(log.error());
     if (!press.model_) {

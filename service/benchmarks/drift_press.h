@@ -1,9 +1,11 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "core/result.h"
+#include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/watched_model.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "simulator/random.h"
@@ -17,6 +19,12 @@ struct PressFault {
   double null = 0;          ///< change of y_0
   double leakage = 0;       ///< m^3/(s Pa), internal
 };
+
+inline constexpr double kOneLitre = 1 / 6e4 / 2e7;                         ///< m^3/(s Pa): 1 l/min at 200 bar
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< strokes to what did not happen
+
+/// Whether a person would hear of it.
+bool Told(const drift::DriftFinding& finding);
 
 /// A product's strokes, fully simulated once: their information and how their equations scatter about the
 /// truth.

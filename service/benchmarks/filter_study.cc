@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/quantile.h"
 #include "estimation/published_estimator.h"
 #include "service/benchmarks/filter_study_plot.h"
 #include "service/benchmarks/simulated_strokes.h"
@@ -211,8 +212,8 @@ BiasAndStd MedianOf(const std::vector<BiasAndStd>& logs) {
       bias.push_back(log.bias[i]);
       std.push_back(log.std[i]);
     }
-    median.bias[i] = Median(bias);
-    median.std[i] = Median(std);
+    median.bias[i] = Median(bias, kNaN);
+    median.std[i] = Median(std, kNaN);
   }
   return median;
 }

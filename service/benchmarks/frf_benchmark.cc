@@ -56,7 +56,7 @@ FrequencyRecord RecordOf(const ValveSweepOptions& options) {
   return record;
 }
 
-struct Tally {
+struct IntervalTally {
   const char* name;
   const char* unit;
   double factor;  // SI to `unit`
@@ -71,7 +71,7 @@ struct Tally {
   }
 };
 
-std::string Row(const std::string& variation, const Tally& t, int fitted) {
+std::string Row(const std::string& variation, const IntervalTally& t, int fitted) {
   return fmt::format("{:<18} {:<7} {:>10.5g} {:>12.6g} {:>9.1f} % {:>11.3g} {}\n", variation, t.name,
                      t.truth * t.factor, t.sum / std::max(1, fitted) * t.factor,
                      100.0 * t.inside / std::max(1, fitted), t.worst * t.factor, t.unit);
@@ -80,10 +80,10 @@ std::string Row(const std::string& variation, const Tally& t, int fitted) {
 /// Runs one variation, prints its rows, says whether it keeps its limits.
 bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, double& seconds, int& sweeps) {
   const ValveSweepOptions& truth = variation.options;
-  std::array<Tally, 4> tallies = {{{"f0", "Hz", 1, truth.f0},
-                                   {"D", "", 1, truth.damping},
-                                   {"K_v", "", 1, truth.gain},
-                                   {"T_dead", "ms", 1e3, truth.dead_time}}};
+  std::array<IntervalTally, 4> tallies = {{{"f0", "Hz", 1, truth.f0},
+                                           {"D", "", 1, truth.damping},
+                                           {"K_v", "", 1, truth.gain},
+                                           {"T_dead", "ms", 1e3, truth.dead_time}}};
   int fitted = 0;
   for (int i = 0; i < cases; ++i) {
     ValveSweepOptions options = truth;
@@ -103,7 +103,7 @@ bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, dou
   }
   bool kept =
       fitted == cases && tallies[0].worst <= variation.f0_tolerance * truth.f0 && tallies[3].worst <= 0.05e-3;
-  for (const Tally& t : tallies) {
+  for (const IntervalTally& t : tallies) {
     std::cout << Row(variation.name, t, fitted);
     const double coverage = static_cast<double>(t.inside) / std::max(1, fitted);
     if (variation.check_coverage && cases >= kFewestForCoverage)

@@ -60,7 +60,7 @@ struct Case {
   bool resolved = false;                    ///< recorded and explained again, the truth is named alone
 };
 
-struct Tally {
+struct KindTally {
   int cases = 0, first = 0, in_set = 0, all_found = 0, wrong = 0, adequate = 0, unknown = 0, partial = 0,
       sets = 0;
   int right_alone = 0, at_floor = 0;  ///< the one true effect named; its error within kAtFloor of the floor
@@ -207,7 +207,7 @@ void LookForPatterns(const LogStrokes& strokes, Case& c) {
   c.patterned = WhitenessOf(residuals).p_value < kPattern;
 }
 
-void Count(const Case& c, Tally& t) {
+void Count(const Case& c, KindTally& t) {
   const Explanation& x = c.explanation;
   const bool named = x.verdict == Verdict::kNamed || x.verdict == Verdict::kAmbiguous;
   const auto found = [&](const std::string& id) { return Contains(x.set, id); };
@@ -295,11 +295,11 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
 
 double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
 
-void PrintTable(const std::array<Tally, kKinds>& tallies) {
+void PrintTable(const std::array<KindTally, kKinds>& tallies) {
   std::cout << fmt::format("{:<34}{:>6}{:>9}{:>9}{:>9}{:>8}{:>10}{:>10}{:>9}{:>10}\n", "", "cases", "first",
                            "in set", "all", "wrong", "adequate", "unknown", "partial", "set size");
   for (int k = 0; k < kKinds; ++k) {
-    const Tally& t = tallies[k];
+    const KindTally& t = tallies[k];
     std::cout << fmt::format(
         "{:<34}{:>6}{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>6.1f} %{:>8.1f} %{:>8.1f} %{:>7.1f} %{:>10.2f}\n",
         kKindNames[k], t.cases, Percent(t.first, t.cases), Percent(t.in_set, t.cases),
@@ -309,8 +309,8 @@ void PrintTable(const std::array<Tally, kKinds>& tallies) {
 }
 
 /// Sums over the classes in which the true effect is in the library.
-Tally Known(const std::array<Tally, kKinds>& tallies) {
-  Tally sum;
+KindTally Known(const std::array<KindTally, kKinds>& tallies) {
+  KindTally sum;
   for (int k : {kOne, kWeak, kTooWeak, kTwo, kTwoOneWeak, kConstantSpeed}) {
     sum.right_alone += tallies[k].right_alone;
     sum.at_floor += tallies[k].at_floor;
@@ -321,7 +321,7 @@ Tally Known(const std::array<Tally, kKinds>& tallies) {
   return sum;
 }
 
-bool Reached(const std::array<Tally, kKinds>& t) {
+bool Reached(const std::array<KindTally, kKinds>& t) {
   const auto wrong = [&](Kind kind) { return Percent(t[kind].wrong, t[kind].cases); };
   return Percent(t[kOne].first, t[kOne].cases) >= 95 && Percent(t[kOne].in_set, t[kOne].cases) >= 99 &&
          wrong(kOne) <= 1 && t[kOne].set_size <= 1.5 * t[kOne].sets &&
@@ -354,17 +354,17 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
     all.push_back(std::move(c));
     progress.Update((i + 1.0) / o.cases, i + 1);
   }
-  std::array<Tally, kKinds> tallies;
+  std::array<KindTally, kKinds> tallies;
   for (const Case& c : all) Count(c, tallies[c.kind]);
 
   std::cout << fmt::format("{} simulated logs of 60 ... 180 s, seed {}\n\n", o.cases, o.seed);
   PrintTable(tallies);
   PrintConfusion(all);
-  const Tally known = Known(tallies);
+  const KindTally known = Known(tallies);
   std::cout << fmt::format(
       "\nright effect named alone: {} cases, {:.1f} % of them within 5 % of the noise floor\n",
       known.right_alone, Percent(known.at_floor, known.right_alone));
-  const Tally& healthy = tallies[kHealthy];
+  const KindTally& healthy = tallies[kHealthy];
   std::cout << fmt::format(
       "healthy: {} cases, an error located in {} ({:.1f} %), a pattern in time claimed in {} ({:.1f} %)\n",
       healthy.cases, healthy.located, Percent(healthy.located, healthy.cases), healthy.patterned,

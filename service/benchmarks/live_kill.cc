@@ -14,9 +14,9 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kBackAllowed = 2.0;  // s
-constexpr double kPatience = 10.0;    // s
-constexpr double kLongLife = 6.0;     // s more for every tenth life, so that strokes end in it
+constexpr double kBackAllowed = 2.0;   // s
+constexpr double kRigPatience = 10.0;  // s
+constexpr double kLongLife = 6.0;      // s more for every tenth life, so that strokes end in it
 
 struct Acknowledged {
   std::int64_t run = 0, strokes = 0, rows = 0;
@@ -103,7 +103,7 @@ Start Restart(LiveRig& rig) {
   const double begin = Now();
   const auto reached =
       [&](const std::function<bool(const nlohmann::json&)>& condition) -> std::optional<double> {
-    if (!rig.WaitFor(condition, kPatience)) return std::nullopt;
+    if (!rig.WaitFor(condition, kRigPatience)) return std::nullopt;
     return Now() - begin;
   };
   rig.StartService({"--acknowledge", "--raw-period", "0.2"});

@@ -60,7 +60,7 @@ const EffectInfo* InfoOf(const std::string& effect) {
 }
 
 /// Counts over all logs.
-struct Tally {
+struct RecoveryTally {
   int values = 0, inside = 0, sizes = 0, sizes_inside = 0, far = 0;
 
   void Add(const RecoveredValue& value, bool is_size) {
@@ -118,7 +118,7 @@ int RunRecovery(const RecoveryOptions& o) {
       "{:.0f} s, seeds {} ... {}\ndev.: (found - truth) / stated standard deviation\n\n",
       o.seconds, o.seed, o.seed + static_cast<std::uint64_t>(o.seeds) - 1);
   PrintHeader();
-  Tally tally;
+  RecoveryTally tally;
   for (const EffectInfo& effect : PressEffects())
     for (int s = 0; s < o.seeds; ++s) {
       // Logs of their own: one unlucky draw must not show in every row.

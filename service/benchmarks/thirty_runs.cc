@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/constants.h"
 #include "estimation/gram_fit.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/output.h"
@@ -21,8 +22,6 @@
 
 namespace hydroscope {
 namespace {
-
-constexpr double kZeroCelsius = 273.15;  ///< K
 
 struct Watched {
   const char* name;

@@ -15,6 +15,7 @@
 #include "service/commands.h"
 #include "service/commands/alarms_scada.h"
 #include "service/output.h"
+#include "service/utc_text.h"
 #include "storage/alarm_journal.h"
 
 namespace hydroscope {
@@ -22,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Arguments {
+struct AlarmsArguments {
   std::string db, modbus, machine, json, alarm, user, comment, duration = "8h";
   std::int64_t after = 0, last = 0;
   int modbus_acknowledge = 0;
@@ -32,7 +33,7 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-std::string UserOf(const Arguments& a) {
+std::string UserOf(const AlarmsArguments& a) {
   if (!a.user.empty()) return a.user;
   const char* user = std::getenv("USER");
   return user != nullptr ? user : fmt::format("uid {}", getuid());
@@ -49,9 +50,6 @@ Result<double> Duration(const std::string& text) {
   return number * factor;
 }
 
-/// NaN, which JSON does not know, becomes null.
-Json Number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
-
 Json AlarmJson(const std::string& machine, std::size_t number, const AlarmState& a) {
   return {{"number", number},
           {"machine", machine},
@@ -64,13 +62,13 @@ Json AlarmJson(const std::string& machine, std::size_t number, const AlarmState&
           {"shelved_until_s", a.shelved_until ? Json(*a.shelved_until) : Json(nullptr)},
           {"suppressed", a.suppressed},
           {"out_of_service", a.out_of_service},
-          {"value", Number(a.value)},
-          {"std", Number(a.std)},
-          {"limit", Number(a.limit)},
+          {"value", a.value},
+          {"std", a.std},
+          {"limit", a.limit},
           {"unit", a.unit},
           {"text", a.text},
           {"raised_stroke", a.raised_stroke},
-          {"raised_wall_s", Number(a.raised_wall)},
+          {"raised_wall_s", a.raised_wall},
           {"first_stroke", a.first_stroke},
           {"last_stroke", a.last_stroke}};
 }
@@ -80,18 +78,18 @@ Json RowJson(const JournalRow& row) {
   return {{"sequence", row.sequence},
           {"machine", row.machine},
           {"wall_s", row.wall},
-          {"time_s", Number(e.time)},
+          {"time_s", e.time},
           {"stroke", e.stroke},
           {"alarm", e.alarm},
           {"event", e.event},
           {"state_before", e.state_before},
           {"state", e.state},
           {"severity", SeverityName(e.severity)},
-          {"value", Number(e.value)},
-          {"std", Number(e.std)},
-          {"limit", Number(e.limit)},
+          {"value", e.value},
+          {"std", e.std},
+          {"limit", e.limit},
           {"unit", e.unit},
-          {"oil_temperature_K", Number(e.oil_temperature)},
+          {"oil_temperature_K", e.oil_temperature},
           {"model_version", e.model_version},
           {"reference_version", e.reference_version},
           {"user", e.user},
@@ -101,22 +99,13 @@ Json RowJson(const JournalRow& row) {
           {"last_stroke", e.last_stroke}};
 }
 
-std::string WallText(double wall) {
-  const auto seconds = static_cast<std::time_t>(wall);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &utc);
-  return text;
-}
-
 /// An alarm as the list numbers it: shown ones are those that are not at rest.
 struct Listed {
   std::string machine;
   AlarmState alarm;
 };
 
-Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Arguments& a) {
+Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());
   if (!a.machine.empty() && std::find(machines->begin(), machines->end(), a.machine) == machines->end())
@@ -132,12 +121,12 @@ Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Argu
   return alarms;
 }
 
-Result<AlarmJournal> OpenJournal(const Arguments& a) {
+Result<AlarmJournal> OpenJournal(const AlarmsArguments& a) {
   if (a.db.empty()) return UsageError("--db is missing: the database that replay or serve fills");
   return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db));
 }
 
-Status List(const Arguments& a) {
+Status List(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
   const auto alarms = ListedAlarms(*journal, a);
@@ -158,7 +147,7 @@ Status List(const Arguments& a) {
 }
 
 /// The alarm meant by a number of the list, by "machine/alarm" or by an id that only one machine has.
-Result<Listed> Find(const AlarmJournal& journal, const Arguments& a) {
+Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto alarms = ListedAlarms(journal, a);
   if (!alarms) return tl::unexpected(alarms.error());
   const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(),
@@ -175,7 +164,7 @@ Result<Listed> Find(const AlarmJournal& journal, const Arguments& a) {
   return UsageError("no standing alarm {}; `hydroscope alarms --db {} list` shows them", a.alarm, a.db);
 }
 
-Status Act(const Arguments& a, const char* done,
+Status Act(const AlarmsArguments& a, const char* done,
            const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act) {
   auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
@@ -200,7 +189,7 @@ Status Act(const Arguments& a, const char* done,
                          {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", changed}});
 }
 
-Status Journal(const Arguments& a) {
+Status Journal(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
   auto rows = journal->Rows(a.machine, a.after);
@@ -212,16 +201,16 @@ Status Journal(const Arguments& a) {
     const AlarmEvent& e = row.event;
     document["journal"].push_back(RowJson(row));
     if (a.json != "-")
-      std::cout << fmt::format(
-          "{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, WallText(row.wall), e.stroke,
-          row.machine, e.alarm.empty() ? "axis" : e.alarm, e.event,
-          e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-          e.user.empty() ? "" : " by " + e.user, e.comment.empty() ? "" : ", \"" + e.comment + "\"");
+      std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, UtcText(row.wall),
+                               e.stroke, row.machine, e.alarm.empty() ? "axis" : e.alarm, e.event,
+                               e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+                               e.user.empty() ? "" : " by " + e.user,
+                               e.comment.empty() ? "" : ", \"" + e.comment + "\"");
   }
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
 
-Status Metrics(const Arguments& a) {
+Status Metrics(const AlarmsArguments& a) {
   const auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
   const auto rows = journal->Rows(a.machine);
@@ -256,7 +245,7 @@ Status Metrics(const Arguments& a) {
 }  // namespace
 
 void AddAlarmsCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<AlarmsArguments>();
   CLI::App* command =
       app.add_subcommand("alarms", "Alarms that stand, the journal, and what to do with them");
   CLI::Option* db = command->add_option("--db,-d", a->db,
@@ -299,13 +288,13 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
     sub->add_option("alarm", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
     return sub;
   };
-  on_alarm("ack", "Acknowledge an alarm", [](const Arguments& o) {
+  on_alarm("ack", "Acknowledge an alarm", [](const AlarmsArguments& o) {
     return Act(o, "acknowledged", [&](AlarmState& alarm, const AlarmMoment& now) {
       return alarm_machine::Acknowledge(alarm, {UserOf(o), o.comment}, now);
     });
   });
   on_alarm("shelve", "Put an alarm aside for a while",
-           [](const Arguments& o) -> Status {
+           [](const AlarmsArguments& o) -> Status {
              const auto duration = Duration(o.duration);
              if (!duration) return tl::unexpected(duration.error());
              return Act(o, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
@@ -314,7 +303,7 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
            })
       ->add_option("--for", a->duration, "How long: 30m, 8h, 2d")
       ->capture_default_str();
-  on_alarm("unshelve", "Take an alarm back from the shelf", [](const Arguments& o) {
+  on_alarm("unshelve", "Take an alarm back from the shelf", [](const AlarmsArguments& o) {
     return Act(o, "unshelved", [&](AlarmState& alarm, const AlarmMoment& now) {
       return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);
     });

@@ -9,6 +9,7 @@
 
 #include "service/output.h"
 #include "service/scada_client.h"
+#include "service/utc_text.h"
 
 namespace hydroscope {
 namespace {
@@ -17,17 +18,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kRowsShown = 10;
 constexpr std::int64_t kNoStroke = 0xFFFFFFFF;  ///< of a row that belongs to none
-
-Json Number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
-
-std::string Clock(double wall) {
-  const auto seconds = static_cast<std::time_t>(wall);
-  std::tm utc{};
-  gmtime_r(&seconds, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &utc);
-  return text;
-}
 
 /// What the numbers NE 107 and quality mean for people.
 const char* HealthText(char health) {
@@ -48,24 +38,24 @@ const char* HealthText(char health) {
 Json AxisJson(const ScadaAxis& axis) {
   Json parameters = Json::object();
   for (const ScadaParameter& p : axis.parameters)
-    parameters[p.name] = {{"value", Number(p.value)}, {"std", Number(p.std)}, {"quality", p.quality}};
+    parameters[p.name] = {{"value", p.value}, {"std", p.std}, {"quality", p.quality}};
   return {{"axis", axis.name},
           {"health", std::string(1, axis.health)},
           {"strokes", axis.strokes},
           {"stroke_age_s", axis.stroke_age},
-          {"oil_temperature_degC", Number(axis.oil_temperature)},
+          {"oil_temperature_degC", axis.oil_temperature},
           {"parameters", parameters}};
 }
 
 Json AlarmJson(const ScadaAlarm& a) {
-  return {{"number", a.number},       {"axis", a.axis},         {"alarm", a.name},
-          {"state", a.state},         {"severity", a.severity}, {"raised_wall_s", a.raised},
-          {"value", Number(a.value)}, {"std", Number(a.std)},   {"limit", Number(a.limit)}};
+  return {{"number", a.number}, {"axis", a.axis},         {"alarm", a.name},
+          {"state", a.state},   {"severity", a.severity}, {"raised_wall_s", a.raised},
+          {"value", a.value},   {"std", a.std},           {"limit", a.limit}};
 }
 
 Json RowJson(const ScadaRow& r) {
   return {{"sequence", r.sequence}, {"wall_s", r.wall}, {"alarm", r.alarm},   {"axis", r.axis},
-          {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", Number(r.value)}};
+          {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", r.value}};
 }
 
 /// Why a parameter's value is not of the last stroke; "" if it is.
@@ -120,15 +110,15 @@ void Print(const Seen& seen, const std::string& endpoint) {
   std::cout << (seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
   for (const ScadaAlarm& a : seen.alarms)
     std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
-                             a.severity, AxisName(seen, a.axis), a.name, Clock(static_cast<double>(a.raised)),
-                             a.value, 1.96 * a.std);
+                             a.severity, AxisName(seen, a.axis), a.name,
+                             UtcText(static_cast<double>(a.raised)), a.value, 1.96 * a.std);
   if (!seen.alarms.empty())
     std::cout << "acknowledge with `hydroscope alarms --modbus " << endpoint << " --ack NUMBER`\n";
   std::cout << "\nnewest of " << seen.rows.size() << " journal rows in the ring\n";
   const std::size_t first = seen.rows.size() - std::min(seen.rows.size(), kRowsShown);
   for (std::size_t i = first; i < seen.rows.size(); ++i) {
     const ScadaRow& r = seen.rows[i];
-    std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, Clock(r.wall),
+    std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, UtcText(r.wall),
                              r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis),
                              r.alarm, r.event, r.alarm == 0 ? "" : " -> " + r.state);
   }

@@ -11,12 +11,12 @@
 namespace hydroscope {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string log, machine, json;
   HistoryOptions history;
 };
 
-Result<std::vector<CompareResult>> CompareDatabase(const Arguments& a) {
+Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
   const auto chosen = OpenHistory(a.history, a.machine);
   if (!chosen) return tl::unexpected(chosen.error());
   std::vector<CompareResult> results;
@@ -31,7 +31,7 @@ Result<std::vector<CompareResult>> CompareDatabase(const Arguments& a) {
   return results;
 }
 
-Result<std::vector<CompareResult>> Compare(const Arguments& a) {
+Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
   if (!a.history.db.empty()) return CompareDatabase(a);
   auto result = CompareLog(a.log, a.machine);
   if (!result) return tl::unexpected(result.error());
@@ -40,7 +40,7 @@ Result<std::vector<CompareResult>> Compare(const Arguments& a) {
   return results;
 }
 
-Status Run(const Arguments& a) {
+Status RunCompare(const CompareArguments& a) {
   if (a.log.empty() == a.history.db.empty())
     return UsageError("compare needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
@@ -59,7 +59,7 @@ Status Run(const Arguments& a) {
 }  // namespace
 
 void AddCompareCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
   command->add_option("log", a->log, "Log of press strokes (CSV, CSV.gz or MAT)");
@@ -73,7 +73,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
       "  hydroscope compare press.csv -m machines/die_cushion.toml --json -\n"
       "  hydroscope compare --db press.db --from run:3");
   command->callback([a, &exit_code] {
-    if (const Status done = Run(*a); !done) exit_code = ReportError(done.error());
+    if (const Status done = RunCompare(*a); !done) exit_code = ReportError(done.error());
   });
 }
 

@@ -12,7 +12,7 @@
 namespace hydroscope {
 namespace {
 
-struct Arguments {
+struct ExplainArguments {
   std::vector<std::string> logs;
   std::string machine, json, report, since;
   HistoryOptions history;
@@ -36,7 +36,7 @@ void Add(Explained& all, const std::string& text, nlohmann::json json, ExplainRe
   all.results.push_back(std::move(result));
 }
 
-Result<Explained> ExplainOneLog(const Arguments& a) {
+Result<Explained> ExplainOneLog(const ExplainArguments& a) {
   auto result = ExplainLogs(a.logs, a.machine);
   if (!result) return tl::unexpected(result.error());
   Explained out;
@@ -46,7 +46,7 @@ Result<Explained> ExplainOneLog(const Arguments& a) {
   return out;
 }
 
-Result<Explained> ExplainDatabase(const Arguments& a) {
+Result<Explained> ExplainDatabase(const ExplainArguments& a) {
   const auto chosen = OpenHistory(a.history, a.machine);
   if (!chosen) return tl::unexpected(chosen.error());
   Explained out;
@@ -78,7 +78,7 @@ Result<Explained> ExplainDatabase(const Arguments& a) {
   return out;
 }
 
-Status Run(const Arguments& a) {
+Status RunExplain(const ExplainArguments& a) {
   if (a.logs.empty() == a.history.db.empty())
     return UsageError("explain needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
@@ -94,7 +94,7 @@ Status Run(const Arguments& a) {
 }  // namespace
 
 void AddExplainCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ExplainArguments>();
   CLI::App* command = app.add_subcommand(
       "explain", "Which physical effect the model misses: verdict, evidence and what to do next");
   command->add_option("logs", a->logs, "Logs of one machine, their strokes summed (CSV, CSV.gz or MAT)");
@@ -114,7 +114,7 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
       "  hydroscope explain --db press.db --since 1200 --json -\n"
       "  hydroscope explain --db works.db --fleet");
   command->callback([a, &exit_code] {
-    if (const Status done = Run(*a); !done) exit_code = ReportError(done.error());
+    if (const Status done = RunExplain(*a); !done) exit_code = ReportError(done.error());
   });
 }
 

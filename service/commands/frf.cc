@@ -12,7 +12,7 @@
 namespace hydroscope {
 namespace {
 
-struct Arguments {
+struct FrfArguments {
   std::string log, machine, json, svg, method = "auto";
   double settle = -1;
   FrequencyResponseOptions options;
@@ -42,7 +42,7 @@ bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
   return true;
 }
 
-Result<int> Run(const Arguments& a) {
+Result<int> RunFrf(const FrfArguments& a) {
   FrequencyResponseOptions options = a.options;
   options.method = MethodOf(a.method);
   if (a.settle >= 0) options.settle_time = a.settle;
@@ -78,7 +78,7 @@ Result<int> Run(const Arguments& a) {
 }  // namespace
 
 void AddFrfCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<FrfArguments>();
   CLI::App* command = app.add_subcommand("frf",
                                          "Frequency response of the valve from a sweep, chirp or noise, and "
                                          "its second-order model with dead time");
@@ -114,7 +114,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --json valve.json --svg bode.svg\n"
       "  hydroscope frf chirp_0A.txt -m machines/servo_press_chirp.toml --method welch --segment 4096");
   command->callback([a, &exit_code] {
-    const auto code = Run(*a);
+    const auto code = RunFrf(*a);
     exit_code = code ? *code : ReportError(code.error());
   });
 }

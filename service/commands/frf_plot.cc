@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/constants.h"
 #include "service/commands/frf_report.h"
 #include "service/svg_text.h"
 
@@ -12,7 +13,6 @@ namespace hydroscope {
 namespace {
 
 constexpr double kWidth = 720, kHeight = 600, kLeft = 72, kRight = 700;
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 constexpr const char* kStyle = R"(<style>
 svg{color-scheme:light dark;--ink:#1a1f26;--soft:#5b6673;--grid:#d9dee4;--paper:#ffffff;--point:#0060a8;--model:#b34700}

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/units.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kDistortionHint = 0.02;  // of the fundamental: a valve well inside its limits stays below
 constexpr std::size_t kMostRows = 40;     // of the table for people
 
@@ -175,7 +175,7 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
   if (!std::isnan(log.supply_pressure))
     text += fmt::format("  supply pressure {:.1f} bar\n", log.supply_pressure / 1e5);
   if (!std::isnan(log.oil_temperature))
-    text += fmt::format("  oil temperature {:.1f} °C\n", log.oil_temperature - 273.15);
+    text += fmt::format("  oil temperature {:.1f} °C\n", log.oil_temperature - kZeroCelsius);
   for (const std::string& warning : response.warnings) text += fmt::format("Note: {}\n", warning);
   if (log.left_out > 0) {
     text += fmt::format("Note: {} of {} rows left out ({})\n", log.left_out, log.rows, log.left_out_why);

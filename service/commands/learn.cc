@@ -14,7 +14,7 @@
 namespace hydroscope {
 namespace {
 
-struct Arguments {
+struct LearnArguments {
   HistoryOptions history;
   std::string machine, user, comment, json;
 };
@@ -24,8 +24,9 @@ double Now() {
 }
 
 /// Learns one machine's reference; what was learned as JSON.
-Result<nlohmann::json> LearnOne(const Arguments& a, const Database& database, const HistoryChoice& choice,
-                                const drift::RuleBook& rules, AlarmJournal& journal) {
+Result<nlohmann::json> LearnOne(const LearnArguments& a, const Database& database,
+                                const HistoryChoice& choice, const drift::RuleBook& rules,
+                                AlarmJournal& journal) {
   const HistoryPart& part = choice.parts.front();
   Machine machine = choice.machine;
   machine.name = part.machine;
@@ -72,7 +73,7 @@ std::string LearnedText(const nlohmann::json& learned) {
   return text;
 }
 
-int Run(const Arguments& a) {
+int RunLearn(const LearnArguments& a) {
   const auto history = OpenHistory(a.history, a.machine);
   if (!history) return ReportError(history.error());
   const auto rules = a.machine.empty() ? Result<drift::RuleBook>(drift::DefaultRules()) : RulesFor(a.machine);
@@ -94,7 +95,7 @@ int Run(const Arguments& a) {
 }  // namespace
 
 void AddLearnCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<LearnArguments>();
   CLI::App* command = app.add_subcommand("learn",
                                          "Learns the healthy machine from stored strokes and freezes it: "
                                          "drift is judged against it from then on");
@@ -120,7 +121,7 @@ void AddLearnCommand(CLI::App& app, int& exit_code) {
   command->callback([a, &exit_code] {
     if (a->user.empty())
       if (const char* user = std::getenv("USER"); user != nullptr) a->user = user;
-    exit_code = Run(*a);
+    exit_code = RunLearn(*a);
   });
 }
 

@@ -28,7 +28,7 @@ struct PressArguments {
   std::uint64_t random_machine = 0;
   int adc_bits = 0, cylinders = 1, effect_cylinder = 0;
   bool speed_given = false, list_effects = false;
-  ServeArguments serve;
+  ServedPress serve;
   bool seconds_given = false, period_given = false;
 };
 
@@ -127,7 +127,7 @@ Status RunPress(const PressArguments& a) {
   return {};
 }
 
-void AddServeOptions(CLI::App& app, ServeArguments& serve) {
+void AddServeOptions(CLI::App& app, ServedPress& serve) {
   app.add_option("--serve", serve.machine,
                  "Serve the press of this machine file by DDS and Modbus in place of writing a log")
       ->type_name("FILE");

@@ -9,14 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "models/machine.h"
 #include "simulator/effects.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kCelsius = 273.15;  // K at 0 degC
 
 std::vector<std::string> Split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
@@ -113,8 +112,8 @@ Status ParseOil(const std::string& text, PressOptions& options) {
   const auto start = Number(parts.front()), end = Number(parts.back());
   if (parts.size() > 2 || !start || !end)
     return UsageError("--oil {}: expected START:END in degC, e.g. 26:52, or one temperature", text);
-  options.oil_start = *start + kCelsius;
-  options.oil_end = *end + kCelsius;
+  options.oil_start = *start + kZeroCelsius;
+  options.oil_end = *end + kZeroCelsius;
   return {};
 }
 

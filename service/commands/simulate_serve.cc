@@ -104,7 +104,7 @@ std::string Announcement(const PressServer::Options& o) {
 
 }  // namespace
 
-Result<PressServer::Options> ServeOptions(const ServeArguments& arguments, const PressOptions& press,
+Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const PressOptions& press,
                                           const Machine& machine) {
   if (!machine.live || (!machine.live->dds && !machine.live->modbus))
     return BadInput(
@@ -134,7 +134,7 @@ Result<PressServer::Options> ServeOptions(const ServeArguments& arguments, const
   return options;
 }
 
-Status ServePress(const ServeArguments& arguments, PressOptions press) {
+Status ServePress(const ServedPress& arguments, PressOptions press) {
   const auto machine = LoadMachine(arguments.machine);
   if (!machine) return tl::unexpected(machine.error());
   auto options = ServeOptions(arguments, press, *machine);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/commands/trend_summary.h"
 #include "service/text_sink.h"
@@ -14,8 +15,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
-constexpr double kZeroCelsius = 273.15;
 constexpr std::size_t kSparkWidth = 20;
 
 std::string Counted(std::int64_t count, const char* thing) {

@@ -6,10 +6,12 @@
 #include <limits>
 #include <span>
 
+#include "core/constants.h"
+#include "core/quantile.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr double kNormal95 = 1.96;
 constexpr std::size_t kFewestStrokes = 6;
 
 struct Mean {
@@ -60,15 +62,6 @@ TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
   }
   summary.change = ChangeOf(updated);
   return summary;
-}
-
-double Median(std::vector<double> values) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
-               values.end());
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Mean of the known values of each of `width` equal pieces; NaN where a piece has none.
@@ -125,7 +118,7 @@ std::string Sparkline(const std::vector<double>& values, const std::vector<doubl
     low = std::min(low, mean);
     high = std::max(high, mean);
   }
-  const double height = std::max(high - low, 4 * Median(stds));
+  const double height = std::max(high - low, 4 * Median(stds, 0));
   const double bottom = (low + high - height) / 2;
   std::string line;
   for (const double mean : means) {

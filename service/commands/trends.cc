@@ -15,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-struct Arguments {
+struct TrendsArguments {
   std::string db, machine, parameter, csv, json;
   bool all = false;
   std::int64_t last = 0;
@@ -31,7 +31,7 @@ std::string DidYouMean(const std::string& name, const std::vector<std::string>& 
 }
 
 /// The machines asked for, in the order of the database.
-Result<std::vector<std::string>> ChosenMachines(const Arguments& a, const Database& database) {
+Result<std::vector<std::string>> ChosenMachines(const TrendsArguments& a, const Database& database) {
   const auto names = database.MachineNames();
   if (!names) return tl::unexpected(names.error());
   if (names->empty())
@@ -55,7 +55,7 @@ std::vector<std::string> ParameterNames(const std::vector<TrendPoint>& points) {
   return {names.begin(), names.end()};
 }
 
-Result<MachineTrends> ReadTrends(const Arguments& a, Database& database, const std::string& machine) {
+Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {
   MachineTrends trends{machine, {}, {}};
   const auto id = database.MachineId(machine);
   if (!id) return tl::unexpected(id.error());
@@ -77,7 +77,7 @@ Result<MachineTrends> ReadTrends(const Arguments& a, Database& database, const s
                   a.parameter, Listed(names), DidYouMean(a.parameter, names));
 }
 
-Status Write(const Arguments& a, const std::vector<MachineTrends>& machines) {
+Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines) {
   if (a.csv != "-" && a.json != "-")
     for (std::size_t i = 0; i < machines.size(); ++i)
       std::cout << (i > 0 ? "\n" : "") << TrendText(machines[i]);
@@ -88,7 +88,7 @@ Status Write(const Arguments& a, const std::vector<MachineTrends>& machines) {
   return {};
 }
 
-Status Run(const Arguments& a) {
+Status RunTrends(const TrendsArguments& a) {
   if (a.csv == "-" && a.json == "-")
     return UsageError("--csv - and --json - cannot both go to stdout; give one a file");
   auto database = Database::OpenReadOnly(a.db);
@@ -115,7 +115,7 @@ Status Run(const Arguments& a) {
 }  // namespace
 
 void AddTrendsCommand(CLI::App& app, int& exit_code) {
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<TrendsArguments>();
   CLI::App* command = app.add_subcommand(
       "trends", "What the database recorded: every identified parameter over the strokes of a machine");
   command->add_option("--db,-d", a->db, "Database that `hydroscope replay` filled")->required();
@@ -138,7 +138,7 @@ void AddTrendsCommand(CLI::App& app, int& exit_code) {
       "  hydroscope trends --db works.db --machine \"press 7\" --json -\n"
       "  hydroscope trends --db works.db --all --csv - | column -s, -t | less");
   command->callback([a, &exit_code] {
-    const Status done = Run(*a);
+    const Status done = RunTrends(*a);
     exit_code = done ? kDone : ReportError(done.error());
   });
 }

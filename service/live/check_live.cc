@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/quality_monitor.h"
+#include "core/constants.h"
 #include "core/units.h"
 #include "service/live/inbox.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kInboxValues = 4'000'000;
 
 /// Sums over the good values of one channel.

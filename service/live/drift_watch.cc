@@ -6,20 +6,19 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/clock.h"
 #include "service/live/log.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::chrono::milliseconds kRound(100);
+constexpr std::chrono::milliseconds kWatchRound(100);
 constexpr std::chrono::milliseconds kRetry(2000);  ///< after an error
 constexpr double kLookEvery = 0.5;                 ///< s between looks at channels
 constexpr double kSilence = 2.0;                   ///< s a channel may be stale before that is told
 constexpr double kStart = 15.0;                    ///< s after the start in which senders may be found
 constexpr double kIdle = 60.0;                     ///< s without a stroke
 constexpr AlarmSettings kAtOnce{1, 1, 0, false};
-
-double Seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 double Wall(HostTime now) { return Seconds(now.wall_ns); }
 
@@ -72,7 +71,7 @@ void DriftWatch::Run() {
     }
     Publish(done);
     std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, done ? kRound : kRetry, [this] { return stop_; });
+    wake_.wait_for(lock, done ? kWatchRound : kRetry, [this] { return stop_; });
   }
 }
 

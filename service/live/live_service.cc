@@ -6,6 +6,8 @@
 #include <limits>
 #include <sstream>
 
+#include "core/clock.h"
+#include "core/constants.h"
 #include "core/units.h"
 #include "models/model_structure.h"
 #include "service/live/log.h"
@@ -14,15 +16,12 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kRound = 0.005;       ///< s the pipeline's thread waits for batches
-constexpr double kStatusPeriod = 1.0;  ///< s
-constexpr double kRatePeriod = 2.0;    ///< s
-constexpr double kPatience = 10.0;     ///< s
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRound = 0.005;         ///< s the pipeline's thread waits for batches
+constexpr double kStatusPeriod = 1.0;    ///< s
+constexpr double kRatePeriod = 2.0;      ///< s
+constexpr double kDrainPatience = 10.0;  ///< s
 
 constexpr std::chrono::milliseconds kFreshStatus(100);  ///< the pipeline's thread has to tell its state
-
-double Seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 bool IsLive(const RunInfo& run) { return run.fingerprint.starts_with("live/"); }
 
@@ -189,7 +188,7 @@ bool LiveService::Stop() {
   for (const auto& source : sources_) source->Stop();
   stop_ = true;
   thread_.join();
-  return writer_->Stop(options_.patient ? kPatience : 0);
+  return writer_->Stop(options_.patient ? kDrainPatience : 0);
 }
 
 void LiveService::Run() {
@@ -235,8 +234,8 @@ void LiveService::ProcessAxis(int a, std::int64_t now) {
   const auto turn = [&](std::int64_t at) {
     return std::floor(Seconds(at - start_.monotonic_ns) / options_.raw_period);
   };
-  const bool due = axis.pipeline->pending_rows() > 0 &&
-                   (turn(now) > turn(axis.stored) || axis.pipeline->StrokeEndsSoon());
+  const bool due =
+      axis.pipeline->pending_rows() > 0 && (turn(now) > turn(axis.stored) || axis.pipeline->StrokeEndsSoon());
   if (stroke || due) {
     WriteItem item = axis.pipeline->TakeStep(aligner_->marks(a));
     if (stroke) {

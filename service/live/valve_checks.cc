@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "estimation/frequency_response.h"
 #include "service/live/log.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPoll = 0.05;       ///< s
 constexpr double kTail = 0.6;        ///< s after the end until all rows are aligned
 constexpr double kAnswerTime = 3.0;  ///< s until a request must be answered

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "core/quantile.h"
 #include "service/live/log.h"
 
 namespace hydroscope {
@@ -30,13 +31,6 @@ bool Has(const Error& error, const char* text) { return error.text.find(text) !=
 bool MayPass(const Error& error) {
   return Has(error, "disk is full") || Has(error, "another process") || Has(error, "cannot be written") ||
          Has(error, "cannot open") || Has(error, "SQLite error");
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 }  // namespace
@@ -305,9 +299,9 @@ WriterStatus LiveWriter::status() const {
   WriterStatus status = status_;
   status.waiting_items =
       static_cast<std::int64_t>(items_.size()) + static_cast<std::int64_t>(current_.size());
-  status.latency_p50 = Quantile(latencies_, 0.5);
-  status.latency_p99 = Quantile(latencies_, 0.99);
-  status.commit_p99 = Quantile(commits_, 0.99);
+  status.latency_p50 = Quantile(latencies_, 0.5, 0);
+  status.latency_p99 = Quantile(latencies_, 0.99, 0);
+  status.commit_p99 = Quantile(commits_, 0.99, 0);
   return status;
 }
 

@@ -21,8 +21,6 @@ namespace {
 
 using namespace eprosima::fastdds::dds;
 
-constexpr double kPeriod = 0.1;                         // s between two looks at the journal
-constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at axes without news
 constexpr std::int64_t kRowsAtOnce = 500;
 constexpr std::int64_t kBacklog = 500;  // rows from before the start that are told again
 
@@ -158,7 +156,7 @@ class DdsFeed : public Feed {
       : spec_(std::move(spec)),
         reader_(std::move(reader)),
         clock_(std::move(clock)),
-        loop_(kPeriod, [this] { return Round(); }) {}
+        loop_(kLookPeriod, [this] { return Round(); }) {}
   ~DdsFeed() override { loop_.Stop(); }
 
   FeedStatus status() const override {

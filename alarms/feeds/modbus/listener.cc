@@ -23,7 +23,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;                 // ns
 constexpr std::int64_t kHalfRequestAllowed = 40 * kMillisecond;  // from its first byte
 constexpr std::int64_t kPauseAfterFailure = 100 * kMillisecond;  // of accept(): no descriptors left
 constexpr std::int64_t kLongestWait = 1000 * kMillisecond;
-constexpr int kBacklog = 64;
+constexpr int kWaitingConnections = 64;
 
 /// Closes what it holds.
 class Descriptor {
@@ -194,7 +194,7 @@ Result<std::unique_ptr<ModbusListener>> ModbusListener::Open(const ModbusFeedSpe
   setsockopt(listening.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (listening.get() < 0 || wake.get() < 0 ||
       bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      listen(listening.get(), kBacklog) != 0)
+      listen(listening.get(), kWaitingConnections) != 0)
     return BadInput(
         "[feeds.modbus] {}:{} cannot be opened: {}; expected an address of this computer and a free port",
         spec.host, spec.port, std::strerror(errno));

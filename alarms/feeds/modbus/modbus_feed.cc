@@ -13,9 +13,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPeriod = 0.1;                         // s between two looks at the journal
-constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at axes without news
-constexpr std::size_t kMostWaiting = 64;                // acknowledgements
+constexpr std::size_t kMostWaiting = 64;  // acknowledgements
 const char* const kUser = "modbus";
 
 class ModbusFeed : public Feed {
@@ -24,7 +22,7 @@ class ModbusFeed : public Feed {
       : spec_(std::move(spec)),
         reader_(std::move(reader)),
         clock_(std::move(clock)),
-        loop_(kPeriod, [this] { return Round(); }) {}
+        loop_(kLookPeriod, [this] { return Round(); }) {}
   ~ModbusFeed() override {
     loop_.Stop();
     listener_.reset();  // while what it answers from is there

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "alarms/feeds/modbus/register_map.h"
+#include "core/constants.h"
 #include "core/registers.h"
 
 namespace hydroscope {
 namespace {
 
 using namespace register_map;
-
-constexpr double kZeroCelsius = 273.15;  // K
 
 /// Place in a list of codes; 0 if it is not there.
 template <typename Codes, typename Value>

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "alarms/feeds/sparkplug/sparkplug_b.pb.h"
+#include "core/constants.h"
 
 namespace hydroscope::sparkplug {
 namespace {
@@ -10,7 +11,6 @@ namespace {
 namespace tahu = org::eclipse::tahu::protobuf;
 using tahu::Payload;
 
-constexpr double kZeroCelsius = 273.15;  // K
 constexpr const char* kRebirth = "Node Control/Rebirth";
 /// Good and bad as OPC and most SCADA systems code them.
 constexpr std::uint32_t kGood = 192, kBad = 0;
