@@ -6,110 +6,166 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
-#include "core/quantile.h"
-#include "estimation/stroke_accumulator.h"
+#include "diagnosis/played_stroke.h"
+#include "diagnosis/refine.h"
 #include "models/die_cushion.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kNeeded = 200.0;       ///< noise variances between rivals that settle a case
-constexpr int kMinStrokes = 12;         ///< fewer give no interval worth the name
-constexpr double kStepTime = 0.05;      ///< s, time constant of a pressure step
-constexpr double kRodPressure = 60e5;   ///< Pa, rod side of the strokes played through
-constexpr double kSupply = 210e5;       ///< Pa
-constexpr double kColdOil = 308.15;     ///< K, of the first stroke
-constexpr double kUsableOpening = 0.8;  ///< pressures are raised so that less is enough
-constexpr double kWarmUpPrice =
-    1.5;  ///< warming the oil takes an hour: only where it separates so much better
+constexpr double kNeeded = 120.0;     ///< noise variances between rivals that settle a case
+constexpr double kWorthwhile = 50.0;  ///< ... and that make the longest series worth asking for
+constexpr int kMinStrokes = 24;       ///< fewer give no interval worth the name
+constexpr double kWarmUp = 3600;      ///< s of waiting that warming the oil costs
+constexpr double kRodChange = 30;     ///< s that another pressure in chamber B costs, each time
 
-/// Base columns and one shape per rival: all that playing through needs.
+/// Base columns, the effects that are not in question and one shape per rival: all that playing through
+/// needs.
 struct PlayedModel {
   std::shared_ptr<ModelStructure> structure;
-  std::vector<EffectChoice> rivals;
+  std::vector<EffectChoice> rivals, others;
+  Eigen::VectorXd others_size;
 };
+
+EffectChoice WithShape(ModelStructure& structure, int effect, const std::vector<double>& nonlinear) {
+  AddShape(structure, effect, nonlinear);
+  return {effect, static_cast<int>(structure.effect_shapes[effect].size()) - 1};
+}
 
 PlayedModel ModelOf(const Explanation& explanation, const std::vector<RankedEffect>& rivals) {
-  PlayedModel out{std::make_shared<ModelStructure>(*explanation.model), {}};
-  out.structure->columns.resize(out.structure->output_column() + 1);
-  for (auto& shapes : out.structure->effect_shapes) shapes.clear();
-  for (const RankedEffect& rival : rivals) {
-    AddShape(*out.structure, rival.effect, rival.nonlinear);
-    out.rivals.push_back(
-        {rival.effect, static_cast<int>(out.structure->effect_shapes[rival.effect].size()) - 1});
+  PlayedModel out{std::make_shared<ModelStructure>(*explanation.model), {}, {}, {}};
+  ModelStructure& structure = *out.structure;
+  structure.columns.resize(structure.output_column() + 1);
+  for (auto& shapes : structure.effect_shapes) shapes.clear();
+  for (const RankedEffect& rival : rivals)
+    out.rivals.push_back(WithShape(structure, rival.effect, rival.nonlinear));
+  std::vector<double> sizes;
+  for (const EffectEstimate& found : explanation.final.effects) {
+    const EffectChoice& choice = found.choice;
+    if (std::any_of(rivals.begin(), rivals.end(), [&](const auto& r) { return r.effect == choice.effect; }))
+      continue;
+    const auto& shape = explanation.model->effect_shapes[choice.effect][choice.shape];
+    out.others.push_back(WithShape(structure, choice.effect, shape.nonlinear));
+    sizes.push_back(found.size);
   }
+  out.others_size = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
   return out;
 }
 
-/// One stroke of a series.
-struct PlayedStroke {
-  double speed, oil;
-  const std::vector<double>& pressures;
-};
-
-/// Plays one stroke through: pressures in equal parts of the stroke, the spool where the base balance wants
-/// it. Spans in which the gate would shut are left out.
-StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta, const WindowSamples& window,
-                     const MachineMoves& moves, const PlayedStroke& played) {
-  const double period = window.period;
-  const int samples = static_cast<int>(moves.stroke / played.speed / period),
-            span = window.span * window.block;
-  const double least = std::pow(model.piston_area * played.speed / (kUsableOpening * std::abs(theta[0])), 2);
-  StrokeStretches out;
-  double p = std::max(least, played.pressures.front());
-  for (int first = 0; first + span <= samples; first += span) {
-    Stretch stretch;
-    stretch.period = period;
-    stretch.samples = span;
-    stretch.channel.assign(model.channel_names.size(), std::vector<double>(span, 0.0));
-    bool open = true;
-    for (int k = 0; k < span; ++k) {
-      const std::size_t phase = played.pressures.size() * static_cast<std::size_t>(first + k) / samples;
-      const double rate = (std::max(least, played.pressures[phase]) - p) / kStepTime;
-      p += rate * period;
-      const double z = moves.stroke - played.speed * (first + k) * period, root = std::sqrt(p);
-      // A dz/dt = theta1 root y + (theta2 + theta3 z) dp/dt + theta4 root, solved for y.
-      const double y =
-          (-model.piston_area * played.speed - (theta[1] + theta[2] * z) * rate - theta[3] * root) /
-          (theta[0] * root);
-      open = open && y > moves.min_opening && y < 1.0;
-      stretch.channel[kPressureA][k] = p;
-      stretch.channel[kPosition][k] = z;
-      stretch.channel[kSpool][k] = y;
-      stretch.channel[kPressureB][k] = kRodPressure;
-      stretch.channel[kSupplyPressure][k] = kSupply;
-      stretch.channel[kOilTemperature][k] = played.oil;
-    }
-    if (open) out.push_back(std::move(stretch));
-  }
-  return out;
-}
-
-/// Energy of rival `a` at its fitted size in `played` that the base columns and rival `b`, at whatever size,
-/// cannot take over.
-double Separation(const Eigen::MatrixXd& played, const Eigen::VectorXd& a, const Eigen::VectorXd& b,
-                  int base) {
-  Eigen::MatrixXd regressors = Eigen::MatrixXd::Zero(played.rows(), base + 1);
-  regressors.topLeftCorner(base, base).setIdentity();
-  regressors.col(base) = b;
-  const Eigen::MatrixXd h = regressors.transpose() * played * regressors;
-  const Eigen::VectorXd cross = regressors.transpose() * played * a;
+/// Energy of `a` in `total` that `known`, one column each, and `b`, at whatever sizes, cannot take over.
+double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const Eigen::MatrixXd& known,
+                  const Eigen::VectorXd& b) {
+  Eigen::MatrixXd regressors(known.rows(), known.cols() + 1);
+  regressors << known, b;
+  const Eigen::MatrixXd weighed = total * regressors;
+  const Eigen::MatrixXd h = regressors.transpose() * weighed;
   const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
-  const Eigen::VectorXd weighted = scale.asDiagonal() * cross;
-  return std::max(0.0,
-                  a.dot(played * a) - weighted.dot(scaled.completeOrthogonalDecomposition().solve(weighted)));
+  const Eigen::VectorXd cross = scale.asDiagonal() * (weighed.transpose() * a);
+  return std::max(0.0, a.dot(total * a) - cross.dot(scaled.completeOrthogonalDecomposition().solve(cross)));
 }
 
+/// What strokes say, summed: normal equations over base columns, output and the rivals' columns, the energy
+/// of the sensor noise in them and the number of independent equations.
+struct Evidence {
+  Eigen::MatrixXd total;
+  double noise = 0, equations = 0;
+
+  Evidence& Add(const Evidence& other, double times) {
+    total = total.size() == 0 ? Eigen::MatrixXd(times * other.total)
+                              : Eigen::MatrixXd(total + times * other.total);
+    noise += times * other.noise;
+    equations += times * other.equations;
+    return *this;
+  }
+};
+
+/// Evidence of strokes; those played through are worked out once.
+class StrokeEvidences {
+ public:
+  StrokeEvidences(const PlayedModel& model, const Eigen::VectorXd& theta, const MachineMoves& moves,
+                  const WindowSamples& window)
+      : model_(model), theta_(theta), moves_(moves), window_(window) {}
+
+  const Evidence& Played(const std::vector<double>& pressures, double speed, double rod, double oil) {
+    const auto [at, fresh] = played_.try_emplace({pressures, speed, rod, oil});
+    if (fresh)
+      at->second = Of({{Play(*model_.structure, theta_, window_, moves_, {speed, rod, oil, pressures})}});
+    return at->second;
+  }
+  Evidence Of(std::span<const StrokeStretches> strokes) const {
+    const std::vector<StrokeGram> grams = GramsOf(model_.structure, strokes, window_);
+    Evidence out{StrokeSet(model_.structure, grams, window_).Total(), 0, 0};
+    Eigen::VectorXd balance(theta_.size() + 1);
+    balance << -theta_, 1;
+    for (const StrokeGram& gram : grams) {
+      const Eigen::MatrixXd noise = Unpacked(gram.noise).topLeftCorner(balance.size(), balance.size());
+      out.noise += balance.dot(noise * balance);
+      out.equations += static_cast<double>(gram.blocks - gram.spans);
+    }
+    return out;
+  }
+
+ private:
+  const PlayedModel& model_;
+  const Eigen::VectorXd& theta_;
+  const MachineMoves& moves_;
+  const WindowSamples& window_;
+  std::map<std::tuple<std::vector<double>, double, double, double>, Evidence> played_;
+};
+
+/// The rivals as directions in the columns of the played model, beside what is known to be there.
+class Rivals {
+ public:
+  Rivals(const std::vector<RankedEffect>& rivals, const PlayedModel& model, const WindowSamples& window) {
+    const int base = model.structure->base_count;
+    const StrokeSet any(model.structure, {}, window);
+    const auto direction = [&](const EffectChoice& choice, const Eigen::VectorXd& theta, double size) {
+      Eigen::VectorXd at(base + 1);
+      at << theta.head(base), size;
+      return any.Direction(choice, at);
+    };
+    for (std::size_t r = 0; r < rivals.size(); ++r) {
+      const double size = rivals[r].fit.effects.back().size;
+      unit_.push_back(direction(model.rivals[r], rivals[r].fit.theta, size));
+      fitted_.push_back(unit_.back() * size);
+    }
+    const auto rows = model.structure->column_count();
+    known_ = Eigen::MatrixXd::Identity(rows, base + static_cast<Eigen::Index>(model.others.size()));
+    for (std::size_t k = 0; k < model.others.size(); ++k)
+      known_.col(base + static_cast<Eigen::Index>(k)) = direction(
+          model.others[k], rivals.front().fit.theta, model.others_size(static_cast<Eigen::Index>(k)));
+  }
+
+  /// Energy between the two that are nearest to one another, in noise variances of an equation.
+  double Nearest(const Evidence& evidence) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < fitted_.size(); ++a)
+      for (std::size_t b = 0; b < unit_.size(); ++b)
+        if (a != b) nearest = std::min(nearest, Separation(evidence.total, fitted_[a], known_, unit_[b]));
+    return nearest * evidence.equations / evidence.noise;
+  }
+
+ private:
+  Eigen::MatrixXd known_;
+  std::vector<Eigen::VectorXd> unit_, fitted_;
+};
+
 std::vector<std::vector<double>> PressureProfiles(const MachineMoves& moves) {
-  const double low = moves.pressure_min, high = moves.pressure_max, middle = 0.5 * (low + high);
+  const double low = moves.pressure_min, high = moves.pressure_max;
+  const auto at = [&](double share) { return low + share * (high - low); };
   return {{low, high},
           {high, low, high},
           {low, high, low, high},
-          {low, middle, high, middle, low},
+          {low, high, low, high, low, high, low, high},
+          {low, at(0.5), high, at(0.5), low},
+          {low, at(0.1), at(0.3), at(0.6), high},
+          {low, at(0.2), low, at(0.2), low, at(0.5)},
+          {low, high, high},
           {high},
-          {middle},
+          {at(0.5)},
           {low}};
 }
 
@@ -118,33 +174,49 @@ std::vector<std::vector<double>> SpeedSeries(const MachineMoves& moves) {
   return {{slow, fast}, {slow, middle, fast}, {slow}, {middle}, {fast}};
 }
 
+std::vector<std::vector<double>> RodSeries(const MachineMoves& moves) {
+  if (moves.rod_max <= moves.rod_min) return {{}};
+  return {{}, {moves.rod_min, moves.rod_max}};
+}
+
+/// Every series of the moves allowed, its number of strokes left open.
+std::vector<Experiment> Candidates(const MachineMoves& moves) {
+  std::vector<Experiment> out;
+  for (const auto& pressures : PressureProfiles(moves))
+    for (const auto& speeds : SpeedSeries(moves))
+      for (const auto& rod : RodSeries(moves))
+        for (const double warm_up : moves.warm_up > 0 ? std::vector{0.0, moves.warm_up} : std::vector{0.0})
+          out.push_back({.speeds = speeds, .pressures = pressures, .rod = rod, .warm_up = warm_up});
+  return out;
+}
+
+/// Mean stroke of a candidate.
+Evidence MeanStroke(const Experiment& e, const MachineMoves& moves, StrokeEvidences& strokes) {
+  const std::vector<double> rods = e.rod.empty() ? std::vector{moves.rod} : e.rod;
+  const std::vector<double> oils =
+      e.warm_up > 0 ? std::vector{moves.oil, moves.oil + e.warm_up} : std::vector{moves.oil};
+  const double share = 1.0 / static_cast<double>(rods.size() * oils.size() * e.speeds.size());
+  Evidence mean;
+  for (const double rod : rods)
+    for (const double oil : oils)
+      for (const double speed : e.speeds) mean.Add(strokes.Played(e.pressures, speed, rod, oil), share);
+  return mean;
+}
+
+/// s of drawing and waiting.
+double Price(const Experiment& e) {
+  return e.seconds + (e.warm_up > 0 ? kWarmUp : 0) + kRodChange * static_cast<double>(e.rod.size());
+}
+
+/// Whether `a` is the better series: it settles the case sooner, or goes further where none settles it.
+bool Better(const Experiment& a, const Experiment& b) {
+  if (a.settles() != b.settles()) return a.settles();
+  return a.settles() ? Price(a) < Price(b) : a.separation > b.separation;
+}
+
 }  // namespace
 
-MachineMoves MovesOf(const Machine& machine, std::span<const StrokeStretches> strokes) {
-  std::vector<double> speeds, pressures;
-  double top = 0, bottom = std::numeric_limits<double>::infinity();
-  for (const StrokeStretches& stroke : strokes)
-    for (const Stretch& stretch : stroke) {
-      const auto &z = stretch.channel[kPosition], &p = stretch.channel[kPressureA];
-      speeds.push_back((z[0] - z[stretch.samples - 1]) / ((stretch.samples - 1) * stretch.period));
-      pressures.insert(pressures.end(), p.begin(), p.begin() + stretch.samples);
-      top = std::max(top, z[0]);
-      bottom = std::min(bottom, z[stretch.samples - 1]);
-    }
-  MachineMoves moves;
-  const ExperimentSpec& spec = machine.experiment;
-  moves.speed_min = spec.speed_min.value_or(std::max(1e-3, Quantile(speeds, 0.05, 0)));
-  moves.speed_max = std::max(moves.speed_min, spec.speed_max.value_or(Quantile(speeds, 0.95, 0)));
-  moves.pressure_min = spec.pressure_min.value_or(std::max(5e5, Quantile(pressures, 0.05, 0)));
-  moves.pressure_max = std::max(moves.pressure_min, spec.pressure_max.value_or(Quantile(pressures, 0.95, 0)));
-  moves.stroke = std::max(0.01, top - bottom);
-  moves.warm_up = spec.warm_up;
-  moves.max_strokes = spec.max_strokes;
-  for (const GateBound& bound : machine.gate.bounds)
-    if (bound.signal == "y_v" && !bound.rate && bound.min)
-      moves.min_opening = std::max(moves.min_opening, *bound.min);
-  return moves;
-}
+bool Experiment::settles() const { return separation >= kNeeded; }
 
 std::vector<RankedEffect> RivalsOf(const Explanation& explanation) {
   std::vector<RankedEffect> rivals;
@@ -164,56 +236,32 @@ std::vector<RankedEffect> RivalsOf(const Explanation& explanation) {
 }
 
 Experiment ProposeExperiment(const Explanation& explanation, const MachineMoves& moves,
-                             const WindowSamples& window) {
-  Experiment best;
+                             std::span<const StrokeStretches> recorded, const WindowSamples& window) {
   const std::vector<RankedEffect> rivals = RivalsOf(explanation);
-  if (rivals.size() < 2 || explanation.model->name != "die_cushion") return best;
+  if (rivals.size() < 2 || explanation.model->name != "die_cushion") return {};
   const PlayedModel model = ModelOf(explanation, rivals);
-  const int base = model.structure->base_count;
-  const Eigen::VectorXd theta = explanation.final.theta.head(base);
-  const auto gram_of = [&](const PlayedStroke& played) {
-    const std::vector<StrokeStretches> stroke = {Play(*model.structure, theta, window, moves, played)};
-    return GramsOf(model.structure, stroke, window);
-  };
-  for (const auto& pressures : PressureProfiles(moves)) {
-    std::map<std::pair<double, double>, StrokeSet> played;  // by speed and oil temperature
-    const auto set_of = [&](double speed, double oil) -> const StrokeSet& {
-      const auto at = played.find({speed, oil});
-      if (at != played.end()) return at->second;
-      return played
-          .emplace(std::pair(speed, oil),
-                   StrokeSet(model.structure, gram_of({speed, oil, pressures}), window))
-          .first->second;
-    };
-    for (const auto& speeds : SpeedSeries(moves))
-      for (double warm_up : moves.warm_up > 0 ? std::vector{0.0, moves.warm_up} : std::vector{0.0}) {
-        Eigen::MatrixXd total =
-            Eigen::MatrixXd::Zero(model.structure->column_count(), model.structure->column_count());
-        for (double speed : speeds)
-          for (double oil : {kColdOil, kColdOil + warm_up})
-            total += set_of(speed, oil).Total() / (2.0 * static_cast<double>(speeds.size()));
-        const StrokeSet& any = set_of(speeds.front(), kColdOil);
-        double nearest = std::numeric_limits<double>::infinity();
-        for (std::size_t a = 0; a < rivals.size(); ++a)
-          for (std::size_t b = 0; b < rivals.size(); ++b) {
-            if (a == b) continue;
-            const auto direction = [&](std::size_t r) {
-              Eigen::VectorXd at(base + 1);
-              at << rivals[r].fit.theta.head(base), rivals[r].fit.effects.back().size;
-              return any.Direction(model.rivals[r], at);
-            };
-            const Eigen::VectorXd effect = direction(a) * rivals[a].fit.effects.back().size;
-            nearest = std::min(
-                nearest, Separation(total, effect, direction(b), base) / explanation.base.noise_variance);
-          }
-        if (nearest <= best.separation * (warm_up > 0 ? kWarmUpPrice : 1.0)) continue;
-        best = {speeds, pressures, warm_up, 0, nearest, 0};
-      }
+  const Eigen::VectorXd theta = explanation.final.theta.head(model.structure->base_count);
+  StrokeEvidences strokes(model, theta, moves, window);
+  const Evidence known = strokes.Of(recorded);
+  const Rivals directions(rivals, model, window);
+
+  Experiment best;
+  for (Experiment& candidate : Candidates(moves)) {
+    const Evidence stroke = MeanStroke(candidate, moves, strokes);
+    const auto separation = [&](int count) { return directions.Nearest(Evidence(known).Add(stroke, count)); };
+    int enough = moves.max_strokes;
+    const double most = separation(enough);
+    if (most < kWorthwhile) continue;
+    for (int few = kMinStrokes - 1; most >= kNeeded && enough - few > 1;) {
+      const int middle = (few + enough) / 2;
+      (separation(middle) < kNeeded ? few : enough) = middle;
+    }
+    candidate.strokes = enough;
+    candidate.separation = separation(enough);
+    for (const double speed : candidate.speeds)
+      candidate.seconds += enough * moves.stroke / speed / static_cast<double>(candidate.speeds.size());
+    if (best.pressures.empty() || Better(candidate, best)) best = candidate;
   }
-  if (best.separation * moves.max_strokes < kNeeded) return Experiment{};
-  best.strokes = std::max(kMinStrokes, static_cast<int>(std::ceil(kNeeded / best.separation)));
-  for (double speed : best.speeds)
-    best.seconds += best.strokes * moves.stroke / speed / static_cast<double>(best.speeds.size());
   return best;
 }
 
@@ -230,9 +278,15 @@ std::string ExperimentText(const Experiment& experiment) {
               ? fmt::format(", holding {} bar cushion pressure", list(experiment.pressures, 1e-5, ""))
               : fmt::format(", stepping the cushion pressure {} bar within each stroke",
                             list(experiment.pressures, 1e-5, " -> "));
+  if (!experiment.rod.empty())
+    text += fmt::format(", with {} bar in chamber B, changed after each round of speeds",
+                        list(experiment.rod, 1e-5, " and "));
   if (experiment.warm_up > 0)
     text += fmt::format(", the oil warming by {:.0f} K on the way", experiment.warm_up);
-  return text + fmt::format(" ({:.0f} s of drawing); then explain that log.", experiment.seconds);
+  return text +
+         fmt::format(" ({:.0f} s of drawing); then explain this log and that one together.{}",
+                     experiment.seconds,
+                     experiment.settles() ? "" : " It may not be enough: the effects are small and alike.");
 }
 
 }  // namespace hydroscope

@@ -29,6 +29,7 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   ExperimentSpec& spec = machine.experiment;
   ReadRange(section, "ram_speed", "m/s", spec.speed_min, spec.speed_max);
   ReadRange(section, "pressure", "Pa", spec.pressure_min, spec.pressure_max);
+  ReadRange(section, "rod_pressure", "Pa", spec.rod_pressure_min, spec.rod_pressure_max);
   section.Number("warm_up", spec.warm_up, {.si = "K", .default_unit = "K", .difference = true, .low = 0});
   section.Integer("max_strokes", spec.max_strokes, 12);
 }

@@ -92,7 +92,7 @@ struct EstimatorSpec {
   double initial_parameter = 1.0;                ///< theta(0), in scaled units (as published) ...
   bool initial_from_first_stroke = true;         ///< ... or start from the first stroke's least squares
   double max_covariance = 1e6;                   ///< bound on the eigenvalues of P, scaled units
-  double dead_zone = 0.0;                        ///< innovations (rms over a span) below this many noise std do not update
+  double dead_zone = 0.0;           ///< innovations (rms over a span) below this many noise std do not update
   double clip = 4.0;                ///< innovations beyond this many noise std are clipped; 0 = never
   int moving_average = 31;          ///< samples, published form
   int symmetrical_derivative = 25;  ///< samples, published form
@@ -119,12 +119,14 @@ struct ValveSpec {
   bool operator==(const ValveSpec&) const = default;
 };
 
-/// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes recorded.
+/// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes
+/// recorded.
 struct ExperimentSpec {
-  std::optional<double> speed_min, speed_max;        ///< m/s, ram speeds
-  std::optional<double> pressure_min, pressure_max;  ///< Pa, pressures in chamber A
-  double warm_up = 0.0;                              ///< K by which the oil may warm on the way
-  int max_strokes = 200;                             ///< more than these nobody records
+  std::optional<double> speed_min, speed_max;                ///< m/s, ram speeds
+  std::optional<double> pressure_min, pressure_max;          ///< Pa, pressures in chamber A
+  std::optional<double> rod_pressure_min, rod_pressure_max;  ///< Pa, pressures in chamber B
+  double warm_up = 0.0;                                      ///< K by which the oil may warm on the way
+  int max_strokes = 400;                                     ///< more than these nobody records
 
   bool operator==(const ExperimentSpec&) const = default;
 };
@@ -151,10 +153,10 @@ struct ShapeSpec {
 struct UserEffectSpec {
   std::string id;
   std::string description;
-  std::vector<TermSpec> terms;                 ///< exactly one
-  std::vector<ShapeSpec> shape = {};           ///< names that its expression may use beside the signals
-  std::optional<double> min = {}, max = {};    ///< SI, sizes of the parameter that physics allows
-  std::optional<double> typical = {};          ///< SI, a size worth knowing about
+  std::vector<TermSpec> terms;               ///< exactly one
+  std::vector<ShapeSpec> shape = {};         ///< names that its expression may use beside the signals
+  std::optional<double> min = {}, max = {};  ///< SI, sizes of the parameter that physics allows
+  std::optional<double> typical = {};        ///< SI, a size worth knowing about
 
   bool operator==(const UserEffectSpec&) const = default;
 };
@@ -187,13 +189,13 @@ struct Machine {
   BalanceSpec balance;
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding
-  /// Nonlinear parameters (thresholds, widths, ...) of added effects, by effect and name, SI; those not given are found
-  /// from the data.
+  /// Nonlinear parameters (thresholds, widths, ...) of added effects, by effect and name, SI; those not given
+  /// are found from the data.
   std::map<std::string, std::map<std::string, double>> effect_values;
   int model_version = 1;
   std::vector<ModelRecord> model_history;  ///< what the versions of the model achieved, oldest first
-  std::optional<LiveSpec> live;  ///< how the machine is watched live; absent: only logs are read
-  std::optional<FeedsSpec> feeds;  ///< whom `serve` tells; absent: nobody
+  std::optional<LiveSpec> live;            ///< how the machine is watched live; absent: only logs are read
+  std::optional<FeedsSpec> feeds;          ///< whom `serve` tells; absent: nobody
 
   /// Index of a signal, -1 if the machine has none of that name.
   int SignalIndex(const std::string& signal_name) const;

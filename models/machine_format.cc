@@ -295,6 +295,8 @@ std::string ExperimentSection(const Machine& machine, const MachineNotes& notes)
     pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
   if (spec.pressure_min || spec.pressure_max)
     pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
+  if (spec.rod_pressure_min || spec.rod_pressure_max)
+    pairs.emplace_back("rod_pressure", range(spec.rod_pressure_min, spec.rod_pressure_max, "Pa"));
   pairs.emplace_back("warm_up", Plain(spec.warm_up));
   pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
   return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",

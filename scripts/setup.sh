@@ -16,7 +16,7 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev python3-numpy python3-pandas) ;;
+    --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev python3-numpy python3-pandas python3-sklearn) ;;
     --fuzz) packages+=(clang libclang-rt-14-dev) ;;
     *) echo "setup.sh: unknown option '$option', expected --bench or --fuzz" >&2; exit 2 ;;
   esac

@@ -94,10 +94,15 @@ nlohmann::json RemainderJson(const ExplainResult& result) {
 
 nlohmann::json PlanJson(const Experiment& experiment) {
   if (experiment.pressures.empty()) return nullptr;
-  return {{"strokes", experiment.strokes}, {"speeds", experiment.speeds},
-          {"speed_unit", "m/s"},           {"pressures", experiment.pressures},
-          {"pressure_unit", "Pa"},         {"warm_up", experiment.warm_up},
-          {"seconds", experiment.seconds}, {"separation", experiment.separation}};
+  return {{"strokes", experiment.strokes},
+          {"speeds", experiment.speeds},
+          {"speed_unit", "m/s"},
+          {"pressures", experiment.pressures},
+          {"pressure_unit", "Pa"},
+          {"rod_pressures", experiment.rod},
+          {"warm_up", experiment.warm_up},
+          {"seconds", experiment.seconds},
+          {"separation", experiment.separation}};
 }
 
 }  // namespace

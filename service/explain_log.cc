@@ -114,7 +114,8 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
                                      ColumnWeights(*out.explanation.model, out.explanation.final)));
   if (out.explanation.verdict == Verdict::kAmbiguous)
     out.experiment =
-        ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.window);
+        ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.stretches,
+                          out.log.window);
   return out;
 }
 

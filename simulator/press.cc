@@ -70,6 +70,7 @@ struct PressGenerator::State {
     late_position.Push(drive.ram[2].z);
   }
   PressRow CleanRow(double t) const;
+  double RodPressure() const;
   void Control(double t, double pressure_noise);
   void Integrate(double t);
   void Track(double t);
@@ -120,8 +121,16 @@ PressRow PressGenerator::State::CleanRow(double t) const {
   return r;
 }
 
+double PressGenerator::State::RodPressure() const {
+  const std::vector<double>& levels = options.motion.rod_pressures;
+  if (levels.empty()) return options.machine.p_rod;
+  const bool drawing = motion.phase() == PressPhase::kDraw || motion.phase() == PressPhase::kRestBottom;
+  const auto next = static_cast<std::size_t>(std::max<std::int64_t>(0, motion.stroke() + (drawing ? 0 : 1)));
+  return levels[next / std::max<std::size_t>(1, options.motion.speeds.size()) % levels.size()];
+}
+
 void PressGenerator::State::Control(double t, double pressure_noise) {
-  drive.p_B = Breathing(options.machine.p_rod, 0.6e5, 17, t);
+  drive.p_B = Breathing(RodPressure(), 0.6e5, 17, t);
   drive.p_0 = Breathing(options.machine.p_supply, 0.5e5, 23, t);
   drive.gain = ViscosityGain(effects, OilTemperature(t));
   const RamMotion::Point ram = motion.At(t);

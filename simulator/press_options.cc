@@ -83,6 +83,9 @@ Status Validate(const PressOptions& o) {
   for (const double level : w.set_points)
     if (const Status status = CheckRanges({{"set point in turn", level, 1e5, 1e8, "Pa"}}); !status)
       return status;
+  for (const double level : w.rod_pressures)
+    if (const Status status = CheckRanges({{"rod pressure in turn", level, 0, 1e8, "Pa"}}); !status)
+      return status;
   if (const auto effects = ResolveEffects(o.effects); !effects) return tl::unexpected(effects.error());
   return CheckFaults(o.faults);
 }

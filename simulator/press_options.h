@@ -38,11 +38,13 @@ struct PressMotion {
   double dwell_min = 0.20, dwell_max = 0.40;           ///< s, rest at the bottom and at the top
   double set_point_min = 40e5, set_point_max = 210e5;  ///< Pa, random steps while drawing
   double step_time_min = 0.3, step_time_max = 0.9;     ///< s between steps
-  std::vector<double> speeds;      ///< m/s, one stroke after the other, over and over, in place of random ones
+  std::vector<double> speeds;  ///< m/s, one stroke after the other, over and over, in place of random ones
   std::vector<double> set_points;  ///< Pa, equal parts of each stroke's time, in place of random steps
-  double rest_pressure = 25e5;                         ///< Pa, while resting and returning
-  double wander = 6e5;    ///< Pa, amplitude of the slow variation of the set point
-  double dither = 0.010;  ///< 1, random switching added to the spool command
+  std::vector<double>
+      rod_pressures;  ///< Pa, of the rod side, in place of p_rod: the next one after each round of `speeds`
+  double rest_pressure = 25e5;  ///< Pa, while resting and returning
+  double wander = 6e5;          ///< Pa, amplitude of the slow variation of the set point
+  double dither = 0.010;        ///< 1, random switching added to the spool command
 };
 
 /// Standard deviation of the sensor noise (white, normal).

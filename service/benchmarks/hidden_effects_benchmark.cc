@@ -47,6 +47,8 @@ constexpr std::array<const char*, kKinds> kKindNames = {"one effect, error +10 %
 constexpr double kNoticed = 0.02;  ///< relative rise of the error below which an effect counts as too weak
 constexpr double kStrong = 0.10;
 constexpr double kAtFloor = 0.05;  ///< held-out error over the noise floor with the right effect in the model
+/// What a simulated machine may do in an experiment, Pa, beside its usual speeds and highest pressure.
+constexpr double kLowestPressure = 10e5, kLowestRod = 20e5, kHighestRod = 100e5;
 
 struct Case {
   Kind kind = kHealthy;
@@ -163,12 +165,13 @@ void Grade(Case& c) {
   if (c.excess < kNoticed) c.kind = kTwoOneWeak;
 }
 
-/// Records the proposed experiment on the same machine and explains again.
-bool IsResolved(const Case& c, const ExplainOptions& explain) {
+/// Records the proposed experiment on the same machine and explains both logs together.
+bool IsResolved(const Case& c, const LogStrokes& first, const ExplainOptions& explain) {
   PressOptions options = c.options;
   PressMotion& motion = options.motion;
   motion.speeds = c.experiment.speeds;
   motion.set_points = c.experiment.pressures;
+  motion.rod_pressures = c.experiment.rod;
   motion.speed_max =
       std::max(motion.speed_max, *std::max_element(motion.speeds.begin(), motion.speeds.end()));
   double cycle = 0;
@@ -177,13 +180,14 @@ bool IsResolved(const Case& c, const ExplainOptions& explain) {
              motion.dwell_min + motion.dwell_max;
   options.seconds = c.experiment.strokes * cycle / static_cast<double>(motion.speeds.size()) + 5;
   if (c.experiment.warm_up > 0) {
-    options.oil_start = 308.15;
     options.oil_end = options.oil_start + c.experiment.warm_up;
   }
   options.seed += 1;
   const auto strokes = StrokesFor(options);
   if (!strokes) return false;
-  const Explanation x = ExplainSamples(strokes->model, strokes->stretches, strokes->window, explain);
+  std::vector<StrokeStretches> both = first.stretches;
+  both.insert(both.end(), strokes->stretches.begin(), strokes->stretches.end());
+  const Explanation x = ExplainSamples(first.model, both, first.window, explain);
   return x.verdict == Verdict::kNamed && x.set.size() == c.truth.size() &&
          std::is_permutation(x.set.begin(), x.set.end(), c.truth.begin());
 }
@@ -192,8 +196,14 @@ bool IsResolved(const Case& c, const ExplainOptions& explain) {
 MachineMoves MovesFor(const Case& c, const LogStrokes& strokes) {
   const PressMotion usual = RandomMachine(c.options.seed).motion;
   Machine machine = strokes.machine;
-  machine.experiment = {
-      usual.speed_min, usual.speed_max, usual.set_point_min, usual.set_point_max, 20.0, 200};
+  machine.experiment = {.speed_min = usual.speed_min,
+                        .speed_max = usual.speed_max,
+                        .pressure_min = kLowestPressure,
+                        .pressure_max = usual.set_point_max,
+                        .rod_pressure_min = kLowestRod,
+                        .rod_pressure_max = kHighestRod,
+                        .warm_up = 20.0,
+                        .max_strokes = 400};
   return MovesOf(machine, strokes.stretches);
 }
 
@@ -347,8 +357,9 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
     ExplainOptions options;
     if (c.kind == kOutside) options.exclude = c.truth;
     c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
-    c.experiment = ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->window);
-    if (o.experiments && !c.experiment.pressures.empty()) c.resolved = IsResolved(c, options);
+    c.experiment =
+        ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
+    if (o.experiments && !c.experiment.pressures.empty()) c.resolved = IsResolved(c, *strokes, options);
     if (c.kind == kHealthy) LookForPatterns(*strokes, c);
     Grade(c);
     all.push_back(std::move(c));
