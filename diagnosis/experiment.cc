@@ -89,10 +89,16 @@ class StrokeEvidences {
                   const WindowSamples& window)
       : model_(model), theta_(theta), moves_(moves), window_(window) {}
 
+  /// A stroke played through: signals without sensor noise, whose energy is that of the same stroke with
+  /// noise.
   const Evidence& Played(const std::vector<double>& pressures, double speed, double rod, double oil) {
     const auto [at, fresh] = played_.try_emplace({pressures, speed, rod, oil});
-    if (fresh)
-      at->second = Of({{Play(*model_.structure, theta_, window_, moves_, {speed, rod, oil, pressures})}});
+    if (fresh) {
+      const PlayedStroke stroke{speed, rod, oil, pressures};
+      at->second = Of({{Play(*model_.structure, theta_, window_, moves_, stroke)}});
+      at->second.noise =
+          Of({{Play(*model_.structure, theta_, window_, moves_, stroke, SensorNoise::kAsRecorded)}}).noise;
+    }
     return at->second;
   }
   Evidence Of(std::span<const StrokeStretches> strokes) const {

@@ -15,13 +15,14 @@ constexpr double kUsableOpening = 0.8;  ///< pressures are raised so that less i
 }  // namespace
 
 StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta, const WindowSamples& window,
-                     const MachineMoves& moves, const PlayedStroke& played) {
+                     const MachineMoves& moves, const PlayedStroke& played, SensorNoise sensors) {
   const double period = window.period;
   const int samples = static_cast<int>(moves.stroke / played.speed / period),
             span = window.span * window.block;
   const double least = std::pow(model.piston_area * played.speed / (kUsableOpening * std::abs(theta[0])), 2);
   std::mt19937_64 random(1);
-  std::normal_distribution<double> noise;
+  std::normal_distribution<double> normal;
+  const auto noise = [&](double std) { return sensors == SensorNoise::kNone ? 0.0 : std * normal(random); };
   StrokeStretches out;
   double p = std::max(least, played.pressures.front());
   for (int first = 0; first + span <= samples; first += span) {
@@ -40,9 +41,9 @@ StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta, 
           (-model.piston_area * played.speed - (theta[1] + theta[2] * z) * rate - theta[3] * root) /
           (theta[0] * root);
       open = open && y > moves.min_opening && y < 1.0;
-      stretch.channel[kPressureA][k] = p + moves.p_noise * noise(random);
-      stretch.channel[kPosition][k] = z + moves.z_noise * noise(random);
-      stretch.channel[kSpool][k] = y + moves.y_noise * noise(random);
+      stretch.channel[kPressureA][k] = p + noise(moves.p_noise);
+      stretch.channel[kPosition][k] = z + noise(moves.z_noise);
+      stretch.channel[kSpool][k] = y + noise(moves.y_noise);
       stretch.channel[kPressureB][k] = played.rod;
       stretch.channel[kSupplyPressure][k] = moves.supply;
       stretch.channel[kOilTemperature][k] = played.oil;

@@ -15,10 +15,13 @@ struct PlayedStroke {
   std::span<const double> pressures;  ///< Pa, in chamber A, in equal parts of the stroke
 };
 
-/// Plays one stroke through, with white sensor noise as recorded: the spool stands where the base balance of
-/// the die cushion with parameters `theta` wants it. Pressures that would open it too far are raised; spans
-/// in which the gate would shut are left out.
+enum class SensorNoise { kNone, kAsRecorded };
+
+/// Plays one stroke through, without sensor noise or with white noise as recorded: the spool stands where the
+/// base balance of the die cushion with parameters `theta` wants it. Pressures that would open it too far are
+/// raised; spans in which the gate would shut are left out.
 StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta, const WindowSamples& window,
-                     const MachineMoves& moves, const PlayedStroke& played);
+                     const MachineMoves& moves, const PlayedStroke& played,
+                     SensorNoise noise = SensorNoise::kNone);
 
 }  // namespace hydroscope

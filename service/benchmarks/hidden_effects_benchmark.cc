@@ -47,8 +47,8 @@ constexpr std::array<const char*, kKinds> kKindNames = {"one effect, error +10 %
 constexpr double kNoticed = 0.02;  ///< relative rise of the error below which an effect counts as too weak
 constexpr double kStrong = 0.10;
 constexpr double kAtFloor = 0.05;  ///< held-out error over the noise floor with the right effect in the model
-/// What a simulated machine may do in an experiment, Pa, beside its usual speeds and highest pressure.
-constexpr double kLowestPressure = 10e5, kLowestRod = 20e5, kHighestRod = 100e5;
+/// What a simulated machine may do in an experiment beside what it does anyway, Pa.
+constexpr double kLowestRod = 20e5, kHighestRod = 100e5;
 
 struct Case {
   Kind kind = kHealthy;
@@ -59,7 +59,8 @@ struct Case {
   Explanation explanation;
   Experiment experiment;                    ///< proposed if ambiguous
   bool located = false, patterned = false;  ///< healthy: an error is located, what is left is not white
-  bool resolved = false;                    ///< recorded and explained again, the truth is named alone
+  Explanation after;                        ///< of both logs, once it is recorded
+  bool resolved = false;                    ///< the truth is then named alone
 };
 
 struct KindTally {
@@ -166,7 +167,7 @@ void Grade(Case& c) {
 }
 
 /// Records the proposed experiment on the same machine and explains both logs together.
-bool IsResolved(const Case& c, const LogStrokes& first, const ExplainOptions& explain) {
+void RunExperiment(const LogStrokes& first, const ExplainOptions& explain, Case& c) {
   PressOptions options = c.options;
   PressMotion& motion = options.motion;
   motion.speeds = c.experiment.speeds;
@@ -184,12 +185,13 @@ bool IsResolved(const Case& c, const LogStrokes& first, const ExplainOptions& ex
   }
   options.seed += 1;
   const auto strokes = StrokesFor(options);
-  if (!strokes) return false;
+  if (!strokes) return;
   std::vector<StrokeStretches> both = first.stretches;
   both.insert(both.end(), strokes->stretches.begin(), strokes->stretches.end());
-  const Explanation x = ExplainSamples(first.model, both, first.window, explain);
-  return x.verdict == Verdict::kNamed && x.set.size() == c.truth.size() &&
-         std::is_permutation(x.set.begin(), x.set.end(), c.truth.begin());
+  c.after = ExplainSamples(first.model, both, first.window, explain);
+  const Explanation& x = c.after;
+  c.resolved = x.verdict == Verdict::kNamed && x.set.size() == c.truth.size() &&
+               std::is_permutation(x.set.begin(), x.set.end(), c.truth.begin());
 }
 
 /// What the machine may do in an experiment: what a random machine does, with the oil warming.
@@ -198,7 +200,7 @@ MachineMoves MovesFor(const Case& c, const LogStrokes& strokes) {
   Machine machine = strokes.machine;
   machine.experiment = {.speed_min = usual.speed_min,
                         .speed_max = usual.speed_max,
-                        .pressure_min = kLowestPressure,
+                        .pressure_min = std::min(usual.set_point_min, usual.rest_pressure),
                         .pressure_max = usual.set_point_max,
                         .rod_pressure_min = kLowestRod,
                         .rod_pressure_max = kHighestRod,
@@ -275,6 +277,14 @@ std::string Top(const std::vector<RankedEffect>& ranking, std::size_t count) {
   return text;
 }
 
+/// What came out of the experiment, if it was run.
+std::string AfterText(const Case& c) {
+  const Explanation& x = c.after;
+  if (!x.base.solved) return "";
+  return fmt::format(" -> separation {:.0f} -> {} {} | {} | {}", c.experiment.separation,
+                     VerdictName(x.verdict), fmt::join(x.set, " "), Top(x.ranking, 3), Top(x.second, 3));
+}
+
 void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
   std::ofstream file(path);
   file << "kind\ttruth=size\texcess\tbase_excess\tfinal_excess\tverdict\tset\tbest gain/t\tsecond "
@@ -298,8 +308,7 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
         nonlinear, index++, Excess(x.final),
-        c.experiment.pressures.empty() ? "-"
-                                       : ExperimentText(c.experiment) + (c.resolved ? " RESOLVED" : ""));
+        c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment) + AfterText(c));
   }
 }
 
@@ -359,7 +368,7 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
     c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
     c.experiment =
         ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
-    if (o.experiments && !c.experiment.pressures.empty()) c.resolved = IsResolved(c, *strokes, options);
+    if (o.experiments && !c.experiment.pressures.empty()) RunExperiment(*strokes, options, c);
     if (c.kind == kHealthy) LookForPatterns(*strokes, c);
     Grade(c);
     all.push_back(std::move(c));
