@@ -15,42 +15,48 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNeeded = 120.0;     ///< noise variances between rivals that settle a case
-constexpr double kWorthwhile = 50.0;  ///< ... and that make the longest series worth asking for
+constexpr double kNeeded = 200.0;     ///< noise variances between rivals that settle a case
+constexpr double kWorthwhile = 60.0;  ///< ... and that make the longest series worth asking for
 constexpr int kMinStrokes = 24;       ///< fewer give no interval worth the name
 constexpr double kWarmUp = 3600;      ///< s of waiting that warming the oil costs
 constexpr double kRodChange = 30;     ///< s that another pressure in chamber B costs, each time
 
-/// Base columns, the effects that are not in question and one shape per rival: all that playing through
-/// needs.
-struct PlayedModel {
-  std::shared_ptr<ModelStructure> structure;
-  std::vector<EffectChoice> rivals, others;
-  Eigen::VectorXd others_size;
-};
-
-EffectChoice WithShape(ModelStructure& structure, int effect, const std::vector<double>& nonlinear) {
-  AddShape(structure, effect, nonlinear);
-  return {effect, static_cast<int>(structure.effect_shapes[effect].size()) - 1};
+/// Effects between which the explanation cannot decide, of the first that it leaves open.
+std::vector<int> RivalsOf(const Explanation& explanation) {
+  std::vector<int> rivals;
+  const auto& effects = explanation.model->effects;
+  for (const auto& group : explanation.groups) {
+    if (group.size() < 2) continue;
+    for (const std::string& id : group)
+      for (std::size_t e = 0; e < effects.size(); ++e)
+        if (effects[e]->id == id) rivals.push_back(static_cast<int>(e));
+    break;
+  }
+  return rivals;
 }
 
-PlayedModel ModelOf(const Explanation& explanation, const std::vector<RankedEffect>& rivals) {
-  PlayedModel out{std::make_shared<ModelStructure>(*explanation.model), {}, {}, {}};
+/// Base columns, the effects that are not in question and the rivals in all shapes that were tried: all that
+/// playing through needs.
+struct PlayedModel {
+  std::shared_ptr<ModelStructure> structure;
+  std::vector<int> rivals;  ///< indices of effects
+  std::vector<EffectChoice> others;
+};
+
+PlayedModel ModelOf(const Explanation& explanation) {
+  PlayedModel out{std::make_shared<ModelStructure>(*explanation.model), RivalsOf(explanation), {}};
   ModelStructure& structure = *out.structure;
   structure.columns.resize(structure.output_column() + 1);
   for (auto& shapes : structure.effect_shapes) shapes.clear();
-  for (const RankedEffect& rival : rivals)
-    out.rivals.push_back(WithShape(structure, rival.effect, rival.nonlinear));
-  std::vector<double> sizes;
-  for (const EffectEstimate& found : explanation.final.effects) {
-    const EffectChoice& choice = found.choice;
-    if (std::any_of(rivals.begin(), rivals.end(), [&](const auto& r) { return r.effect == choice.effect; }))
-      continue;
-    const auto& shape = explanation.model->effect_shapes[choice.effect][choice.shape];
-    out.others.push_back(WithShape(structure, choice.effect, shape.nonlinear));
-    sizes.push_back(found.size);
+  for (const int rival : out.rivals)
+    for (const EffectShape& shape : explanation.model->effect_shapes[rival])
+      AddShape(structure, rival, shape.nonlinear);
+  for (const EffectChoice& choice : explanation.chosen) {
+    if (std::find(out.rivals.begin(), out.rivals.end(), choice.effect) != out.rivals.end()) continue;
+    AddShape(structure, choice.effect,
+             explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear);
+    out.others.push_back({choice.effect, 0});
   }
-  out.others_size = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
   return out;
 }
 
@@ -125,24 +131,26 @@ class StrokeEvidences {
 /// The rivals as directions in the columns of the played model, beside what is known to be there.
 class Rivals {
  public:
-  Rivals(const std::vector<RankedEffect>& rivals, const PlayedModel& model, const WindowSamples& window) {
+  /// Shapes and sizes are those of each rival in a model with the effects not in question, on `recorded`.
+  Rivals(const PlayedModel& model, const StrokeSet& recorded) {
     const int base = model.structure->base_count;
-    const StrokeSet any(model.structure, {}, window);
-    const auto direction = [&](const EffectChoice& choice, const Eigen::VectorXd& theta, double size) {
-      Eigen::VectorXd at(base + 1);
-      at << theta.head(base), size;
-      return any.Direction(choice, at);
-    };
-    for (std::size_t r = 0; r < rivals.size(); ++r) {
-      const double size = rivals[r].fit.effects.back().size;
-      unit_.push_back(direction(model.rivals[r], rivals[r].fit.theta, size));
-      fitted_.push_back(unit_.back() * size);
+    const auto others = static_cast<Eigen::Index>(model.others.size());
+    known_ = Eigen::MatrixXd::Identity(model.structure->column_count(), base + others);
+    for (const int rival : model.rivals) {
+      std::vector<EffectChoice> choices = model.others;
+      choices.push_back(recorded.BestShape(rival, model.others));
+      if (choices.back().shape < 0) continue;
+      const ExtendedFit fit = recorded.Fit(choices);
+      const auto direction = [&](std::size_t k) {
+        Eigen::VectorXd at(base + 1);
+        at << fit.theta.head(base), fit.effects[k].size;
+        return recorded.Direction(choices[k], at);
+      };
+      for (std::size_t k = 0; k < model.others.size(); ++k)
+        known_.col(base + static_cast<Eigen::Index>(k)) = direction(k);
+      unit_.push_back(direction(model.others.size()));
+      fitted_.push_back(unit_.back() * fit.effects.back().size);
     }
-    const auto rows = model.structure->column_count();
-    known_ = Eigen::MatrixXd::Identity(rows, base + static_cast<Eigen::Index>(model.others.size()));
-    for (std::size_t k = 0; k < model.others.size(); ++k)
-      known_.col(base + static_cast<Eigen::Index>(k)) = direction(
-          model.others[k], rivals.front().fit.theta, model.others_size(static_cast<Eigen::Index>(k)));
   }
 
   /// Energy between the two that are nearest to one another, in noise variances of an equation.
@@ -224,32 +232,15 @@ bool Better(const Experiment& a, const Experiment& b) {
 
 bool Experiment::settles() const { return separation >= kNeeded; }
 
-std::vector<RankedEffect> RivalsOf(const Explanation& explanation) {
-  std::vector<RankedEffect> rivals;
-  for (const auto& group : explanation.groups) {
-    if (group.size() < 2) continue;
-    for (const std::string& id : group)
-      for (const auto* ranking : {&explanation.second, &explanation.ranking}) {
-        const auto at = std::find_if(ranking->begin(), ranking->end(),
-                                     [&](const RankedEffect& r) { return r.id == id && r.fit.solved; });
-        if (at == ranking->end()) continue;
-        rivals.push_back(*at);
-        break;
-      }
-    break;
-  }
-  return rivals;
-}
-
 Experiment ProposeExperiment(const Explanation& explanation, const MachineMoves& moves,
                              std::span<const StrokeStretches> recorded, const WindowSamples& window) {
-  const std::vector<RankedEffect> rivals = RivalsOf(explanation);
-  if (rivals.size() < 2 || explanation.model->name != "die_cushion") return {};
-  const PlayedModel model = ModelOf(explanation, rivals);
+  if (explanation.verdict != Verdict::kAmbiguous || explanation.model->name != "die_cushion") return {};
+  const PlayedModel model = ModelOf(explanation);
   const Eigen::VectorXd theta = explanation.final.theta.head(model.structure->base_count);
   StrokeEvidences strokes(model, theta, moves, window);
   const Evidence known = strokes.Of(recorded);
-  const Rivals directions(rivals, model, window);
+  const Rivals directions(model,
+                          StrokeSet(model.structure, GramsOf(model.structure, recorded, window), window));
 
   Experiment best;
   for (Experiment& candidate : Candidates(moves)) {

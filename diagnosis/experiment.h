@@ -23,9 +23,6 @@ struct Experiment {
   bool settles() const;
 };
 
-/// The effects between which an ambiguous explanation cannot decide, as fitted.
-std::vector<RankedEffect> RivalsOf(const Explanation& explanation);
-
 /// Among the moves allowed, the shortest series of strokes that tells the rivals apart, explained together
 /// with the strokes `recorded` (T-optimal design after Atkinson and Fedorov 1975, over a list of candidates):
 /// each candidate is played through with the fitted base model, every rival with its fitted size, and the
