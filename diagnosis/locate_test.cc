@@ -110,5 +110,17 @@ TEST(Correlations, AnErrorThatGrowsWithPressureCorrelatesWithPressureAlone) {
   EXPECT_GT(found[1].p_value, 1e-3);
 }
 
+TEST(Correlations, AnErrorThatFollowsPressureLaterIsFoundAtItsLag) {
+  constexpr int kLate = 3;  // windows
+  Residuals late = Made(Nothing);
+  for (StrokeResiduals& stroke : late.strokes)
+    for (int w = kLate; w < stroke.windows(); ++w)
+      stroke.measured[w] += 4e-12 * (stroke.signal(0, w - kLate) - 120e5);
+  const auto found = CorrelationsOf(late);
+  EXPECT_EQ(found[0].lag, kLate);
+  EXPECT_GT(found[0].lagged, found[0].correlation);
+  EXPECT_LT(found[0].lagged_p, 1e-4);
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -1,5 +1,6 @@
 #include "diagnosis/whiteness.h"
 
+#include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -29,57 +30,70 @@ Whiteness WhitenessOf(const Residuals& residuals, int lags) {
 
 namespace {
 
-/// Sums of one stroke: signal against residual, about the means over all windows.
-struct Score {
-  double product = 0, residual2 = 0, signal2 = 0;
+struct CorrelationTest {
+  double correlation = 0, p_value = 1;
 };
 
-SignalCorrelation CorrelationWith(const Residuals& residuals, int signal, double residual_mean) {
+/// Residual against the signal `lag` windows before, about the means over all windows.
+CorrelationTest CorrelationAt(const Residuals& residuals, int signal, double residual_mean,
+                              double signal_mean, int lag) {
+  std::vector<double> scores;
+  double product = 0, residual2 = 0, signal2 = 0;
+  for (const StrokeResiduals& stroke : residuals.strokes) {
+    double here = 0;
+    const int first = std::max(0, lag), last = std::min(stroke.windows(), stroke.windows() + lag);
+    for (int w = first; w < last; ++w) {
+      const double residual = stroke.measured[w] - stroke.modelled[w] - residual_mean;
+      const double x = stroke.signal(signal, w - lag) - signal_mean;
+      here += residual * x;
+      residual2 += residual * residual;
+      signal2 += x * x;
+    }
+    if (first < last) scores.push_back(here);
+    product += here;
+  }
+  CorrelationTest out;
+  const double scale = std::sqrt(residual2 * signal2);
+  if (!(scale > 0) || scores.size() < 2) return out;
+  out.correlation = product / scale;
+  const double n = static_cast<double>(scores.size());
+  double spread = 0;
+  for (double score : scores) spread += (score - product / n) * (score - product / n);
+  const double std = std::sqrt(spread * n / (n - 1));
+  if (std > 0)
+    out.p_value = 2 * boost::math::cdf(
+                          boost::math::complement(boost::math::students_t(n - 1), std::abs(product) / std));
+  return out;
+}
+
+SignalCorrelation CorrelationWith(const Residuals& residuals, int signal, double residual_mean, int most) {
   double sum = 0, windows = 0;
   for (const StrokeResiduals& stroke : residuals.strokes) {
     sum += stroke.signal.row(signal).sum();
     windows += stroke.windows();
   }
-  const double mean = sum / windows;
-  std::vector<double> scores;
-  Score total;
-  for (const StrokeResiduals& stroke : residuals.strokes) {
-    Score here;
-    for (int w = 0; w < stroke.windows(); ++w) {
-      const double residual = stroke.measured[w] - stroke.modelled[w] - residual_mean;
-      const double x = stroke.signal(signal, w) - mean;
-      here.product += residual * x;
-      here.residual2 += residual * residual;
-      here.signal2 += x * x;
-    }
-    if (stroke.windows() > 0) scores.push_back(here.product);
-    total.product += here.product;
-    total.residual2 += here.residual2;
-    total.signal2 += here.signal2;
+  const CorrelationTest now = CorrelationAt(residuals, signal, residual_mean, sum / windows, 0);
+  SignalCorrelation out{signal, now.correlation, now.p_value, 0, now.correlation, now.p_value};
+  for (int lag = -most; lag <= most; ++lag) {
+    const CorrelationTest at = CorrelationAt(residuals, signal, residual_mean, sum / windows, lag);
+    if (std::abs(at.correlation) <= std::abs(out.lagged)) continue;
+    out.lag = lag;
+    out.lagged = at.correlation;
+    out.lagged_p = at.p_value;
   }
-  SignalCorrelation out{signal, 0, 1};
-  const double scale = std::sqrt(total.residual2 * total.signal2);
-  if (!(scale > 0) || scores.size() < 2) return out;
-  out.correlation = total.product / scale;
-  const double n = static_cast<double>(scores.size());
-  double spread = 0;
-  for (double score : scores) spread += (score - total.product / n) * (score - total.product / n);
-  const double std = std::sqrt(spread * n / (n - 1));
-  if (std > 0)
-    out.p_value = 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(n - 1),
-                                                               std::abs(total.product) / std));
+  out.lagged_p = std::min(1.0, out.lagged_p * (2 * most + 1));
   return out;
 }
 
 }  // namespace
 
-std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals) {
+std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals, int most) {
   double sum = 0, windows = 0;
   for (const StrokeResiduals& stroke : residuals.strokes)
     for (int w = 0; w < stroke.windows(); ++w, ++windows) sum += stroke.measured[w] - stroke.modelled[w];
   std::vector<SignalCorrelation> out;
   for (int s = 0; windows > 0 && s < static_cast<int>(residuals.signals.size()); ++s)
-    out.push_back(CorrelationWith(residuals, s, sum / windows));
+    out.push_back(CorrelationWith(residuals, s, sum / windows, most));
   return out;
 }
 

@@ -19,12 +19,17 @@ struct Whiteness {
 /// never cross a span. Test after Ljung and Box 1978, with the pairs at hand in place of n (n + 2) / (n - k).
 Whiteness WhitenessOf(const Residuals& residuals, int lags = 5);
 
-/// Correlation of the flow residual with a signal over all windows.
+/// Cross-correlation of the flow residual with a signal over all windows.
 struct SignalCorrelation {
   int signal = 0;          ///< index into Residuals::signals
-  double correlation = 0;  ///< -1 ... 1
-  double p_value = 1;  ///< of no correlation, from the stroke-wise sums (t of strokes - 1): windows overlap
+  double correlation = 0;  ///< -1 ... 1, at the same time
+  double p_value = 1;   ///< of no correlation, from the stroke-wise sums (t of strokes - 1): windows overlap
+  int lag = 0;          ///< windows by which the residual follows the signal (below 0: precedes it) most
+  double lagged = 0;    ///< correlation there
+  double lagged_p = 1;  ///< of no correlation at any of the lags (Bonferroni)
 };
-std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals);
+/// Lags up to `most` windows either way; a pair of windows with a gap between them counts as if there were
+/// none.
+std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals, int most = 5);
 
 }  // namespace hydroscope

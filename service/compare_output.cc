@@ -24,6 +24,10 @@ constexpr double kVisible = 1.05;
 constexpr double kPatternP = 1e-4;
 constexpr std::size_t kPairMaps = 3;
 
+double LagSeconds(const CompareResult& result, const SignalCorrelation& c) {
+  return c.lag * result.log.window.block * result.log.window.period;
+}
+
 bool IsSignificant(const CompareResult& result, const SignalCorrelation& c) {
   return c.p_value < kFamilyError / static_cast<double>(result.correlations.size());
 }
@@ -116,6 +120,17 @@ std::string WhitenessText(const CompareResult& result) {
       w.lags, w.p_value);
 }
 
+/// "; +0.31 when it follows 40 ms later", if that is clearly more than at the same time.
+std::string LaggedText(const CompareResult& result, const SignalCorrelation& c) {
+  constexpr double kClearlyMore = 1.25;
+  const bool shown = c.lag != 0 &&
+                     c.lagged_p < kFamilyError / static_cast<double>(result.correlations.size()) &&
+                     std::abs(c.lagged) > kClearlyMore * std::abs(c.correlation);
+  if (!shown) return "";
+  return fmt::format("; {:+.2f} when it {} by {:.0f} ms", c.lagged, c.lag > 0 ? "follows" : "precedes",
+                     1e3 * std::abs(LagSeconds(result, c)));
+}
+
 std::string CorrelationsText(const CompareResult& result) {
   if (result.location.single.empty()) return "";
   std::string text =
@@ -126,8 +141,8 @@ std::string CorrelationsText(const CompareResult& result) {
                         100 * std::max(0.0, map.explained));
     for (const SignalCorrelation& c : result.correlations)
       if (c.signal == signal)
-        text += fmt::format("   correlation {:+.2f}, p = {:.2g}{}", c.correlation, c.p_value,
-                            IsSignificant(result, c) ? " *" : "");
+        text += fmt::format("   correlation {:+.2f}, p = {:.2g}{}{}", c.correlation, c.p_value,
+                            IsSignificant(result, c) ? " *" : "", LaggedText(result, c));
     text += "\n";
   }
   if (!result.location.pairs.empty() && result.location.pairs.front().explained > 0) {
@@ -172,7 +187,10 @@ nlohmann::json CorrelationsJson(const CompareResult& result) {
     out.push_back({{"signal", result.residuals.signals[c.signal].name},
                    {"correlation", c.correlation},
                    {"p_value", c.p_value},
-                   {"significant", IsSignificant(result, c)}});
+                   {"significant", IsSignificant(result, c)},
+                   {"lag_s", LagSeconds(result, c)},
+                   {"lagged", c.lagged},
+                   {"lagged_p_value", c.lagged_p}});
   return out;
 }
 
