@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace hydroscope::drift {
 namespace {
@@ -18,36 +19,114 @@ constexpr double kMostInflation =
 struct Sums {
   Eigen::VectorXd score;
   Eigen::MatrixXd information;
-};
 
-Sums SumAfter(const std::deque<JudgedStroke>& strokes, std::int64_t last_before) {
-  Sums sums;
-  for (const JudgedStroke& s : strokes) {
-    if (s.sequence <= last_before) continue;
-    if (sums.score.size() == 0)
-      sums = {s.score, s.information};
-    else {
-      sums.score += s.score;
-      sums.information += s.information;
+  void Add(const Eigen::VectorXd& s, const Eigen::MatrixXd& j) {
+    if (score.size() == 0) {
+      score = s;
+      information = j;
+    } else {
+      score += s;
+      information += j;
     }
   }
-  return sums;
+};
+
+/// The sums with an error of the reference integrated out that all their strokes share: what it would explain
+/// as well no longer speaks for any quantity. With U = diag(J)^(1/2), C = U^-1 J U^-1 the scores U^-1 s
+/// scatter by C + `error`, and
+///   s' = U C (C + error)^-1 U^-1 s,   J' = U C (C + error)^-1 C U
+/// are those of generalised least squares (Aitken 1936).
+Sums WithoutError(const Sums& sums, const auto& error) {
+  constexpr double kRounding = 1e-12;
+  const Eigen::VectorXd unit = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::MatrixXd c =
+      unit.cwiseInverse().asDiagonal() * sums.information * unit.cwiseInverse().asDiagonal();
+  Eigen::MatrixXd v = c + error(c, unit);
+  v.diagonal() *= 1 + kRounding;
+  const Eigen::MatrixXd weight = v.ldlt().solve(c);
+  const Eigen::MatrixXd left = c * weight;
+  return {unit.cwiseProduct(weight.transpose() * sums.score.cwiseQuotient(unit)),
+          unit.asDiagonal() * (0.5 * (left + left.transpose())) * unit.asDiagonal()};
 }
 
-/// The sums with the reference's own error, normal with std `doubt` and the same for all strokes, integrated
-/// out: what an error of the reference would explain as well no longer speaks for any quantity.
-///   J' = (J^-1 + D)^-1 = J - J (J + D^-1)^-1 J,   s' = s - J (J + D^-1)^-1 s,   D = diag(doubt^2)
-Sums WithoutReferenceError(const Sums& sums, const Eigen::VectorXd& doubt) {
-  const Eigen::VectorXd unit = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd j =
-      unit.cwiseInverse().asDiagonal() * sums.information * unit.cwiseInverse().asDiagonal();
-  const Eigen::VectorXd s = sums.score.cwiseQuotient(unit);
-  const Eigen::VectorXd root = doubt.cwiseProduct(unit).cwiseMin(1e4);  // of D in the same units
-  // (J + D^-1)^-1 = R (1 + R J R)^-1 R with R = D^(1/2): also for a reference without error.
-  const Eigen::MatrixXd inner =
-      Eigen::MatrixXd::Identity(j.rows(), j.cols()) + root.asDiagonal() * j * root.asDiagonal();
-  const Eigen::MatrixXd taken = root.asDiagonal() * inner.llt().solve(Eigen::MatrixXd(root.asDiagonal()));
-  return {unit.cwiseProduct(s - j * taken * s), unit.asDiagonal() * (j - j * taken * j) * unit.asDiagonal()};
+constexpr double kMostDoubt = 1e4;  ///< std of an error over the std of a size, against overflow
+
+/// Offsets of a class are medians of strokes like these: their errors (`doubt`, SI, each quantity alone) are
+/// correlated as the strokes' scores are. What these strokes hardly tell apart the offsets do not know
+/// either.
+Sums WithoutOffsetError(const Sums& sums, const Eigen::VectorXd& doubt) {
+  return WithoutError(sums, [&](const Eigen::MatrixXd& c, const Eigen::VectorXd& unit) -> Eigen::MatrixXd {
+    const Eigen::VectorXd r = doubt.cwiseProduct(unit).cwiseMin(kMostDoubt);
+    return r.asDiagonal() * c * r.asDiagonal();
+  });
+}
+
+/// A curve, or a class's dependence on the oil, that errs (`doubt`, SI) shifts its own quantity.
+Sums WithoutShift(const Sums& sums, const Eigen::VectorXd& doubt) {
+  return WithoutError(sums, [&](const Eigen::MatrixXd& c, const Eigen::VectorXd& unit) -> Eigen::MatrixXd {
+    const Eigen::VectorXd r = doubt.cwiseProduct(unit).cwiseMin(kMostDoubt);
+    return c * r.cwiseAbs2().asDiagonal() * c;
+  });
+}
+
+/// Weights of strokes against single bad ones: those of a t distribution about the shift that all of them
+/// show (Lange, Little and Taylor 1989), with their misfit in units of its median.
+std::vector<double> RobustWeights(const std::vector<const JudgedStroke*>& strokes) {
+  constexpr double kDegrees = 4;  ///< of freedom
+  constexpr int kIterations = 5;
+  constexpr double kRounding = 1e-9;
+  const auto n = strokes.front()->score.size();
+  std::vector<double> weights(strokes.size(), 1.0), misfits(strokes.size());
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Sums all;
+    for (std::size_t k = 0; k < strokes.size(); ++k)
+      all.Add(weights[k] * strokes[k]->score, weights[k] * strokes[k]->information);
+    const Eigen::VectorXd unit = all.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const auto solve = [&](const Eigen::MatrixXd& j, const Eigen::VectorXd& s) -> Eigen::VectorXd {
+      Eigen::MatrixXd scaled = unit.asDiagonal() * j * unit.asDiagonal();
+      scaled.diagonal() *= 1 + kRounding;
+      return unit.cwiseProduct(scaled.ldlt().solve(unit.cwiseProduct(s)));
+    };
+    const Eigen::VectorXd shift = solve(all.information, all.score);
+    for (std::size_t k = 0; k < strokes.size(); ++k) {
+      const Eigen::VectorXd rest = strokes[k]->score - strokes[k]->information * shift;
+      misfits[k] = std::max(0.0, rest.dot(solve(strokes[k]->information, rest)));
+    }
+    std::vector<double> sorted = misfits;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
+    const double typical = std::max(sorted[sorted.size() / 2], 1e-300) / static_cast<double>(n);
+    for (std::size_t k = 0; k < strokes.size(); ++k)
+      weights[k] = std::min(1.0, (kDegrees + static_cast<double>(n)) / (kDegrees + misfits[k] / typical));
+  }
+  return weights;
+}
+
+/// Strokes after `last_before`, each operating class relieved of its own error, then all of the curves'.
+Sums SumAfter(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
+              const Eigen::VectorXd& curve_doubt) {
+  std::vector<const JudgedStroke*> after;
+  for (const JudgedStroke& s : strokes)
+    if (s.sequence > last_before) after.push_back(&s);
+  if (after.empty()) return {};
+  struct OfClass {
+    Sums sums;
+    Eigen::VectorXd offset, outside;  ///< doubts
+  };
+  std::map<int, OfClass> classes;
+  const std::vector<double> weights = RobustWeights(after);
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    OfClass& own = classes[after[k]->operating_class];
+    const bool first = own.sums.score.size() == 0;
+    own.offset = first ? after[k]->offset_doubt : own.offset.cwiseMax(after[k]->offset_doubt).eval();
+    own.outside = first ? after[k]->outside_doubt : own.outside.cwiseMax(after[k]->outside_doubt).eval();
+    own.sums.Add(weights[k] * after[k]->score, weights[k] * after[k]->information);
+  }
+  Sums all;
+  for (const auto& [index, own] : classes) {
+    const Sums left = WithoutShift(WithoutOffsetError(own.sums, own.offset), own.outside);
+    all.Add(left.score, left.information);
+  }
+  return WithoutShift(all, curve_doubt);
 }
 
 /// Log-likelihood that shifts of `moved` together gain; 0 if a size has a sign that cannot be, or if they
@@ -106,17 +185,19 @@ ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity)
 }
 
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
-                                const std::vector<DriftSize>& sizes, const Eigen::VectorXd& doubt) {
+                                const std::vector<DriftSize>& sizes, const Eigen::VectorXd& curve_doubt) {
   ChangeExplanation explanation;
-  Sums sums = SumAfter(strokes, last_before);
+  const Sums sums = SumAfter(strokes, last_before, curve_doubt);
   if (sums.score.size() == 0) return explanation;
-  sums = WithoutReferenceError(sums, doubt);
+  const Eigen::VectorXd doubt = (curve_doubt.cwiseAbs2() + strokes.back().offset_doubt.cwiseAbs2() +
+                                 strokes.back().outside_doubt.cwiseAbs2())
+                                    .cwiseSqrt();
   const int n = static_cast<int>(sums.score.size());
   std::vector<int> moved;
   double gained = 0;
-  const auto enough = [&](const std::vector<int>& set) {
+  const auto enough = [&](const std::vector<int>& set, double share) {
     const auto fitted = FitTogether(sums.score, sums.information, set);
-    return std::abs(fitted.back().size) >= 0.5 * sizes[set.back()].smallest + 2 * doubt[set.back()];
+    return std::abs(fitted.back().size) >= share * sizes[set.back()].smallest + 2 * doubt[set.back()];
   };
   while (static_cast<int>(moved.size()) < n) {
     int best = -1;
@@ -126,14 +207,14 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
       std::vector<int> set = moved;
       set.push_back(q);
       const double gain = Gain(sums, set, sizes);
-      if (gain > most && (moved.empty() || enough(set))) {
+      if (gain > most && (moved.empty() || enough(set, 1.0))) {
         most = gain;
         best = q;
       }
     }
     const double least = moved.empty() ? 0 : std::max(kLeastGain, kLeastShare * explanation.evidence);
     if (best < 0 || most - gained < least) break;
-    if (moved.empty() && !enough({best}))
+    if (moved.empty() && !enough({best}, 0.5))
       return explanation;  // the true cause is too small to be worth telling
     moved.push_back(best);
     gained = most;
@@ -141,6 +222,7 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
   }
   if (moved.empty()) return explanation;
   explanation.moved = FitTogether(sums.score, sums.information, moved);
+  explanation.alone = FitTogether(sums.score, sums.information, {moved.front()}).front();
   if (moved.size() == 1)
     for (int q = 0; q < n; ++q)
       if (q != moved.front() && explanation.evidence - Gain(sums, {q}, sizes) <

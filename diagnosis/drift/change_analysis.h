@@ -14,8 +14,12 @@ namespace hydroscope::drift {
 /// What is remembered of a judged stroke for a while.
 struct JudgedStroke {
   std::int64_t sequence = 0;
+  int operating_class = -1;
   Eigen::VectorXd score;  ///< in units of noise variance
   Eigen::MatrixXd information;
+  Eigen::VectorXd offset_doubt;  ///< SI, std of the class's offsets, each quantity alone
+  Eigen::VectorXd
+      outside_doubt;  ///< SI, of the class's quantities, outside the temperatures it was learned at
 };
 
 /// When something changed, as stroke numbers: the change happened after stroke `last_before`.
@@ -34,6 +38,7 @@ struct Moved {
 /// Which quantities explain what the strokes after a change deviate by.
 struct ChangeExplanation {
   std::vector<Moved> moved;  ///< strongest first
+  Moved alone;               ///< the first, if nothing else had moved
   std::vector<int> rivals;   ///< quantities that alone explain about as much as the first
   double evidence = 0;       ///< log-likelihood gained by the first
   bool decided = false;      ///< no rival
@@ -45,10 +50,12 @@ struct ChangeExplanation {
 ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity);
 
 /// Explains the strokes after `last_before` by as few quantities as possible: the one that gains most
-/// log-likelihood beyond what an error of the reference (`doubt`, SI) would explain, then others as long as
-/// each gains a tenth of the first and at least 12, with the sizes of all of them fitted together.
+/// log-likelihood beyond what an error of the reference would explain, then others as long as each gains a
+/// tenth of the first and at least 12 and is worth finding by itself, with the sizes of all of them fitted
+/// together. The reference errs in two ways: in each operating class, the same for all its strokes, and in
+/// the temperature curves (`curve_doubt`, SI, each quantity alone), the same for all strokes.
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
-                                const std::vector<DriftSize>& sizes, const Eigen::VectorXd& doubt);
+                                const std::vector<DriftSize>& sizes, const Eigen::VectorXd& curve_doubt);
 
 /// Sizes of `moved` quantities fitted together to the sums of scores and information; std in SI without
 /// doubt.

@@ -83,6 +83,16 @@ ClassOffset MeasureOffset(std::span<const ClassDeviation> strokes, double scatte
   return offset;
 }
 
+void TemperatureRange::Take(double temperature) {
+  if (!std::isfinite(temperature)) return;
+  low = std::min(low, temperature);
+  high = std::max(high, temperature);
+}
+
+double TemperatureRange::Nearest(double temperature) const {
+  return std::isfinite(temperature) && high >= low ? std::clamp(temperature, low, high) : temperature;
+}
+
 OffsetSpread SpreadOf(std::span<const ClassOffset> classes) {
   std::vector<ClassOffset> known;
   for (const ClassOffset& c : classes)

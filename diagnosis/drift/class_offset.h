@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,15 @@ struct OffsetSpread {
 /// Random-effects mean (DerSimonian and Laird 1986) and an upper limit of the variance between classes: that
 /// at which the offsets would scatter as little as they do in one case of ten (Viechtbauer 2007, Q-profile).
 OffsetSpread SpreadOf(std::span<const ClassOffset> classes);
+
+/// Oil temperatures, K, that strokes were seen at.
+struct TemperatureRange {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+
+  void Take(double temperature);
+  /// The temperature itself inside, else the edge it lies beyond; itself where either is not known.
+  double Nearest(double temperature) const;
+};
 
 /// A measured offset and the prior combined (empirical Bayes).
 ClassOffset Combine(const ClassOffset& measured, const OffsetSpread& prior);

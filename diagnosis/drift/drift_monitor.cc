@@ -82,10 +82,11 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
 }
 
 /// Strokes of a kind that commissioning did not see are collected until its offsets can be learned. What open
-/// findings explain is taken out, so that a fault does not become part of what is healthy.
+/// findings explain is taken out, so that a fault does not become part of what is healthy; a suspicion is
+/// waited for, but not for ever: the strokes that would settle it may never come again.
 void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   for (const DriftFinding& f : findings_)
-    if (f.state == FindingState::kSuspected) return;  // not before it is known what to take out
+    if (f.state == FindingState::kSuspected && stroke.sequence - f.found < kMostToExplain) return;
   const int index = candidates_.FindOrAdd(stroke);
   if (index < 0) return;
   auto& members = new_classes_[index];
@@ -108,7 +109,8 @@ void DriftMonitor::TakeExplanation(std::int64_t number, std::string text, std::i
 void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgement& judgement) {
   doubt_ = d.doubt;
   healthy_ = d.reference;
-  JudgedStroke rest{stroke.sequence, d.score - d.information * explained_, d.information};
+  JudgedStroke rest{stroke.sequence, d.operating_class, d.score - d.information * explained_,
+                    d.information,   d.offset_doubt,    d.outside_doubt};
   for (int q = 0; q < model_.size(); ++q) {
     const double information = d.information(q, q);
     const double left = information > 0 ? rest.score[q] / information : 0;
@@ -119,7 +121,7 @@ void DriftMonitor::Test(const StrokeEvidence& stroke, const Deviation& d, Judgem
   strokes_.push_back(std::move(rest));
   if (strokes_.size() > kRemembered) strokes_.pop_front();
   Follow(d, stroke);
-  if (!strokes_.empty()) Explain(d.doubt, stroke.oil_temperature);  // empty: a finding has just gone
+  if (!strokes_.empty()) Explain(d, stroke.oil_temperature);  // empty: a finding has just gone
 }
 
 std::vector<int> DriftMonitor::ExplainedQuantities() const {
@@ -172,7 +174,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
 
 /// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from
 /// others.
-void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature) {
+void DriftMonitor::Explain(const Deviation& d, double oil_temperature) {
   const std::int64_t now = strokes_.back().sequence;
   int strongest = -1;
   for (int q = 0; q < model_.size(); ++q)
@@ -195,11 +197,11 @@ void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature)
     open = &findings_.back();
   }
   ChangeTime since = FindChangeTime(strokes_, strongest);
-  ChangeExplanation explanation = ExplainChange(strokes_, since.last_before, sizes_, doubt);
+  ChangeExplanation explanation = ExplainChange(strokes_, since.last_before, sizes_, d.curve_doubt);
   if (explanation.moved.empty()) return;
   if (explanation.moved.front().quantity != strongest) {
     since = FindChangeTime(strokes_, explanation.moved.front().quantity);
-    explanation = ExplainChange(strokes_, since.last_before, sizes_, doubt);
+    explanation = ExplainChange(strokes_, since.last_before, sizes_, d.curve_doubt);
     if (explanation.moved.empty()) return;
   }
   open->since = since;
@@ -209,10 +211,25 @@ void DriftMonitor::Explain(const Eigen::VectorXd& doubt, double oil_temperature)
                                    [&](const JudgedStroke& s) { return s.sequence > since.last_before; });
   const bool waited = now - open->found >= kMostToExplain;
   if (after < kLeastToExplain || (!explanation.decided && !waited)) return;
+  const bool outside = d.outside || (d.outside_doubt.array() > 0).any();
+  if (outside && !NamedByRule(explanation.moved)) {
+    for (std::size_t k = 1; k < explanation.moved.size(); ++k)
+      explanation.rivals.push_back(explanation.moved[k].quantity);
+    explanation.moved = {explanation.alone};
+    explanation.decided = false;
+  }
   open->rivals.clear();
   for (const int q : explanation.rivals) open->rivals.push_back(model_.quantities()[q].name);
   open->state = explanation.decided ? FindingState::kNamed : FindingState::kUndecided;
-  Name(*open, explanation.moved, doubt);
+  Name(*open, explanation.moved, d.doubt);
+}
+
+/// Outside the temperatures learned, quantities moving together as no rule knows speak for a reference that
+/// does not hold there rather than for several faults at once.
+bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
+  std::map<std::string, int> movements;
+  for (const Moved& m : moved) movements[model_.quantities()[m.quantity].name] = m.size > 0 ? 1 : -1;
+  return rules_->Match(movements) != nullptr;
 }
 
 /// Applies the rules and starts to follow the sizes.

@@ -92,7 +92,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 2;
+  static constexpr std::uint32_t kFormat = 3;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
   static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
   static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided
@@ -117,9 +117,10 @@ class DriftMonitor {
   bool RestoreRest(ByteReader& in);
   void LearnClass(const StrokeEvidence& stroke);
   void Test(const StrokeEvidence& stroke, const Deviation& deviation, Judgement& judgement);
-  void Explain(const Eigen::VectorXd& doubt, double oil_temperature);
+  void Explain(const Deviation& deviation, double oil_temperature);
   void Follow(const Deviation& deviation, const StrokeEvidence& stroke);
   void Name(DriftFinding& finding, const std::vector<Moved>& moved, const Eigen::VectorXd& doubt);
+  bool NamedByRule(const std::vector<Moved>& moved) const;
   void Restart(std::int64_t sequence);
   std::vector<int> ExplainedQuantities() const;
 

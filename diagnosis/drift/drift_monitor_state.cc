@@ -92,8 +92,11 @@ void DriftMonitor::Save(ByteWriter& out) const {
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(strokes_.size()));
   for (const JudgedStroke& s : strokes_) {
     out.Put(s.sequence);
+    out.Put(s.operating_class);
     PutVector(out, s.score);
     PutVector(out, s.information.reshaped());
+    PutVector(out, s.offset_doubt);
+    PutVector(out, s.outside_doubt);
   }
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(findings_.size()));
   for (const DriftFinding& f : findings_) PutFinding(out, f);
@@ -129,9 +132,14 @@ bool DriftMonitor::RestoreRest(ByteReader& in) {
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) {
     JudgedStroke s;
     s.sequence = in.Get<std::int64_t>();
+    s.operating_class = in.Get<int>();
     s.score = GetVector(in);
     const Eigen::VectorXd packed = GetVector(in);
-    if (s.score.size() != n || packed.size() != n * n) return false;
+    s.offset_doubt = GetVector(in);
+    s.outside_doubt = GetVector(in);
+    if (s.score.size() != n || packed.size() != n * n || s.offset_doubt.size() != n ||
+        s.outside_doubt.size() != n)
+      return false;
     s.information = packed.reshaped(n, n);
     strokes_.push_back(std::move(s));
   }

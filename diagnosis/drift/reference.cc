@@ -132,9 +132,11 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
   for (StrokeEvidence& s : level) {
     const int c = classes.Find(s);
-    if (c >= 0 && count[c] >= kLeastClassStrokes)
-      s.equations.g -=
-          (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+    if (c < 0 || count[c] < kLeastClassStrokes) continue;
+    const Eigen::VectorXd own =
+        (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
+    s.equations.g -= own;
+    s.equations.yy -= 2 * own.dot(At(model, s.oil_temperature).theta);  // its squared error stays
   }
   return level;
 }
@@ -200,7 +202,8 @@ void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvi
           (unit.asDiagonal() * own * unit.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse();
       const double misfit = Misfit(points[q], curves_[q]);
       curves_[q].Adjust(points[q], change.segment(first[q], terms),
-                        misfit * squares / equations * (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
+                        misfit * std::max(squares / equations, 1e-300) *
+                            (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
     }
   }
 }
@@ -253,8 +256,12 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
     members.resize(classes_.count());
     members[index].push_back(s);
   }
+  ranges_.assign(members.size(), {});
   std::vector<std::vector<std::vector<ClassDeviation>>> deviations;  // class, quantity, stroke
-  for (const auto& m : members) deviations.push_back(DeviationsOf(model, m));
+  for (const auto& m : members) {
+    deviations.push_back(DeviationsOf(model, m));
+    for (const StrokeEvidence& s : m) ranges_[deviations.size() - 1].Take(s.oil_temperature);
+  }
   offsets_.assign(members.size(), {});
   for (int q = 0; q < model.size(); ++q) {
     std::vector<double> standardised;
@@ -276,6 +283,7 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
                              ? MeasureOffset(of_class[q], scatter_[q])
                              : MeasureOffset({}, scatter_[q]));
     spread_.push_back(SpreadOf(measured));
+    difference_.push_back(std::isfinite(spread_[q].std) ? spread_[q].std : 0);
     for (std::size_t c = 0; c < members.size(); ++c) offsets_[c].push_back(Combine(measured[c], spread_[q]));
   }
   const bool comparable = std::count_if(members.begin(), members.end(), [](const auto& m) {
@@ -287,12 +295,32 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
     for (OffsetSpread& spread : spread_) spread.std = std::numeric_limits<double>::infinity();
 }
 
+/// What the model misses, and each class answers in its own way, may change with the oil as much as its
+/// viscosity does: by this share of what classes differ by, outside the range the class was learned in.
+double Reference::ChangeOutside(int index, double temperature) const {
+  TemperatureRange range;
+  if (index >= 0)
+    range = ranges_[index];
+  else
+    for (const TemperatureRange& of_class : ranges_) {
+      range.Take(of_class.low);
+      range.Take(of_class.high);
+    }
+  const double edge = range.Nearest(temperature);
+  return std::isfinite(temperature) && edge != temperature
+             ? std::abs(RelativeViscosity(temperature) / RelativeViscosity(edge) - 1)
+             : 0;
+}
+
 void Reference::AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   if (strokes.empty()) return;
   const int index = classes_.FindOrAdd(strokes.front());
   if (index < 0) return;
   offsets_.resize(classes_.count());
   offsets_[index].clear();
+  ranges_.resize(classes_.count());
+  ranges_[index] = {};
+  for (const StrokeEvidence& s : strokes) ranges_[index].Take(s.oil_temperature);
   for (const auto& deviations : DeviationsOf(model, strokes))
     offsets_[index].push_back(MeasureOffset(deviations));
 }
@@ -311,7 +339,10 @@ Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stro
   d.reference = e.values;
   d.value.resize(n);
   d.std.resize(n);
-  d.doubt.resize(n);
+  d.curve_doubt = e.stds;
+  d.offset_doubt.resize(n);
+  d.outside_doubt.resize(n);
+  const double outside = ChangeOutside(d.operating_class, stroke.oil_temperature);
   Eigen::VectorXd scatter(n);
   Eigen::VectorXd own = score.score;
   for (int q = 0; q < n; ++q) {
@@ -320,9 +351,12 @@ Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stro
     own[q] -= information * o.offset;
     d.value[q] = information > 0 ? own[q] / information : 0;
     d.std[q] = information > 0 ? std::sqrt(o.scatter / information) : std::numeric_limits<double>::infinity();
-    d.doubt[q] = std::hypot(e.stds[q], o.std);
+    d.offset_doubt[q] = o.std;
+    d.outside_doubt[q] = difference_[q] * outside;
     scatter[q] = o.scatter;
   }
+  d.doubt =
+      (d.curve_doubt.cwiseAbs2() + d.offset_doubt.cwiseAbs2() + d.outside_doubt.cwiseAbs2()).cwiseSqrt();
   // One noise level for all, so that explanations by different quantities compare.
   std::nth_element(scatter.begin(), scatter.begin() + n / 2, scatter.end());
   d.score = own / scatter[n / 2];
@@ -348,10 +382,12 @@ void Reference::Save(ByteWriter& out) const {
   for (const TemperatureModel& curve : curves_) curve.Save(out);
   for (const OffsetSpread& spread : spread_) out.Put(spread);
   for (const double scatter : scatter_) out.Put(scatter);
+  for (const double difference : difference_) out.Put(difference);
   classes_.Save(out);
   for (std::size_t c = 0; c < offsets_.size(); ++c) {
     out.Put<std::uint8_t>(!offsets_[c].empty());
     for (const ClassOffset& o : offsets_[c]) out.Put(o);
+    out.Put(ranges_[c]);
   }
 }
 
@@ -371,11 +407,15 @@ bool Reference::Restore(ByteReader& in) {
   for (OffsetSpread& spread : spread_) spread = in.Get<OffsetSpread>();
   scatter_.resize(theta_.size());
   for (double& scatter : scatter_) scatter = in.Get<double>();
+  difference_.resize(theta_.size());
+  for (double& difference : difference_) difference = in.Get<double>();
   if (!classes_.Restore(in)) return false;
   offsets_.resize(classes_.count());
-  for (auto& offsets : offsets_) {
-    offsets.resize(in.Get<std::uint8_t>() != 0 ? theta_.size() : 0);
-    for (ClassOffset& o : offsets) o = in.Get<ClassOffset>();
+  ranges_.resize(classes_.count());
+  for (std::size_t c = 0; c < offsets_.size(); ++c) {
+    offsets_[c].resize(in.Get<std::uint8_t>() != 0 ? theta_.size() : 0);
+    for (ClassOffset& o : offsets_[c]) o = in.Get<ClassOffset>();
+    ranges_[c] = in.Get<TemperatureRange>();
   }
   return in.ok();
 }

@@ -20,8 +20,12 @@ struct Deviation {
   int operating_class = -1;  ///< -1: none of its own, judged by what classes differ by
   Eigen::VectorXd value;     ///< SI, each quantity alone, offset of the class taken out
   Eigen::VectorXd std;       ///< SI, sampling
-  Eigen::VectorXd reference;  ///< SI, expected value at this oil temperature
-  Eigen::VectorXd doubt;  ///< SI, std of the reference itself (the same for all strokes at this temperature)
+  Eigen::VectorXd reference;     ///< SI, expected value at this oil temperature
+  Eigen::VectorXd curve_doubt;   ///< SI, std of the temperature curves here, the same for all strokes
+  Eigen::VectorXd offset_doubt;  ///< SI, std of the class's offsets, the same for all its strokes
+  Eigen::VectorXd
+      outside_doubt;      ///< SI, std of how the class changes beyond the temperatures it was learned at
+  Eigen::VectorXd doubt;  ///< SI, all three
   Eigen::VectorXd score;  ///< offsets taken out, divided by the class's scatter
   Eigen::MatrixXd information;
   bool outside = false;  ///< oil temperature outside the range learned
@@ -31,7 +35,7 @@ struct Deviation {
 /// classes. Never changed afterwards; learning again gives a new version.
 class Reference {
  public:
-  static constexpr std::uint32_t kFormat = 2;
+  static constexpr std::uint32_t kFormat = 3;
   static constexpr int kLeastStrokes = 100;      ///< of commissioning
   static constexpr int kLeastClassStrokes = 30;  ///< for a scatter of its own
   static constexpr int kLeastOffsetStrokes = 5;  ///< for an offset of its own
@@ -78,6 +82,7 @@ class Reference {
   std::vector<StrokeEvidence> WithoutClassMeans(const WatchedModel& model,
                                                 std::span<const StrokeEvidence> strokes) const;
   void LearnClasses(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
+  double ChangeOutside(int index, double temperature) const;
   void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   std::vector<std::vector<ClassDeviation>> DeviationsOf(const WatchedModel& model,
                                                         std::span<const StrokeEvidence> strokes) const;
@@ -91,6 +96,8 @@ class Reference {
   std::vector<OffsetSpread> spread_;               ///< per quantity, between classes
   std::vector<double> scatter_;                    ///< per quantity, of all classes together
   std::vector<std::vector<ClassOffset>> offsets_;  ///< per class, per quantity; empty = not learned
+  std::vector<TemperatureRange> ranges_;           ///< per class, of the oil while it was learned
+  std::vector<double> difference_;                 ///< per quantity, SI, what classes differ by, if told
   mutable std::map<int, Expected> expected_;       ///< by oil temperature in steps of 0.1 K
 };
 

@@ -12,6 +12,7 @@
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "service/benchmarks/drift_press.h"
+#include "service/benchmarks/parallel.h"
 #include "service/output.h"
 #include "simulator/valve_sweep.h"
 
@@ -60,10 +61,12 @@ void Note(const DriftMonitor& monitor, std::int64_t sequence, Found& found) {
 
 struct HealthyTally {
   std::int64_t suspected = 0, told = 0, trends = 0;
+  std::string text;  ///< a line for each false alarm
+  Status status;
 };
 
 /// One axis for `strokes` strokes after its commissioning.
-Status HealthyAxis(StrokePress& press, std::int64_t strokes, int axis, HealthyTally& tally) {
+Status HealthyAxis(StrokePress press, std::int64_t strokes, int axis, HealthyTally& tally) {
   auto commissioned = Commission(press);
   if (!commissioned) return tl::unexpected(commissioned.error());
   DriftMonitor& monitor = *commissioned;
@@ -77,17 +80,17 @@ Status HealthyAxis(StrokePress& press, std::int64_t strokes, int axis, HealthyTa
       if (!Told(f) || f.number <= told) continue;
       told = f.number;
       ++tally.told;
-      std::cout << fmt::format("  false alarm, axis {} day {} oil {:.1f} degC: {}\n", axis + 1, k / kDay,
-                               f.oil_temperature - 273.15, drift::FindingText(f));
+      tally.text += fmt::format("  false alarm, axis {} day {} oil {:.1f} degC: {}\n", axis + 1, k / kDay,
+                                f.oil_temperature - 273.15, drift::FindingText(f));
     }
     if (k % kDay != 0) continue;
     const auto drifts = monitor.SlowDrifts();
     if (!drifts.empty() && !trend) {
       ++tally.trends;
-      std::cout << fmt::format("  false slow drift, axis {} day {}: {} {:+.3g} in {} strokes\n", axis + 1,
-                               k / kDay, drifts[0].quantity,
-                               drifts[0].figures.slope * static_cast<double>(drifts[0].figures.strokes),
-                               drifts[0].figures.strokes);
+      tally.text += fmt::format("  false slow drift, axis {} day {}: {} {:+.3g} in {} strokes\n", axis + 1,
+                                k / kDay, drifts[0].quantity,
+                                drifts[0].figures.slope * static_cast<double>(drifts[0].figures.strokes),
+                                drifts[0].figures.strokes);
     }
     trend = !drifts.empty();
   }
@@ -95,16 +98,26 @@ Status HealthyAxis(StrokePress& press, std::int64_t strokes, int axis, HealthyTa
   return {};
 }
 
-bool Healthy(StrokePress& press, const DriftBenchmarkOptions& o) {
+bool Healthy(const StrokePress& press, const DriftBenchmarkOptions& o) {
   const int axes = std::max(1, static_cast<int>(std::ceil(o.axis_years)));
   const auto strokes = static_cast<std::int64_t>(o.axis_years / axes * kDaysPerYear * kDay);
+  std::vector<HealthyTally> tallies(static_cast<std::size_t>(axes));
+  {
+    ProgressBar progress("healthy", "axes");
+    ForEachCase(axes, progress, [&](int axis) {
+      StrokePress own = press;
+      own.Start(StreamSeed(o.seed, "healthy") + axis);
+      HealthyTally& tally = tallies[static_cast<std::size_t>(axis)];
+      tally.status = HealthyAxis(std::move(own), strokes, axis, tally);
+    });
+  }
   HealthyTally tally;
-  ProgressBar progress("healthy", "axes");
-  for (int axis = 0; axis < axes; ++axis) {
-    press.Start(StreamSeed(o.seed, "healthy") + axis);
-    if (const Status done = HealthyAxis(press, strokes, axis, tally); !done)
-      return ReportError(done.error()), false;
-    progress.Update((axis + 1.0) / axes, axis + 1);
+  for (const HealthyTally& t : tallies) {
+    if (!t.status) return ReportError(t.status.error()), false;
+    tally.suspected += t.suspected;
+    tally.told += t.told;
+    tally.trends += t.trends;
+    std::cout << t.text;
   }
   const double rate = static_cast<double>(tally.told + tally.trends) / o.axis_years;
   std::cout << fmt::format(
@@ -136,8 +149,37 @@ const std::array<FaultKind, 7> kFaults = {{
 }};
 
 struct FaultTally {
-  int cases = 0, found = 0, right = 0, wrong = 0, undecided = 0, near = 0, before = 0;
-  std::vector<double> suspected, named, change;
+  int cases = 0, found = 0, right = 0, wrong = 0, undecided = 0, near = 0;
+  std::vector<double> suspected, named;
+
+  void Add(const Found& found_now, std::int64_t begin, const FaultKind& kind);
+};
+
+void FaultTally::Add(const Found& f, std::int64_t begin, const FaultKind& kind) {
+  ++cases;
+  if (!f.first) {
+    suspected.push_back(f.suspected >= 0 ? static_cast<double>(f.suspected - begin + 1) : kNever);
+    named.push_back(kNever);
+    return;
+  }
+  ++found;
+  suspected.push_back(static_cast<double>(f.first->found - begin + 1));
+  named.push_back(static_cast<double>(f.first->last - begin + 1));
+  near += std::abs(f.first->since.last_before + 1 - begin) <= 10;
+  const bool open = f.first->state == FindingState::kUndecided;
+  const bool as_wanted = !open && f.first->rule == kind.rule;
+  undecided += open;
+  right += as_wanted;
+  wrong += !open && !as_wanted;
+  if (!as_wanted) std::cout << fmt::format("  {}: {}\n", kind.name, drift::FindingText(*f.first));
+}
+
+/// What one press showed: each fault, and a warm-up without fault.
+struct FaultCase {
+  std::int64_t begin = 0;
+  std::array<Found, kFaults.size()> found;
+  bool warm_alarm = false;
+  Status status;
 };
 
 Found RunFault(StrokePress press, DriftMonitor monitor, std::int64_t from, double oil, const FaultKind* kind,
@@ -151,52 +193,43 @@ Found RunFault(StrokePress press, DriftMonitor monitor, std::int64_t from, doubl
   return found;
 }
 
-bool Faults(StrokePress& press, const DriftBenchmarkOptions& o) {
+/// A press of its own commissions, works for up to a day, and has each fault at the same stroke.
+FaultCase FollowPress(StrokePress press, std::uint64_t seed) {
+  FaultCase c;
+  press.Start(seed);
+  auto monitor = Commission(press);
+  if (!monitor) {
+    c.status = tl::unexpected(monitor.error());
+    return c;
+  }
+  c.begin = kDay + static_cast<std::int64_t>(press.random().Uniform(50, kDay));
+  double oil = 0;
+  for (std::int64_t k = kDay; k < c.begin; ++k) {
+    oil = press.OilTemperature(k);
+    monitor->Add(press.Next(oil, press.Product(), {}));
+  }
+  const double cool = std::min(oil, 313.15);  // K, a warm-up begins here at most
+  for (std::size_t f = 0; f < kFaults.size(); ++f)
+    c.found[f] = RunFault(press, *monitor, c.begin, kFaults[f].warm_up > 0 ? cool : oil, &kFaults[f],
+                          kFaults[f].warm_up);
+  c.warm_alarm = RunFault(press, *monitor, c.begin, cool, nullptr, 20).first.has_value();
+  return c;
+}
+
+bool Faults(const StrokePress& press, const DriftBenchmarkOptions& o) {
+  std::vector<FaultCase> cases(static_cast<std::size_t>(o.faults));
+  {
+    ProgressBar progress("faults", "cases");
+    ForEachCase(o.faults, progress, [&](int c) {
+      cases[static_cast<std::size_t>(c)] = FollowPress(press, StreamSeed(o.seed, "faults") + c);
+    });
+  }
   std::array<FaultTally, kFaults.size()> tallies;
-  int warm_ups = 0, warm_alarms = 0;
-  ProgressBar progress("faults", "cases");
-  for (int c = 0; c < o.faults; ++c) {
-    press.Start(StreamSeed(o.seed, "faults") + c);
-    auto monitor = Commission(press);
-    if (!monitor) return ReportError(monitor.error()), false;
-    const auto begin = kDay + static_cast<std::int64_t>(press.random().Uniform(50, kDay));
-    double oil = 0;
-    bool before = false;
-    for (std::int64_t k = kDay; k < begin; ++k) {
-      oil = press.OilTemperature(k);
-      monitor->Add(press.Next(oil, press.Product(), {}));
-      before = before || !monitor->findings().empty();
-    }
-    for (std::size_t f = 0; f < kFaults.size(); ++f) {
-      const FaultKind& kind = kFaults[f];
-      FaultTally& tally = tallies[f];
-      const double start = kind.warm_up > 0 ? std::min(oil, 313.15) : oil;
-      const Found found = RunFault(press, *monitor, begin, start, &kind, kind.warm_up);
-      ++tally.cases;
-      tally.before += before;
-      if (!found.first) {
-        tally.suspected.push_back(found.suspected >= 0 ? static_cast<double>(found.suspected - begin + 1)
-                                                       : std::numeric_limits<double>::infinity());
-        tally.named.push_back(std::numeric_limits<double>::infinity());
-        continue;
-      }
-      ++tally.found;
-      tally.suspected.push_back(static_cast<double>(found.first->found - begin + 1));
-      tally.named.push_back(static_cast<double>(found.first->last - begin + 1));
-      const double off = static_cast<double>(found.first->since.last_before + 1 - begin);
-      tally.near += std::abs(off) <= 10;
-      if (found.first->state == FindingState::kUndecided)
-        ++tally.undecided;
-      else if (found.first->rule == kind.rule)
-        ++tally.right;
-      else if (++tally.wrong == 1)
-        std::cout << fmt::format("  first wrong name of {}: {}\n", kind.name,
-                                 drift::FindingText(*found.first));
-    }
-    const Found warm = RunFault(press, *monitor, begin, std::min(oil, 313.15), nullptr, 20);
-    ++warm_ups;
-    warm_alarms += warm.first.has_value();
-    progress.Update((c + 1.0) / o.faults, c + 1);
+  int warm_alarms = 0;
+  for (const FaultCase& c : cases) {
+    if (!c.status) return ReportError(c.status.error()), false;
+    for (std::size_t f = 0; f < kFaults.size(); ++f) tallies[f].Add(c.found[f], c.begin, kFaults[f]);
+    warm_alarms += c.warm_alarm;
   }
   std::cout << fmt::format("\n{:<28} {:>6} {:>7} {:>10} {:>10} {:>12} {:>7} {:>7} {:>10}\n", "fault", "cases",
                            "found", "suspected", "named", "change ±10", "right", "wrong", "undecided");
@@ -213,7 +246,7 @@ bool Faults(StrokePress& press, const DriftBenchmarkOptions& o) {
   }
   std::cout << fmt::format(
       "suspected, named: median strokes after the fault; a warm-up of 20 K alone: {} alarms in {}\n",
-      warm_alarms, warm_ups);
+      warm_alarms, cases.size());
   return reached && warm_alarms == 0;
 }
 

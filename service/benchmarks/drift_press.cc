@@ -114,7 +114,9 @@ drift::StrokeEvidence StrokePress::Next(double oil_temperature, int product, con
   for (double& d : draw) d = random_.Normal();
   const double factor = random_.Uniform() < 1e-3 ? 10.0 : 1.0;
   NormalEquations& e = stroke.equations;
+  const double noise = factor * factor * std::max(0.0, e.yy - 2 * e.g.dot(theta_) + theta_.dot(e.h * theta_));
   e.g = e.h * theta + (p.mean + factor * (p.shape * draw)).cwiseProduct(e.h.diagonal().cwiseSqrt());
+  e.yy = 2 * e.g.dot(theta) - theta.dot(e.h * theta) + noise;
   return stroke;
 }
 
