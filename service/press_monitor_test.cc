@@ -8,6 +8,7 @@
 
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/drift_report.h"
+#include "tests/expect_ok.h"
 
 namespace hydroscope {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-#define ASSERT_OK(status)                                                      \
-  do {                                                                         \
-    const auto& outcome = (status);                                            \
-    ASSERT_TRUE(outcome.has_value()) << (outcome ? "" : outcome.error().text); \
-  } while (false)
 
 const char* const kMachine = R"toml(
 [machine]
@@ -228,6 +223,34 @@ TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
   for (const char* curve : {"bulk modulus", "valve flow", "dead volume"})
     EXPECT_THAT(section, HasSubstr(curve));
   EXPECT_THAT(DriftVerdictBox(press->axis(1)), HasSubstr("appeared: internal_leakage"));
+}
+
+/// The same strokes as if the oil had never been compressed: dead volume and bulk modulus are not to be told.
+std::vector<StrokeRecord> WithoutCompression(std::vector<StrokeRecord> strokes) {
+  constexpr int kVolumeColumn = 1;
+  for (StrokeRecord& stroke : strokes)
+    for (SymmetricMatrix* sums : {&stroke.gram.integral, &stroke.gram.noise})
+      for (int j = 0; j < sums->dimension(); ++j) (*sums)(kVolumeColumn, j) = 0;
+  return strokes;
+}
+
+TEST_F(PressMonitorTest, StrokesThatDoNotTellTheParametersApartMakeRoomForOthers) {
+  const std::vector<StrokeRecord> healthy = Healthy();
+  const std::vector<StrokeRecord> blind(healthy.begin(), healthy.begin() + 99);
+  Store(0, WithoutCompression(blind));
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(900));
+  EXPECT_EQ(press->axis(0).monitor(), nullptr) << "too few strokes";
+  Store(0, WithoutCompression({healthy.front(), healthy.front()}));
+  ASSERT_OK(press->CatchUp(1000));
+  EXPECT_EQ(press->axis(0).monitor(), nullptr) << "strokes 0 ... 99 tell nothing, 50 ... 100 are kept";
+  EXPECT_EQ(press->axis(0).Health(), 'C');
+  Store(0, {healthy.begin(), healthy.begin() + 49});
+  ASSERT_OK(press->CatchUp(2000));
+  ASSERT_NE(press->axis(0).monitor(), nullptr);
+  EXPECT_EQ(press->axis(0).monitor()->reference().first_sequence(), 50);
+  EXPECT_EQ(press->axis(0).monitor()->reference().last_sequence(), 149);
+  EXPECT_THAT(Events(), testing::ElementsAre(HasSubstr("reference_learned")));
 }
 
 TEST_F(PressMonitorTest, WhatAllAxesShowTogetherIsToldOnceByThePress) {

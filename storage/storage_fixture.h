@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "storage/database.h"
+#include "tests/expect_ok.h"
 
 namespace hydroscope::storage_test {
 
@@ -101,12 +102,6 @@ T Value(Result<T> result) {
   }
   return std::move(*result);
 }
-
-#define EXPECT_OK(expression)                                     \
-  do {                                                            \
-    const auto& ok_result = (expression);                         \
-    EXPECT_TRUE(ok_result.has_value()) << ok_result.error().text; \
-  } while (false)
 
 /// A database with one machine and one model version.
 struct Press {

@@ -99,13 +99,13 @@ Json RowJson(const JournalRow& row) {
           {"last_stroke", e.last_stroke}};
 }
 
-/// An alarm as the list numbers it: shown ones are those that are not at rest.
 struct Listed {
   std::string machine;
   AlarmState alarm;
 };
 
-Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
+/// Every alarm that the journal knows, at rest or not.
+Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());
   if (!a.machine.empty() && std::find(machines->begin(), machines->end(), a.machine) == machines->end())
@@ -115,9 +115,15 @@ Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Alar
     if (!a.machine.empty() && machine != a.machine) continue;
     const auto axis = journal.Axis(machine);
     if (!axis) return tl::unexpected(axis.error());
-    for (const AlarmState& alarm : axis->alarms)
-      if (!AtRest(alarm)) alarms.push_back({machine, alarm});
+    for (const AlarmState& alarm : axis->alarms) alarms.push_back({machine, alarm});
   }
+  return alarms;
+}
+
+/// Those that are not at rest, as the list numbers them.
+Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
+  auto alarms = KnownAlarms(journal, a);
+  if (alarms) std::erase_if(*alarms, [](const Listed& l) { return AtRest(l.alarm); });
   return alarms;
 }
 
@@ -146,12 +152,16 @@ Status List(const AlarmsArguments& a) {
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
 
-/// The alarm meant by a number of the list, by "machine/alarm" or by an id that only one machine has.
-Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a) {
-  const auto alarms = ListedAlarms(journal, a);
-  if (!alarms) return tl::unexpected(alarms.error());
+enum class Which { kStanding, kKnown };
+
+/// The alarm meant by a number of the list, by "machine/alarm" or by an id that only one machine has; by name
+/// one that is at rest too, if `which` says so.
+Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which which) {
   const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(),
                                                       [](char c) { return c >= '0' && c <= '9'; });
+  const auto alarms =
+      number || which == Which::kStanding ? ListedAlarms(journal, a) : KnownAlarms(journal, a);
+  if (!alarms) return tl::unexpected(alarms.error());
   std::vector<Listed> found;
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
@@ -161,14 +171,18 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a) {
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) return UsageError("several machines have {}; say MACHINE/{}", a.alarm, a.alarm);
-  return UsageError("no standing alarm {}; `hydroscope alarms --db {} list` shows them", a.alarm, a.db);
+  return UsageError(
+      "no {} alarm {}; `hydroscope alarms --db {} {}`",
+      number || which == Which::kStanding ? "standing" : "known", a.alarm, a.db,
+      number || which == Which::kStanding ? "list` shows them" : "journal` shows those that ever stood");
 }
 
 Status Act(const AlarmsArguments& a, const char* done,
-           const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act) {
+           const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act,
+           Which which = Which::kStanding) {
   auto journal = OpenJournal(a);
   if (!journal) return tl::unexpected(journal.error());
-  const auto found = Find(*journal, a);
+  const auto found = Find(*journal, a, which);
   if (!found) return tl::unexpected(found.error());
   const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(), Now(), found->alarm.last_stroke,
                         std::numeric_limits<double>::quiet_NaN(), 0,     0};
@@ -271,6 +285,8 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       "  hydroscope alarms --db press.db list\n"
       "  hydroscope alarms --db press.db ack 1 --comment \"seal ordered\"\n"
       "  hydroscope alarms --db press.db shelve internal_leakage --for 8h\n"
+      "  hydroscope alarms --db press.db out-of-service press/left/no_samples --comment \"sensor being "
+      "changed\"\n"
       "  hydroscope alarms --db press.db journal --json -\n"
       "  hydroscope alarms --db press.db metrics\n"
       "  hydroscope alarms --modbus 127.0.0.1:1503 --ack 1");
@@ -308,6 +324,19 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);
     });
   });
+  const auto service = [&](const char* name, const char* text, bool out) {
+    on_alarm(name, text, [out](const AlarmsArguments& o) {
+      return Act(
+          o, out ? "taken out of service" : "back in service",
+          [&](AlarmState& alarm, const AlarmMoment& now) {
+            return alarm_machine::SetOutOfService(alarm, out, {UserOf(o), o.comment}, now);
+          },
+          Which::kKnown);
+    });
+  };
+  service("out-of-service", "Take an alarm out of service, for as long as its cause is being worked on",
+          true);
+  service("in-service", "Put an alarm back in service", false);
   CLI::App* journal = add("journal", "What happened, oldest first", Journal);
   journal->add_option("--after", a->after, "Only rows after this sequence number");
   journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);

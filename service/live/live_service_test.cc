@@ -15,17 +15,12 @@
 #include "service/live/verify_live.h"
 #include "service/log_pass.h"
 #include "simulator/press.h"
+#include "tests/expect_ok.h"
 
 namespace hydroscope {
 namespace {
 
 using testing::HasSubstr;
-
-#define EXPECT_OK(status)                                                      \
-  do {                                                                         \
-    const auto& outcome = (status);                                            \
-    EXPECT_TRUE(outcome.has_value()) << (outcome ? "" : outcome.error().text); \
-  } while (false)
 
 constexpr double kPeriod = 0.002;  // s
 constexpr std::size_t kRowsPerBatch = 10;
