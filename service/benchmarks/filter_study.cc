@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/quantile.h"
 #include "estimation/published_estimator.h"
 #include "service/benchmarks/filter_study_plot.h"
