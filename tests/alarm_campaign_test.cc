@@ -24,6 +24,7 @@ TEST_F(CommandLine, AKilledAlarmSystemKeepsEveryRowAndDeliversItAtLeastOnce) {
   EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
   EXPECT_THAT(ran.out, ContainsRegex("acknowledged and missing +0 "));
   EXPECT_THAT(ran.out, ContainsRegex("rows the broker never passed on +0 "));
+  EXPECT_THAT(ran.out, ContainsRegex("rows it got that the journal does not have so +0 "));
 }
 
 TEST_F(CommandLine, AThousandAlarmsInASecondReachEveryone) {
@@ -31,6 +32,7 @@ TEST_F(CommandLine, AThousandAlarmsInASecondReachEveryone) {
   const Ran ran = Run({"benchmark", "alarm-burst"});
   EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
   EXPECT_THAT(ran.out, ContainsRegex("Modbus: rows missed +0 "));
+  EXPECT_THAT(ran.out, ContainsRegex("DDS: events the reader got +1000 "));
 }
 
 TEST_F(CommandLine, AScadaSystemThatFindsNobodyIsToldWhatToStart) {

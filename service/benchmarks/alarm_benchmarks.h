@@ -13,7 +13,8 @@ struct AlarmKillOptions {
   std::uint64_t seed = 1;
 };
 /// kill -9 of a process that writes the journal and feeds its outbox: every acknowledged row there once, no
-/// gap, states restored, everything delivered at least once under its own number.
+/// gap, states restored, everything delivered by MQTT at least once under its own number, by DDS nothing that
+/// is not in the journal.
 int RunAlarmKill(const AlarmKillOptions& options);
 
 /// 1000 alarms in a second: journal whole, feeds in order, a SCADA poller at 1 Hz misses none.
@@ -29,6 +30,7 @@ int RunAlarmBurst(const AlarmBurstOptions& options);
 /// everything is out.
 struct AlarmLoadOptions {
   std::string database, broker, mode = "load";
+  int domain = 0;  ///< of DDS
   std::uint64_t seed = 1;
   AlarmBurstOptions burst;
 };

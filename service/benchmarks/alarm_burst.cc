@@ -1,5 +1,6 @@
 #include <signal.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "service/benchmarks/alarm_benchmarks.h"
@@ -66,13 +67,17 @@ int RunAlarmBurst(const AlarmBurstOptions& o) {
   if (modbus.empty()) return ReportError({ErrorKind::kInternal, "the feeds did not come up; see " + log});
   auto client = ScadaClient::Connect("127.0.0.1", std::stoi(modbus.substr(modbus.rfind(':') + 1)));
   if (!client) return ReportError(client.error());
+  for (const double end = Now() + kStart; Now() < end && !(*rig)->dds().matched();) Sleep(0.02);
   process.Say("go");
   const auto scada = PollAtOneHertz(*client, o.alarms);
   if (!scada) return ReportError(scada.error());
   const std::string raised = WaitForLine(log, "raised in ");
   for (const double end = Now() + kDeliveryPatience;
-       Now() < end && static_cast<int>((*rig)->told().size()) < o.alarms;)
+       Now() < end &&
+       static_cast<int>(std::min((*rig)->told().size(), (*rig)->dds().rows().size())) < o.alarms;)
     Sleep(0.05);
+  std::vector<std::int64_t> heard;
+  for (const HeardRow& row : (*rig)->dds().rows()) heard.push_back(row.sequence);
   std::vector<std::int64_t> told;
   for (const sparkplug::ToldRow& row : (*rig)->told()) told.push_back(row.sequence);
   process.End(SIGKILL);
@@ -91,9 +96,12 @@ int RunAlarmBurst(const AlarmBurstOptions& o) {
   fmt::print("{:<50} {:>8}\n", "Modbus: looks of the poller", scada->looks);
   fmt::print("{:<50} {:>8}   required {}\n", "MQTT: events the host got", told.size(), o.alarms);
   fmt::print("{:<50} {:>8}   required 0\n", "MQTT: events out of order", OutOfOrder(told));
+  fmt::print("{:<50} {:>8}   required {}\n", "DDS: events the reader got", heard.size(), o.alarms);
+  fmt::print("{:<50} {:>8}   required 0\n", "DDS: events out of order", OutOfOrder(heard));
   const auto wanted = static_cast<std::size_t>(o.alarms);
   return sound && rows && *rows == o.alarms && scada->rows.size() == wanted && scada->missed == 0 &&
-                 OutOfOrder(scada->rows) == 0 && told.size() == wanted && OutOfOrder(told) == 0
+                 OutOfOrder(scada->rows) == 0 && told.size() == wanted && OutOfOrder(told) == 0 &&
+                 heard.size() == wanted && OutOfOrder(heard) == 0
              ? 0
              : 1;
 }

@@ -27,6 +27,10 @@ Machine PressWithFeeds(const AlarmLoadOptions& o) {
   FeedsSpec& feeds = machine.feeds.emplace();
   feeds.modbus.emplace().port = 0;
   feeds.sparkplug.emplace().broker = o.broker;
+  DdsFeedSpec& dds = feeds.dds.emplace();
+  dds.domain = o.domain;
+  dds.topic = AlarmListener::kTopic;
+  dds.transport = DdsTransport::kUdp;
   return machine;
 }
 
@@ -53,6 +57,8 @@ alarm_machine::Events Disturb(AlarmState& alarm, int what, const AlarmMoment& no
       return alarm_machine::Shelve(alarm, std::floor(now.wall) + 36'000, user, now);
     case 2:
       return alarm_machine::Unshelve(alarm, user, now);
+    case 3:
+      return alarm_machine::SetOutOfService(alarm, !alarm.out_of_service, user, now);
     default:
       return alarm.active ? alarm_machine::Clear(alarm, {}, now) : Raise(alarm, now);
   }
@@ -64,7 +70,7 @@ int Load(AlarmJournal& journal, std::uint64_t seed) {
   for (int k = 0;; ++k) {
     const std::string machine = AlarmAxis(static_cast<int>(random() % kAlarmAxes));
     const std::string id = fmt::format("alarm_{}", random() % kAlarmsPerAxis);
-    const int what = static_cast<int>(random() % 5);
+    const int what = static_cast<int>(random() % 6);
     const std::string tag = fmt::format("{}-{}", seed, k);
     std::string said;
     const Status stored = journal.Change(machine, Wall(), [&](AxisContent& axis) -> Status {

@@ -39,6 +39,10 @@ Result<std::unique_ptr<AlarmRig>> AlarmRig::Create() {
   if (program.empty())
     return BadInput("the campaign needs the MQTT broker mosquitto; scripts/setup.sh installs it");
   std::unique_ptr<AlarmRig> rig(new AlarmRig);
+  rig->domain_ = 1 + static_cast<int>(getpid()) % 200;
+  auto dds = AlarmListener::Create(rig->domain_);
+  if (!dds) return tl::unexpected(dds.error());
+  rig->dds_ = std::move(*dds);
   const int port = 20'000 + static_cast<int>(getpid()) % 20'000;
   rig->broker_ = fmt::format("tcp://127.0.0.1:{}", port);
   std::ofstream(rig->File("mosquitto.conf"))
@@ -68,7 +72,8 @@ Result<std::unique_ptr<AlarmRig>> AlarmRig::Create() {
 }
 
 std::vector<std::string> AlarmRig::Load(const std::string& mode) const {
-  return {"benchmark", "alarm-load", "--db", database(), "--broker", broker_, "--mode", mode};
+  return {"benchmark", "alarm-load", "--db", database(), "--broker",
+          broker_,     "--mode",     mode,   "--domain", std::to_string(domain_)};
 }
 
 std::vector<sparkplug::ToldRow> AlarmRig::told() const {

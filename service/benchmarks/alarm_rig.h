@@ -8,6 +8,7 @@
 
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
+#include "service/benchmarks/alarm_listener.h"
 #include "service/benchmarks/live_rig.h"
 
 namespace hydroscope {
@@ -16,7 +17,7 @@ namespace hydroscope {
 inline constexpr int kAlarmAxes = 4;
 std::string AlarmAxis(int axis);
 
-/// A folder, a broker and a host that takes every Sparkplug event.
+/// A folder, a broker with a host that takes every Sparkplug event, and a DDS reader.
 class AlarmRig {
  public:
   /// Errors: no mosquitto, no broker to be had.
@@ -29,10 +30,13 @@ class AlarmRig {
   std::vector<std::string> Load(const std::string& mode) const;
   /// Events in the order in which the host got them.
   std::vector<sparkplug::ToldRow> told() const;
+  const AlarmListener& dds() const { return *dds_; }
 
  private:
   AlarmRig();
   std::string folder_, broker_;
+  int domain_ = 0;
+  std::unique_ptr<AlarmListener> dds_;
   std::unique_ptr<Child> mosquitto_;
   mutable std::mutex mutex_;
   std::vector<sparkplug::ToldRow> told_;
