@@ -13,15 +13,38 @@ namespace {
 HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
                                  int blocks, double level, double share, double* mean, double* contrast,
                                  std::ptrdiff_t stride) {
-  const auto m = std::ssize(weights);
-  for (int b = 0; b < blocks; ++b, increments += m) {
+  const BlockWeights *const first = weights.data(), *const end = first + weights.size();
+  for (int b = 0; b < blocks; ++b) {
     BlockWeights sum{};
-    for (std::ptrdiff_t k = 0; k < m; ++k) sum += increments[k] * weights[k];
+#pragma GCC unroll 5
+    for (const BlockWeights* weight = first; weight != end; ++weight) sum += *increments++ * *weight;
     mean[b * stride] = level + sum[0];
     contrast[b * stride] = share * sum[1];
     level += sum[2];
   }
   return level;
+}
+
+/// `scale` times the difference of a block to the mean of those before; the mean then takes its `share` of it.
+HYDROSCOPE_WIDE void AddContrast(std::ptrdiff_t rows, const double* block, double scale, double share,
+                                 double* __restrict mean, double* __restrict contrast) {
+  for (std::ptrdiff_t i = 0; i < rows; ++i) {
+    const double difference = block[i] - mean[i];
+    contrast[i] = scale * difference;
+    mean[i] += share * difference;
+  }
+}
+
+/// Sum of `count` neighbouring columns of `rows` numbers each.
+HYDROSCOPE_WIDE void SumColumns(std::ptrdiff_t rows, int count, const double* columns, double* __restrict sum) {
+  std::copy_n(columns, rows, sum);
+  for (int c = 1; c < count; ++c)
+    for (std::ptrdiff_t i = 0; i < rows; ++i) sum[i] += columns[c * rows + i];
+}
+
+HYDROSCOPE_WIDE void ScaledDifference(std::ptrdiff_t rows, double scale, const double* after, const double* before,
+                                      double* __restrict out) {
+  for (std::ptrdiff_t i = 0; i < rows; ++i) out[i] = scale * (after[i] - before[i]);
 }
 
 }  // namespace
@@ -51,7 +74,7 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
   out_.integral.resize(columns, window_.span);
   out_.noise = Eigen::MatrixXd::Zero(columns, 2 * window_.span);
   out_.integrated_rows = model_->integrated_columns();
-  rate_noise_.resize(model_->integrated_columns());
+  rate_noise_.resize(model_->integrated_columns(), window_.span);
   out_.flow.resize(columns, window_.span);
   out_.flow_time.reserve(window_.span);
 }
@@ -125,23 +148,19 @@ void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
 
 void SpanEquationBuilder::FillContrasts(int blocks) {
   // Helmert contrasts: block j against the mean of those before it, scaled to keep white noise white.
-  Eigen::VectorXd mean = level_.col(history_);
-  for (int j = 1; j < blocks; ++j) {
-    const auto block = level_.col(history_ + j);
-    out_.integral.col(j - 1) = std::sqrt(j / (j + 1.0)) * (block - mean);
-    mean += (block - mean) / (j + 1.0);
-  }
+  mean_ = level_.col(history_);
+  for (int j = 1; j < blocks; ++j)
+    AddContrast(level_.rows(), &level_(0, history_ + j), std::sqrt(j / (j + 1.0)), 1.0 / (j + 1.0), mean_.data(),
+                &out_.integral(0, j - 1));
 }
 
 void SpanEquationBuilder::FillIntegratedNoise(const Stretch& stretch, int blocks) {
   const double walk = std::sqrt(window_.block * (blocks * blocks - 1.0) / (6.0 * blocks)) * stretch.period;
   const int lead = stretch.continues ? 1 : 0;
-  for (int b = 0; b < blocks; ++b) {
-    rate_noise_.setZero();
-    model_->integrated_noise(stretch, lead + b * window_.block + window_.block / 2, rate_noise_);
-    out_.noise.col(blocks + b).head(out_.integrated_rows) = walk * rate_noise_;
-    out_.noise.col(blocks + b).tail(model_->column_count() - out_.integrated_rows).setZero();
-  }
+  rate_noise_.setZero(out_.integrated_rows, blocks);
+  model_->integrated_noise(stretch, lead + window_.block / 2, window_.block, rate_noise_);
+  out_.noise.middleCols(blocks, blocks).topRows(out_.integrated_rows) = walk * rate_noise_;
+  out_.noise.middleCols(blocks, blocks).bottomRows(model_->column_count() - out_.integrated_rows).setZero();
 }
 
 void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {
@@ -150,12 +169,18 @@ void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {
   const double scale = 1.0 / (h * h * block_time);
   out_.flow_time.clear();
   int windows = 0;
+  const auto rows = level_.rows();
+  before_.resize(rows);
+  after_.resize(rows);
   for (int last = continues ? std::max(history_, 2 * h - 1) : 2 * h - 1; last < total; ++last, ++windows) {
-    if (window_.level_form)
-      out_.flow.col(windows) = level_.middleCols(last - 2 * h + 1, 2 * h).rowwise().mean();
-    else
-      out_.flow.col(windows) = scale * (level_.middleCols(last - h + 1, h).rowwise().sum() -
-                                        level_.middleCols(last - 2 * h + 1, h).rowwise().sum());
+    if (window_.level_form) {
+      SumColumns(rows, 2 * h, &level_(0, last - 2 * h + 1), after_.data());
+      out_.flow.col(windows) = after_ * (1.0 / (2 * h));
+    } else {
+      SumColumns(rows, h, &level_(0, last - h + 1), after_.data());
+      SumColumns(rows, h, &level_(0, last - 2 * h + 1), before_.data());
+      ScaledDifference(rows, scale, after_.data(), before_.data(), &out_.flow(0, windows));
+    }
     out_.flow_time.push_back(begin + (last - history_ - h + 1) * block_time);
   }
   const int keep = std::min(total, 2 * h - 1);

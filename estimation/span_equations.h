@@ -84,7 +84,8 @@ class SpanEquationBuilder {
   std::vector<double> column_state_;
   std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
   Eigen::MatrixXd level_;           ///< columns x (history + blocks), block means
-  Eigen::VectorXd rate_noise_;
+  Eigen::MatrixXd rate_noise_;
+  Eigen::VectorXd mean_, before_, after_;  ///< of levels, one per column
   int history_ = 0;  ///< block means kept from the stretch before
   SpanEquations out_;
 };

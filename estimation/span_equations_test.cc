@@ -43,7 +43,7 @@ std::shared_ptr<const ModelStructure> LevelModel() {
   model->channel_names = {"x"};
   model->channel_source = {0};
   model->derive_channels = [](Stretch&) {};
-  model->integrated_noise = [](const Stretch&, int, VectorXd&) {};
+  model->integrated_noise = [](const Stretch&, int, int, Eigen::MatrixXd&) {};
   return model;
 }
 

@@ -6,6 +6,7 @@
 
 #include "models/smooth_rate.h"
 #include "models/user_effect.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope {
 namespace {
@@ -16,6 +17,16 @@ double NoiseCorrectedRoot(double dp, double variance) {
   const double magnitude = std::abs(dp);
   const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
   return std::copysign(std::sqrt(magnitude) * correction, dp);
+}
+
+HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
+  const double *p = s[kPressureA], *y = s[kSpool];
+  double *pressure = s.channel[kLogPressure].data(), *absolute = s.channel[kLogAbsolute].data(),
+         *opening = s.channel[kLogOpening].data();
+  for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
+  for (int k = 0; k < s.samples; ++k)
+    absolute[k] = Log(std::max(p[k] * (1.0 / kAtmosphere) + 1.0, 1.0));
+  for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
 }
 
 void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
@@ -32,6 +43,7 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   SmoothRate(s.channel[kPosition], s.samples, half, s.period, Ends::kExtend, s.channel[kSpeed]);
   SmoothRate(s.channel[kSpeed], s.samples, half, s.period, Ends::kHold, s.channel[kAcceleration]);
   SmoothRate(p, s.samples, half, s.period, Ends::kHold, s.channel[kPressureRate]);
+  FillLogarithms(s);
 }
 
 std::vector<Column> BaseColumns(double area) {
@@ -39,43 +51,46 @@ std::vector<Column> BaseColumns(double area) {
       {"flow_area",
        [](const Stretch& s, double&, std::span<double> out) {
          const double *root = s[kFlowRoot], *y = s[kSpool];
-         IntegrateOverTime(
+         wide::IntegrateOverTime(
              s, [=](int k) { return root[k] * y[k]; }, out);
        }},
       {"dead_volume",
        [](const Stretch& s, double&, std::span<double> out) {
          const double* p = s[kPressureA];
-         Differences(
+         wide::Differences(
              s, [=](int k) { return p[k]; }, out);
        }},
       {"stroke_volume",
        [](const Stretch& s, double&, std::span<double> out) {
          const double *p = s[kPressureA], *z = s[kPosition];
-         IntegrateOver(
+         wide::IntegrateOver(
              s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
        }},
       {"flow_null",
        [](const Stretch& s, double&, std::span<double> out) {
          const double* root = s[kFlowRoot];
-         IntegrateOverTime(
+         wide::IntegrateOverTime(
              s, [=](int k) { return root[k]; }, out);
        }},
       {"piston_volume",
        [area](const Stretch& s, double&, std::span<double> out) {
          const double* z = s[kPosition];
-         Differences(
+         wide::Differences(
              s, [=](int k) { return area * z[k]; }, out);
        }},
   };
 }
 
 /// Pressure noise in the flow through the valve: d(root y)/dp = y / (2 root), d(root)/dp = 1 / (2 root).
-void IntegratedNoise(const Stretch& s, int sample, Eigen::VectorXd& rate_noise) {
+void IntegratedNoise(const Stretch& s, int first, int step, Eigen::MatrixXd& rate_noise) {
   const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
-  const double slope =
-      0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
-  rate_noise[0] = slope * s[kSpool][sample];
-  rate_noise[3] = slope;
+  for (Eigen::Index b = 0; b < rate_noise.cols(); ++b) {
+    const auto sample = first + static_cast<int>(b) * step;
+    const double slope =
+        0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
+    rate_noise(0, b) = slope * s[kSpool][sample];
+    rate_noise(3, b) = slope;
+  }
 }
 
 DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
@@ -114,7 +129,8 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   model->base_count = 4;
   model->output_unit = "m3/s";
   model->channel_names = {"p_A",   "z",         "y_v",   "p_B",          "p_0",
-                          "T_oil", "flow_root", "speed", "acceleration", "pressure_rate"};
+                          "T_oil", "flow_root", "speed", "acceleration", "pressure_rate",
+                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|"};
   for (int c = 0; c < kMeasuredChannels; ++c)
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
@@ -130,7 +146,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   geometry.piston_area = area->value;
   geometry.tank_pressure = machine.Geometry("p_t").value_or(KnownValue{}).value;
   geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{0.2, 0}).value;
-  static_assert(kDieCushionChannels == 10);
+  static_assert(kDieCushionChannels == 13);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
     DeriveChannels(tank, has_supply, s);

@@ -5,6 +5,8 @@
 
 namespace hydroscope {
 
+inline constexpr double kAtmosphere = 1.013e5;  ///< Pa; chamber pressures are gauge pressures
+
 /// Channels of a die-cushion stretch: measured ones, then derived ones.
 enum DieCushionChannel {
   kPressureA,       ///< p_A, Pa
@@ -18,6 +20,10 @@ enum DieCushionChannel {
   kSpeed,                         ///< dz/dt smoothed, m/s
   kAcceleration,                  ///< d2z/dt2 smoothed, m/s^2
   kPressureRate,                  ///< dp_A/dt smoothed, Pa/s
+  // Logarithms that several effects need; evaluated once.
+  kLogPressure,     ///< ln of p_A in Pa, at least 1 Pa
+  kLogAbsolute,     ///< ln of p_A above vacuum in atm, at least 1 atm
+  kLogOpening,      ///< ln |y_v|, openings below 0.1 % counting as 0.1 %
   kDieCushionChannels
 };
 

@@ -151,9 +151,10 @@ Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machi
     model->columns.push_back({name, FillOf(ready.back(), model->level_form)});
   }
   model->output_integrated = true;
-  model->integrated_noise = [ready](const Stretch& s, int sample, Eigen::VectorXd& rate_noise) {
-    for (std::size_t i = 0; i < ready.size(); ++i)
-      rate_noise[static_cast<Eigen::Index>(i)] = ready[i]->Contrast(s, sample);
+  model->integrated_noise = [ready](const Stretch& s, int first, int step, Eigen::MatrixXd& rate_noise) {
+    for (Eigen::Index b = 0; b < rate_noise.cols(); ++b)
+      for (std::size_t i = 0; i < ready.size(); ++i)
+        rate_noise(static_cast<Eigen::Index>(i), b) = ready[i]->Contrast(s, first + static_cast<int>(b) * step);
   };
   model->derive = Derivation(machine, units);
 

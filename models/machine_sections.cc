@@ -8,10 +8,12 @@
 #include "models/machine_keys.h"
 
 namespace hydroscope {
+
+std::string SiOf(const std::string& unit) { return FindFileUnit(unit).value_or(FileUnit{.si = "1"}).si; }
+
 namespace {
 
 const Quantity kSeconds{.si = "s", .default_unit = "s", .low = 0};
-std::string SiOf(const std::string& unit) { return FindFileUnit(unit).value_or(FileUnit{.si = "1"}).si; }
 
 /// A section that is a table of its own; calls `read` with its reader if it is there.
 template <typename Read>

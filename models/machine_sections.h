@@ -28,6 +28,9 @@ void ReadFeeds(TableReader& file, Machine& machine);
 /// `dds` and `modbus` of one signal.
 void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
 
+/// SI unit of a unit of the file; "1" if it is not known.
+std::string SiOf(const std::string& unit);
+
 /// Parts of [balance] and [[effect]] (machine_sections_expressions.cc).
 /// terms = { F_c = "sign(ddt(x))" } or { F_c = { expression = "sign(ddt(x))", unit = "N" } }; every expression is
 /// checked against `names`.

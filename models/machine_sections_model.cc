@@ -6,8 +6,6 @@
 namespace hydroscope {
 namespace {
 
-std::string SiOf(const std::string& unit) { return FindFileUnit(unit).value_or(FileUnit{.si = "1"}).si; }
-
 std::vector<std::string> SignalNames(const Machine& machine) {
   std::vector<std::string> names;
   for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);

@@ -81,8 +81,9 @@ struct ModelStructure {
   /// Fills the derived channels of a stretch whose measured channels are there.
   std::function<void(Stretch&)> derive_channels;
   /// Standard deviation that sensor noise gives the rates of the base columns that are integrated over time, all from
-  /// one common source, at a sample; `rate_noise` comes in as zeros. Integrated, it is a random walk.
-  std::function<void(const Stretch&, int sample, Eigen::VectorXd& rate_noise)> integrated_noise;
+  /// one common source, at samples `first`, `first + step`, ...: a column of `rate_noise` each, which comes in as
+  /// zeros. Integrated, it is a random walk.
+  std::function<void(const Stretch&, int first, int step, Eigen::MatrixXd& rate_noise)> integrated_noise;
   /// Base columns whose sensor noise is nearly all of that kind; the noise floor counts it as a walk.
   std::vector<int> walk_columns;
   /// Physical parameters of a regression result; all of them, admissible or not.

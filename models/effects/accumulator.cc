@@ -8,9 +8,9 @@ namespace {
 
 constexpr double kExponent = 1.3;  // polytropic, between isothermal 1.0 and adiabatic nitrogen 1.4
 
-/// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n).
-double TakenUp(double p, double precharge) {
-  return 1.0 - Exp(Log(precharge / std::max(p, precharge)) * (1.0 / kExponent));
+/// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n), from the logarithms.
+double TakenUp(double log_p, double log_precharge) {
+  return 1.0 - Exp(std::min(log_precharge - log_p, 0.0) * (1.0 / kExponent));
 }
 
 }  // namespace
@@ -35,10 +35,10 @@ Effect Accumulator(const CushionGeometry&) {
       "open, a "
       "trapped air pocket, a soft hose.";
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant([precharge = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double* p = s[kPressureA];
+    return PlainVariant([log_precharge = Log(nonlinear[0])](const Stretch& s, double&, std::span<double> out) {
+      const double* log_p = s[kLogPressure];
       wide::Differences(
-          s, [=](int k) { return -TakenUp(p[k], precharge); }, out);
+          s, [=](int k) { return -TakenUp(log_p[k], log_precharge); }, out);
     });
   };
   e.grid = {{40e5}, {80e5}, {120e5}, {160e5}};

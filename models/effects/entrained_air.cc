@@ -6,27 +6,22 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kAtmosphere = 1.013e5;  // Pa; chamber pressures are gauge pressures
-
-/// Share of its volume at 1 atm that free air has given up at gauge pressure p: 1 - (p_atm / p_abs)^(1/n).
-double Compressed(double gauge, double exponent) {
-  const double ratio = kAtmosphere / std::max(gauge + kAtmosphere, kAtmosphere);
-  return 1.0 - Exp(Log(ratio) / exponent);
-}
+/// Share of its volume at 1 atm that free air has given up: 1 - (p_atm / p_abs)^(1/n), slope = -1/n.
+double Compressed(double log_absolute, double slope) { return 1.0 - Exp(log_absolute * slope); }
 
 Column::Fill DeadVolume(double exponent) {
-  return [exponent](const Stretch& s, double&, std::span<double> out) {
-    const double* p = s[kPressureA];
+  return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
+    const double* p = s[kLogAbsolute];
     wide::Differences(
-        s, [=](int k) { return -Compressed(p[k], exponent); }, out);
+        s, [=](int k) { return -Compressed(p[k], slope); }, out);
   };
 }
 
 Column::Fill StrokeVolume(double exponent) {
-  return [exponent](const Stretch& s, double&, std::span<double> out) {
-    const double *p = s[kPressureA], *z = s[kPosition];
+  return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
+    const double *p = s[kLogAbsolute], *z = s[kPosition];
     wide::IntegrateOver(
-        s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], exponent); }, out);
+        s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], slope); }, out);
   };
 }
 

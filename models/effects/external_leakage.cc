@@ -1,4 +1,5 @@
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -22,7 +23,7 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.variant = [tank = geometry.tank_pressure](const auto&) {
     return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
       const double* a = s[kPressureA];
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [=](int k) { return tank - a[k]; }, out);
     });
   };

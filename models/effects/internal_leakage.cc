@@ -1,4 +1,5 @@
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -23,7 +24,7 @@ Effect InternalLeakage(const CushionGeometry&) {
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB];
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [=](int k) { return b[k] - a[k]; }, out);
     });
   };

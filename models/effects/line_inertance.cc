@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "models/effects/effects.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -24,7 +25,7 @@ Effect LineInertance(const CushionGeometry&) {
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
-      IntegrateOver(
+      wide::IntegrateOver(
           s, [=](int k) { return y[k] / std::max(root[k], 300.0); }, [=](int k) { return root[k] * y[k]; },
           out);
     };

@@ -1,5 +1,6 @@
 #include "models/effects/effects.h"
 #include "models/effects/shifted_signal.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -27,25 +28,25 @@ Effect PositionSignalDelay(const CushionGeometry&) {
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal root_before(s, kFlowRoot, -delay), y_before(s, kSpool, -delay);
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [&](int k) { return (root_before(k) * y_before(k) - root[k] * y[k]) / delay; }, out);
     };
     // (p(t - t_d) - p(t)) / t_d is minus the rate half way.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
-      Differences(
+      wide::Differences(
           s, [&](int k) { return -rate(k); }, out);
     };
     const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* z = s[kPosition];
       const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
-      IntegrateOver(
+      wide::IntegrateOver(
           s, [=](int k) { return z[k]; }, [&](int k) { return -rate(k); }, out);
     };
     const auto null = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* root = s[kFlowRoot];
       const ShiftedSignal before(s, kFlowRoot, -delay);
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [&](int k) { return (before(k) - root[k]) / delay; }, out);
     };
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {

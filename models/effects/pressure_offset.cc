@@ -7,13 +7,14 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeast = 2e5;  // Pa; below it the root of the pressure is taken as linear
+constexpr double kLeast = 2e5;                // Pa; below it the root of the pressure is taken as linear
+constexpr double kLeastRoot = 447.21359549995793;  // its root
 
 /// Change of the flow root with a zero error b, per b: (root(dp - b) - root(dp)) / b to tank, (root(dp + b) -
 /// root(dp)) / b from the supply.
 double RootChange(double root, double y, double b) {
-  const double dp = std::max(root * root, kLeast);
-  return (std::sqrt(std::max(y >= 0 ? dp - b : dp + b, 0.25 * kLeast)) - std::sqrt(dp)) / b;
+  const double present = std::max(std::abs(root), kLeastRoot), dp = present * present;
+  return (std::sqrt(std::max(y >= 0 ? dp - b : dp + b, 0.25 * kLeast)) - present) * (1.0 / b);
 }
 
 }  // namespace

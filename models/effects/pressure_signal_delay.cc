@@ -1,5 +1,6 @@
 #include "models/effects/effects.h"
 #include "models/effects/shifted_signal.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -27,24 +28,24 @@ Effect PressureSignalDelay(const CushionGeometry&) {
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal later(s, kFlowRoot, delay);
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [&](int k) { return y[k] * (later(k) - root[k]) / delay; }, out);
     };
     // (p(t + t_d) - p(t)) / t_d is the rate half way.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
-      Differences(s, rate, out);
+      wide::Differences(s, rate, out);
     };
     const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* z = s[kPosition];
       const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
-      IntegrateOver(
+      wide::IntegrateOver(
           s, [=](int k) { return z[k]; }, rate, out);
     };
     const auto null = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* root = s[kFlowRoot];
       const ShiftedSignal later(s, kFlowRoot, delay);
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [&](int k) { return (later(k) - root[k]) / delay; }, out);
     };
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {

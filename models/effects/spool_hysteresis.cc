@@ -26,14 +26,17 @@ Effect SpoolHysteresis(const CushionGeometry&) {
       "spool, silt in the pilot stage.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
-      // `lag` is edge minus spool, within +- width / 2; it lives on from stretch to stretch.
+      // `lag` is edge minus spool, within +- width / 2; it lives on from stretch to stretch. Only the edge
+      // waits for the sample before.
       const double *root = s[kFlowRoot], *y = s[kSpool];
       if (!s.continues) lag = 0.0;
-      double left = root[0] * lag;
+      const double reach = 0.5 * width, scale = 0.5 * s.period / width;
+      double edge = y[0] + lag, left = root[0] * lag;
       for (int k = 0; k + 1 < s.samples; ++k) {
-        lag = std::clamp(lag - (y[k + 1] - y[k]), -0.5 * width, 0.5 * width);
+        edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
+        lag = edge - y[k + 1];
         const double right = root[k + 1] * lag;
-        out[k] = 0.5 * s.period * (left + right) / width;
+        out[k] = scale * (left + right);
         left = right;
       }
     };

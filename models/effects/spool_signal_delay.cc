@@ -1,5 +1,6 @@
 #include "models/effects/effects.h"
 #include "models/effects/shifted_signal.h"
+#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 
@@ -26,7 +27,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
     const auto flow = [delay = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal later(s, kSpool, delay);
-      IntegrateOverTime(
+      wide::IntegrateOverTime(
           s, [&](int k) { return root[k] * (later(k) - y[k]) / delay; }, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};

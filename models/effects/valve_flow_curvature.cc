@@ -8,7 +8,7 @@ namespace hydroscope::effects {
 namespace {
 
 /// |y|^a; openings below 0.1 % count as 0.1 %.
-double Power(double y, double a) { return Exp(a * Log(std::max(std::abs(y), 1e-3))); }
+double Power(double log_opening, double a) { return Exp(a * log_opening); }
 
 }  // namespace
 
@@ -35,14 +35,15 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
       "another notch shape than the data sheet says.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
+      const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
       wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * y[k] * (Power(y[k], a) - 1.0) / a; }, out);
+          s, [=, inverse = 1.0 / a](int k) { return root[k] * y[k] * (Power(log[k], a) - 1.0) * inverse; }, out);
     };
     const auto null = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
+      const double *root = s[kFlowRoot], *log = s[kLogOpening];
       wide::IntegrateOverTime(
-          s, [=](int k) { return root[k] * ((1.0 + a) * Power(y[k], a) - 1.0) / a; }, out);
+          s, [=, inverse = 1.0 / a](int k) { return root[k] * ((1.0 + a) * Power(log[k], a) - 1.0) * inverse; },
+          out);
     };
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[3]};
