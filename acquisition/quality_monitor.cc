@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/constants.h"
+#include "core/wide.h"
 
 namespace hydroscope {
 namespace {
@@ -26,29 +27,69 @@ constexpr double kRunsToBeStuck = 25.0;
 constexpr Quality kBreaks =
     quality::kMissing | quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
-// Two rows at once: vectors of GCC and Clang, one instruction on any x86-64 and ARMv8.
-typedef double Doubles __attribute__((vector_size(16)));
-typedef std::int64_t Integers __attribute__((vector_size(16)));
-
-inline Doubles Load(const double* x) {
-  Doubles both;
-  std::memcpy(&both, x, sizeof both);
-  return both;
-}
-
-inline std::int64_t Sum(const Integers& both) { return both[0] + both[1]; }
-
-}  // namespace
+// Four rows at once: vectors of GCC and Clang.
+typedef double Doubles __attribute__((vector_size(32)));
+typedef std::int64_t Integers __attribute__((vector_size(32)));
+constexpr std::size_t kLanes = 4;
 
 /// What one pass over a piece of a column counts.
-struct QualityMonitor::Counts {
+struct Counts {
   std::int64_t different = 0;   ///< third differences other than zero
   std::int64_t above = 0;       ///< third differences above the scale
   std::int64_t candidates = 0;  ///< values far off the mean of their neighbours
   std::int64_t equal = 0;       ///< readings equal to the one before
   std::int64_t changes = 0;     ///< readings different from the one before
   std::int64_t reversals = 0;   ///< changes of direction
+  std::int64_t outside = 0;     ///< readings beyond the limits
 };
+
+struct Thresholds {
+  double scale = 0;            ///< of third differences
+  double far = 0;              ///< of twice the distance to the mean of both neighbours
+  double low = 0, high = 0;    ///< of readings
+};
+
+/// What lies beyond `rows` is NaN.
+inline void Load(const double* x, std::size_t rows, Doubles& four) {
+  four = Doubles{kNaN, kNaN, kNaN, kNaN};
+  std::memcpy(&four, x, rows * sizeof(double));
+}
+
+inline std::int64_t Sum(const Integers& four) { return (four[0] + four[1]) + (four[2] + four[3]); }
+
+/// Looks from two rows before to one row after each of `rows` rows. NaN makes every comparison false, so
+/// missing values count nowhere.
+HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds& thresholds) {
+  const Doubles square_of_scale = Doubles{} + thresholds.scale * thresholds.scale;
+  const Doubles square_of_far = Doubles{} + thresholds.far * thresholds.far;
+  const Doubles low = Doubles{} + thresholds.low, high = Doubles{} + thresholds.high, zero{};
+  Integers different{}, above{}, candidates{}, equal{}, changes{}, reversals{}, outside{};
+  const auto add = [&](const double* from, std::size_t count) {
+    Doubles second_before, before, at, after;
+    Load(from - 2, count, second_before);
+    Load(from - 1, count, before);
+    Load(from, count, at);
+    Load(from + 1, count, after);
+    const Doubles step = at - before;
+    const Doubles third = (after - second_before) - 3.0 * step;
+    const Doubles bend = (after - at) - step;
+    // A comparison gives -1 where it is true. Squares spare the absolute values.
+    different -= third * third > zero;
+    above -= third * third > square_of_scale;
+    candidates -= bend * bend > square_of_far;
+    equal -= step == zero;
+    changes -= step * step > zero;
+    reversals -= step * (before - second_before) < zero;
+    outside -= (at < low) | (at > high);
+  };
+  std::size_t i = 0;
+  for (; i + kLanes <= rows; i += kLanes) add(x + i, kLanes);
+  if (i < rows) add(x + i, rows - i);
+  return {Sum(different), Sum(above),     Sum(candidates), Sum(equal),
+          Sum(changes),   Sum(reversals), Sum(outside)};
+}
+
+}  // namespace
 
 QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
     : guard_(ExpressionGuard::For(machine)) {
@@ -56,7 +97,6 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
     Track track;
     track.low = spec.min.value_or(-kInfinity);
     track.high = spec.max.value_or(kInfinity);
-    track.limited = spec.min || spec.max;
     track.known_noise = spec.noise_std.value_or(0.0);
     if (spec.stuck_time > 0)
       track.stuck_rows =
@@ -134,13 +174,15 @@ void QualityMonitor::Judge(std::size_t rows, Track& track) {
     const std::size_t piece = std::min(rows - row, kFrame - frame_row_);
     const double* x = column_.data() + kHistory + row;
     Quality* flags = flags_.data() + row;
-    const Counts counts = Count(x, piece, track);
+    const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
+    const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
+    const Counts counts = Count(x, piece, {track.scale, far, track.low, track.high});
     track.readings += counts.equal + counts.changes;
     track.changes += counts.changes;
     track.reversals += counts.reversals;
     track.different += counts.different;
     track.above += counts.above;
-    if (track.limited) FlagRange(x, piece, track, flags);
+    if (counts.outside > 0) FlagRange(x, piece, track, flags);
     if (counts.candidates > 0) FlagSpikes(x, piece, track, flags);
     if (counts.equal > 0) {
       FlagStuck(x, piece, track, flags);
@@ -187,36 +229,6 @@ void QualityMonitor::DelayTimes(std::size_t rows, std::size_t kept, SampleBlock&
   held_ = kept;
 }
 
-/// NaN makes every comparison false, so missing values count nowhere.
-QualityMonitor::Counts QualityMonitor::Count(const double* x, std::size_t rows, const Track& track) const {
-  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
-  const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
-  const Doubles square_of_scale = Doubles{} + track.scale * track.scale;
-  const Doubles square_of_far = Doubles{} + far * far;
-  const Doubles zero = {};
-  Integers different = {}, above = {}, candidates = {}, equal = {}, changes = {}, reversals = {};
-  const auto add = [&](Doubles second_before, Doubles before, Doubles at, Doubles after) {
-    const Doubles step = at - before;
-    const Doubles third = (after - second_before) - 3.0 * step;
-    const Doubles bend = (after - at) - step;
-    // A comparison gives -1 where it is true. Squares spare the absolute values.
-    different -= third * third > zero;
-    above -= third * third > square_of_scale;
-    candidates -= bend * bend > square_of_far;
-    equal -= step == zero;
-    changes -= step * step > zero;
-    reversals -= step * (before - second_before) < zero;
-  };
-  const std::size_t even = rows - rows % 2;
-  for (std::size_t i = 0; i < even; i += 2)
-    add(Load(x + i - 2), Load(x + i - 1), Load(x + i), Load(x + i + 1));
-  if (rows > even) {
-    const double* last = x + even;
-    add(Doubles{last[-2], kNaN}, Doubles{last[-1], kNaN}, Doubles{last[0], kNaN}, Doubles{last[1], kNaN});
-  }
-  return {Sum(different), Sum(above), Sum(candidates), Sum(equal), Sum(changes), Sum(reversals)};
-}
-
 /// The scale starts as the median of the first 64 third differences other than zero.
 void QualityMonitor::CollectFirst(const double* x, std::size_t rows, Track& track) {
   for (std::size_t i = 0; i < rows && track.first_count < kFrame; ++i) {
@@ -227,11 +239,6 @@ void QualityMonitor::CollectFirst(const double* x, std::size_t rows, Track& trac
 }
 
 void QualityMonitor::FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags) {
-  const Doubles low = Doubles{} + track.low;
-  const Doubles high = Doubles{} + track.high;
-  Integers outside = {};
-  for (std::size_t i = 0; i + 2 <= rows; i += 2) outside |= (Load(x + i) < low) | (Load(x + i) > high);
-  if (Sum(outside) == 0 && rows % 2 == 0) return;
   for (std::size_t i = 0; i < rows; ++i)
     if (x[i] < track.low || x[i] > track.high) flags[i] |= quality::kOutOfRange;
 }

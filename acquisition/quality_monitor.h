@@ -67,7 +67,6 @@ class QualityMonitor {
   /// What is remembered of a channel.
   struct Track {
     double low = 0, high = 0;               ///< SI, limits
-    bool limited = false;                   ///< there are limits
     double known_noise = 0;                 ///< SI, std from the machine file; 0 if not given
     std::int64_t stuck_rows = 0;            ///< identical readings allowed; 0: any number
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first
@@ -84,14 +83,12 @@ class QualityMonitor {
     std::array<double, kFrame> first{};  ///< third differences until the scale is known
     std::size_t first_count = 0;
   };
-  struct Counts;
 
   void Reserve(std::size_t rows);
   void LineUp(const SampleBlock& block, std::size_t channel);
   void Judge(std::size_t rows, Track& track);
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
   void DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block);
-  Counts Count(const double* x, std::size_t rows, const Track& track) const;
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags);

@@ -25,6 +25,10 @@ constexpr std::size_t kStrokesPerBatch = 256;
 
 using RowSink = std::function<Status(SampleBlock&)>;
 
+std::string DatabaseFor(const std::string& log) {
+  return std::filesystem::path(log).replace_extension(".bench.db").string();
+}
+
 /// CPU seconds of this process: what other programs take on the same core does not count.
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -87,9 +91,7 @@ Result<std::int64_t> Identify(const std::string& log, const Machine& machine) {
 }
 
 Result<std::int64_t> IdentifyAndStore(const std::string& log, const Machine& machine) {
-  const std::filesystem::path path = std::filesystem::path(log).replace_extension(".bench.db");
-  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path.string() + suffix);
-  auto database = Database::Open(path);
+  auto database = Database::Open(DatabaseFor(log));
   if (!database) return tl::unexpected(database.error());
   std::int64_t run = -1;
   const auto store = [&](Pipeline& pipeline, std::vector<StrokeRecord>& strokes) -> Status {
@@ -127,6 +129,7 @@ int Run(const std::string& log, const std::string& machine_file, int repeats, co
     double best = 1e300;
     std::int64_t rows = 0;
     for (int k = 0; k < repeats; ++k) {
+      for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(DatabaseFor(log) + suffix);
       const double start = CpuSeconds();
       const auto done = stage.run(log, *machine);
       if (!done) {

@@ -70,12 +70,12 @@ AddProductsFunction WidestAddProducts() {
   return AddProducts128;
 }
 
-/// `lower` has one column per column of the model and, for whole vectors, Padded() rows.
-void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& lower) {
+/// `lower` has one column per column of the model and, for whole vectors, Padded() rows; so has `packed`, whose
+/// padding stays zero.
+void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& packed, Eigen::MatrixXd& lower) {
   static const AddProductsFunction add_products = WidestAddProducts();
-  Eigen::MatrixXd packed(lower.rows(), count);
-  packed.topRows(lower.cols()) = equations.leftCols(count);
-  packed.bottomRows(lower.rows() - lower.cols()).setZero();
+  if (packed.cols() < count) packed.setZero(lower.rows(), count);
+  packed.topLeftCorner(lower.cols(), count) = equations.leftCols(count);
   add_products(packed.data(), static_cast<int>(lower.rows()), count, static_cast<int>(lower.cols()),
                lower.data());
 }
@@ -97,10 +97,10 @@ StrokeAccumulator::StrokeAccumulator(int columns)
 
 void StrokeAccumulator::Add(const SpanEquations& span) {
   const int windows = static_cast<int>(span.flow_time.size());
-  AddOuter(span.integral, span.equations, integral_);
-  AddOuter(span.noise, span.blocks, noise_);
+  AddOuter(span.integral, span.equations, packed_, integral_);
+  AddOuter(span.noise, span.blocks, packed_, noise_);
   AddIntegratedNoise(span, noise_);
-  AddOuter(span.flow, windows, flow_);
+  AddOuter(span.flow, windows, packed_, flow_);
   blocks_ += span.blocks;
   spans_ += span.blocks - span.equations;
   windows_ += windows;

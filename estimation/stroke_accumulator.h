@@ -18,6 +18,7 @@ class StrokeAccumulator {
 
  private:
   Eigen::MatrixXd integral_, noise_, flow_;  ///< lower triangles
+  Eigen::MatrixXd packed_;                   ///< equations being added
   std::int64_t blocks_ = 0, spans_ = 0, windows_ = 0;
 };
 

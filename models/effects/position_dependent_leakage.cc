@@ -25,12 +25,12 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant(
-        [centre = nonlinear[0], width = nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
+        [centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
           const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
           wide::IntegrateOverTime(
               s,
               [=](int k) {
-                const double x = (z[k] - centre) / width;
+                const double x = (z[k] - centre) * inverse;
                 return (b[k] - a[k]) * Exp(-x * x);
               },
               out);

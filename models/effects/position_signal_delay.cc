@@ -29,7 +29,11 @@ Effect PositionSignalDelay(const CushionGeometry&) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal root_before(s, kFlowRoot, -delay), y_before(s, kSpool, -delay);
       wide::IntegrateOverTime(
-          s, [&](int k) { return (root_before(k) * y_before(k) - root[k] * y[k]) / delay; }, out);
+          s,
+          [&, per_second = 1.0 / delay](int k) {
+            return (root_before(k) * y_before(k) - root[k] * y[k]) * per_second;
+          },
+          out);
     };
     // (p(t - t_d) - p(t)) / t_d is minus the rate half way.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
@@ -47,7 +51,7 @@ Effect PositionSignalDelay(const CushionGeometry&) {
       const double* root = s[kFlowRoot];
       const ShiftedSignal before(s, kFlowRoot, -delay);
       wide::IntegrateOverTime(
-          s, [&](int k) { return (before(k) - root[k]) / delay; }, out);
+          s, [&, per_second = 1.0 / delay](int k) { return (before(k) - root[k]) * per_second; }, out);
     };
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};

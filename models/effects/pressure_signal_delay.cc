@@ -29,7 +29,7 @@ Effect PressureSignalDelay(const CushionGeometry&) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal later(s, kFlowRoot, delay);
       wide::IntegrateOverTime(
-          s, [&](int k) { return y[k] * (later(k) - root[k]) / delay; }, out);
+          s, [&, per_second = 1.0 / delay](int k) { return y[k] * (later(k) - root[k]) * per_second; }, out);
     };
     // (p(t + t_d) - p(t)) / t_d is the rate half way.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
@@ -46,7 +46,7 @@ Effect PressureSignalDelay(const CushionGeometry&) {
       const double* root = s[kFlowRoot];
       const ShiftedSignal later(s, kFlowRoot, delay);
       wide::IntegrateOverTime(
-          s, [&](int k) { return (later(k) - root[k]) / delay; }, out);
+          s, [&, per_second = 1.0 / delay](int k) { return (later(k) - root[k]) * per_second; }, out);
     };
     return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};

@@ -31,7 +31,8 @@ Effect SpoolOverlap(const CushionGeometry&) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       wide::IntegrateOverTime(
-          s, [=](int k) { return -root[k] * std::clamp(y[k], -band, band) / band; }, out);
+          s, [=, scale = -1.0 / band](int k) { return scale * root[k] * std::clamp(y[k], -band, band); },
+          out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };

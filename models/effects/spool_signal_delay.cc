@@ -28,7 +28,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
       const double *root = s[kFlowRoot], *y = s[kSpool];
       const ShiftedSignal later(s, kSpool, delay);
       wide::IntegrateOverTime(
-          s, [&](int k) { return root[k] * (later(k) - y[k]) / delay; }, out);
+          s, [&, per_second = 1.0 / delay](int k) { return root[k] * (later(k) - y[k]) * per_second; }, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };
