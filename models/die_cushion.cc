@@ -29,16 +29,20 @@ HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
   for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
 }
 
-void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
-  const auto& p = s.channel[kPressureA];
-  const double variance = WhiteNoiseVariance(p.data(), s.samples);
-  auto& root = s.channel[kFlowRoot];
+HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch& s) {
+  const double *p = s[kPressureA], *y = s[kSpool], *supply = s[kSupplyPressure];
+  double* const root = s.channel[kFlowRoot].data();
+  const double variance = WhiteNoiseVariance(p, s.samples);
   for (int k = 0; k < s.samples; ++k) {
-    const bool to_tank =
-        s.channel[kSpool][k] >= 0.0 || !has_supply || std::isnan(s.channel[kSupplyPressure][k]);
-    const double dp = to_tank ? p[k] - tank_pressure : s.channel[kSupplyPressure][k] - p[k];
+    const bool to_tank = (y[k] >= 0.0) | !has_supply | (supply[k] != supply[k]);  // NaN: not measured now
+    const double dp = to_tank ? p[k] - tank_pressure : supply[k] - p[k];
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
+}
+
+void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
+  const auto& p = s.channel[kPressureA];
+  FillFlowRoot(tank_pressure, has_supply, s);
   const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
   SmoothRate(s.channel[kPosition], s.samples, half, s.period, Ends::kExtend, s.channel[kSpeed]);
   SmoothRate(s.channel[kSpeed], s.samples, half, s.period, Ends::kHold, s.channel[kAcceleration]);

@@ -43,7 +43,7 @@ HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
   return total / (20.0 * (n - 3));
 }
 
-void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,
+HYDROSCOPE_WIDE void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,
                 std::vector<double>& rate) {
   const int m = std::clamp((n - 1) / 2, 1, half);
   if (n < 3) {

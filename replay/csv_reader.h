@@ -7,6 +7,7 @@
 
 #include "replay/byte_source.h"
 #include "replay/column_plan.h"
+#include "replay/field_shape.h"
 #include "replay/log_layout.h"
 #include "replay/log_reader.h"
 #include "replay/time_check.h"
@@ -36,6 +37,8 @@ class CsvReader : public LogReader {
     int signal = kNone;        ///< index of the signal it is written to; kTime for the time
     double* out = nullptr;     ///< where the present block keeps it
     std::ptrdiff_t width = 0;  ///< of the field last read, with its separator
+    FieldShape shape[2] = {};  ///< of a number without and with a sign
+    int lessons = 0;           ///< how often shapes may still be learned in this block
   };
   static constexpr int kTime = -1;
   static constexpr int kNone = -2;
@@ -53,6 +56,8 @@ class CsvReader : public LogReader {
   const char* ReadPlainRow(const char* text, std::size_t row);
   template <bool kBlanks>
   const char* ReadPlainField(const char* p, const Column& column, std::size_t row) const;
+  const char* ReadShapedRow(const char* text, std::size_t row);
+  const char* ReadUnlikeField(const char* p, Column& column, std::size_t row);
   static const char* NextStart(const char* start, const char* next, const char* guess, Column& column);
   template <bool kBlanks>
   const char* SkipRest(const char* p) const;
@@ -69,6 +74,7 @@ class CsvReader : public LogReader {
   LogLayout layout_;
   ColumnPlan plan_;
   std::vector<Column> columns_;  ///< up to the last column used
+  bool shaped_ = false;  ///< rows are read by the shapes of their fields
   bool time_is_text_ = false;
   double sample_period_ = 0;  ///< s
   TimeChecker time_check_{0};

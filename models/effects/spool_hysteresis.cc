@@ -1,8 +1,29 @@
 #include <algorithm>
 
+#include "core/wide.h"
 #include "models/effects/effects.h"
 
 namespace hydroscope::effects {
+
+namespace {
+
+/// Increments of root times lag, per width. `lag` is edge minus spool, within +- width / 2; it lives on from
+/// stretch to stretch. Only the edge waits for the sample before.
+HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std::span<double> out) {
+  const double *root = s[kFlowRoot], *y = s[kSpool];
+  if (!s.continues) lag = 0.0;
+  const double reach = 0.5 * width, scale = 0.5 * s.period / width;
+  double edge = y[0] + lag, left = root[0] * lag;
+  for (int k = 0; k + 1 < s.samples; ++k) {
+    edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
+    lag = edge - y[k + 1];
+    const double right = root[k + 1] * lag;
+    out[k] = scale * (left + right);
+    left = right;
+  }
+}
+
+}  // namespace
 
 /// The metering edge follows the measured spool with play: it moves only after the spool has turned by the
 /// width w (play operator, Visintin 1994, sec. III.1).
@@ -26,19 +47,7 @@ Effect SpoolHysteresis(const CushionGeometry&) {
       "spool, silt in the pilot stage.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
-      // `lag` is edge minus spool, within +- width / 2; it lives on from stretch to stretch. Only the edge
-      // waits for the sample before.
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      if (!s.continues) lag = 0.0;
-      const double reach = 0.5 * width, scale = 0.5 * s.period / width;
-      double edge = y[0] + lag, left = root[0] * lag;
-      for (int k = 0; k + 1 < s.samples; ++k) {
-        edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
-        lag = edge - y[k + 1];
-        const double right = root[k + 1] * lag;
-        out[k] = scale * (left + right);
-        left = right;
-      }
+      FollowEdge(s, width, lag, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };
