@@ -44,9 +44,9 @@ struct Counts {
 };
 
 struct Thresholds {
-  double scale = 0;            ///< of third differences
-  double far = 0;              ///< of twice the distance to the mean of both neighbours
-  double low = 0, high = 0;    ///< of readings
+  double scale = 0;          ///< of third differences
+  double far = 0;            ///< of twice the distance to the mean of both neighbours
+  double low = 0, high = 0;  ///< of readings
 };
 
 /// What lies beyond `rows` is NaN.

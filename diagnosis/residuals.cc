@@ -139,15 +139,8 @@ StrokeResiduals ResidualBuilder::Build(const StrokeStretches& stroke) {
       if (llt.info() == Eigen::Success) out_.whitened.emplace_back(llt.matrixL().solve(contrasts[k]));
     }
   }
-  const double h = window_.half_window, block_time = window_.block * window_.period;
-  std::size_t next = 0;
-  for (const auto& [end, span_noise] : noise) {
-    // A walk enters that difference by a triangle over 2 h blocks, whose energy is 2 h / 3.
-    const double walked = span_noise.walk * 2 * h / 3;
-    const double variance =
-        span_noise.white * window_.FlowVarianceGain() + walked / (h * h * block_time * block_time);
-    for (; next < end; ++next) out_.noise_variance.push_back(variance);
-  }
+  for (const auto& [end, span_noise] : noise)
+    out_.noise_variance.resize(end, window_.FlowNoiseVariance(span_noise.white, span_noise.walk));
   out_.signal.resize(static_cast<int>(signals_.size()), out_.windows());
   for (int w = 0; w < out_.windows(); ++w)
     for (std::size_t s = 0; s < signals_.size(); ++s)

@@ -158,11 +158,8 @@ void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& the
 
 double NoiseFloorSum::Rms() const {
   if (equations_ <= 0) return 0.0;
-  // A walk that gains the variance q per block: means of h blocks, h blocks apart, differ by 2/3 h q.
-  const double block_time = window_.block * window_.period;
-  const double per_block = walk_gain_ > 0 ? walk_ / walk_gain_ : 0.0;
-  const double walk_variance = 2.0 / 3.0 * per_block / (window_.half_window * block_time * block_time);
-  return std::sqrt(std::max(0.0, white_ / equations_ * window_.FlowVarianceGain() + walk_variance));
+  const double walk = walk_gain_ > 0 ? walk_ / walk_gain_ : 0.0;
+  return std::sqrt(std::max(0.0, window_.FlowNoiseVariance(white_ / equations_, walk)));
 }
 
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,

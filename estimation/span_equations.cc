@@ -25,7 +25,8 @@ HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<Blo
   return level;
 }
 
-/// `scale` times the difference of a block to the mean of those before; the mean then takes its `share` of it.
+/// `scale` times the difference of a block to the mean of those before; the mean then takes its `share` of
+/// it.
 HYDROSCOPE_WIDE void AddContrast(std::ptrdiff_t rows, const double* block, double scale, double share,
                                  double* __restrict mean, double* __restrict contrast) {
   for (std::ptrdiff_t i = 0; i < rows; ++i) {
@@ -36,14 +37,15 @@ HYDROSCOPE_WIDE void AddContrast(std::ptrdiff_t rows, const double* block, doubl
 }
 
 /// Sum of `count` neighbouring columns of `rows` numbers each.
-HYDROSCOPE_WIDE void SumColumns(std::ptrdiff_t rows, int count, const double* columns, double* __restrict sum) {
+HYDROSCOPE_WIDE void SumColumns(std::ptrdiff_t rows, int count, const double* columns,
+                                double* __restrict sum) {
   std::copy_n(columns, rows, sum);
   for (int c = 1; c < count; ++c)
     for (std::ptrdiff_t i = 0; i < rows; ++i) sum[i] += columns[c * rows + i];
 }
 
-HYDROSCOPE_WIDE void ScaledDifference(std::ptrdiff_t rows, double scale, const double* after, const double* before,
-                                      double* __restrict out) {
+HYDROSCOPE_WIDE void ScaledDifference(std::ptrdiff_t rows, double scale, const double* after,
+                                      const double* before, double* __restrict out) {
   for (std::ptrdiff_t i = 0; i < rows; ++i) out[i] = scale * (after[i] - before[i]);
 }
 
@@ -62,6 +64,11 @@ WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
 double WindowSamples::FlowVarianceGain() const {
   const double h = half_window, block_time = block * period;
   return level_form ? 1.0 / (2 * h) : 2.0 / (h * h * h * block_time * block_time);
+}
+
+double WindowSamples::FlowNoiseVariance(double white, double walk) const {
+  const double block_time = block * period;
+  return white * FlowVarianceGain() + 2.0 / 3.0 * walk / (half_window * block_time * block_time);
 }
 
 SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> model, WindowSamples window)
@@ -150,8 +157,8 @@ void SpanEquationBuilder::FillContrasts(int blocks) {
   // Helmert contrasts: block j against the mean of those before it, scaled to keep white noise white.
   mean_ = level_.col(history_);
   for (int j = 1; j < blocks; ++j)
-    AddContrast(level_.rows(), &level_(0, history_ + j), std::sqrt(j / (j + 1.0)), 1.0 / (j + 1.0), mean_.data(),
-                &out_.integral(0, j - 1));
+    AddContrast(level_.rows(), &level_(0, history_ + j), std::sqrt(j / (j + 1.0)), 1.0 / (j + 1.0),
+                mean_.data(), &out_.integral(0, j - 1));
 }
 
 void SpanEquationBuilder::FillIntegratedNoise(const Stretch& stretch, int blocks) {

@@ -52,6 +52,9 @@ struct WindowSamples {
   /// block levels, h blocks apart, has 2 / (h^3 T_block^2); in the level form the mean of 2 h blocks has 1 /
   /// (2 h).
   double FlowVarianceGain() const;
+  /// Variance of a window of the flow form, from the variance `white` of a block mean and the variance `walk`
+  /// that a random walk gains per block: means of h blocks, h blocks apart, then differ by 2/3 h walk.
+  double FlowNoiseVariance(double white, double walk) const;
 };
 
 /// Weights of one increment of a block: mean, alternating signs, rise; four lanes, the last one unused.

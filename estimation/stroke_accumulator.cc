@@ -70,8 +70,8 @@ AddProductsFunction WidestAddProducts() {
   return AddProducts128;
 }
 
-/// `lower` has one column per column of the model and, for whole vectors, Padded() rows; so has `packed`, whose
-/// padding stays zero.
+/// `lower` has one column per column of the model and, for whole vectors, Padded() rows; so has `packed`,
+/// whose padding stays zero.
 void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& packed, Eigen::MatrixXd& lower) {
   static const AddProductsFunction add_products = WidestAddProducts();
   if (packed.cols() < count) packed.setZero(lower.rows(), count);

@@ -24,8 +24,7 @@ HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
   double *pressure = s.channel[kLogPressure].data(), *absolute = s.channel[kLogAbsolute].data(),
          *opening = s.channel[kLogOpening].data();
   for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
-  for (int k = 0; k < s.samples; ++k)
-    absolute[k] = Log(std::max(p[k] * (1.0 / kAtmosphere) + 1.0, 1.0));
+  for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
   for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
 }
 
@@ -132,8 +131,8 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
   model->output_unit = "m3/s";
-  model->channel_names = {"p_A",   "z",         "y_v",   "p_B",          "p_0",
-                          "T_oil", "flow_root", "speed", "acceleration", "pressure_rate",
+  model->channel_names = {"p_A",     "z",           "y_v",    "p_B",          "p_0",
+                          "T_oil",   "flow_root",   "speed",  "acceleration", "pressure_rate",
                           "ln(p_A)", "ln(p_A abs)", "ln|y_v|"};
   for (int c = 0; c < kMeasuredChannels; ++c)
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));

@@ -5,7 +5,7 @@
 
 namespace hydroscope {
 
-inline constexpr double kAtmosphere = 1.013e5;  ///< Pa; chamber pressures are gauge pressures
+inline constexpr double kAirPressure = 1.013e5;  ///< Pa; chamber pressures are gauge pressures
 
 /// Channels of a die-cushion stretch: measured ones, then derived ones.
 enum DieCushionChannel {

@@ -37,12 +37,14 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
     const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
       wide::IntegrateOverTime(
-          s, [=, inverse = 1.0 / a](int k) { return root[k] * y[k] * (Power(log[k], a) - 1.0) * inverse; }, out);
+          s, [=, inverse = 1.0 / a](int k) { return root[k] * y[k] * (Power(log[k], a) - 1.0) * inverse; },
+          out);
     };
     const auto null = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *log = s[kLogOpening];
       wide::IntegrateOverTime(
-          s, [=, inverse = 1.0 / a](int k) { return root[k] * ((1.0 + a) * Power(log[k], a) - 1.0) * inverse; },
+          s,
+          [=, inverse = 1.0 / a](int k) { return root[k] * ((1.0 + a) * Power(log[k], a) - 1.0) * inverse; },
           out);
     };
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {
