@@ -7,11 +7,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 seconds=${1:-2000}
 repeats=${2:-5}
-scripts/build.sh bench replay_bench hydroscope
 out=build/bench/data
 mkdir -p "$out"
 log=$out/press_$seconds.csv
-[[ -f $log ]] || build/bench/hydroscope simulate press --out "$log" --seconds "$seconds" --seed 1
+scripts/build.sh bench replay_bench
+if [[ ! -f $log ]]; then
+  scripts/build.sh bench hydroscope
+  build/bench/hydroscope simulate press --out "$log" --seconds "$seconds" --seed 1
+fi
 
 core=()
 if command -v taskset > /dev/null; then core=(taskset -c "$(taskset -pc $$ | sed 's/.*[:,-] *//')"); fi
