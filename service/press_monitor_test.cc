@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/expect_ok.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/drift_report.h"
-#include "tests/expect_ok.h"
 
 namespace hydroscope {
 namespace {

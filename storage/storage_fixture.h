@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/expect_ok.h"
 #include "storage/database.h"
-#include "tests/expect_ok.h"
 
 namespace hydroscope::storage_test {
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "alarms/alarm_machine.h"
+#include "core/expect_ok.h"
 #include "storage/alarm_journal.h"
 #include "tests/command_line_fixture.h"
-#include "tests/expect_ok.h"
 
 namespace hydroscope {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "alarms/feeds/dds/alarm_listener.h"
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
-#include "service/benchmarks/alarm_listener.h"
 #include "service/benchmarks/live_rig.h"
 
 namespace hydroscope {

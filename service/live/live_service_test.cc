@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/expect_ok.h"
 #include "service/live/check_live.h"
 #include "service/live/live_status.h"
 #include "service/live/raw_log.h"
@@ -15,7 +16,6 @@
 #include "service/live/verify_live.h"
 #include "service/log_pass.h"
 #include "simulator/press.h"
-#include "tests/expect_ok.h"
 
 namespace hydroscope {
 namespace {

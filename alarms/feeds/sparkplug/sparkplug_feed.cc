@@ -20,8 +20,8 @@ namespace {
 constexpr double kPeriod = 0.1;                         // s between two looks at the journal
 constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at the axes
 constexpr std::int64_t kRowsAtOnce = 1000;
-constexpr std::int64_t kMostWaiting = 20'000;  // items in the outbox; the journal keeps the rest
-constexpr std::int64_t kMostInFlight = 400;    // messages the broker has not acknowledged
+constexpr std::int64_t kMostWaiting = 20'000;      // items in the outbox; the journal keeps the rest
+constexpr std::int64_t kMostUnacknowledged = 400;  // messages the broker has not acknowledged
 
 Result<std::string> FirstLine(const std::string& path) {
   std::string line;
@@ -196,8 +196,8 @@ class SparkplugFeed : public Feed {
 
   /// Outbox -> broker in the order of the journal.
   Status SendItems() {
-    if (in_flight_ >= kMostInFlight) return {};
-    const auto items = outbox_->Items(sent_, kMostInFlight - in_flight_);
+    if (in_flight_ >= kMostUnacknowledged) return {};
+    const auto items = outbox_->Items(sent_, kMostUnacknowledged - in_flight_);
     if (!items) return tl::unexpected(items.error());
     for (const OutboxItem& item : *items) {
       const bool historical = item.sequence <= historical_up_to_;

@@ -1,8 +1,7 @@
-#include "service/benchmarks/alarm_listener.h"
+#include "alarms/feeds/dds/alarm_listener.h"
 
 #include <hydroscope_wire/hydroscope_alarmsPubSubTypes.h>
 
-#include <chrono>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -19,7 +18,7 @@ namespace {
 
 using namespace eprosima::fastdds::dds;
 
-constexpr std::chrono::milliseconds kLook{5};
+const eprosima::fastrtps::Duration_t kLook{0, 50'000'000};  // s, ns: how late the end of the thread is seen
 
 class DdsListener : public AlarmListener {
  public:
@@ -53,7 +52,7 @@ class DdsListener : public AlarmListener {
         std::lock_guard lock(mutex_);
         rows_.push_back({event.journal_sequence(), event.alarm().c_str(), event.comment()});
       }
-      std::this_thread::sleep_for(kLook);
+      reader_->wait_for_unread_message(kLook);
     }
   }
 
