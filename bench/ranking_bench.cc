@@ -44,6 +44,8 @@ Result<std::int64_t> WriteEquations(const std::string& log, const Machine& machi
     monitor.Inspect(block);
     (*pipeline)->Process(block);
   }
+  monitor.Flush(block);
+  (*pipeline)->Process(block);
   (*pipeline)->Finish();
   if (!file.flush()) return BadInput("{}: cannot be written", path);
   return equations;

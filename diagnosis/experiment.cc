@@ -153,8 +153,10 @@ class Rivals {
     }
   }
 
-  /// Energy between the two that are nearest to one another, in noise variances of an equation.
+  /// Energy between the two that are nearest to one another, in noise variances of an equation; 0 where the
+  /// recorded strokes cannot size two of them.
   double Nearest(const Evidence& evidence) const {
+    if (unit_.size() < 2) return 0;
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t a = 0; a < fitted_.size(); ++a)
       for (std::size_t b = 0; b < unit_.size(); ++b)

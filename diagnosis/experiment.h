@@ -27,9 +27,8 @@ struct Experiment {
 /// with the strokes `recorded` (T-optimal design after Atkinson and Fedorov 1975, over a list of candidates):
 /// each candidate is played through with the fitted base model, every rival with its fitted size, and the
 /// part of their difference that neither the base parameters nor the other rival can swallow is weighed
-/// against the sensor noise. Where no series of at most
-/// max_strokes settles it, the one that goes furthest. Empty pressures if the explanation is not ambiguous or
-/// nothing helps.
+/// against the sensor noise. Where no series of at most max_strokes settles it, the one that goes furthest.
+/// Empty pressures if the explanation is not ambiguous or nothing helps.
 Experiment ProposeExperiment(const Explanation& explanation, const MachineMoves& moves,
                              std::span<const StrokeStretches> recorded, const WindowSamples& window);
 
