@@ -214,11 +214,11 @@ Status CheckOurs(const FileKind& kind, const std::string& path) {
 Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
   FileKind kind = Inspect(db);
   if (const Status ours = CheckOurs(kind, path); !ours) return ours;
-  if (kind.empty) db.exec("PRAGMA page_size = 8192");
+  if (kind.empty) db.exec("PRAGMA page_size = 16384");
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = NORMAL");
   db.exec("PRAGMA journal_size_limit = 67108864");
-  db.exec("PRAGMA wal_autocheckpoint = 2048");  // pages: 16 MB; a checkpoint waits for the disk
+  db.exec("PRAGMA wal_autocheckpoint = 1024");  // pages: 16 MB; a checkpoint waits for the disk
   db.exec("PRAGMA foreign_keys = ON");
   if (kind.version == kFormatVersion) return {};
 

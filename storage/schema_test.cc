@@ -36,7 +36,7 @@ TEST(Schema, ANewFileCarriesOurIdAndVersion) {
   SQLite::Database db(folder.File());
   EXPECT_EQ(db.execAndGet("PRAGMA application_id").getInt(), kApplicationId);
   EXPECT_EQ(db.execAndGet("PRAGMA user_version").getInt(), kFormatVersion);
-  EXPECT_EQ(db.execAndGet("PRAGMA page_size").getInt(), 8192);
+  EXPECT_EQ(db.execAndGet("PRAGMA page_size").getInt(), 16384);
   EXPECT_EQ(db.execAndGet("PRAGMA journal_mode").getString(), "wal");
 }
 
