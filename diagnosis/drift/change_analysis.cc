@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/quantile.h"
+
 namespace hydroscope::drift {
 namespace {
 
@@ -92,9 +94,7 @@ std::vector<double> RobustWeights(const std::vector<const JudgedStroke*>& stroke
       const Eigen::VectorXd rest = strokes[k]->score - strokes[k]->information * shift;
       misfits[k] = std::max(0.0, rest.dot(solve(strokes[k]->information, rest)));
     }
-    std::vector<double> sorted = misfits;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
-    const double typical = std::max(sorted[sorted.size() / 2], 1e-300) / static_cast<double>(n);
+    const double typical = std::max(Median(misfits, 0), 1e-300) / static_cast<double>(n);
     for (std::size_t k = 0; k < strokes.size(); ++k)
       weights[k] = std::min(1.0, (kDegrees + static_cast<double>(n)) / (kDegrees + misfits[k] / typical));
   }
