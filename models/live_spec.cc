@@ -1,16 +1,30 @@
 #include "models/live_spec.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "models/machine.h"
 
 namespace hydroscope {
+
+bool HasNamedAxes(const Machine& machine) { return machine.live && !machine.live->axes.empty(); }
+
 namespace {
+
+constexpr std::string_view kAxisPlace = "{axis}";
 
 /// Name of the axis; "" if the machine has no named axes.
 std::string AxisName(const Machine& machine, int axis) {
-  if (!machine.live || machine.live->axes.empty()) return "";
+  if (!HasNamedAxes(machine)) return "";
   return machine.live->axes[static_cast<std::size_t>(axis)];
+}
+
+/// The text with the axis's name in each place for it.
+std::string WithAxis(std::string text, const std::string& axis) {
+  for (std::size_t at = text.find(kAxisPlace); at != std::string::npos;
+       at = text.find(kAxisPlace, at + axis.size()))
+    text.replace(at, kAxisPlace.size(), axis);
+  return text;
 }
 
 }  // namespace
@@ -37,13 +51,28 @@ std::vector<LiveChannel> LiveChannels(const Machine& machine) {
 }
 
 std::string DdsChannelName(const Machine& machine, int signal, int axis) {
-  static const std::string place = "{axis}";
-  std::string name = machine.signals[static_cast<std::size_t>(signal)].dds;
-  const std::string axis_name = AxisName(machine, axis);
-  for (std::size_t at = name.find(place); at != std::string::npos;
-       at = name.find(place, at + axis_name.size()))
-    name.replace(at, place.size(), axis_name);
-  return name;
+  return WithAxis(machine.signals[static_cast<std::size_t>(signal)].dds, AxisName(machine, axis));
+}
+
+Machine MachineOfAxis(const Machine& machine, int axis) {
+  const std::string name = AxisName(machine, axis);
+  Machine own = machine;
+  own.name = AxisMachineName(machine, axis);
+  if (!name.empty())
+    for (SignalSpec& signal : own.signals) signal.column = WithAxis(signal.column, name);
+  return own;
+}
+
+std::vector<Machine> MachinesOfAxes(const Machine& machine) {
+  std::vector<Machine> axes;
+  for (int axis = 0; axis < AxisCount(machine); ++axis) axes.push_back(MachineOfAxis(machine, axis));
+  return axes;
+}
+
+bool LogHoldsAllAxes(const Machine& machine) {
+  return std::any_of(machine.signals.begin(), machine.signals.end(), [](const SignalSpec& signal) {
+    return signal.column.find(kAxisPlace) != std::string::npos;
+  });
 }
 
 }  // namespace hydroscope

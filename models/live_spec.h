@@ -98,10 +98,19 @@ struct LiveChannel {
   int signal = 0;    ///< index in Machine::signals
 };
 
+/// Whether the machine is a press whose axes have names.
+bool HasNamedAxes(const Machine& machine);
 /// Number of axes, at least 1.
 int AxisCount(const Machine& machine);
 /// "press/cushion_1"; the machine's name if it has no named axes.
 std::string AxisMachineName(const Machine& machine, int axis);
+/// The machine as the database has one axis of it: under the axis's name, and with columns of its own in a
+/// log of all axes ("{axis}" replaced). The machine itself if it has no named axes.
+Machine MachineOfAxis(const Machine& machine, int axis);
+/// One for each axis.
+std::vector<Machine> MachinesOfAxes(const Machine& machine);
+/// Whether a log holds all axes side by side: columns have "{axis}" in their names.
+bool LogHoldsAllAxes(const Machine& machine);
 /// All channels; the one of a signal of an axis has the index axis * signals + signal. Signals without a live
 /// origin have a channel that stays silent.
 std::vector<LiveChannel> LiveChannels(const Machine& machine);

@@ -9,16 +9,24 @@
 namespace hydroscope {
 namespace {
 
+constexpr const char* kUnnamed = "unnamed_change_";
 constexpr double kLeastUsed = 0.5;  ///< share of a stroke's gated rows below which its signals count as lost
 
 /// Whether an alarm is one that valve checks raise.
 bool OfValveChecks(const std::string& id, const drift::RuleBook& rules) {
   for (const char* figure : drift::ValveCheckMonitor::kFigureNames) {
-    if (id == fmt::format("unnamed_change_{}", figure)) return true;
+    if (id == std::string(kUnnamed) + figure) return true;
     for (const drift::Rule& rule : rules.rules)
       if (rule.id == id && rule.when.contains(figure)) return true;
   }
   return false;
+}
+
+/// Whether an alarm is one that findings raise.
+bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
+  return !OfValveChecks(id, rules) &&
+         (id.starts_with(kUnnamed) || std::any_of(rules.rules.begin(), rules.rules.end(),
+                                                  [&](const drift::Rule& rule) { return rule.id == id; }));
 }
 
 }  // namespace
@@ -35,7 +43,14 @@ AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {
 
 std::string AlarmIdOf(const drift::DriftFinding& finding) {
   if (!finding.rule.empty()) return finding.rule;
-  return "unnamed_change_" + (finding.parts.empty() ? std::string("none") : finding.parts.front().quantity);
+  return kUnnamed + (finding.parts.empty() ? std::string("none") : finding.parts.front().quantity);
+}
+
+bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings) {
+  const auto first = std::find_if(findings.begin(), findings.end(), [&](const drift::DriftFinding& f) {
+    return f.state != drift::FindingState::kGone && !f.parts.empty() && AlarmIdOf(f) == AlarmIdOf(finding);
+  });
+  return first == findings.end() || first->number == finding.number;
 }
 
 namespace axis_alarms {
@@ -44,7 +59,7 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                    AxisContent& content) {
   const AlarmSettings settings = AlarmSettingsOf(rules);
   for (const drift::DriftFinding& finding : monitor.findings()) {
-    if (finding.parts.empty()) continue;
+    if (finding.parts.empty() || !SpeaksForItsAlarm(finding, monitor.findings())) continue;
     AlarmState& alarm = content.Alarm(AlarmIdOf(finding));
     if (finding.state == drift::FindingState::kGone) {
       content.Append(alarm_machine::Clear(alarm, settings, now));
@@ -62,6 +77,18 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              finding.last};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
+  }
+}
+
+void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
+                     AxisContent& content) {
+  const auto& findings = monitor.findings();
+  for (AlarmState& alarm : content.alarms) {
+    const bool found = std::any_of(findings.begin(), findings.end(), [&](const auto& f) {
+      return !f.parts.empty() && AlarmIdOf(f) == alarm.id;
+    });
+    if (!found && OfFindings(alarm.id, rules))
+      content.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules), now));
   }
 }
 

@@ -17,6 +17,10 @@ AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules);
 /// Id of the alarm a finding raises: that of its rule, or "unnamed_change_<quantity>".
 std::string AlarmIdOf(const drift::DriftFinding& finding);
 
+/// Whether the finding is what its alarm tells: the first of those that raise it and stand. A later one about
+/// the same quantities only corrects their size.
+bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings);
+
 /// What was found, what comparing strokes before and after said, what to do: the alarm's text.
 std::string FindingWords(const drift::DriftFinding& finding, const char* counted = "stroke");
 
@@ -32,6 +36,9 @@ namespace axis_alarms {
 
 void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
                    AxisContent& content);
+/// Clears what findings raised that a monitor begun anew does not find any more.
+void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
+                     AxisContent& content);
 void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
                      AxisContent& content);
 /// Limits that the machine file states for the identified values as they are, at any temperature.

@@ -36,11 +36,9 @@ ValveCheck CheckOf(const ValveCheckRecord& record) {
   return check;
 }
 
-/// Whether a finding has as many strokes behind it as its next explanation waits for.
-bool ExplanationIsDue(const drift::DriftFinding& finding, std::int64_t strokes) {
-  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.settled) return false;
-  return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
-                     [&](std::int64_t wanted) { return finding.explained < wanted && wanted <= strokes; });
+/// First stroke that is surely behind the change.
+std::int64_t FirstChanged(const drift::DriftFinding& finding) {
+  return std::max(finding.since.last_before, finding.since.high) + 1;
 }
 
 }  // namespace
@@ -120,64 +118,13 @@ bool AxisMonitor::Learnable(const drift::StrokeEvidence& evidence) const {
   return !(evidence.oil_temperature < rules_.minimum_temperature) && evidence.equations.equations > 0;
 }
 
-/// Takes over what another process, or this one before a restart, left in the journal.
-Status AxisMonitor::Refresh() {
-  const auto content = journal_.Axis(machine_.name);
-  if (!content) return tl::unexpected(content.error());
-  alarms_ = content->alarms;
-  if (saved_ && *saved_ == content->monitor.state && next_ == content->monitor.next_stroke) return {};
-  return Restore(*content);
-}
-
-/// State: whether a reference was learned, drift monitor, valve checks judged, their monitor.
-Status AxisMonitor::Restore(const AxisContent& content) {
-  next_ = content.monitor.next_stroke;
-  saved_ = content.monitor.state;
-  monitor_.reset();
-  valve_ = drift::ValveCheckMonitor(rules_);
-  checks_ = 0;
-  collected_.clear();
-  collected_to_ = next_;
-  if (saved_->empty()) return {};
-  ByteReader in(*saved_);
-  const bool learned = in.Get<std::uint8_t>() != 0;
-  if (learned) monitor_ = drift::DriftMonitor::Restored(*model_, rules_, in);
-  const bool restored = monitor_.has_value() == learned;
-  checks_ = in.Get<std::int64_t>();
-  if (restored && valve_.Restore(in) && in.at_end()) return {};
-  // Written by another program version or for another model: the frozen reference alone may still serve.
-  monitor_.reset();
-  valve_ = drift::ValveCheckMonitor(rules_);
-  checks_ = 0;
-  const auto stored = journal_.LatestReference(machine_.name);
-  if (!stored) {
-    saved_.reset();  // to be taken over again
-    return tl::unexpected(stored.error());
-  }
-  if (!*stored) return {};
-  drift::Reference reference;
-  ByteReader bytes((*stored)->bytes);
-  if (reference.Restore(bytes) && static_cast<int>(reference.curves().size()) == model_->size())
-    monitor_.emplace(*model_, rules_, std::move(reference));
-  return {};
-}
-
-std::vector<std::uint8_t> AxisMonitor::SaveState() const {
-  ByteWriter out;
-  out.Put<std::uint8_t>(monitor_ ? 1 : 0);
-  if (monitor_) monitor_->Save(out);
-  out.Put(checks_);
-  valve_.Save(out);
-  return out.Take();
-}
-
 Status AxisMonitor::Change(double wall, const std::function<void(AxisContent&)>& change) {
   std::vector<std::uint8_t> state;
   const Status stored = journal_.Change(machine_.name, wall, [&](AxisContent& axis) -> Status {
     if (axis.monitor.next_stroke != next_ || axis.monitor.state != *saved_)
       return InternalError("another process judges the strokes of {} at the same time", machine_.name);
     change(axis);
-    state = SaveState();
+    state = unreadable_ ? *saved_ : SaveState();
     axis.monitor.next_stroke = next_;
     axis.monitor.state = state;
     alarms_ = axis.alarms;
@@ -190,6 +137,18 @@ Status AxisMonitor::Change(double wall, const std::function<void(AxisContent&)>&
   return stored;
 }
 
+Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64_t first,
+                                                                      std::int64_t count) const {
+  const auto stored = Load(first, count);
+  if (!stored) return tl::unexpected(stored.error());
+  std::vector<drift::StrokeEvidence> strokes;
+  for (const Stored& stroke : *stored) {
+    drift::StrokeEvidence evidence = EvidenceOf(stroke);
+    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
+  }
+  return strokes;
+}
+
 AlarmMoment AxisMonitor::Moment(double wall) const {
   AlarmMoment now = last_;
   now.wall = wall;
@@ -199,28 +158,48 @@ AlarmMoment AxisMonitor::Moment(double wall) const {
 Status AxisMonitor::CatchUp(double wall) {
   if (!model_) return tl::unexpected(model_.error());
   if (const Status fresh = Refresh(); !fresh) return fresh;
+  if (unreadable_)
+    if (const Status begun = BeginAnew(wall); !begun) return begun;
   if (!monitor_) {
     const auto commissioned = Commission(wall);
     if (!commissioned) return tl::unexpected(commissioned.error());
   }
   if (monitor_)
     if (const Status judged = JudgeStrokes(wall); !judged) return judged;
-  if (const Status judged = JudgeValveChecks(wall); !judged) return judged;
-  return ExplainFindings(wall);
+  return JudgeValveChecks(wall);
 }
 
+/// Stops at each stroke at which an explanation is due, however many more are stored already.
 Status AxisMonitor::JudgeStrokes(double wall) {
   for (;;) {
+    if (const Status explained = ExplainFindings(wall); !explained) return explained;
     const auto strokes = Load(next_, kStrokesPerChange);
     if (!strokes) return tl::unexpected(strokes.error());
     if (strokes->empty()) return {};
     const Status stored = Change(wall, [&](AxisContent& axis) {
-      for (const Stored& stroke : *strokes) Judge(stroke, wall, axis);
-      axis.monitor.model_version = strokes->back().model_version;
-      next_ = strokes->back().sequence + 1;
+      for (const Stored& stroke : *strokes) {
+        Judge(stroke, wall, axis);
+        axis.monitor.model_version = stroke.model_version;
+        next_ = stroke.sequence + 1;
+        if (AnyExplanationIsDue()) break;
+      }
     });
     if (!stored) return stored;
   }
+}
+
+/// Whether a finding has as many strokes behind it as its next explanation waits for.
+bool AxisMonitor::ExplanationIsDue(const drift::DriftFinding& finding) const {
+  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.settled) return false;
+  if (!SpeaksForItsAlarm(finding, monitor_->findings())) return false;
+  const std::int64_t strokes = next_ - FirstChanged(finding);
+  return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
+                     [&](std::int64_t wanted) { return finding.explained < wanted && wanted <= strokes; });
+}
+
+bool AxisMonitor::AnyExplanationIsDue() const {
+  const auto& findings = monitor_->findings();
+  return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
 /// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored
@@ -250,48 +229,52 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
                               const AlarmUser& user) {
   const auto latest = journal_.LatestReference(machine_.name);
   if (!latest) return tl::unexpected(latest.error());
-  const int version = *latest ? (*latest)->version + 1 : 1;
-  auto reference = drift::Reference::Learn(*model_, strokes, version);
+  auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
   if (!reference) return tl::unexpected(reference.error());
+  const drift::StrokeEvidence& newest = strokes.back();
+  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
+  unreadable_ = false;
+  return Change(wall, [&](AxisContent& axis) {
+    for (AlarmState& alarm : axis.alarms)
+      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
+    AppendReference(*reference, strokes, user, axis);
+    monitor_.emplace(*model_, rules_, std::move(*reference));
+    history_.EndAll(last_.stroke, last_.time);
+    next_ = next;
+  });
+}
+
+/// A new version of the reference with its event.
+void AxisMonitor::AppendReference(const drift::Reference& reference,
+                                  const std::vector<drift::StrokeEvidence>& strokes, const AlarmUser& user,
+                                  AxisContent& content) const {
   AlarmEvent event;
   event.event = "reference_learned";
   event.time = strokes.back().time;
   event.stroke = strokes.back().sequence;
   event.oil_temperature = strokes.back().oil_temperature;
-  event.reference_version = version;
+  event.reference_version = reference.version();
   event.user = user.name;
   event.comment = user.comment;
   event.first_stroke = strokes.front().sequence;
   event.last_stroke = strokes.back().sequence;
-  event.text = fmt::format("reference {} learned from {} strokes", version, strokes.size());
+  event.text = fmt::format("reference {} learned from {} strokes", reference.version(), strokes.size());
   ByteWriter bytes;
-  reference->Save(bytes);
-  last_ = {event.time, wall, event.stroke, event.oil_temperature, 0, version};
-  return Change(wall, [&](AxisContent& axis) {
-    monitor_.emplace(*model_, rules_, std::move(*reference));
-    next_ = next;
-    for (AlarmState& alarm : axis.alarms)
-      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
-    axis.references.push_back({version, event.first_stroke, event.last_stroke, bytes.Take()});
-    axis.events.push_back(event);
-  });
+  reference.Save(bytes);
+  content.references.push_back({reference.version(), event.first_stroke, event.last_stroke, bytes.Take()});
+  content.events.push_back(std::move(event));
 }
 
 Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
   if (!model_) return tl::unexpected(model_.error());
   if (const Status fresh = Refresh(); !fresh) return fresh;
-  const auto stored = Load(first, last - first);
-  if (!stored) return tl::unexpected(stored.error());
-  std::vector<drift::StrokeEvidence> strokes;
-  for (const Stored& stroke : *stored) {
-    drift::StrokeEvidence evidence = EvidenceOf(stroke);
-    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
-  }
-  if (strokes.empty())
+  auto strokes = LoadLearnable(first, last - first);
+  if (!strokes) return tl::unexpected(strokes.error());
+  if (strokes->empty())
     return BadInput("{}: no stroke from {} to {} can be learned from: none stored, or the oil was too cold",
                     machine_.name, first, last - 1);
-  const std::int64_t next = std::max(next_, strokes.back().sequence + 1);
-  return LearnFrom(std::move(strokes), next, wall, user);
+  const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
+  return LearnFrom(std::move(*strokes), next, wall, user);
 }
 
 Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int64_t first,
@@ -324,15 +307,16 @@ Status AxisMonitor::SetCommonCause(std::set<std::string> alarms, double wall) {
   return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
 }
 
-/// Brings the flags of every alarm, new ones too, to what the live service said last.
+/// Brings the flags of every alarm, new ones too, to what SetSuppression() and SetCommonCause() said last.
 void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
   for (AlarmState& alarm : content.alarms) {
     const bool idle = (suppressed_ & kSuppressedIdle) != 0;
     if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
     content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
                                            (suppressed_ & kSuppressedValveCheck) != 0, now));
-    content.Append(
-        alarm_machine::Suppress(alarm, kSuppressedCommonCause, common_cause_.contains(alarm.id), now));
+    if (common_cause_)
+      content.Append(
+          alarm_machine::Suppress(alarm, kSuppressedCommonCause, common_cause_->contains(alarm.id), now));
   }
 }
 
@@ -363,13 +347,20 @@ Status AxisMonitor::Tick(double wall) {
   });
 }
 
-void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content) {
+/// What the monitor says to a stroke; no alarm hears of it.
+drift::Judgement AxisMonitor::JudgeInSilence(const Stored& stroke, double wall) {
   const drift::StrokeEvidence evidence = EvidenceOf(stroke);
-  const drift::Judgement judgement = monitor_->Add(evidence);
-  const AlarmMoment now{evidence.time,        wall,
-                        stroke.sequence,      evidence.oil_temperature,
-                        stroke.model_version, monitor_->reference().version()};
-  last_ = now;
+  drift::Judgement judgement = monitor_->Add(evidence);
+  last_ = {evidence.time,        wall,
+           stroke.sequence,      evidence.oil_temperature,
+           stroke.model_version, monitor_->reference().version()};
+  history_.Follow(monitor_->findings(), stroke.sequence, evidence.time);
+  return judgement;
+}
+
+void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content) {
+  const drift::Judgement judgement = JudgeInSilence(stroke, wall);
+  const AlarmMoment now = last_;
   const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
   for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
   axis_alarms::JudgeSignals(judged, now, content);
@@ -385,30 +376,37 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
   Suppress(content, now);
 }
 
+/// Counts the check; a finding without parts if it found nothing.
+drift::DriftFinding AxisMonitor::JudgeInSilence(const ValveCheckRecord& check) {
+  ++checks_;
+  if (check.outcome != "measured") return {};
+  return valve_.Add(CheckOf(check), checks_);
+}
+
 /// Checks that measured the valve; refused and broken ones say nothing about it.
 Status AxisMonitor::JudgeValveChecks(double wall) {
   const auto checks = database_.ValveChecks(machine_id_);
   if (!checks) return tl::unexpected(checks.error());
   if (static_cast<std::int64_t>(checks->size()) <= checks_) return {};
   return Change(wall, [&](AxisContent& axis) {
-    for (; checks_ < static_cast<std::int64_t>(checks->size()); ++checks_) {
+    while (checks_ < static_cast<std::int64_t>(checks->size())) {
       const ValveCheckRecord& record = (*checks)[static_cast<std::size_t>(checks_)];
+      const drift::DriftFinding finding = JudgeInSilence(record);
       if (record.outcome != "measured") continue;
       AlarmMoment now = Moment(wall);
       now.time = record.begin;
       now.oil_temperature = record.oil_temperature;
-      axis_alarms::JudgeValveCheck(valve_.Add(CheckOf(record), checks_ + 1), rules_, now, axis);
+      axis_alarms::JudgeValveCheck(finding, rules_, now, axis);
     }
   });
 }
 
 /// New findings are compared with the strokes before; the answer becomes part of finding and alarm.
 Status AxisMonitor::ExplainFindings(double wall) {
-  if (!monitor_) return {};
   const std::vector<drift::DriftFinding> findings = monitor_->findings();
   for (const drift::DriftFinding& finding : findings) {
-    const std::int64_t changed = std::max(finding.since.last_before, finding.since.high) + 1;
-    if (!ExplanationIsDue(finding, next_ - changed)) continue;
+    if (!ExplanationIsDue(finding)) continue;
+    const std::int64_t changed = FirstChanged(finding);
     const FindingExplanation explanation = ExplainFinding(
         database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
     const Status stored = Change(wall, [&](AxisContent& axis) {

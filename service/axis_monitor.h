@@ -11,6 +11,7 @@
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
+#include "service/finding_history.h"
 #include "storage/alarm_journal.h"
 #include "storage/database.h"
 
@@ -24,8 +25,12 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file);
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.
 ///   commissioning: the first strokes of the rules file's `commissioning` are learned and frozen (or by
-///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal;
-///   then valve checks, and for each new finding what comparing the strokes before and after it says.
+///   Learn()); then each stroke: drift monitor, limits of [monitor.*], loss of signals -> alarms -> journal,
+///   and as soon as a finding has enough strokes behind it, what comparing those before and after says; then
+///   valve checks.
+/// What is said depends on the strokes alone, not on how many were there at a time. A saved state that cannot
+/// be read (of another program version, or of a model with other parameters) is made anew from stored
+/// strokes, told by an event.
 class AxisMonitor {
  public:
   /// All arguments must outlive the object; `machine_id` is that of `database`, `path` its file for messages.
@@ -57,6 +62,8 @@ class AxisMonitor {
   /// Strokes commissioning has so far and needs.
   std::int64_t commissioning_strokes() const { return static_cast<std::int64_t>(collected_.size()); }
   const std::vector<AlarmState>& alarms() const { return alarms_; }
+  /// What stood when, since the journal was begun.
+  const FindingHistory& history() const { return history_; }
   const std::string& name() const { return machine_.name; }
   /// First stroke not judged yet.
   std::int64_t next_stroke() const { return next_; }
@@ -78,11 +85,18 @@ class AxisMonitor {
     int model_version = 0;
   };
   Result<std::vector<Stored>> Load(std::int64_t first, std::int64_t count) const;
+  Result<std::vector<drift::StrokeEvidence>> LoadLearnable(std::int64_t first, std::int64_t count) const;
   drift::StrokeEvidence EvidenceOf(const Stored& stroke) const;
   bool Learnable(const drift::StrokeEvidence& evidence) const;
   Status Refresh();
-  Status Restore(const AxisContent& content);
+  void Restore(const AxisContent& content);
+  bool RestoreState();
+  void Forget();
   std::vector<std::uint8_t> SaveState() const;
+  Status BeginAnew(double wall);
+  Result<std::optional<drift::Reference>> FrozenReference(AxisContent& learned_anew) const;
+  void AppendReference(const drift::Reference& reference, const std::vector<drift::StrokeEvidence>& strokes,
+                       const AlarmUser& user, AxisContent& content) const;
   /// Changes this axis in the journal, with the state as it then is in memory.
   Status Change(double wall, const std::function<void(AxisContent&)>& change);
   AlarmMoment Moment(double wall) const;
@@ -90,7 +104,11 @@ class AxisMonitor {
   Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                    const AlarmUser& user);
   Status JudgeStrokes(double wall);
+  bool ExplanationIsDue(const drift::DriftFinding& finding) const;
+  bool AnyExplanationIsDue() const;
+  drift::Judgement JudgeInSilence(const Stored& stroke, double wall);
   void Judge(const Stored& stroke, double wall, AxisContent& content);
+  drift::DriftFinding JudgeInSilence(const ValveCheckRecord& check);
   Status JudgeValveChecks(double wall);
   Status ExplainFindings(double wall);
   void Suppress(AxisContent& content, const AlarmMoment& now);
@@ -104,15 +122,18 @@ class AxisMonitor {
   Result<drift::WatchedModel> model_;
   int columns_;
   std::optional<drift::DriftMonitor> monitor_;
+  FindingHistory history_;
   drift::ValveCheckMonitor valve_;
   std::int64_t checks_ = 0;                         ///< valve checks judged
   std::int64_t next_ = 0;                           ///< first stroke not judged yet
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
+  bool unreadable_ = false;                         ///< that state could not be read
   AlarmMoment last_;                                ///< of the last stroke judged
   std::vector<drift::StrokeEvidence> collected_;    ///< by commissioning
   std::int64_t collected_to_ = 0;                   ///< first stroke not looked at by commissioning
   std::uint8_t suppressed_ = 0;                     ///< by SetSuppression()
-  std::set<std::string> common_cause_;
+  /// By SetCommonCause(); until it is called alarms stay as the journal has them.
+  std::optional<std::set<std::string>> common_cause_;
   std::vector<AlarmState> alarms_;
 };
 

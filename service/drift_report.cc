@@ -169,16 +169,17 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
 
 }  // namespace
 
-std::string DriftVerdictBox(const AxisMonitor& axis) {
+std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press) {
   std::string sentences;
   AlarmSeverity worst = AlarmSeverity::kAdvisory;
-  for (const AlarmState& alarm : axis.alarms()) {
-    if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
-    worst = std::max(worst, alarm.severity);
-    sentences +=
-        fmt::format("<li><b>{}</b>, {}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
-                    alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
-  }
+  for (const auto* alarms : {&press, &axis.alarms()})
+    for (const AlarmState& alarm : *alarms) {
+      if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
+      worst = std::max(worst, alarm.severity);
+      sentences +=
+          fmt::format("<li><b>{}</b>, {}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
+                      alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
+    }
   if (sentences.empty()) return "";
   const bool alarmed = worst >= AlarmSeverity::kAlarm;
   return fmt::format("<section class=\"verdict {}\"><h2>{} {}</h2><ul>{}</ul></section>\n",

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "service/axis_monitor.h"
 
 namespace hydroscope {
 
-/// HTML: the alarms that stand, in words; "" if none does.
-std::string DriftVerdictBox(const AxisMonitor& axis);
+/// HTML: the alarms that stand, in words, those of the press (`press`) before those of the axis; "" if none
+/// does.
+std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press = {});
 
 /// HTML: what the healthy machine was learned from, and per watched quantity the learned curve over oil
 /// temperature with its points and what was judged since, and the deviation over the strokes. While

@@ -109,9 +109,9 @@ std::string SkippedTable(const ReplayOutcome& outcome) {
 std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
   std::string text = fmt::format("\ndatabase: {} ({} strokes of \"{}\")\n", options.database, outcome.strokes,
                                  outcome.machine.name);
-  if (!options.report.empty() && !outcome.runs.empty())
+  if (!outcome.report.empty())
     return text +
-           fmt::format("report:   {}\nnext:     open {} in a browser\n", options.report, options.report);
+           fmt::format("report:   {}\nnext:     open {} in a browser\n", outcome.report, outcome.report);
   return text + fmt::format("next:     hydroscope trends --db {}\n", options.database);
 }
 
@@ -140,6 +140,14 @@ nlohmann::json LogJson(const LogReplay& r) {
       {"notes", r.notes}};
 }
 
+std::string AlarmTable(const std::vector<AlarmState>& alarms) {
+  std::string text;
+  for (const AlarmState& alarm : alarms)
+    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id,
+                        alarm.text);
+  return text;
+}
+
 /// What watching for drift says, with every alarm that stands.
 std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
   if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
@@ -149,16 +157,14 @@ std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
   std::string text = fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {}; {}\n",
                                  watch.reference_version, watch.health,
                                  watch.alarms.empty() ? "no alarm stands" : "alarms:");
-  for (const AlarmState& alarm : watch.alarms)
-    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id,
-                        alarm.text);
+  text += AlarmTable(watch.alarms);
   if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
   return text;
 }
 
-nlohmann::json WatchJson(const WatchOutcome& watch) {
+nlohmann::json AlarmsJson(const std::vector<AlarmState>& standing) {
   nlohmann::json alarms = nlohmann::json::array();
-  for (const AlarmState& a : watch.alarms)
+  for (const AlarmState& a : standing)
     alarms.push_back({{"alarm", a.id},
                       {"state", StateName(a)},
                       {"severity", SeverityName(a.severity)},
@@ -166,29 +172,37 @@ nlohmann::json WatchJson(const WatchOutcome& watch) {
                       {"raised_stroke", a.raised_stroke},
                       {"first_stroke", a.first_stroke},
                       {"last_stroke", a.last_stroke}});
+  return alarms;
+}
+
+nlohmann::json WatchJson(const WatchOutcome& watch) {
   return {{"problem", watch.problem},
           {"reference_version", watch.reference_version},
           {"commissioning_strokes", watch.commissioning_strokes},
           {"commissioning_needed", watch.commissioning_needed},
           {"health", std::string(1, watch.health)},
-          {"alarms", alarms}};
+          {"alarms", AlarmsJson(watch.alarms)}};
 }
 
-}  // namespace
-
-std::string ReplayText(const ReplayOptions& options, const ReplayOutcome& outcome) {
+std::string TextOfMachine(const ReplayOptions& options, const ReplayOutcome& outcome) {
   return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) +
          SkippedTable(outcome) + Next(options, outcome);
 }
 
-nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& outcome) {
+/// What the axes of the press show together.
+std::string PressText(const PressReplay& replay) {
+  if (replay.alarms.empty()) return "";
+  return fmt::format("\nAxes of \"{}\" together:\n{}", replay.press, AlarmTable(replay.alarms));
+}
+
+nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& outcome) {
   nlohmann::json logs = nlohmann::json::array(), skipped = nlohmann::json::array();
-  for (const LogReplay& replay : outcome.logs) logs.push_back(LogJson(replay));
+  for (const LogReplay& log : outcome.logs) logs.push_back(LogJson(log));
   for (const SkippedItem& item : outcome.skipped)
     skipped.push_back({{"what", item.what}, {"rows", item.rows}, {"why", item.why}});
   return {{"machine", outcome.machine.name},
           {"database", options.database},
-          {"report", options.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(options.report)},
+          {"report", outcome.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(outcome.report)},
           {"complete", outcome.Complete()},
           {"logs", logs},
           {"runs", outcome.runs.size()},
@@ -199,6 +213,34 @@ nlohmann::json ReplayJson(const ReplayOptions& options, const ReplayOutcome& out
           {"noise_floor", outcome.noise_floor * kLitresPerMinute},
           {"unit", "l/min"},
           {"skipped", skipped}};
+}
+
+}  // namespace
+
+std::string ReplayText(const ReplayOptions& options, const PressReplay& replay) {
+  std::string text;
+  for (const ReplayOutcome& outcome : replay.machines) {
+    if (replay.machines.size() > 1)
+      text += fmt::format("{}{}\n", text.empty() ? "" : "\n", outcome.machine.name);
+    text += TextOfMachine(options, outcome);
+  }
+  return text + PressText(replay);
+}
+
+nlohmann::json ReplayJson(const ReplayOptions& options, const PressReplay& replay) {
+  nlohmann::json document;
+  if (replay.machines.size() == 1) {
+    document = JsonOfMachine(options, replay.machines.front());
+  } else {
+    document = {{"database", options.database},
+                {"complete", replay.Complete()},
+                {"machines", nlohmann::json::array()}};
+    for (const ReplayOutcome& outcome : replay.machines)
+      document["machines"].push_back(JsonOfMachine(options, outcome));
+  }
+  if (!replay.press.empty())
+    document["press"] = {{"machine", replay.press}, {"alarms", AlarmsJson(replay.alarms)}};
+  return document;
 }
 
 }  // namespace hydroscope

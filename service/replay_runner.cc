@@ -7,13 +7,14 @@
 #include <optional>
 #include <sstream>
 
+#include "service/axis_log.h"
+#include "service/drift_report.h"
 #include "service/explain_report.h"
 #include "service/live/raw_log.h"
-#include "service/axis_monitor.h"
-#include "service/drift_report.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
 #include "service/model_edit.h"
+#include "service/press_monitor.h"
 #include "service/replay_report.h"
 #include "service/stroke_overlays.h"
 
@@ -56,31 +57,52 @@ struct ReportCollector {
   StrokeCollector strokes;
 };
 
-class ReplayRunner {
- public:
-  ReplayRunner(const ReplayOptions& options, Machine machine, Database database)
-      : options_(options), machine_(std::move(machine)), database_(std::move(database)) {}
+/// Takes effects, their values and history of the model promoted last for machine `id` over into `machine`,
+/// and returns that version; nullopt without one, or if the machine file's are the same.
+Result<std::optional<ModelVersion>> TakePromoted(const Database& database, const std::string& path,
+                                                 std::int64_t id, Machine& machine) {
+  auto promoted = database.PromotedModel(id);
+  if (!promoted || !*promoted) return promoted;
+  const auto model = ParseMachine((*promoted)->definition, machine.name);
+  if (!model)
+    return BadInput("{}: the promoted model (version {}) cannot be read: {}", path, (*promoted)->version,
+                    model.error().text);
+  if (model->added_effects == machine.added_effects && model->effect_values == machine.effect_values)
+    return std::nullopt;
+  machine.added_effects = model->added_effects;
+  machine.effect_values = model->effect_values;
+  machine.model_version = model->model_version;
+  machine.model_history = model->model_history;
+  return promoted;
+}
 
-  Result<ReplayOutcome> Run() {
-    if (const Status ready = Prepare(); !ready) return tl::unexpected(ready.error());
-    ReplayOutcome outcome;
+/// Stores the strokes of one axis, or of a machine that is its only one, and writes its report.
+class AxisReplay {
+ public:
+  /// `share.logs` are replayed; `report`: the file to write, "" = none.
+  AxisReplay(const ReplayOptions& options, LogsOfAxis share, std::string report, Machine machine,
+             Database database)
+      : options_(options),
+        share_(std::move(share)),
+        report_(std::move(report)),
+        file_machine_(std::move(machine)),
+        database_(std::move(database)) {}
+
+  Status Store(ReplayOutcome& outcome) {
+    if (const Status ready = Prepare(); !ready) return ready;
     outcome.machine = machine_;
-    for (std::size_t i = 0; i < options_.logs.size(); ++i) {
+    for (std::size_t i = 0; i < share_.logs.size(); ++i) {
       const std::string count =
-          options_.logs.size() > 1 ? fmt::format("{}/{} ", i + 1, options_.logs.size()) : "";
-      outcome.logs.push_back(ReplayLog(options_.logs[i], count));
+          share_.logs.size() > 1 ? fmt::format("{}/{} ", i + 1, share_.logs.size()) : "";
+      outcome.logs.push_back(ReplayLog(share_.logs[i], count));
     }
-    if (const Status read = CollectOutcome(database_, machine_id_, *model_, outcome); !read)
-      return tl::unexpected(read.error());
-    if (const Status judged = Watch(outcome.watch); !judged) return tl::unexpected(judged.error());
-    if (!options_.report.empty() && !outcome.runs.empty())
-      if (const Status written = Report(outcome); !written) return tl::unexpected(written.error());
-    return outcome;
+    return CollectOutcome(database_, machine_id_, *model_, outcome);
   }
+  Status Report(ReplayOutcome& outcome);
 
  private:
   Status Prepare();
-  Status TakePromoted(std::string& definition);
+  Result<std::string> TakePromotedModel();
   Status ReadEarlierSettings();
   bool IsOfEarlierModel(const std::string& settings) const {
     return std::find(earlier_settings_.begin(), earlier_settings_.end(), settings) != earlier_settings_.end();
@@ -89,13 +111,14 @@ class ReplayRunner {
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
-  Status Watch(WatchOutcome& watch);
-  Status Report(const ReplayOutcome& outcome);
   Status CollectOverlays(const ReplayOutcome& outcome);
   void Take(ReportCollector& collector, const RunInfo& run);
 
   const ReplayOptions& options_;
-  Machine machine_;
+  LogsOfAxis share_;
+  std::string report_;
+  Machine file_machine_;  ///< as the file has it, with the promoted model
+  Machine machine_;       ///< of this axis
   Database database_;
   std::int64_t machine_id_ = 0;
   int model_version_ = 0;
@@ -109,47 +132,39 @@ class ReplayRunner {
   std::int64_t overlay_run_ = 0;
 };
 
-/// Takes over effects, their values and history of the model promoted last. Without one the machine file's
-/// stand.
-Status ReplayRunner::TakePromoted(std::string& definition) {
-  const auto promoted = database_.PromotedModel(machine_id_);
+/// Takes over the promoted model; the text that describes the machine then.
+Result<std::string> AxisReplay::TakePromotedModel() {
+  const std::string definition = ReadText(options_.machine_file);
+  const auto promoted = TakePromoted(database_, options_.database, machine_id_, file_machine_);
   if (!promoted) return tl::unexpected(promoted.error());
-  if (!*promoted) return {};
-  const auto model = ParseMachine((*promoted)->definition, machine_.name);
-  if (!model)
-    return BadInput("{}: the promoted model (version {}) cannot be read: {}", options_.database,
-                    (*promoted)->version, model.error().text);
-  if (model->added_effects == machine_.added_effects && model->effect_values == machine_.effect_values)
-    return {};
+  if (!*promoted) return definition;
   promoted_note_ = fmt::format("model version {} of the database is used, as it was promoted: {}",
-                               (*promoted)->version, ModelName(*model));
-  machine_.added_effects = model->added_effects;
-  machine_.effect_values = model->effect_values;
-  machine_.model_version = model->model_version;
-  machine_.model_history = model->model_history;
-  definition = *model == machine_ ? (*promoted)->definition : EditedMachineText(definition, machine_);
-  return {};
+                               (*promoted)->version, ModelName(file_machine_));
+  const auto model = ParseMachine((*promoted)->definition, file_machine_.name);
+  return model && *model == file_machine_ ? (*promoted)->definition
+                                          : EditedMachineText(definition, file_machine_);
 }
 
-Status ReplayRunner::Prepare() {
-  const auto id = database_.MachineId(machine_.name);
+Status AxisReplay::Prepare() {
+  const auto id = database_.MachineId(AxisMachineName(file_machine_, share_.axis));
   if (!id) return tl::unexpected(id.error());
   machine_id_ = *id;
-  std::string definition = ReadText(options_.machine_file);
-  if (const Status taken = TakePromoted(definition); !taken) return taken;
+  const auto definition = TakePromotedModel();
+  if (!definition) return tl::unexpected(definition.error());
+  machine_ = MachineOfAxis(file_machine_, share_.axis);
   const auto pipeline = Pipeline::Create(machine_, kAnyPeriod, [](StrokeRecord&&) {});
   if (!pipeline) return tl::unexpected(pipeline.error());
   model_ = (*pipeline)->shared_model();
   settings_ = FingerprintSettings(machine_, StateLayout(**pipeline));
   if (const Status read = ReadEarlierSettings(); !read) return read;
-  const auto version = StoreVersion(definition);
+  const auto version = StoreVersion(*definition);
   if (!version) return tl::unexpected(version.error());
   model_version_ = *version;
   return {};
 }
 
 /// Settings of a replay with this machine file and the model of any stored version.
-Status ReplayRunner::ReadEarlierSettings() {
+Status AxisReplay::ReadEarlierSettings() {
   const auto versions = database_.ModelVersions(machine_id_);
   if (!versions) return tl::unexpected(versions.error());
   for (const ModelVersion& version : *versions) {
@@ -165,7 +180,7 @@ Status ReplayRunner::ReadEarlierSettings() {
 }
 
 /// The promoted version itself if it is the same, else the definition as a version of its own.
-Result<int> ReplayRunner::StoreVersion(const std::string& definition) {
+Result<int> AxisReplay::StoreVersion(const std::string& definition) {
   const auto promoted = database_.PromotedModel(machine_id_);
   if (!promoted) return tl::unexpected(promoted.error());
   if (*promoted && (*promoted)->definition == definition && (*promoted)->columns == model_->ColumnNames())
@@ -174,7 +189,12 @@ Result<int> ReplayRunner::StoreVersion(const std::string& definition) {
 }
 
 /// Fingerprint of the log; an error if its strokes are in the database already under other settings.
-Result<RunFingerprint> ReplayRunner::Recognise(const std::string& log, LogReplay& replay) const {
+Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& replay) const {
+  std::error_code ignored;
+  if (const auto raw = ParseRawName(log);
+      raw && std::filesystem::equivalent(raw->database, options_.database, ignored))
+    return BadInput(
+        "{}: this database holds the strokes of its raw window already; replay it into another one", log);
   const auto print = FingerprintRecording(log);
   if (!print) return tl::unexpected(print.error());
   const RunFingerprint own{*print, settings_};
@@ -205,7 +225,7 @@ Result<RunFingerprint> ReplayRunner::Recognise(const std::string& log, LogReplay
   return own;
 }
 
-LogReplay ReplayRunner::ReplayLog(const std::string& log, const std::string& count) {
+LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count) {
   LogReplay replay;
   replay.log = log;
   if (!promoted_note_.empty()) replay.notes.push_back(promoted_note_);
@@ -234,7 +254,7 @@ LogReplay ReplayRunner::ReplayLog(const std::string& log, const std::string& cou
   return replay;
 }
 
-Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
+Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::optional<ReportCollector> collector;
   auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
@@ -243,7 +263,7 @@ Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogRep
   });
   if (!created) return tl::unexpected(created.error());
   Pipeline& pipeline = **created;
-  if (!options_.report.empty()) collector.emplace(pipeline, machine_);
+  if (!report_.empty()) collector.emplace(pipeline, machine_);
   const auto state = database_.PipelineStateBefore(replay.run.id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
@@ -274,14 +294,14 @@ Status ReplayRunner::Identify(LogReader& reader, const std::string& what, LogRep
   return {};
 }
 
-void ReplayRunner::Take(ReportCollector& collector, const RunInfo& run) {
+void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
   overlays_ = collector.overlays.Choose(run.first_sequence);
   strokes_ = collector.strokes.Finish(collector.pipeline);
   overlay_run_ = run.id;
 }
 
 /// If the last log had been replayed before, it is read again for its overlays; nothing is stored.
-Status ReplayRunner::CollectOverlays(const ReplayOutcome& outcome) {
+Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
   const LogReplay* last = nullptr;
   for (const LogReplay& replay : outcome.logs)
     if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;
@@ -303,34 +323,8 @@ Status ReplayRunner::CollectOverlays(const ReplayOutcome& outcome) {
   return {};
 }
 
-/// Judges the strokes that are new in the database, as the live service does stroke by stroke.
-Status ReplayRunner::Watch(WatchOutcome& watch) {
-  const auto rules = RulesFor(options_.machine_file);
-  if (!rules) return tl::unexpected(rules.error());
-  auto journal = AlarmJournal::Open(AlarmJournal::PathFor(options_.database));
-  if (!journal) return tl::unexpected(journal.error());
-  AxisMonitor axis(machine_, model_, *rules, database_, options_.database, machine_id_, *journal);
-  if (!axis.watchable()) {
-    watch.problem = axis.watchable().error().text;
-    return {};
-  }
-  const double wall = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  if (const Status judged = axis.CatchUp(wall); !judged) return judged;
-  watch.reference_version = axis.monitor() != nullptr ? axis.monitor()->reference().version() : 0;
-  watch.commissioning_strokes = axis.commissioning_strokes();
-  watch.commissioning_needed = rules->commissioning;
-  watch.health = axis.Health();
-  for (const AlarmState& alarm : axis.alarms())
-    if (!AtRest(alarm)) watch.alarms.push_back(alarm);
-  if (options_.report.empty()) return {};
-  auto section = DriftSection(axis, rules->commissioning);
-  if (!section) return tl::unexpected(section.error());
-  watch.section_html = std::move(*section);
-  watch.verdict_html = DriftVerdictBox(axis);
-  return {};
-}
-
-Status ReplayRunner::Report(const ReplayOutcome& outcome) {
+Status AxisReplay::Report(ReplayOutcome& outcome) {
+  if (report_.empty() || outcome.runs.empty()) return {};
   if (const Status collected = CollectOverlays(outcome); !collected) return collected;
   auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
   if (!input) return tl::unexpected(input.error());
@@ -342,7 +336,76 @@ Status ReplayRunner::Report(const ReplayOutcome& outcome) {
       input->explanation_leads = explained->explanation.verdict != Verdict::kAdequate;
       input->explanation = ExplainSections(*explained, false);
     }
-  return WriteReport(options_.report, *input);
+  outcome.report = report_;
+  return WriteReport(report_, *input);
+}
+
+/// "press.html" -> "press_cushion_1.html".
+std::string ReportOfAxis(const std::string& report, const std::string& axis) {
+  if (report.empty()) return "";
+  const std::filesystem::path path(report);
+  return path.parent_path() / (path.stem().string() + "_" + axis + path.extension().string());
+}
+
+/// All axes of the press that the database holds, with the models in force.
+Result<std::vector<Machine>> StoredAxes(const ReplayOptions& options, const Machine& machine,
+                                        Database& database) {
+  const auto names = database.MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  std::vector<Machine> axes;
+  for (int axis = 0; axis < AxisCount(machine); ++axis) {
+    const std::string name = AxisMachineName(machine, axis);
+    if (std::find(names->begin(), names->end(), name) == names->end()) continue;
+    const auto id = database.MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    Machine own = machine;
+    if (const auto taken = TakePromoted(database, options.database, *id, own); !taken)
+      return tl::unexpected(taken.error());
+    axes.push_back(MachineOfAxis(own, axis));
+  }
+  return axes;
+}
+
+/// What watching for drift says about one machine.
+Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_report, WatchOutcome& watch) {
+  watch.reference_version = axis.monitor() != nullptr ? axis.monitor()->reference().version() : 0;
+  watch.commissioning_strokes = axis.commissioning_strokes();
+  watch.commissioning_needed = press.rules().commissioning;
+  watch.health = axis.Health();
+  for (const AlarmState& alarm : axis.alarms())
+    if (!AtRest(alarm)) watch.alarms.push_back(alarm);
+  if (!for_report) return {};
+  auto section = DriftSection(axis, press.rules().commissioning);
+  if (!section) return tl::unexpected(section.error());
+  watch.section_html = std::move(*section);
+  watch.verdict_html = DriftVerdictBox(axis, press.alarms());
+  return {};
+}
+
+/// Judges the strokes that are new in the database, as the live service does stroke by stroke.
+Status WatchForDrift(const ReplayOptions& options, const Machine& machine, PressReplay& replay) {
+  auto database = Database::Open(options.database);
+  if (!database) return tl::unexpected(database.error());
+  auto axes = StoredAxes(options, machine, *database);
+  if (!axes) return tl::unexpected(axes.error());
+  const auto created =
+      PressMonitor::Create(options.machine_file, machine.name, std::move(*axes), options.database);
+  if (!created) return tl::unexpected(created.error());
+  PressMonitor& press = **created;
+  if (const Status watchable = press.watchable(); !watchable) {
+    for (ReplayOutcome& outcome : replay.machines) outcome.watch.problem = watchable.error().text;
+    return {};
+  }
+  const double wall =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (const Status judged = press.CatchUp(wall); !judged) return judged;
+  for (const AlarmState& alarm : press.alarms())
+    if (!AtRest(alarm)) replay.alarms.push_back(alarm);
+  for (ReplayOutcome& outcome : replay.machines)
+    if (const AxisMonitor* axis = press.Find(outcome.machine.name))
+      if (const Status taken = TakeWatch(press, *axis, !options.report.empty(), outcome.watch); !taken)
+        return taken;
+  return {};
 }
 
 }  // namespace
@@ -373,12 +436,39 @@ bool ReplayOutcome::Failed() const {
                      [](const LogReplay& r) { return r.status == ReplayStatus::kFailed; });
 }
 
-Result<ReplayOutcome> RunReplay(const ReplayOptions& options) {
-  auto machine = LoadMachine(options.machine_file);
+bool PressReplay::Complete() const {
+  return std::all_of(machines.begin(), machines.end(), [](const ReplayOutcome& m) { return m.Complete(); });
+}
+
+bool PressReplay::Failed() const {
+  return std::all_of(machines.begin(), machines.end(), [](const ReplayOutcome& m) { return m.Failed(); });
+}
+
+Result<PressReplay> RunReplay(const ReplayOptions& options) {
+  const auto machine = LoadMachine(options.machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto database = Database::Open(options.database);
-  if (!database) return tl::unexpected(database.error());
-  return ReplayRunner(options, std::move(*machine), std::move(*database)).Run();
+  const auto shares = ShareOutLogs(*machine, options.logs, options.axis);
+  if (!shares) return tl::unexpected(shares.error());
+  PressReplay replay;
+  if (HasNamedAxes(*machine)) replay.press = machine->name;
+  std::vector<std::unique_ptr<AxisReplay>> axes;
+  for (const LogsOfAxis& share : *shares) {
+    auto database = Database::Open(options.database);
+    if (!database) return tl::unexpected(database.error());
+    const std::string report =
+        shares->size() > 1
+            ? ReportOfAxis(options.report, machine->live->axes[static_cast<std::size_t>(share.axis)])
+            : options.report;
+    axes.push_back(std::make_unique<AxisReplay>(options, share, report, *machine, std::move(*database)));
+    if (const Status stored = axes.back()->Store(replay.machines.emplace_back()); !stored)
+      return tl::unexpected(stored.error());
+  }
+  if (const Status judged = WatchForDrift(options, *machine, replay); !judged)
+    return tl::unexpected(judged.error());
+  for (std::size_t a = 0; a < axes.size(); ++a)
+    if (const Status written = axes[a]->Report(replay.machines[a]); !written)
+      return tl::unexpected(written.error());
+  return replay;
 }
 
 }  // namespace hydroscope

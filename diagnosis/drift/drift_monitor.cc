@@ -232,7 +232,8 @@ bool DriftMonitor::NamedByRule(const std::vector<Moved>& moved) const {
   return rules_->Match(movements) != nullptr;
 }
 
-/// Applies the rules and starts to follow the sizes.
+/// Applies the rules and starts to follow the sizes. A quantity that open findings explain in part moved by
+/// all of it together: what corrects their size is no movement the other way.
 void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
                         const Eigen::VectorXd& doubt) {
   std::map<std::string, int> movements;
@@ -240,9 +241,10 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
   finding.alarm = false;
   for (const Moved& m : moved) {
     const Quantity& quantity = model_.quantities()[m.quantity];
-    const bool alarm = std::abs(m.size + explained_[m.quantity]) >= sizes_[m.quantity].alarm;
-    movements[quantity.name] = m.size > 0 ? 1 : -1;
-    finding.parts.push_back({quantity.name, quantity.unit, m.size, m.std, healthy_[m.quantity],
+    const double size = m.size + explained_[m.quantity];
+    const bool alarm = std::abs(size) >= sizes_[m.quantity].alarm;
+    movements[quantity.name] = size > 0 ? 1 : -1;
+    finding.parts.push_back({quantity.name, quantity.unit, size, m.std, healthy_[m.quantity],
                              kGoneShare * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
     finding.alarm = finding.alarm || alarm;
   }

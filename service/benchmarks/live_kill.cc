@@ -14,7 +14,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kBackAllowed = 2.0;   // s
+constexpr double kStartAllowed = 2.0;  // s
 constexpr double kRigPatience = 10.0;  // s
 constexpr double kLongLife = 6.0;      // s more for every tenth life, so that strokes end in it
 
@@ -136,7 +136,7 @@ int RunLiveKill(const LiveKillOptions& o) {
       back.push_back(*start.stored);
     else
       ++silent;
-    if (!start.stored || *start.stored > kBackAllowed) slow.push_back(start.Describe(k));
+    if (!start.stored || *start.stored > kStartAllowed) slow.push_back(start.Describe(k));
     if (k == o.times) break;
     Sleep(life(random) + (k % 10 == 9 ? kLongLife : 0));
     rig.service().End(SIGKILL);
@@ -159,16 +159,16 @@ int RunLiveKill(const LiveKillOptions& o) {
   fmt::print("{:<60} {:>8.2f} s\n", "start to first rows stored, median",
              back.empty() ? 99 : back[back.size() / 2]);
   fmt::print("{:<60} {:>8.2f} s   required at most {:g} s\n", "start to first rows stored, worst", worst,
-             kBackAllowed);
+             kStartAllowed);
   fmt::print("{:<60} {:>10}   required none\n", "starts without data within 10 s", silent);
   fmt::print("{:<60} {:>10}   required none\n",
-             fmt::format("starts that took more than {:g} s", kBackAllowed), slow.size());
+             fmt::format("starts that took more than {:g} s", kStartAllowed), slow.size());
   fmt::print("{:<60} {:>10}   required all of {}\n", "runs whose replay from the stored state is the same",
              replays->same, replays->same + replays->different);
   fmt::print("{:<60} {:>10}   required 0\n", "exit code after SIGTERM", ended);
   for (const std::vector<std::string>& lines : {slow, *faults})
     for (std::size_t i = 0; i < std::min<std::size_t>(lines.size(), 10); ++i) fmt::print("  {}\n", lines[i]);
-  return faults->empty() && silent == 0 && replays->ok() && worst <= kBackAllowed && ended == 0 ? 0 : 1;
+  return faults->empty() && silent == 0 && replays->ok() && worst <= kStartAllowed && ended == 0 ? 0 : 1;
 }
 
 }  // namespace hydroscope

@@ -110,7 +110,9 @@ Result<ReplayOutcome> Replay(const ThirtyRunsOptions& o, std::uint64_t seed, con
     if (const Status written = WriteLog(RunOptions(o, seed, run), replay.logs.back()); !written)
       return tl::unexpected(written.error());
   }
-  return RunReplay(replay);
+  auto replayed = RunReplay(replay);
+  if (!replayed) return tl::unexpected(replayed.error());
+  return std::move(replayed->machines.front());
 }
 
 /// What the database holds of one run; `trends` are those of the machine in order.

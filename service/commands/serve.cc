@@ -63,9 +63,11 @@ void PrintAcknowledged(const LiveWriter::Axis& axis, const WriteItem& item) {
 /// Watches for drift; nullptr if the model's parameters cannot be watched or journal or rules are unusable:
 /// the strokes are stored all the same and can be judged later.
 std::unique_ptr<PressMonitor> MakePressMonitor(const LiveOptions& options, const Machine& machine) {
-  auto press = PressMonitor::Create(options.machine_file, machine, options.database);
-  if (press) return std::move(*press);
-  LogError("drift_is_not_watched", {{"why", press.error().text}});
+  auto press =
+      PressMonitor::Create(options.machine_file, machine.name, MachinesOfAxes(machine), options.database);
+  const Status usable = press ? (*press)->watchable() : Status(tl::unexpected(press.error()));
+  if (usable) return std::move(*press);
+  LogError("drift_is_not_watched", {{"why", usable.error().text}});
   return nullptr;
 }
 

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "service/axis_log.h"
+
 namespace hydroscope {
 namespace {
 
@@ -140,6 +142,7 @@ std::optional<RawName> ParseRawName(const std::string& log) {
   const std::size_t hash = log.rfind('#');
   std::error_code ignored;
   if (hash == std::string::npos || hash == 0 || std::filesystem::exists(log, ignored)) return std::nullopt;
+  if (ParseAxisLog(log)) return std::nullopt;
   RawName name;
   name.database = log.substr(0, hash);
   std::string rest = log.substr(hash + 1);
@@ -188,12 +191,20 @@ Result<std::unique_ptr<LogReader>> OpenRawRun(const std::string& path, std::int6
 
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine) {
   if (const auto name = ParseRawName(log)) return OpenRaw(*name, machine);
+  if (const auto named = ParseAxisLog(log)) {
+    const auto axis = AxisNamed(machine, named->axis);
+    if (!axis) return tl::unexpected(axis.error());
+    return OpenLog(named->path, MachineOfAxis(machine, *axis));
+  }
+  if (HasNamedAxes(machine) && LogHoldsAllAxes(machine))
+    return BadInput("{}: this log holds all axes; say which one is meant: {}#{}", log, log,
+                    machine.live->axes.front());
   return OpenLog(log, machine);
 }
 
 Result<LogFingerprint> FingerprintRecording(const std::string& log) {
   const auto name = ParseRawName(log);
-  if (!name) return FingerprintLog(log);
+  if (!name) return FingerprintLog(PathOfLog(log));
   auto database = Database::OpenReadOnly(name->database);
   if (!database) return tl::unexpected(database.error());
   const auto runs = FindRuns(*database, *name);

@@ -32,7 +32,8 @@ Result<std::unique_ptr<LogReader>> OpenRaw(const RawName& name, const Machine& m
 Result<std::unique_ptr<LogReader>> OpenRawRun(const std::string& database, std::int64_t run, double from,
                                               double to, const Machine& machine);
 
-/// A log file, or a piece of a raw window: what every command that reads logs takes.
+/// A log file, one of an axis ("press.csv#cushion_1", service/axis_log.h), or a piece of a raw window: what
+/// every command that reads logs takes.
 Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine);
 /// Fingerprint of either.
 Result<LogFingerprint> FingerprintRecording(const std::string& log);
