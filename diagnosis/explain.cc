@@ -12,6 +12,8 @@
 namespace hydroscope {
 namespace {
 
+/// Share of the noise energy by which the floor itself may be off (estimation/noise_floor_test.cc).
+constexpr double kFloorError = 0.04;
 /// First effects on top of which every second one is tried.
 constexpr std::size_t kPairFirsts = 5;
 /// A generic law of which less than this share is left beside a named effect is much the same as that effect.
@@ -38,6 +40,8 @@ class Explainer {
     return fit.excess_ratio <=
            options_.floor_excess + share * options_.left_share * std::max(0.0, start_.fit.excess_ratio);
   }
+  /// Nothing is left that another law could explain: what it would gain is noise.
+  bool IsBelowFloor(const ExtendedFit& fit) const { return fit.excess_ratio < -kFloorError; }
   /// Laws with one parameter have found a value that agrees with itself, as far as they were refined.
   bool IsLawful(const ExtendedFit& fit) const {
     return std::all_of(fit.effects.begin() + static_cast<std::ptrdiff_t>(start_.choices.size()),
@@ -120,7 +124,9 @@ CandidateModel Explainer::Search(Explanation& out) const {
     return model;
   }
   out.second = ranking_.Rank(model);
-  if (out.second.empty() || !out.second.front().significant || options_.max_effects < 2) return model;
+  if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
+      options_.max_effects < 2)
+    return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
   out.groups.push_back(ranking_.Rivals(out.second));
@@ -138,6 +144,7 @@ void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {
 
 /// The right law leaves no scraps for another to pick up.
 void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) const {
+  if (IsBelowFloor(model.fit)) return;
   for (const auto& further : {ranking_.Rank(model), ranking_.RankGeneric(model)}) {
     if (further.empty() || !further.front().fit.solved || further.front().gain <= out.remainder) continue;
     out.remainder = further.front().gain;

@@ -54,7 +54,7 @@ class SampleBalance {
   void Load(const Stretch& measured, int k) {
     pair_.period = measured.period;
     for (std::size_t c = 0; c < pair_.channel.size(); ++c)
-      for (int i = 0; i < 2; ++i) pair_.channel[c][i] = measured.channel[c][k + i];
+      for (int i = 0; i < 2; ++i) pair_.channel[c][i] = measured[static_cast<int>(c)][k + i];
   }
 
   double Error(const Stretch& measured, int k, double next) { return Evaluate(measured, k, next, false); }
@@ -63,7 +63,7 @@ class SampleBalance {
     pair_.channel[kPressureA][1] = next;
     model_.derive_channels(pair_);
     for (int channel : {kSpeed, kAcceleration, kPressureRate})
-      for (int i = 0; i < 2; ++i) pair_.channel[channel][i] = measured.channel[channel][k + i];
+      for (int i = 0; i < 2; ++i) pair_.channel[channel][i] = measured[channel][k + i];
     double sum = 0;
     for (Term& term : terms_) {
       double state = term.state, increment = 0;

@@ -16,8 +16,8 @@ double Typical(std::span<const StrokeStretches> strokes, int channel, double non
   std::vector<double> values;
   for (const StrokeStretches& stroke : strokes)
     for (const Stretch& stretch : stroke)
-      if (!stretch.channel[channel].empty() && stretch.channel[channel][0] != 0)
-        values.push_back(stretch.channel[channel][0]);
+      if (!stretch.channel[channel].empty() && stretch[channel][0] != 0)
+        values.push_back(stretch[channel][0]);
   return Median(std::move(values), none);
 }
 
@@ -37,9 +37,9 @@ MachineMoves MovesOf(const Machine& machine, std::span<const StrokeStretches> st
   double top = 0, bottom = std::numeric_limits<double>::infinity();
   for (const StrokeStretches& stroke : strokes)
     for (const Stretch& stretch : stroke) {
-      const auto &z = stretch.channel[kPosition], &p = stretch.channel[kPressureA];
+      const double *z = stretch[kPosition], *p = stretch[kPressureA];
       speeds.push_back((z[0] - z[stretch.samples - 1]) / ((stretch.samples - 1) * stretch.period));
-      pressures.insert(pressures.end(), p.begin(), p.begin() + stretch.samples);
+      pressures.insert(pressures.end(), p, p + stretch.samples);
       top = std::max(top, z[0]);
       bottom = std::min(bottom, z[stretch.samples - 1]);
     }

@@ -105,7 +105,7 @@ TEST(SpanEquations, FlowFormIsTheTrueFlowUnderTheTriangularWindow) {
 TEST(SpanEquations, AFlowThatIsConstantIsThatFlow) {
   const auto model = LevelModel();
   WindowSamples window;
-  Stretch ramp = {200, window.period, false, {std::vector<double>(200)}};
+  Stretch ramp = {.samples = 200, .period = window.period, .channel = {std::vector<double>(200)}};
   for (int k = 0; k < 200; ++k) ramp.channel[0][k] = 7 - 3.5e-4 * k * window.period;
   SpanEquationBuilder builder(model, window);
   const SpanEquations& e = builder.Build(ramp, 0);
@@ -135,7 +135,7 @@ TEST(SpanEquations, AConstantLevelGivesNoEquation) {
   const auto model = LevelModel();
   const WindowSamples window;
   SpanEquationBuilder builder(model, window);
-  Stretch constant = {200, window.period, false, {std::vector<double>(200, 1e6)}};
+  Stretch constant = {.samples = 200, .period = window.period, .channel = {std::vector<double>(200, 1e6)}};
   EXPECT_EQ(builder.Build(constant, 0).integral.row(0).head(19).norm(), 0.0);
 }
 

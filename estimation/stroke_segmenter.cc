@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kRingSize = 5;
 constexpr int kLookAhead = 2;
+constexpr int kBeyond = 2;         ///< blocks kept of what was measured before and after a stretch
 constexpr double kHoldTime = 0.1;  ///< s
 /// Flags that say a row does not follow the one before at the sample period.
 constexpr Quality kTimeBroken =
@@ -47,7 +48,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
   held_.assign(channels, std::numeric_limits<double>::quiet_NaN());
   held_for_.assign(channels, 0);
   hold_ = static_cast<int>(std::lround(kHoldTime / window_.period));
-  const int capacity = window_.span * window_.block + 1;
+  const int capacity = (kBeyond + window_.span + kBeyond) * window_.block + 1;
   stretch_.period = window_.period;
   stretch_.channel.assign(model_->channel_names.size(), std::vector<double>(capacity));
   stretch_.samples = 0;
@@ -140,10 +141,11 @@ void StrokeSegmenter::CompleteBlock() {
 
 void StrokeSegmenter::Decide(int index) {
   --undecided_;
+  next_block_ = index;
   if (GateOpen(index)) {
     if (in_stroke_ && direction_ != stroke_direction_) EndStroke();
     stroke_direction_ = direction_;
-    Append(ring_[index]);
+    Append(index);
   } else {
     EndSegment();
     CountOutside(ring_[index].begin + window_.block * window_.period);
@@ -177,11 +179,19 @@ bool StrokeSegmenter::GateOpen(int index) {
 void StrokeSegmenter::Break() {
   while (undecided_ > 0) Decide(pending_ - undecided_);
   EndSegment();
-  pending_ = 0;
+  pending_ = next_block_ = 0;
   rows_in_block_ = 0;
 }
 
-void StrokeSegmenter::Append(const Pending& block) {
+void StrokeSegmenter::CopyBlocks(int first, int count, int at) {
+  const int m = window_.block;
+  for (int b = 0; b < count; ++b)
+    for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
+      std::copy_n(&ring_[first + b].sample[c * m], m, stretch_[static_cast<int>(c)] + at + b * m);
+}
+
+void StrokeSegmenter::Append(int index) {
+  const Pending& block = ring_[index];
   CountOutside(block.begin);  // the gap before this block may have ended the stroke
   if (!in_stroke_) {
     in_stroke_ = true;
@@ -194,8 +204,13 @@ void StrokeSegmenter::Append(const Pending& block) {
   closed_for_ = 0;
   if (stretch_blocks_ == 0) stretch_begin_ = block.begin;
   const int m = window_.block;
-  for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
-    std::copy_n(&block.sample[c * m], m, &stretch_.channel[c][stretch_.samples]);
+  if (stretch_.samples == 0) {
+    const int blocks = std::min(index, kBeyond);
+    stretch_.before = blocks * m;
+    CopyBlocks(index - blocks, blocks, -stretch_.before);
+  }
+  CopyBlocks(index, 1, stretch_.samples);
+  next_block_ = index + 1;
   stretch_.samples += m;
   since_stroke_.gated += m;
 
@@ -227,9 +242,17 @@ void StrokeSegmenter::Append(const Pending& block) {
 
 void StrokeSegmenter::Emit() {
   since_stroke_.used += static_cast<std::int64_t>(stretch_blocks_) * window_.block;
+  const int blocks_after = std::clamp(pending_ - next_block_, 0, kBeyond);
+  CopyBlocks(next_block_, blocks_after, stretch_.samples);
+  stretch_.after = blocks_after * window_.block;
   sink_.on_stretch(stretch_, stretch_begin_);
-  for (std::size_t c = 0; c < model_->channel_source.size(); ++c)
-    stretch_.channel[c][0] = stretch_.channel[c][stretch_.samples - 1];
+  // The next one begins with the last sample of this one.
+  const int last = stretch_.before + stretch_.samples - 1;
+  stretch_.before = std::min(last, kBeyond * window_.block);
+  for (std::size_t c = 0; c < model_->channel_source.size(); ++c) {
+    std::vector<double>& x = stretch_.channel[c];
+    std::copy_n(x.begin() + (last - stretch_.before), stretch_.before + 1, x.begin());
+  }
   stretch_.continues = true;
   stretch_.samples = 1;
   stretch_blocks_ = 0;
@@ -238,7 +261,7 @@ void StrokeSegmenter::Emit() {
 void StrokeSegmenter::EndSegment() {
   if (stretch_blocks_ >= window_.min_span) Emit();
   stretch_.continues = false;
-  stretch_.samples = 0;
+  stretch_.samples = stretch_.before = stretch_.after = 0;
   stretch_blocks_ = 0;
   last_position_ = std::numeric_limits<double>::quiet_NaN();
 }
@@ -264,9 +287,8 @@ void StrokeSegmenter::EndStroke() {
   summary_.counters = since_stroke_;
   summary_.mean_speed = gated_time > 0 ? travel_ / gated_time : 0.0;
   summary_.mean_pressure = sum_blocks_ > 0 ? sum_pressure_ / sum_blocks_ : 0.0;
-  summary_.oil_temperature = temperature_blocks_ > 0
-                                 ? sum_temperature_ / temperature_blocks_
-                                 : std::numeric_limits<double>::quiet_NaN();
+  summary_.oil_temperature = temperature_blocks_ > 0 ? sum_temperature_ / temperature_blocks_
+                                                     : std::numeric_limits<double>::quiet_NaN();
   AddToTotals();
   sink_.on_stroke(summary_);
 }

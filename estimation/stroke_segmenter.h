@@ -68,7 +68,10 @@ class StrokeSegmenter {
   /// Whether all bounds hold; notes the signs of those on a magnitude in `direction_`.
   bool GateOpen(int index);
   void Break();
-  void Append(const Pending& block);
+  /// Block `index` of the ring is part of the stretch.
+  void Append(int index);
+  /// Puts blocks of the ring from `first` on, `count` of them, into the stretch from sample `at` on.
+  void CopyBlocks(int first, int count, int at);
   void EndSegment();
   void Emit();
   void CountOutside(double time);
@@ -93,6 +96,7 @@ class StrokeSegmenter {
   int hold_ = 0;  ///< samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged
   Stretch stretch_;
   int stretch_blocks_ = 0;
+  int next_block_ = 0;  ///< block of the ring that follows the stretch, while there is one
   double stretch_begin_ = 0;
   bool in_stroke_ = false;
   std::uint32_t direction_ = 0, stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last

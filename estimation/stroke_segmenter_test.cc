@@ -76,8 +76,9 @@ struct Heard {
   struct Piece {
     double begin;
     bool continues;
-    int samples;
+    int samples, before, after;
     std::vector<double> pressure, position, spool;
+    std::vector<double> known;  ///< pressures, those beyond the ends too
     bool operator==(const Piece&) const = default;
   };
   std::vector<Piece> pieces;
@@ -94,7 +95,9 @@ Heard Hear(const SampleBlock& all, std::size_t rows_per_block, const Machine& ma
       {[&](Stretch& s, double begin) {
          const auto copy = [&](int c) { return std::vector<double>(s[c], s[c] + s.samples); };
          heard.pieces.push_back(
-             {begin, s.continues, s.samples, copy(kPressureA), copy(kPosition), copy(kSpool)});
+             {begin, s.continues, s.samples, s.before, s.after, copy(kPressureA), copy(kPosition),
+              copy(kSpool),
+              std::vector<double>(s[kPressureA] - s.before, s[kPressureA] + s.samples + s.after)});
        },
        [&](const StrokeSummary& summary) { heard.strokes.push_back(summary); },
        [&] { ++heard.discard_calls; }});
@@ -186,6 +189,28 @@ TEST(StrokeSegmenter, PiecesOfASegmentShareOneSample) {
     EXPECT_EQ(heard.pieces[k].position.front(), heard.pieces[k - 1].position.back());
     EXPECT_NEAR(heard.pieces[k].begin, heard.pieces[k - 1].begin + 0.4, 1e-9);
   }
+}
+
+TEST(StrokeSegmenter, PiecesKnowWhatWasMeasuredBeyondTheirEndsUpToABadValue) {
+  constexpr std::size_t kBad = 900;
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0).Rest(0.1).Draw(1.0).Rest(0.5);
+  rows.Flag(kPressure, kBad, quality::kSpike);
+  const Heard heard = Hear(rows);
+  ASSERT_GE(heard.pieces.size(), 4u);
+  const auto& p = rows.block().signal[kPressure];
+  int cut_short = 0;
+  for (const Heard::Piece& piece : heard.pieces) {
+    const auto first =
+        static_cast<std::size_t>(std::lround(piece.begin / kPeriod)) - piece.continues - piece.before;
+    const std::size_t last = first + piece.known.size() - 1;
+    EXPECT_EQ(piece.known, std::vector<double>(p.begin() + first, p.begin() + last + 1)) << piece.begin;
+    EXPECT_TRUE(last < kBad || first > kBad) << piece.begin;
+    if (piece.before == 20 && piece.after == 20) continue;
+    ++cut_short;
+    EXPECT_TRUE(kBad - last <= 20 || first - kBad <= 20) << piece.begin;
+  }
+  EXPECT_EQ(cut_short, 2);
 }
 
 TEST(StrokeSegmenter, ABadValueEndsTheSegmentAndIsCounted) {

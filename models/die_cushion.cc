@@ -11,6 +11,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
+
 /// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put
 /// back.
 double NoiseCorrectedRoot(double dp, double variance) {
@@ -21,8 +23,7 @@ double NoiseCorrectedRoot(double dp, double variance) {
 
 HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
   const double *p = s[kPressureA], *y = s[kSpool];
-  double *pressure = s.channel[kLogPressure].data(), *absolute = s.channel[kLogAbsolute].data(),
-         *opening = s.channel[kLogOpening].data();
+  double *pressure = s[kLogPressure], *absolute = s[kLogAbsolute], *opening = s[kLogOpening];
   for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
   for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
   for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
@@ -30,9 +31,9 @@ HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
 
 HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch& s) {
   const double *p = s[kPressureA], *y = s[kSpool], *supply = s[kSupplyPressure];
-  double* const root = s.channel[kFlowRoot].data();
+  double* const root = s[kFlowRoot];
   const double variance = WhiteNoiseVariance(p, s.samples);
-  for (int k = 0; k < s.samples; ++k) {
+  for (int k = -s.before; k < s.samples + s.after; ++k) {
     const bool to_tank = (y[k] >= 0.0) | !has_supply | (supply[k] != supply[k]);  // NaN: not measured now
     const double dp = to_tank ? p[k] - tank_pressure : supply[k] - p[k];
     root[k] = NoiseCorrectedRoot(dp, variance);
@@ -40,12 +41,16 @@ HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch
 }
 
 void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
-  const auto& p = s.channel[kPressureA];
   FillFlowRoot(tank_pressure, has_supply, s);
-  const int half = std::max(1, static_cast<int>(std::lround(0.02 / s.period)));
-  SmoothRate(s.channel[kPosition], s.samples, half, s.period, Ends::kExtend, s.channel[kSpeed]);
-  SmoothRate(s.channel[kSpeed], s.samples, half, s.period, Ends::kHold, s.channel[kAcceleration]);
-  SmoothRate(p, s.samples, half, s.period, Ends::kHold, s.channel[kPressureRate]);
+  const int half = std::max(1, static_cast<int>(std::lround(kRateHalfWidth / s.period))),
+            known = s.before + s.samples + s.after;
+  const auto rate = [&](int of, Ends ends, int into) {
+    SmoothRate(s[of] - s.before, known, half, s.period, ends, s[into] - s.before);
+  };
+  rate(kPosition, Ends::kExtend, kSpeed);
+  rate(kSpeed, Ends::kHold, kAcceleration);
+  // A regressor of the signal delays: smeared pressure steps would make them come out large, noise small.
+  SharpRate(s[kPressureA] - s.before, known, half, s.period, s[kPressureRate] - s.before);
   FillLogarithms(s);
 }
 

@@ -86,13 +86,13 @@ std::function<void(Stretch&)> ExpressionChannels::Derivation() const {
   return [rates = rates_, half_width = half_width_](Stretch& s) {
     const int half = std::max(1, static_cast<int>(std::lround(half_width / s.period)));
     for (const Rate& rate : rates) {
-      std::vector<double>& inner = s.channel[static_cast<std::size_t>(rate.inner)];
+      double* const inner = s[rate.inner];
       if (rate.evaluator) {
-        const auto run = rate.evaluator->Over(s.channel);
-        for (int k = 0; k < s.samples; ++k) inner[static_cast<std::size_t>(k)] = run.At(k);
+        const auto run = rate.evaluator->Over(s.channel, s.before);
+        for (int k = -s.before; k < s.samples + s.after; ++k) inner[k] = run.At(k);
       }
-      SmoothRate(inner, s.samples, half, s.period, Ends::kHold,
-                 s.channel[static_cast<std::size_t>(rate.channel)]);
+      SmoothRate(inner - s.before, s.before + s.samples + s.after, half, s.period, Ends::kHold,
+                 s[rate.channel] - s.before);
     }
   };
 }
@@ -127,13 +127,14 @@ void ExpressionParts::Increments(const Stretch& s, std::span<double> increments)
   const auto time = [period = s.period](int k) { return k * period; };
   for (const Compiled& part : parts_) {
     if (part.weight && part.level) {
-      const auto weight = part.weight->Over(s.channel), level = part.level->Over(s.channel);
+      const auto weight = part.weight->Over(s.channel, s.before),
+                 level = part.level->Over(s.channel, s.before);
       add([&](int k) { return weight.At(k); }, [&](int k) { return level.At(k); });
     } else if (part.level) {
-      const auto level = part.level->Over(s.channel);
+      const auto level = part.level->Over(s.channel, s.before);
       add(one, [&](int k) { return level.At(k); });
     } else {
-      const auto weight = part.weight->Over(s.channel);
+      const auto weight = part.weight->Over(s.channel, s.before);
       add([&](int k) { return weight.At(k); }, time);
     }
   }
@@ -142,7 +143,7 @@ void ExpressionParts::Increments(const Stretch& s, std::span<double> increments)
 void ExpressionParts::Values(const Stretch& s, std::span<double> values) const {
   std::fill(values.begin(), values.end(), 0.0);
   for (const Compiled& part : parts_) {
-    const auto weight = part.weight->Over(s.channel);
+    const auto weight = part.weight->Over(s.channel, s.before);
     for (int k = 0; k < s.samples; ++k) values[static_cast<std::size_t>(k)] += weight.At(k);
   }
 }
@@ -151,7 +152,7 @@ double ExpressionParts::Contrast(const Stretch& s, int sample) const {
   double sum = 0;
   for (const Compiled& part : parts_) {
     if (part.level) continue;
-    const auto weight = part.weight->Over(s.channel);
+    const auto weight = part.weight->Over(s.channel, s.before);
     sum += weight.At(sample - 2) - weight.At(sample - 1) - weight.At(sample) + weight.At(sample + 1);
   }
   return 0.5 * sum;

@@ -74,10 +74,11 @@ ExpressionEvaluator::ExpressionEvaluator(const ExpressionNode& expression,
 
 ExpressionEvaluator::~ExpressionEvaluator() = default;
 
-ExpressionEvaluator::Run ExpressionEvaluator::Over(const std::vector<std::vector<double>>& channels) const {
+ExpressionEvaluator::Run ExpressionEvaluator::Over(const std::vector<std::vector<double>>& channels,
+                                                   int first) const {
   Run run(*this);
   for (std::size_t i = 0; i < channels_.size(); ++i)
-    source_[i] = channels[static_cast<std::size_t>(channels_[i])].data();
+    source_[i] = channels[static_cast<std::size_t>(channels_[i])].data() + first;
   return run;
 }
 

@@ -32,8 +32,8 @@ class ExpressionEvaluator {
     const ExpressionEvaluator& evaluator_;
     std::unique_lock<std::mutex> lock_;
   };
-  /// `channels[i]` is what `channel_of` called i; must stay until the Run is gone.
-  Run Over(const std::vector<std::vector<double>>& channels) const;
+  /// `channels[i]` is what `channel_of` called i, its sample 0 at `first`; must stay until the Run is gone.
+  Run Over(const std::vector<std::vector<double>>& channels, int first = 0) const;
 
   const std::vector<int>& channels() const { return channels_; }
 

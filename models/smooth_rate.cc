@@ -43,11 +43,10 @@ HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
   return total / (20.0 * (n - 3));
 }
 
-HYDROSCOPE_WIDE void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,
-                std::vector<double>& rate) {
+HYDROSCOPE_WIDE void SmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate) {
   const int m = std::clamp((n - 1) / 2, 1, half);
   if (n < 3) {
-    std::fill_n(rate.begin(), n, 0.0);
+    std::fill_n(rate, n, 0.0);
     return;
   }
   double before = 0, after = 0;
@@ -72,6 +71,36 @@ HYDROSCOPE_WIDE void SmoothRate(const std::vector<double>& x, int n, int half, d
     rate[m - k] = rate[m] - k * rise;
     rate[last + k] = rate[last] + k * fall;
   }
+}
+
+HYDROSCOPE_WIDE void SharpRate(const double* x, int n, int half, double period, double* rate) {
+  const int m = std::clamp((n - 1) / 4, 1, half);
+  if (n < 5) {
+    SmoothRate(x, n, half, period, Ends::kHold, rate);
+    return;
+  }
+  // Sums over the m samples next to sample k, and over the m beyond those.
+  double before = 0, after = 0, far_before = 0, far_after = 0;
+  for (int k = 0; k < m; ++k) {
+    far_before += x[k];
+    before += x[m + k];
+    after += x[2 * m + 1 + k];
+    far_after += x[3 * m + 1 + k];
+  }
+  // Of a cubic c t^3 a window of +-m samples sees c m (m + 1) period^2 / 2 too much.
+  const double share = (m + 1) / (3.0 * m + 1);
+  const double narrow = (1 + share) / (m * (m + 1) * period), wide = share / (2 * m * (2 * m + 1) * period);
+  const int first = 2 * m, last = n - 1 - 2 * m;
+  for (int k = first;; ++k) {
+    rate[k] = narrow * (after - before) - wide * ((after + far_after) - (before + far_before));
+    if (k == last) break;
+    far_before += x[k - m] - x[k - 2 * m];
+    before += x[k] - x[k - m];
+    after += x[k + m + 1] - x[k + 1];
+    far_after += x[k + 2 * m + 1] - x[k + m + 1];
+  }
+  std::fill_n(rate, first, rate[first]);
+  std::fill_n(rate + last + 1, n - 1 - last, rate[last]);
 }
 
 }  // namespace hydroscope

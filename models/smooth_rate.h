@@ -14,9 +14,12 @@ enum class Ends {
   kExtend,  ///< the line through the nearest windows: smooth signals
 };
 
-/// Derivative by a triangular window of +-`half` samples: mean of the samples after minus mean of those
-/// before. `rate` has room for the `n` samples of x; `period` in s.
-void SmoothRate(const std::vector<double>& x, int n, int half, double period, Ends ends,
-                std::vector<double>& rate);
+/// Derivative of the `n` samples x by a triangular window of +-`half` samples: mean of the samples after minus
+/// mean of those before, into the n values of `rate`; `period` in s.
+void SmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate);
+
+/// The same, extrapolated from windows of +-`half` and +-2 `half` samples so that their second-order errors cancel
+/// (Richardson 1911): exact for a cubic. Nearer to an end than 2 `half` the nearest value is held.
+void SharpRate(const double* x, int n, int half, double period, double* rate);
 
 }  // namespace hydroscope

@@ -8,13 +8,18 @@ namespace hydroscope {
 
 /// A run of consecutive good samples on the uniform grid, channel by channel, in SI. Channels are the model's own
 /// (for the die cushion: `DieCushionChannel`), measured ones first, then those the model derives from them.
+/// Equations are taken on samples 0 ... samples - 1; what was measured right before and after them is there too, for
+/// rates and shifted signals, which look beyond the ends.
 struct Stretch {
   int samples = 0;
+  int before = 0, after = 0;                  ///< samples known beyond the ends, good or not gated but contiguous
   double period = 0.0;                        ///< s between samples
   bool continues = false;                     ///< sample 0 is the last sample of the stretch before
-  std::vector<std::vector<double>> channel;   ///< [channel][sample]
+  std::vector<std::vector<double>> channel;   ///< [channel][before + sample]
 
-  const double* operator[](int index) const { return channel[static_cast<std::size_t>(index)].data(); }
+  /// Samples -before ... samples + after - 1 of a channel.
+  const double* operator[](int index) const { return channel[static_cast<std::size_t>(index)].data() + before; }
+  double* operator[](int index) { return channel[static_cast<std::size_t>(index)].data() + before; }
 };
 
 /// Every column of a balance is a Stieltjes integral of products of channels: increment k of a column is the

@@ -15,12 +15,6 @@ std::vector<std::string> AllEffects() {
   return ids;
 }
 
-/// Laws of pressure and position delays smooth the pressure's rate, which costs up to 5 % of the size.
-double KnownBias(const RecoveredValue& value) {
-  const bool smoothed = value.name == "pressure_signal_delay" || value.name == "position_signal_delay";
-  return smoothed ? 0.05 * value.truth : 0;
-}
-
 class EveryEffect : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(OfTheLibrary, EveryEffect, testing::ValuesIn(AllEffects()));
 
@@ -30,7 +24,7 @@ TEST_P(EveryEffect, IsRecoveredWithinThreeStandardDeviationsAndTheBaseParameters
   ASSERT_EQ(values->size(), 5u);
   for (const RecoveredValue& value : *values) {
     EXPECT_TRUE(std::isfinite(value.std) && value.std > 0) << value.name;
-    EXPECT_LE(std::abs(value.value - value.truth), 3 * value.std + KnownBias(value))
+    EXPECT_LE(std::abs(value.value - value.truth), 3 * value.std)
         << value.name << " " << value.value << " +- " << value.std << ", truth " << value.truth;
   }
 }

@@ -35,15 +35,15 @@ Effect PositionSignalDelay(const CushionGeometry&) {
           },
           out);
     };
-    // (p(t - t_d) - p(t)) / t_d is minus the rate half way.
+    // (p(t - t_d) - p(t)) / t_d is minus the mean of the rate.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
-      const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
+      const MeanOverShift rate(s, kPressureRate, -delay);
       wide::Differences(
           s, [&](int k) { return -rate(k); }, out);
     };
     const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* z = s[kPosition];
-      const ShiftedSignal rate(s, kPressureRate, -0.5 * delay);
+      const MeanOverShift rate(s, kPressureRate, -delay);
       wide::IntegrateOver(
           s, [=](int k) { return z[k]; }, [&](int k) { return -rate(k); }, out);
     };

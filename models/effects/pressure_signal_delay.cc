@@ -31,14 +31,14 @@ Effect PressureSignalDelay(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [&, per_second = 1.0 / delay](int k) { return y[k] * (later(k) - root[k]) * per_second; }, out);
     };
-    // (p(t + t_d) - p(t)) / t_d is the rate half way.
+    // (p(t + t_d) - p(t)) / t_d is the mean of the rate.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
-      const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
+      const MeanOverShift rate(s, kPressureRate, delay);
       wide::Differences(s, rate, out);
     };
     const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* z = s[kPosition];
-      const ShiftedSignal rate(s, kPressureRate, 0.5 * delay);
+      const MeanOverShift rate(s, kPressureRate, delay);
       wide::IntegrateOver(
           s, [=](int k) { return z[k]; }, rate, out);
     };

@@ -119,7 +119,10 @@ int RunRecovery(const RecoveryOptions& o) {
       o.seconds, o.seed, o.seed + static_cast<std::uint64_t>(o.seeds) - 1);
   PrintHeader();
   RecoveryTally tally;
-  for (const EffectInfo& effect : PressEffects())
+  if (!o.effect.empty() && InfoOf(o.effect) == nullptr)
+    return ReportError(Error{ErrorKind::kUsage, fmt::format("the simulator has no effect '{}'", o.effect)});
+  for (const EffectInfo& effect : PressEffects()) {
+    if (!o.effect.empty() && o.effect != effect.id) continue;
     for (int s = 0; s < o.seeds; ++s) {
       // Logs of their own: one unlucky draw must not show in every row.
       const std::uint64_t seed =
@@ -129,6 +132,7 @@ int RunRecovery(const RecoveryOptions& o) {
       PrintRow(effect.id, *values);
       for (const RecoveredValue& value : *values) tally.Add(value, &value == &values->front());
     }
+  }
   std::cout << fmt::format(
       "\n95 % intervals that hold the truth: sizes {} of {}, all parameters {} of {}; beyond "
       "3 standard deviations: {}\n",

@@ -12,6 +12,7 @@ struct RecoveryOptions {
   double seconds = 120;    ///< of each log
   std::uint64_t seed = 1;  ///< of the first log of each effect
   int seeds = 1;           ///< logs per effect
+  std::string effect;      ///< only this one, "" = all
 };
 
 /// One parameter of one fit against the truth it was simulated with.
@@ -29,7 +30,7 @@ struct RecoveredValue {
 Result<std::vector<RecoveredValue>> RecoverEffect(const std::string& effect, double seconds,
                                                   std::uint64_t seed);
 
-/// All effects of the library. Prints sizes and deviations of every parameter in standard deviations. Returns
+/// All effects of the library, or one. Prints sizes and deviations of every parameter in standard deviations. Returns
 /// 0 if each stated interval of three standard deviations holds its truth (of one log per effect), or 90 % or
 /// more of all 95 % intervals, and of those of the sizes (of several); else 1.
 int RunRecovery(const RecoveryOptions& options);
