@@ -39,7 +39,8 @@ void ReadSparkplugFeed(TableReader& section, SparkplugFeedSpec& sparkplug) {
   section.Text("broker", sparkplug.broker);
   if (!sparkplug.broker.starts_with("tcp://") && !sparkplug.broker.starts_with("ssl://"))
     section.Wrong("broker", "tcp://HOST:PORT or ssl://HOST:PORT, e.g. \"tcp://127.0.0.1:1883\"");
-  for (const auto& [key, id] : {std::pair("group", &sparkplug.group), std::pair("node", &sparkplug.node)}) {
+  for (const auto& [key, id] : {std::pair("group", &sparkplug.group), std::pair("node", &sparkplug.node),
+                                std::pair("primary_host", &sparkplug.primary_host)}) {
     section.Text(key, *id);
     if (id->find_first_of("/+#") != std::string::npos || (section.Has(key) && id->empty()))
       section.Wrong(key, "a name without /, + and #");
@@ -47,6 +48,16 @@ void ReadSparkplugFeed(TableReader& section, SparkplugFeedSpec& sparkplug) {
   if (sparkplug.group.empty()) sparkplug.group = SparkplugFeedSpec{}.group;
   section.Text("user", sparkplug.user);
   section.Text("password_file", sparkplug.password_file);
+  for (const auto& [key, file] :
+       {std::pair("ca_file", &sparkplug.ca_file), std::pair("certificate_file", &sparkplug.certificate_file),
+        std::pair("key_file", &sparkplug.key_file)}) {
+    section.Text(key, *file);
+    if (!file->empty() && !sparkplug.broker.starts_with("ssl://"))
+      section.Wrong(key,
+                    "a file only with broker = \"ssl://...\": certificates are of encrypted connections");
+  }
+  if (sparkplug.certificate_file.empty() != sparkplug.key_file.empty())
+    section.Problem("certificate_file and key_file go together: a certificate and its private key");
 }
 
 }  // namespace

@@ -47,6 +47,9 @@ struct SparkplugFeedSpec {
   std::string node;  ///< "": the machine's name
   std::string user;
   std::string password_file;  ///< its first line is the password
+  std::string primary_host;   ///< host id without which nothing is told; "": whoever listens
+  std::string ca_file;        ///< ssl://: PEM, signs the broker's certificate; "": those of the system
+  std::string certificate_file, key_file;  ///< ssl://: PEM, of this node; "": none
 
   bool operator==(const SparkplugFeedSpec&) const = default;
 };

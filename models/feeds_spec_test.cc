@@ -46,7 +46,9 @@ TEST(FeedsSpec, ReadsBackEqualAfterWriting) {
   const Machine machine = Loaded(
       "[feeds.modbus]\nhost = \"0.0.0.0\"\nport = 502\nallow = [\"10.0.0.0/8\", \"192.168.0.7\"]\n"
       "[feeds.dds]\ndomain = 3\ntransport = \"udp\"\ninterfaces = []\n"
-      "[feeds.sparkplug]\nnode = \"press_7\"\nuser = \"u\"\npassword_file = \"/etc/p\"\n");
+      "[feeds.sparkplug]\nnode = \"press_7\"\nuser = \"u\"\npassword_file = \"/etc/p\"\n"
+      "primary_host = \"scada\"\nbroker = \"ssl://10.0.0.1:8883\"\nca_file = \"/etc/ca.pem\"\n"
+      "certificate_file = \"/etc/c.pem\"\nkey_file = \"/etc/k.pem\"\n");
   const auto again = ParseMachine(FormatMachine(machine), "written");
   ASSERT_TRUE(again) << again.error().text << "\n" << FormatMachine(machine);
   EXPECT_EQ(machine, *again);
@@ -77,6 +79,10 @@ TEST(FeedsDamage, AValueThatCannotBeIsRefused) {
   EXPECT_THAT(Refusal("[feeds.modbus]\nidle_timeout = 0\n"), HasSubstr("greater than 0"));
   EXPECT_THAT(Refusal("[feeds.sparkplug]\nbroker = \"127.0.0.1\"\n"), HasSubstr("tcp://HOST:PORT"));
   EXPECT_THAT(Refusal("[feeds.sparkplug]\ngroup = \"a/b\"\n"), HasSubstr("without /"));
+  EXPECT_THAT(Refusal("[feeds.sparkplug]\nprimary_host = \"a/b\"\n"), HasSubstr("without /"));
+  EXPECT_THAT(Refusal("[feeds.sparkplug]\nca_file = \"ca.pem\"\n"), HasSubstr("ssl://"));
+  EXPECT_THAT(Refusal("[feeds.sparkplug]\nbroker = \"ssl://h:1\"\nkey_file = \"k.pem\"\n"),
+              HasSubstr("go together"));
 }
 
 }  // namespace

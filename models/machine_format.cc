@@ -422,10 +422,16 @@ std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
                     notes, "feeds.dds");
   if (const auto& sparkplug = machine.feeds->sparkplug) {
     Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};
-    if (!sparkplug->node.empty()) pairs.emplace_back("node", Quoted(sparkplug->node));
-    if (!sparkplug->user.empty()) pairs.emplace_back("user", Quoted(sparkplug->user));
-    if (!sparkplug->password_file.empty())
-      pairs.emplace_back("password_file", Quoted(sparkplug->password_file));
+    const std::pair<const char*, const std::string*> optional[] = {
+        {"node", &sparkplug->node},
+        {"user", &sparkplug->user},
+        {"password_file", &sparkplug->password_file},
+        {"primary_host", &sparkplug->primary_host},
+        {"ca_file", &sparkplug->ca_file},
+        {"certificate_file", &sparkplug->certificate_file},
+        {"key_file", &sparkplug->key_file}};
+    for (const auto& [key, value] : optional)
+      if (!value->empty()) pairs.emplace_back(key, Quoted(*value));
     text += Section("[feeds.sparkplug]", "MQTT Sparkplug B edge node (docs/sparkplug.md).", pairs, notes,
                     "feeds.sparkplug");
   }

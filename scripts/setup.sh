@@ -12,7 +12,7 @@ packages=(
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev
   libmicrohttpd-dev libspdlog-dev libsystemd-dev
   libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler
-  libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs
+  libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs openssl
 )
 for option in "$@"; do
   case "$option" in

@@ -73,19 +73,19 @@ class Broker {
  public:
   Broker() : port_(FreePort()) {}
 
-  void Start(const std::string& folder) {
+  /// `more`: lines of its configuration, further listeners say.
+  void Start(const std::string& folder, const std::string& more = "") {
     const std::string configuration = folder + "/mosquitto.conf";
     std::ofstream(configuration) << "listener " << port_
                                  << " 127.0.0.1\nallow_anonymous true\npersistence false\n"
                                  << "max_queued_messages 100000\nmax_inflight_messages 0\nlog_dest none\n"
-                                 << (getuid() == 0 ? "user root\n" : "");
+                                 << (getuid() == 0 ? "user root\n" : "") << more;
     program_.Start("mosquitto", {"-c", configuration}, "/dev/null");
   }
   void Kill() { program_.Kill(); }
   std::string address() const { return "tcp://127.0.0.1:" + port(); }
   std::string port() const { return std::to_string(port_); }
-
- private:
+  /// One that nobody listens on.
   static int FreePort() {
     const int probe = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
@@ -98,6 +98,7 @@ class Broker {
     return ntohs(address.sin_port);
   }
 
+ private:
   int port_;
   Program program_;
 };
@@ -132,6 +133,15 @@ class Host {
       if (Lines("probe").size() > before) return true;
     }
     return false;
+  }
+  /// Publishes a text; `retained`: the broker gives it to whoever subscribes later.
+  bool SendText(const std::string& port, const std::string& topic, const std::string& text,
+                bool retained) const {
+    std::vector<std::string> words = {"-h", "127.0.0.1", "-p", port, "-q", "1", "-t", topic, "-m", text};
+    if (retained) words.push_back("-r");
+    Program publisher;
+    publisher.Start("mosquitto_pub", words, errors_);
+    return publisher.Wait() == 0;
   }
   /// Publishes bytes given as hex digits.
   bool Send(const std::string& port, const std::string& topic, const std::string& hex) const {
@@ -175,7 +185,8 @@ class Host {
     std::ifstream in(messages_);
     for (std::string line; std::getline(in, line) && !in.eof();) {
       const std::string topic = line.substr(0, line.find(' '));
-      const bool own = topic.find("probe") == std::string::npos && topic.find("CMD") == std::string::npos;
+      const bool own = topic.find("probe") == std::string::npos && topic.find("CMD") == std::string::npos &&
+                       topic.find("STATE") == std::string::npos;
       if (topic.find(part) != std::string::npos && (own || !part.empty())) lines.push_back(line);
     }
     return lines;

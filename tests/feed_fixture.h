@@ -78,6 +78,17 @@ class FeedTest : public testing::Test {
     });
     ASSERT_TRUE(stored) << stored.error().text;
   }
+  /// Raises an alarm of the press itself.
+  void RaiseOfPress(const std::string& alarm) {
+    const double wall = static_cast<double>(RealTime().wall_ns) * 1e-9;
+    const Status stored = journal().Change("press", wall, [&](AxisContent& press) -> Status {
+      press.Append(alarm_machine::Observe(press.Alarm(alarm), {.on_delay = 1},
+                                          {.value = 2, .limit = 2, .unit = "1", .text = "both axes"},
+                                          {.wall = wall, .stroke = 9}));
+      return {};
+    });
+    ASSERT_TRUE(stored) << stored.error().text;
+  }
   AlarmState StateOf(const std::string& axis, int alarm) {
     auto content = journal().Axis("press/" + axis);
     return content ? content->Alarm(fmt::format("alarm_{}", alarm)) : AlarmState{};

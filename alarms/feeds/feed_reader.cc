@@ -47,6 +47,13 @@ Result<std::vector<AxisPicture>> FeedReader::Axes() {
     }
     axes.push_back(std::move(axis));
   }
+  if (press_.empty()) return axes;
+  auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(press_); });
+  if (!content) return tl::unexpected(content.error());
+  if (content->alarms.empty()) return axes;
+  AxisPicture press{.machine = press_, .name = press_, .alarms = std::move(content->alarms), .estimates = {}};
+  press.health = NamurStatus(press.alarms, false);
+  axes.push_back(std::move(press));
   return axes;
 }
 
@@ -94,6 +101,7 @@ Result<bool> FeedReader::Acknowledge(const std::string& machine, const std::stri
 }
 
 int FeedReader::AxisNumber(const std::string& machine) const {
+  if (!press_.empty() && machine == press_) return static_cast<int>(machines_.size()) + 1;
   const auto found = std::find(machines_.begin(), machines_.end(), machine);
   return found == machines_.end() ? 0 : static_cast<int>(found - machines_.begin()) + 1;
 }

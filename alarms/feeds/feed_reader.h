@@ -11,7 +11,7 @@
 
 namespace hydroscope {
 
-/// An axis as the outside sees it now.
+/// An axis as the outside sees it now; or the press itself, which has alarms but no strokes of its own.
 struct AxisPicture {
   std::string machine;                ///< "press/cushion_1"
   std::string name;                   ///< "cushion_1"
@@ -25,21 +25,22 @@ struct AxisPicture {
 /// yet is tried again with the next call; after an error the files are opened anew.
 class FeedReader {
  public:
-  /// `machines`: the axes, in their order.
-  FeedReader(std::vector<std::string> machines, std::string database)
-      : machines_(std::move(machines)), database_path_(std::move(database)) {}
+  /// `machines`: the axes, in their order; `press`: their press, "" if there is only one axis.
+  FeedReader(std::vector<std::string> machines, std::string press, std::string database)
+      : machines_(std::move(machines)), press_(std::move(press)), database_path_(std::move(database)) {}
 
   Result<std::vector<std::pair<std::string, std::string>>> AlarmsByAppearance();
   Result<std::int64_t> LastSequence();
   /// Rows of all machines with sequence > `after`, at most `limit`, in order.
   Result<std::vector<JournalRow>> Rows(std::int64_t after, std::int64_t limit);
+  /// All axes; behind them the press, as soon as the journal has an alarm of all axes together.
   Result<std::vector<AxisPicture>> Axes();
   /// False: there was nothing to acknowledge. `wall` in s since 1970.
   Result<bool> Acknowledge(const std::string& machine, const std::string& alarm, const std::string& user,
                            double wall);
 
   const std::vector<std::string>& machines() const { return machines_; }
-  /// Number of an axis from 1; 0 if the machine is none of ours.
+  /// Number of an axis from 1, the press is behind the last; 0 if the machine is none of ours.
   int AxisNumber(const std::string& machine) const;
 
  private:
@@ -48,7 +49,7 @@ class FeedReader {
   Status ReadTrends(AxisPicture& axis);
 
   std::vector<std::string> machines_;
-  std::string database_path_;
+  std::string press_, database_path_;
   std::optional<AlarmJournal> journal_;
   std::optional<Database> database_;
 };

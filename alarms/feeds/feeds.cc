@@ -12,14 +12,14 @@ Feeds Feeds::Start(const Machine& machine, const std::string& database, const Cl
   if (!machine.feeds) return started;
   std::vector<std::string> axes;
   for (int axis = 0; axis < AxisCount(machine); ++axis) axes.push_back(AxisMachineName(machine, axis));
+  const std::string press = axes.size() > 1 ? machine.name : "";
+  const auto reader = [&] { return FeedReader(axes, press, database); };
   if (const auto& modbus = machine.feeds->modbus)
-    started.feeds_.push_back(MakeModbusFeed(*modbus, {axes, database}, clock));
-  if (const auto& dds = machine.feeds->dds)
-    started.feeds_.push_back(MakeDdsFeed(*dds, {axes, database}, clock));
+    started.feeds_.push_back(MakeModbusFeed(*modbus, reader(), clock));
+  if (const auto& dds = machine.feeds->dds) started.feeds_.push_back(MakeDdsFeed(*dds, reader(), clock));
   if (auto sparkplug = machine.feeds->sparkplug) {
     if (sparkplug->node.empty()) sparkplug->node = machine.name;
-    started.feeds_.push_back(
-        MakeSparkplugFeed(*sparkplug, {axes, database}, Outbox::PathFor(database), clock));
+    started.feeds_.push_back(MakeSparkplugFeed(*sparkplug, reader(), Outbox::PathFor(database), clock));
   }
   return started;
 }

@@ -115,6 +115,19 @@ TEST_F(ModbusFeedTest, ShowsAlarmsAndJournalOfBothAxes) {
   EXPECT_EQ(status().behind, 0);
 }
 
+TEST_F(ModbusFeedTest, ThePressItselfStandsBehindItsAxesOnceItHasAnAlarm) {
+  Raise("left", 1);
+  Start();
+  EXPECT_EQ(Words(kAxes, 1)[0], 2);
+  RaiseOfPress("supply_or_oil");
+  ASSERT_TRUE(WaitUntil([&] { return Number(kNewest) == 2; }));
+  EXPECT_THAT(Words(kAxes, 4), ElementsAre(3, 2, 2, 2)) << "axes, alarms, standing, not acknowledged";
+  EXPECT_EQ(Words(kFirstAxis + 2 * kAxisStride + kHealth, 1)[0], 1) << "maintenance required";
+  const auto alarm = Words(kFirstAlarm + kAlarmStride, kAlarmStride);
+  EXPECT_EQ(alarm[kFlags], kActive);
+  EXPECT_EQ(alarm[kAlarmAxis], 3);
+}
+
 TEST_F(ModbusFeedTest, AlarmsKeepTheirNumbersWhenTheServiceStartsAgain) {
   Raise("right", 5);
   Raise("left", 1);

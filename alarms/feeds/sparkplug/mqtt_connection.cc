@@ -3,6 +3,7 @@
 #include <mqtt/async_client.h>
 
 #include <chrono>
+#include <fstream>
 
 namespace hydroscope {
 namespace {
@@ -20,6 +21,24 @@ Status Guarded(const std::string& broker, Body&& body) {
   } catch (const std::exception& exception) {
     return BadInput("MQTT broker {}: {}", broker, exception.what());
   }
+}
+
+mqtt::ssl_options Encryption(const MqttCertificates& files) {
+  mqtt::ssl_options ssl;
+  ssl.set_enable_server_cert_auth(true);
+  ssl.set_verify(true);  // the certificate is of the host we meant
+  if (!files.ca.empty()) ssl.set_trust_store(files.ca);
+  if (!files.certificate.empty()) ssl.set_key_store(files.certificate);
+  if (!files.key.empty()) ssl.set_private_key(files.key);
+  return ssl;
+}
+
+/// An error that names the first file that cannot be read: the library only says that it cannot connect.
+Status Readable(const MqttCertificates& files) {
+  for (const std::string* path : {&files.ca, &files.certificate, &files.key})
+    if (!path->empty() && !std::ifstream(*path))
+      return BadInput("[feeds.sparkplug]: {} cannot be read; does the file exist and may it be read?", *path);
+  return {};
 }
 
 class Connection : public MqttConnection, public mqtt::callback, public mqtt::iaction_listener {
@@ -45,7 +64,7 @@ class Connection : public MqttConnection, public mqtt::callback, public mqtt::ia
         mqtt::will_options(options.will.topic, options.will.payload, options.will.quality, false));
     if (!options.user.empty()) connect.set_user_name(options.user);
     if (!options.password.empty()) connect.set_password(options.password);
-    if (broker_.starts_with("ssl://")) connect.set_ssl(mqtt::ssl_options());
+    if (broker_.starts_with("ssl://")) connect.set_ssl(Encryption(options.certificates));
     return Guarded(broker_, [&] { return client_.connect(connect)->wait_for(kPatience); });
   }
 
@@ -83,6 +102,8 @@ class Connection : public MqttConnection, public mqtt::callback, public mqtt::ia
 }  // namespace
 
 Result<std::unique_ptr<MqttConnection>> MqttConnection::Open(const MqttOptions& options, Listener listener) {
+  if (const Status readable = Readable(options.certificates); !readable)
+    return tl::unexpected(readable.error());
   try {
     auto connection = std::make_unique<Connection>(options, std::move(listener));
     if (const Status connected = connection->Connect(options); !connected)

@@ -14,11 +14,18 @@ struct MqttMessage {
   int quality = 0;  ///< of service: 0 or 1
 };
 
+/// PEM files of an encrypted connection.
+struct MqttCertificates {
+  std::string ca;                ///< signs the broker's certificate; "": those of the system
+  std::string certificate, key;  ///< our own; "": the broker asks for none
+};
+
 struct MqttOptions {
-  std::string broker;  ///< "tcp://host:port"
+  std::string broker;  ///< "tcp://host:port", or "ssl://host:port" whose certificate must be of this host
   std::string client_id;
   std::string user, password;
-  MqttMessage will;  ///< published by the broker when the connection breaks
+  MqttMessage will;                    ///< published by the broker when the connection breaks
+  MqttCertificates certificates = {};  ///< of ssl://
 };
 
 /// One connection to an MQTT 3.1.1 broker; when it is over it stays over. Calls wait 2 s at most.
@@ -31,7 +38,7 @@ class MqttConnection {
     std::function<void()> lost;
   };
 
-  /// Errors: no broker there, it refuses us.
+  /// Errors: no broker there, it refuses us, its certificate is not to be trusted, a file cannot be read.
   static Result<std::unique_ptr<MqttConnection>> Open(const MqttOptions& options, Listener listener);
   /// Disconnects; after that the listener is not called.
   virtual ~MqttConnection() = default;

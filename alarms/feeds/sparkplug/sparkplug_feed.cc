@@ -12,13 +12,12 @@
 #include "alarms/feeds/feed_loop.h"
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
+#include "alarms/feeds/sparkplug/primary_host.h"
 #include "storage/outbox.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kPeriod = 0.1;                         // s between two looks at the journal
-constexpr std::int64_t kPicturePeriod = 1'000'000'000;  // ns between two looks at the axes
 constexpr std::int64_t kRowsAtOnce = 1000;
 constexpr std::int64_t kMostWaiting = 20'000;      // items in the outbox; the journal keeps the rest
 constexpr std::int64_t kMostUnacknowledged = 400;  // messages the broker has not acknowledged
@@ -48,11 +47,11 @@ class SparkplugFeed : public Feed {
         clock_(std::move(clock)),
         group_(sparkplug::TopicPart(spec_.group)),
         node_(sparkplug::TopicPart(spec_.node)),
-        loop_(kPeriod, [this] { return Round(); }) {}
+        host_(spec_.primary_host),
+        loop_(kLookPeriod, [this] { return Round(); }) {}
   ~SparkplugFeed() override {
     loop_.Stop();
-    if (connection_ && connection_->connected()) static_cast<void>(connection_->Publish(Death()));
-    connection_.reset();  // while what its callbacks use is there
+    Disconnect();  // while what its callbacks use is there
   }
 
   FeedStatus status() const override {
@@ -68,10 +67,11 @@ class SparkplugFeed : public Feed {
   Status Round() {
     if (const Status done = RoundSteps(); !done) {
       connection_.reset();  // the next one begins with births
+      born_ = false;
       Report(false);
       return done;
     }
-    Report(true);
+    Report(born_);
     return {};
   }
 
@@ -79,6 +79,13 @@ class SparkplugFeed : public Feed {
     if (const Status filled = Fill(); !filled) return filled;
     if (!connection_ || !connection_->connected())
       if (const Status connected = Connect(); !connected) return connected;
+    TakeHostState();
+    if (!host_.online()) {
+      if (born_) Disconnect();  // nobody hears us: what happens now waits in the outbox
+      return {};
+    }
+    if (!born_)
+      if (const Status begun = BeginSession(); !begun) return begun;
     if (rebirth_.exchange(false))
       if (const Status born = Births(); !born) return born;
     if (const Status told = TellAxes(); !told) return told;
@@ -119,26 +126,56 @@ class SparkplugFeed : public Feed {
     const auto birth = outbox_->NextBirth();
     if (!birth) return tl::unexpected(birth.error());
     birth_death_ = *birth;
+    born_ = false;
+    host_.Forget();
     {
       std::lock_guard lock(mutex_);
       acknowledged_.clear();
+      host_states_.clear();
     }
-    auto opened = MqttConnection::Open({.broker = spec_.broker,
-                                        .client_id = fmt::format("hydroscope-{}-{}", group_, node_),
-                                        .user = spec_.user,
-                                        .password = *password,
-                                        .will = Death()},
-                                       {.acknowledged = [this](std::int64_t id) { Acknowledged(id); },
-                                        .arrived = [this](MqttMessage message) { Arrived(message); },
-                                        .lost = [this] { loop_.Wake(); }});
+    auto opened = MqttConnection::Open(
+        {.broker = spec_.broker,
+         .client_id = fmt::format("hydroscope-{}-{}", group_, node_),
+         .user = spec_.user,
+         .password = *password,
+         .will = Death(),
+         .certificates = {.ca = spec_.ca_file, .certificate = spec_.certificate_file, .key = spec_.key_file}},
+        {.acknowledged = [this](std::int64_t id) { Acknowledged(id); },
+         .arrived = [this](MqttMessage message) { Arrived(message); },
+         .lost = [this] { loop_.Wake(); }});
     if (!opened) return tl::unexpected(opened.error());
     connection_ = std::move(*opened);
-    // What was put before could not be told when it happened.
-    historical_up_to_ = cursor_;
+    if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
+    return host_.is_waited_for() ? connection_->Subscribe(host_.Topic()) : Status{};
+  }
+
+  /// The end of the node's session as Sparkplug wants it: its death, then the connection.
+  void Disconnect() {
+    if (born_ && connection_ && connection_->connected()) static_cast<void>(connection_->Publish(Death()));
+    connection_.reset();
+    born_ = false;
+  }
+
+  /// What the primary host has said since; one that began another session is told everything anew.
+  void TakeHostState() {
+    std::vector<std::string> states;
+    {
+      std::lock_guard lock(mutex_);
+      states.swap(host_states_);
+    }
+    for (const std::string& state : states) {
+      const std::int64_t session = host_.session();
+      if (host_.Take(state) && born_ && session != host_.session()) rebirth_ = true;
+    }
+  }
+
+  /// From here on somebody listens.
+  Status BeginSession() {
+    historical_up_to_ = cursor_;  // what was put before could not be told when it happened
     sent_ = 0;
     in_flight_ = 0;
-    if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
     rebirth_ = false;
+    born_ = true;
     return Births();
   }
 
@@ -229,7 +266,7 @@ class SparkplugFeed : public Feed {
     return connection_->Publish({topic, *sealed, id > 0 ? 1 : 0}, id);
   }
 
-  void Report(bool connected) {
+  void Report(bool heard) {
     std::int64_t first = 0, count = 0;
     if (outbox_) {
       if (const auto waiting = outbox_->Count()) count = *waiting;
@@ -237,8 +274,10 @@ class SparkplugFeed : public Feed {
     }
     const auto last = reader_.LastSequence();
     std::lock_guard lock(mutex_);
-    status_.connected = connected;
+    status_.connected = heard;
     status_.state = fmt::format("{} rows wait in the outbox", count);
+    if (!host_.online())
+      status_.state = fmt::format("the primary host {} is offline; {}", host_.id(), status_.state);
     status_.delivered = first > 0 ? first - 1 : cursor_;
     status_.behind = count + (last ? *last - cursor_ : 0);
   }
@@ -252,8 +291,14 @@ class SparkplugFeed : public Feed {
     loop_.Wake();
   }
   void Arrived(const MqttMessage& message) {
-    if (message.topic != NodeTopic("NCMD") || !sparkplug::AsksForRebirth(message.payload)) return;
-    rebirth_ = true;
+    if (message.topic == host_.Topic()) {
+      std::lock_guard lock(mutex_);
+      host_states_.push_back(message.payload);
+    } else if (message.topic == NodeTopic("NCMD") && sparkplug::AsksForRebirth(message.payload)) {
+      rebirth_ = true;
+    } else {
+      return;
+    }
     loop_.Wake();
   }
 
@@ -282,8 +327,12 @@ class SparkplugFeed : public Feed {
   std::int64_t pictured_ = 0;  // ns, monotonic
   std::unique_ptr<MqttConnection> connection_;
 
+  sparkplug::PrimaryHost host_;
+  bool born_ = false;  // in this connection
+
   std::atomic<bool> rebirth_ = false;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;              // guards what follows
+  std::vector<std::string> host_states_;  // arrived, not yet taken
   std::vector<std::int64_t> acknowledged_;
   FeedStatus status_;
   FeedLoop loop_;

@@ -2,61 +2,15 @@
 
 #include <gmock/gmock.h>
 
-#include "alarms/feeds/sparkplug/payload.h"
 #include "storage/database.h"
 #include "storage/outbox.h"
-#include "tests/broker_fixture.h"
-#include "tests/feed_fixture.h"
+#include "tests/sparkplug_fixture.h"
 
 namespace hydroscope {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using Json = nlohmann::json;
-
-/// The value of a metric; null if it has none or is not there.
-Json Metric(const Json& message, const std::string& name) {
-  for (const Json& metric : message["payload"]["metrics"])
-    if (metric["name"] == name) return metric.contains("value") ? metric["value"] : Json();
-  return {};
-}
-
-class SparkplugFeedTest : public FeedTest {
- protected:
-  void SetUp() override {
-    if (const std::string missing = Host::Missing(); !missing.empty())
-      GTEST_SKIP() << missing << " is not installed; scripts/setup.sh installs it";
-  }
-  void StartBroker() {
-    broker_.Start(File(""));
-    ASSERT_TRUE(host_.Connect(broker_.port()));
-  }
-  void StartFeed() {
-    FeedsSpec feeds;
-    feeds.sparkplug.emplace().broker = broker_.address();
-    feeds_.reset();
-    feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime));
-  }
-  void StopFeed() { feeds_.reset(); }
-  FeedStatus status() const { return feeds_->status().front(); }
-  Broker& broker() { return broker_; }
-  Host& host() { return host_; }
-  std::vector<Json> Decoded(const std::string& part = "") { return host_.Decoded(part); }
-  /// Sequence numbers of the events that arrived, in order of arrival.
-  std::vector<std::int64_t> Events() {
-    std::vector<std::int64_t> sequences;
-    for (const Json& message : Decoded("DDATA"))
-      if (const Json sequence = Metric(message, "Event/Sequence"); !sequence.is_null())
-        sequences.push_back(sequence.get<std::int64_t>());
-    return sequences;
-  }
-
- private:
-  Broker broker_;
-  Host host_{File("")};
-  std::optional<Feeds> feeds_;
-};
 
 TEST_F(SparkplugFeedTest, IsBornWithItsAxesAndTellsEachEventWithAcknowledgement) {
   StartBroker();
