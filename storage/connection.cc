@@ -54,6 +54,13 @@ std::vector<std::string> Connection::Columns(std::int64_t machine, int version) 
   return names;
 }
 
+int Connection::ColumnCount(std::int64_t machine, int version) {
+  // Positions count from 0, and the greatest one is found at once.
+  Query query(*this, "SELECT max(position) + 1 FROM model_column WHERE machine = ? AND version = ?", machine,
+              version);
+  return query.Step() && !query.IsNull(0) ? static_cast<int>(query.Int(0)) : 0;
+}
+
 Query::~Query() {
   statement_.tryReset();  // ends the read transaction the statement may hold
 }

@@ -23,6 +23,26 @@ struct RunRow {
   std::string state, source;
 };
 
+/// Sum of several strokes with their model version.
+struct Rollup {
+  StrokeGram gram;
+  int model_version = 0;
+};
+
+/// Sum of the strokes of a group so far.
+struct GroupUnderWay {
+  std::int64_t next = -1;  ///< sequence that has to come; -1: its begin was not seen
+  bool uniform = true;     ///< all are of one model version
+  Rollup sum = {};
+};
+
+/// What a connection remembers of a machine to spare look-ups; forgotten when a transaction fails.
+struct MachineMemory {
+  std::int64_t oldest_kept_run =
+      0;  ///< the run in which the oldest raw rows were found last; earlier runs keep none
+  GroupUnderWay group;
+};
+
 /// An open database file with its prepared statements and the look-ups that several parts need. Throws
 /// SQLite::Exception; only storage/*.cc include this.
 class Connection {
@@ -38,9 +58,11 @@ class Connection {
   std::vector<RunRow> RunsOf(std::int64_t machine);
   /// Names of the Gram columns of a model version, in order.
   std::vector<std::string> Columns(std::int64_t machine, int version);
+  int ColumnCount(std::int64_t machine, int version);
 
   std::string path;
   SQLite::Database db;
+  std::map<std::int64_t, MachineMemory> memory;  ///< by machine
 
  private:
   /// Prepared once per text; a statement belongs to one Query at a time.
@@ -101,6 +123,19 @@ auto Guarded(const std::string& path, const SQLite::Database* db, Body&& body) -
   } catch (const std::exception& exception) {
     return InternalError("{}: {}", path, exception.what());
   }
+}
+
+/// Runs `body` in a transaction, which is committed if it succeeds; else nothing of it stays.
+template <typename Body>
+Status InTransaction(Connection& connection, Body&& body) {
+  const Status done = Guarded(connection.path, &connection.db, [&]() -> Status {
+    SQLite::Transaction transaction(connection.db, SQLite::TransactionBehavior::IMMEDIATE);
+    if (const Status status = body(); !status) return status;
+    transaction.commit();
+    return {};
+  });
+  if (!done) connection.memory.clear();
+  return done;
 }
 
 }  // namespace hydroscope

@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "core/sample_block.h"
 #include "core/stroke_record.h"
+#include "storage/live_batch.h"
 
 namespace hydroscope {
 
@@ -51,18 +52,9 @@ struct RawWindow {
   std::vector<std::vector<Quality>> flags;  ///< same shape
 };
 
-/// What one transaction of the live service stores of a run.
-struct LiveBatch {
-  SampleBlock raw;                           ///< rows in the order the pipeline took them; perhaps none
-  std::vector<StrokeRecord> strokes;         ///< completed within these rows
-  std::vector<std::uint8_t> pipeline_state;  ///< behind the last stroke; empty: as stored before
-  std::vector<std::uint8_t> sender_marks;    ///< newest rows of the senders taken; empty: as stored before
-  std::int64_t rows_taken = 0;               ///< rows of the run the pipeline has taken, with these
-};
-
 struct LiveStep {
   std::int64_t run = 0;
-  const LiveBatch* batch = nullptr;
+  const PackedBatch* batch = nullptr;
 };
 
 /// How much raw data is kept of a machine.
@@ -174,14 +166,8 @@ class Database {
   /// Rows of the raw window with from <= time < to; empty if none is kept.
   Result<RawWindow> LoadRaw(std::int64_t run, double from, double to) const;
 
-  /// One step of the live service, in one transaction: all of it is stored or nothing. Strokes as by
-  /// StoreStrokes, raw rows as by StoreRaw with their flags.
-  Status StoreLive(std::int64_t run, const std::vector<std::string>& signals, const LiveBatch& batch,
-                   const RawLimits& limits) {
-    const LiveStep step{run, &batch};
-    return StoreLive({&step, 1}, signals, limits);
-  }
-  /// Steps of several runs, in order, in one transaction: pages they share are written once.
+  /// Steps of several runs of the live service, in order, in one transaction: all is stored or nothing, and pages
+  /// they share are written once. Strokes as by StoreStrokes; raw rows must lie behind those the run has.
   Status StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                    const RawLimits& limits);
   /// Moves what the write-ahead log holds into the database file, as far as no reader is in the way. It happens by

@@ -18,15 +18,34 @@ bool Fits(const SymmetricMatrix& sum, const SymmetricMatrix& matrix) {
   return sum.dimension() == 0 || matrix.dimension() == 0 || sum.dimension() == matrix.dimension();
 }
 
+bool AddStroke(Rollup& sum, int model_version, const StrokeGram& gram) {
+  if (sum.model_version == 0) sum.model_version = model_version;
+  return sum.model_version == model_version && AddGram(sum.gram, gram);
+}
+
+/// Adds the run's newest stroke to the sum of its group.
+Status FollowGroup(Connection& connection, const RunRow& run, std::int64_t sequence,
+                   std::span<const std::uint8_t> bytes) {
+  GroupUnderWay& group = connection.memory[run.machine].group;
+  if (sequence % kRollupStrokes.front() == 0) group = {.next = sequence};
+  if (group.next != sequence) return group.next = -1, Status();
+  const auto gram = DecodeGram(bytes);
+  if (!gram) return tl::unexpected(gram.error());
+  group.uniform = group.uniform && AddStroke(group.sum, run.model_version, *gram);
+  ++group.next;
+  return {};
+}
+
 /// Sum of a group's single strokes; nullopt if they are of more than one model version.
 Result<std::optional<Rollup>> SumOfStrokes(Connection& connection, std::int64_t machine, std::int64_t first,
                                            std::int64_t last) {
+  const GroupUnderWay& group = connection.memory[machine].group;
+  if (group.next == last) return group.uniform ? std::optional<Rollup>(group.sum) : std::nullopt;
   Rollup sum;
   bool uniform = true;
   const Status read =
       ForEachGram(connection, machine, first, last, [&](const RunRow& run, std::int64_t, StrokeGram&& gram) {
-        if (sum.model_version == 0) sum.model_version = run.model_version;
-        uniform = uniform && sum.model_version == run.model_version && AddGram(sum.gram, gram);
+        uniform = uniform && AddStroke(sum, run.model_version, gram);
         return Status();
       });
   if (!read) return tl::unexpected(read.error());
@@ -101,7 +120,9 @@ Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t fi
   return {};
 }
 
-Status UpdateRollups(Connection& connection, std::int64_t machine, std::int64_t sequence) {
+Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const std::uint8_t> gram) {
+  const std::int64_t machine = run.machine, sequence = run.first_sequence + run.strokes - 1;
+  if (const Status followed = FollowGroup(connection, run, sequence, gram); !followed) return followed;
   std::int64_t smaller = 1;
   for (const std::int64_t group : kRollupStrokes) {
     const std::int64_t last = sequence + 1;

@@ -15,9 +15,11 @@ namespace hydroscope {
 /// of it.
 inline constexpr std::array<std::int64_t, 2> kRollupStrokes = {64, 4096};
 
-/// To be called after the stroke of this sequence was stored, in the same transaction: stores the sums that
-/// it completes. Groups with more than one model version get none.
-Status UpdateRollups(Connection& connection, std::int64_t machine, std::int64_t sequence);
+/// To be called after the run's newest stroke was stored with this Gram, in the same transaction: stores the
+/// sums that it completes. Groups with more than one model version get none. The sum of the group under way
+/// is kept in memory, so that the stroke that completes it takes no longer than others; a group that another
+/// process began is read again.
+Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const std::uint8_t> gram);
 
 /// Calls `visit` with every stored Gram of first <= sequence < last in order, until it returns an error. A
 /// torn or foreign blob is an error that names run and stroke.
@@ -25,11 +27,6 @@ using GramVisitor = std::function<Status(const RunRow& run, std::int64_t sequenc
 Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t first, std::int64_t last,
                    const GramVisitor& visit);
 
-/// A stored sum with the model version of its strokes.
-struct Rollup {
-  StrokeGram gram;
-  int model_version = 0;
-};
 /// The stored sum of `strokes` strokes from sequence `first` on; nullopt if there is none.
 Result<std::optional<Rollup>> FindRollup(Connection& connection, std::int64_t machine, std::int64_t strokes,
                                          std::int64_t first);

@@ -56,6 +56,27 @@ TEST(GramSum, EqualsTheDirectSumForEveryKindOfRange) {
   }
 }
 
+TEST(GramSum, TheStoredSumsAreTheSameToTheLastBitHoweverTheStrokesCame) {
+  const Folder folder;
+  const auto digest = [&](const std::string& file, const std::vector<int>& ends, bool reopened) {
+    Press press(folder.File(file));
+    const auto run = press.Begin("a.csv").id;
+    int from = 0;
+    for (const int to : ends) {
+      if (reopened) press.database = Value(Database::Open(folder.File(file)));
+      // A refused batch leaves the group under way as it was.
+      EXPECT_FALSE(press.database.StoreStrokes(run, MakeStrokes(to + 1, to + 2)).has_value());
+      EXPECT_OK(press.database.StoreStrokes(run, MakeStrokes(from, to)));
+      from = to;
+    }
+    EXPECT_EQ(StoredSums(folder.File(file), 64), 2);
+    return Value(press.database.ContentDigest());
+  };
+  const auto whole = digest("whole.db", {150}, false);
+  EXPECT_EQ(digest("pieces.db", {10, 63, 64, 100, 128, 150}, false), whole);
+  EXPECT_EQ(digest("lives.db", {10, 63, 64, 100, 128, 150}, true), whole);
+}
+
 TEST(GramSum, TheSumsAreReallyUsed) {
   const Folder folder;
   Press press(folder.File());

@@ -9,7 +9,7 @@ namespace {
 
 std::vector<std::uint8_t> Copy(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-void UpdateProgress(Connection& connection, std::int64_t run, const LiveBatch& batch) {
+void UpdateProgress(Connection& connection, std::int64_t run, const PackedBatch& batch) {
   Query(connection,
         "UPDATE run SET rows_taken = ?, pipeline_state = coalesce(nullif(?, x''), pipeline_state), "
         "sender_marks = coalesce(nullif(?, x''), sender_marks) WHERE id = ?",
@@ -19,17 +19,14 @@ void UpdateProgress(Connection& connection, std::int64_t run, const LiveBatch& b
 
 Status StoreStep(Connection& connection, const std::string& path, const LiveStep& step,
                  const std::vector<std::string>& signals, const RawLimits& limits) {
-  const LiveBatch& batch = *step.batch;
+  const PackedBatch& batch = *step.batch;
+  if (!batch.raw) return tl::unexpected(batch.raw.error());
   auto row = connection.FindRun(step.run);
   if (!row) return tl::unexpected(row.error());
   if (row->state != "open")
     return InternalError("{}: run {} is {} and takes nothing more", path, step.run, row->state);
   if (const Status stored = AppendStrokes(connection, *row, batch.strokes); !stored) return stored;
-  const SampleBlock& raw = batch.raw;
-  if (raw.rows() > 0)
-    if (const Status stored = AppendRaw(connection, *row, signals, raw.time, raw.signal, raw.quality, limits);
-        !stored)
-      return stored;
+  if (const Status stored = AppendRaw(connection, *row, signals, *batch.raw, limits); !stored) return stored;
   UpdateProgress(connection, step.run, batch);
   return {};
 }
@@ -38,11 +35,9 @@ Status StoreStep(Connection& connection, const std::string& path, const LiveStep
 
 Status Database::StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                            const RawLimits& limits) {
-  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
-    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+  return InTransaction(*impl_, [&]() -> Status {
     for (const LiveStep& step : steps)
       if (const Status stored = StoreStep(*impl_, impl_->path, step, signals, limits); !stored) return stored;
-    transaction.commit();
     return {};
   });
 }

@@ -32,12 +32,18 @@ LiveBatch Batch(std::int64_t first_row, std::int64_t last_row, std::int64_t firs
   return batch;
 }
 
+Status Store(Press& press, std::int64_t run, LiveBatch batch, const RawLimits& limits = {}) {
+  const PackedBatch packed = Pack(std::move(batch));
+  const LiveStep step{run, &packed};
+  return press.database.StoreLive({&step, 1}, kSignals, limits);
+}
+
 TEST(LiveStore, RowsFlagsStrokesAndStateComeBack) {
   const Folder folder;
   Press press(folder.File(), kColumns);
   const auto run = press.Begin("live");
-  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(0, 1500, 0, 3), {}));
-  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(1500, 1600), {}));
+  EXPECT_OK(Store(press, run.id, Batch(0, 1500, 0, 3)));
+  EXPECT_OK(Store(press, run.id, Batch(1500, 1600)));
   const RawWindow raw = Value(press.database.LoadRaw(run.id, 0, 1e9));
   ASSERT_EQ(raw.time.size(), 1600u);
   EXPECT_EQ(raw.flags[1][1550], quality::kMissing);
@@ -55,11 +61,24 @@ TEST(LiveStore, ARefusedBatchLeavesNothingBehind) {
   const Folder folder;
   Press press(folder.File(), kColumns);
   const auto run = press.Begin("live");
-  const Status refused = press.database.StoreLive(run.id, kSignals, Batch(0, 100, 5, 6), {});
+  const Status refused = Store(press, run.id, Batch(0, 100, 5, 6));
   ASSERT_FALSE(refused.has_value());
   EXPECT_THAT(refused.error().text, HasSubstr("would leave a hole"));
   EXPECT_TRUE(Value(press.database.RawExtents(1)).empty());
   EXPECT_EQ(Value(press.database.NewestRun(1))->rows_taken, 0);
+}
+
+TEST(LiveStore, RowsAreTakenOnceAndInOrder) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  const auto run = press.Begin("live");
+  EXPECT_OK(Store(press, run.id, Batch(0, 100)));
+  EXPECT_THAT(Store(press, run.id, Batch(50, 150)).error().text, HasSubstr("the run has rows up to 0.099 s"));
+  LiveBatch backwards = Batch(100, 200);
+  std::swap(backwards.raw.time[10], backwards.raw.time[11]);
+  EXPECT_THAT(Store(press, run.id, std::move(backwards)).error().text,
+              HasSubstr("does not increase at row 11"));
+  EXPECT_EQ(Value(press.database.NewestRun(1))->rows_taken, 100);
 }
 
 TEST(LiveStore, RawRowsBeyondTheAgeGoAndTheExtentTellsThatNotAllAreKept) {
@@ -67,7 +86,7 @@ TEST(LiveStore, RawRowsBeyondTheAgeGoAndTheExtentTellsThatNotAllAreKept) {
   Press press(folder.File(), kColumns);
   const auto run = press.Begin("live");
   for (std::int64_t at = 0; at < 10'000; at += 1000)
-    EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(at, at + 1000), {1 << 30, 3.0}));
+    EXPECT_OK(Store(press, run.id, Batch(at, at + 1000), {1 << 30, 3.0}));
   const auto extents = Value(press.database.RawExtents(1));
   ASSERT_EQ(extents.size(), 1u);
   EXPECT_EQ(extents[0].rows_taken, 10'000);
@@ -79,7 +98,7 @@ TEST(LiveStore, StrokesThatDifferInOneBitAreNamed) {
   const Folder folder;
   Press press(folder.File(), kColumns);
   const auto run = press.Begin("live");
-  EXPECT_OK(press.database.StoreLive(run.id, kSignals, Batch(0, 100, 0, 3), {}));
+  EXPECT_OK(Store(press, run.id, Batch(0, 100, 0, 3)));
   auto strokes = MakeStrokes(0, 4, kColumns);
   EXPECT_OK(press.database.CompareStrokes(run.id, strokes));
   strokes[1].estimates[0].value = std::nextafter(strokes[1].estimates[0].value, 1e300);

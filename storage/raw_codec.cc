@@ -19,6 +19,8 @@ constexpr std::uint8_t kVersion = 2;  // version 1 had no such byte: it begins w
 constexpr std::uint8_t kZlibBegins = 0x78;
 constexpr int kLevel =
     6;  // of zlib; noise repeats nothing but runs, so that Z_RLE loses 2 % and takes half the time
+constexpr int kMemoryLevel = 7;                 // of zlib: a block holds 8191 bytes, those of one column
+constexpr std::size_t kOwnCode = 1024;           // bytes of columns that are worth a code of their own
 constexpr int kHighestOrder = 2;                // of the differences
 constexpr std::int64_t kLargestCorrection = 3;  // units in the last place
 constexpr double kMostSteps = 1e9;
@@ -52,12 +54,15 @@ struct Steps {
 
 /// The numbers of steps of all values; nullopt if the column is no multiple of `step`.
 std::optional<Steps> CountSteps(std::span<const double> values, double step) {
+  constexpr double kToWhole =
+      0x1.8p52;  // adding it leaves no digits behind the point; inlined, unlike nearbyint
   Steps found{.step = step, .numbers = {}, .corrections = {}};
   found.numbers.reserve(values.size());
   bool exact = true;
   for (const double value : values) {
-    const double steps = std::nearbyint(value / step);
-    if (!(std::abs(steps) < kMostSteps)) return std::nullopt;
+    const double ratio = value / step;
+    if (!(std::abs(ratio) < kMostSteps)) return std::nullopt;
+    const double steps = (ratio + kToWhole) - kToWhole;
     const auto number = static_cast<std::int64_t>(steps);  // -0.0 becomes 0, as for who reads it back
     const std::int64_t correction = Minus(Ordered(value), Ordered(static_cast<double>(number) * step));
     if (correction < -kLargestCorrection || correction > kLargestCorrection) return std::nullopt;
@@ -196,15 +201,18 @@ std::optional<std::vector<Quality>> GetFlags(ByteReader& in, std::size_t rows) {
   return std::vector<Quality>(numbers->begin(), numbers->end());
 }
 
-// ---- zlib, one block with a code of its own for each column
+// ---- zlib, one block with a code of its own for each column, or for several short ones
 
+/// One object deflates one stream after the other: its tables take longer to allocate than a short stream to
+/// deflate.
 class Deflater {
  public:
-  Deflater() { deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS, 9, Z_RLE); }
+  Deflater() { deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS, kMemoryLevel, Z_RLE); }
   ~Deflater() { deflateEnd(&stream_); }
   Deflater(const Deflater&) = delete;
   Deflater& operator=(const Deflater&) = delete;
 
+  void Begin() { deflateReset(&stream_); }
   void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
     stream_.next_in = const_cast<Bytef*>(bytes.data());
     stream_.avail_in = static_cast<uInt>(bytes.size());
@@ -231,12 +239,15 @@ std::optional<std::vector<std::uint8_t>> Inflate(std::span<const std::uint8_t> b
 template <typename T>
 std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
   std::vector<std::uint8_t> packed = {kVersion};
-  Deflater deflater;
+  thread_local Deflater deflater;
+  deflater.Begin();
   std::vector<std::uint8_t> plain;
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    plain.clear();
+    const bool last = c + 1 == columns.size();
     PutColumn(columns[c], plain);
-    deflater.Add(plain, c + 1 == columns.size(), packed);
+    if (plain.size() < kOwnCode && !last) continue;
+    deflater.Add(plain, last, packed);
+    plain.clear();
   }
   return packed;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "storage/connection.h"
 #include "storage/database.h"
@@ -9,8 +10,6 @@
 
 namespace hydroscope {
 namespace {
-
-constexpr std::size_t kRowsPerChunk = 1000;
 
 std::string Joined(const std::vector<std::string>& names) {
   std::string text;
@@ -29,28 +28,14 @@ std::vector<std::string> Split(const std::string& text) {
   return names;
 }
 
-Status CheckRaw(const std::vector<std::string>& signals, const std::vector<double>& time,
-                const std::vector<std::vector<double>>& values) {
-  if (signals.size() != values.size())
-    return InternalError("raw samples: {} signal names for {} columns", signals.size(), values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (values[i].size() != time.size())
-      return InternalError("raw samples: {} has {} rows, time has {}", signals[i], values[i].size(),
-                           time.size());
-    if (signals[i].empty() || signals[i].find(',') != std::string::npos)
+Status CheckNames(const std::vector<std::string>& signals, std::size_t columns) {
+  if (signals.size() != columns)
+    return InternalError("raw samples: {} signal names for {} columns", signals.size(), columns);
+  for (const std::string& name : signals)
+    if (name.empty() || name.find(',') != std::string::npos)
       return BadInput("raw samples: a signal is called \"{}\"; the name must not be empty or contain a comma",
-                      signals[i]);
-  }
-  for (std::size_t row = 0; row < time.size(); ++row)
-    if (!std::isfinite(time[row]) || (row > 0 && !(time[row] > time[row - 1])))
-      return BadInput("raw samples: time does not increase at row {} ({} s)", row, time[row]);
+                      name);
   return {};
-}
-
-/// Time up to which rows of the run were stored, whether still kept or not; -infinity if there were none.
-double StoredUntil(Connection& connection, std::int64_t run) {
-  Query query(connection, "SELECT raw_until_s FROM run WHERE id = ?", run);
-  return query.Step() && !query.IsNull(0) ? query.Real(0) : -std::numeric_limits<double>::infinity();
 }
 
 void AddRawBytes(Connection& connection, std::int64_t machine, std::int64_t bytes) {
@@ -63,82 +48,94 @@ std::int64_t RawBytes(Connection& connection, std::int64_t machine) {
   return query.Int(0);
 }
 
-/// The machine's oldest chunks go until what is left is small and young enough.
-void DropOldest(Connection& connection, std::int64_t machine, const RawLimits& limits, double newest) {
-  std::int64_t bytes = RawBytes(connection, machine);
-  for (;;) {
-    std::int64_t id = 0, size = 0;
-    {
-      Query oldest(
-          connection,
-          "SELECT c.id, length(c.samples) + coalesce(length(c.flags), 0), c.last_s FROM raw_chunk c JOIN run "
-          "r ON r.id = c.run WHERE r.machine = ? ORDER BY c.id LIMIT 1",
-          machine);
-      if (!oldest.Step()) return;
-      id = oldest.Int(0);
-      size = oldest.Int(1);
-      if (bytes <= limits.max_bytes && !(oldest.Real(2) < newest - limits.max_age)) return;
-    }
-    Query(connection, "DELETE FROM raw_chunk WHERE id = ?", id).Run();
-    AddRawBytes(connection, machine, -size);
-    bytes -= size;
-  }
+struct OldestChunk {
+  std::int64_t id = 0, bytes = 0;
+  double last = 0;  ///< s
+};
+
+std::optional<OldestChunk> OldestChunkOf(Connection& connection, std::int64_t run) {
+  Query query(connection,
+              "SELECT id, length(samples) + coalesce(length(flags), 0), last_s FROM raw_chunk WHERE run = ? "
+              "ORDER BY first_s LIMIT 1",
+              run);
+  if (!query.Step()) return std::nullopt;
+  return OldestChunk{query.Int(0), query.Int(1), query.Real(2)};
 }
 
-/// Flags of rows [from, from + rows) as a blob; empty if all are good.
-std::vector<std::uint8_t> PackFlags(const std::vector<std::vector<Quality>>& flags, std::size_t from,
-                                    std::size_t rows) {
-  std::vector<std::span<const Quality>> columns;
-  bool any = false;
-  for (const auto& column : flags) {
-    columns.push_back(std::span(column).subspan(from, rows));
-    any = any || std::any_of(columns.back().begin(), columns.back().end(), [](Quality q) { return q != 0; });
+/// The first run of the machine, from `from` on, of which raw rows are kept; `from` if there is none. The
+/// plus sign has the runs looked at in order of their ids, so that it ends at the first one.
+std::int64_t OldestKeptRun(Connection& connection, std::int64_t machine, std::int64_t from) {
+  Query query(connection,
+              "SELECT id FROM run WHERE id >= ? AND +machine = ? AND EXISTS (SELECT 1 FROM raw_chunk WHERE "
+              "run = run.id) ORDER BY id LIMIT 1",
+              from, machine);
+  return query.Step() ? query.Int(0) : from;
+}
+
+/// The machine's oldest chunks go until what is left is small and young enough. However much is kept, the
+/// oldest is found at once: it lies in the run that held it last time or in a later one.
+void DropOldest(Connection& connection, const RunRow& run, const RawLimits& limits, double newest) {
+  std::int64_t& oldest_run = connection.memory[run.machine].oldest_kept_run;
+  oldest_run = std::min(oldest_run, run.id);
+  std::int64_t bytes = RawBytes(connection, run.machine);
+  for (;;) {
+    auto oldest = OldestChunkOf(connection, oldest_run);
+    if (!oldest) {
+      oldest_run = OldestKeptRun(connection, run.machine, oldest_run);
+      oldest = OldestChunkOf(connection, oldest_run);
+    }
+    if (!oldest || (bytes <= limits.max_bytes && !(oldest->last < newest - limits.max_age))) return;
+    Query(connection, "DELETE FROM raw_chunk WHERE id = ?", oldest->id).Run();
+    AddRawBytes(connection, run.machine, -oldest->bytes);
+    bytes -= oldest->bytes;
   }
-  return any ? PackColumns(columns) : std::vector<std::uint8_t>();
 }
 
 }  // namespace
 
+double RawStoredUntil(Connection& connection, std::int64_t run) {
+  Query query(connection, "SELECT raw_until_s FROM run WHERE id = ?", run);
+  return query.Step() && !query.IsNull(0) ? query.Real(0) : -std::numeric_limits<double>::infinity();
+}
+
 Status AppendRaw(Connection& connection, const RunRow& run, const std::vector<std::string>& signals,
-                 const std::vector<double>& time, const std::vector<std::vector<double>>& values,
-                 const std::vector<std::vector<Quality>>& flags, const RawLimits& limits) {
-  if (const Status valid = CheckRaw(signals, time, values); !valid) return valid;
-  const auto first_new = static_cast<std::size_t>(
-      std::upper_bound(time.begin(), time.end(), StoredUntil(connection, run.id)) - time.begin());
-  if (first_new == time.size()) return {};
+                 std::span<const RawChunk> chunks, const RawLimits& limits) {
+  if (chunks.empty()) return {};
+  if (const double until = RawStoredUntil(connection, run.id); !(chunks.front().first > until))
+    return InternalError("raw samples from {} s on: the run has rows up to {} s", chunks.front().first,
+                         until);
   const std::string names = Joined(signals);
-  for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {
-    const std::size_t rows = std::min(kRowsPerChunk, time.size() - from);
-    std::vector<std::span<const double>> columns = {std::span(time).subspan(from, rows)};
-    for (const auto& column : values) columns.push_back(std::span(column).subspan(from, rows));
-    const auto packed = PackColumns(columns);
-    const auto packed_flags = PackFlags(flags, from, rows);
+  std::int64_t bytes = 0;
+  for (const RawChunk& chunk : chunks) {
+    if (const Status valid = CheckNames(signals, chunk.signals); !valid) return valid;
     Query(connection,
           "INSERT INTO raw_chunk(id, run, first_s, last_s, rows, signals, samples, flags) "
           "VALUES((SELECT coalesce(max(id), 0) + 1 FROM raw_chunk), ?, ?, ?, ?, ?, ?, nullif(?, x''))",
-          run.id, time[from], time[from + rows - 1], static_cast<std::int64_t>(rows), names, packed,
-          packed_flags)
+          run.id, chunk.first, chunk.last, chunk.rows, names, chunk.samples, chunk.flags)
         .Run();
-    AddRawBytes(connection, run.machine, static_cast<std::int64_t>(packed.size() + packed_flags.size()));
+    bytes += chunk.bytes();
   }
-  Query(connection, "UPDATE run SET raw_until_s = ? WHERE id = ?", time.back(), run.id).Run();
-  DropOldest(connection, run.machine, limits, time.back());
+  AddRawBytes(connection, run.machine, bytes);
+  Query(connection, "UPDATE run SET raw_until_s = ? WHERE id = ?", chunks.back().last, run.id).Run();
+  DropOldest(connection, run, limits, chunks.back().last);
   return {};
 }
 
 Status Database::StoreRaw(std::int64_t run, const std::vector<std::string>& signals,
                           const std::vector<double>& time, const std::vector<std::vector<double>>& values,
                           std::int64_t max_bytes) {
-  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
-    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+  return InTransaction(*impl_, [&]() -> Status {
     const auto row = impl_->FindRun(run);
     if (!row) return tl::unexpected(row.error());
+    if (const Status valid = CheckNames(signals, values.size()); !valid) return valid;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i].size() != time.size())
+        return InternalError("raw samples: {} has {} rows, time has {}", signals[i], values[i].size(),
+                             time.size());
+    const auto chunks = PackRaw(time, values, {}, RawStoredUntil(*impl_, run));
+    if (!chunks) return tl::unexpected(chunks.error());
     constexpr double kAnyAge = std::numeric_limits<double>::infinity();
-    if (const Status stored = AppendRaw(*impl_, *row, signals, time, values, {}, {max_bytes, kAnyAge});
-        !stored)
-      return stored;
-    transaction.commit();
-    return {};
+    return AppendRaw(*impl_, *row, signals, *chunks, {max_bytes, kAnyAge});
   });
 }
 

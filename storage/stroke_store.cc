@@ -4,7 +4,6 @@
 #include "storage/connection.h"
 #include "storage/content_hash.h"
 #include "storage/database.h"
-#include "storage/gram_codec.h"
 #include "storage/gram_rollup.h"
 #include "storage/store_steps.h"
 
@@ -12,23 +11,23 @@ namespace hydroscope {
 namespace {
 
 /// Hash over everything that is stored of a stroke.
-std::int64_t ContentHash(const StrokeRecord& record, const std::vector<std::uint8_t>& gram) {
+std::int64_t ContentHash(const PackedStroke& stroke) {
   Fnv1a hash;
-  const StrokeSummary& s = record.summary;
+  const StrokeSummary& s = stroke.summary;
   hash.Add(s.index);
   for (const double value : {s.begin, s.end, s.oil_temperature, s.mean_speed, s.mean_pressure, s.max_pressure,
                              s.rms_error, s.noise_floor})
     hash.Add(value);
   for (const std::int64_t count : {s.counters.samples, s.counters.gated, s.counters.used}) hash.Add(count);
   for (const std::int64_t count : s.counters.flagged) hash.Add(count);
-  for (const Estimate& e : record.estimates) {
+  for (const Estimate& e : stroke.estimates) {
     hash.Add(e.parameter);
     hash.Add(e.unit);
     for (const double value : {e.value, e.std, e.excitation, e.last_excited, e.oil_temperature})
       hash.Add(value);
     hash.Add(std::string_view(ReasonName(e.reason)));
   }
-  hash.Add(std::span<const std::uint8_t>(gram));
+  hash.Add(std::span<const std::uint8_t>(stroke.gram));
   return std::bit_cast<std::int64_t>(hash.value());
 }
 
@@ -64,26 +63,24 @@ void InsertSummary(Connection& connection, std::int64_t run, const StrokeSummary
           .Run();
 }
 
-void InsertEstimates(Connection& connection, const RunRow& run, const StrokeRecord& record) {
-  for (const Estimate& e : record.estimates)
+void InsertEstimates(Connection& connection, const RunRow& run, const PackedStroke& stroke) {
+  for (const Estimate& e : stroke.estimates)
     Query(connection, "INSERT INTO estimate VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
-          ParameterId(connection, run.machine, e), run.id, record.summary.index, e.value, e.std, e.excitation,
+          ParameterId(connection, run.machine, e), run.id, stroke.summary.index, e.value, e.std, e.excitation,
           e.last_excited, ReasonName(e.reason), e.oil_temperature)
         .Run();
 }
 
-Status CheckRecord(const StrokeRecord& record, std::size_t columns) {
-  const auto fits = [&](const SymmetricMatrix& matrix) {
-    return matrix.dimension() == 0 || static_cast<std::size_t>(matrix.dimension()) == columns;
-  };
-  const StrokeGram& gram = record.gram;
-  if (!fits(gram.integral) || !fits(gram.noise) || !fits(gram.flow))
-    return InternalError("its Gram has dimension {} (noise {}, flow {}), the model version has {} columns",
-                         gram.integral.dimension(), gram.noise.dimension(), gram.flow.dimension(), columns);
-  for (std::size_t i = 0; i < record.estimates.size(); ++i)
+Status CheckStroke(const PackedStroke& stroke, int columns) {
+  const auto [integral, noise, flow] = stroke.dimensions;
+  for (const int dimension : stroke.dimensions)
+    if (dimension != 0 && dimension != columns)
+      return InternalError("its Gram has dimension {} (noise {}, flow {}), the model version has {} columns",
+                           integral, noise, flow, columns);
+  for (std::size_t i = 0; i < stroke.estimates.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (record.estimates[i].parameter == record.estimates[j].parameter)
-        return InternalError("it estimates parameter {} twice", record.estimates[i].parameter);
+      if (stroke.estimates[i].parameter == stroke.estimates[j].parameter)
+        return InternalError("it estimates parameter {} twice", stroke.estimates[i].parameter);
   return {};
 }
 
@@ -97,42 +94,43 @@ Status CheckSame(Connection& connection, std::int64_t run, std::int64_t stroke, 
       "of them changed. Replay into a new database");
 }
 
-Status StoreOne(Connection& connection, RunRow& run, const StrokeRecord& record, std::size_t columns) {
-  const std::int64_t index = record.summary.index;
+Status StoreOne(Connection& connection, RunRow& run, const PackedStroke& stroke, int columns) {
+  const std::int64_t index = stroke.summary.index;
   if (index < 0 || index > run.strokes)
     return InternalError("strokes up to {} are stored: {} would leave a hole", run.strokes - 1, index);
-  if (const Status valid = CheckRecord(record, columns); !valid) return valid;
-  const std::vector<std::uint8_t> gram = EncodeGram(record.gram, NoisePrecision::kFloat);
-  const std::int64_t content_hash = ContentHash(record, gram);
+  if (const Status valid = CheckStroke(stroke, columns); !valid) return valid;
+  const std::int64_t content_hash = ContentHash(stroke);
   if (index < run.strokes) return CheckSame(connection, run.id, index, content_hash);
   if (run.state != "open") return InternalError("the run is {} and takes no more strokes", run.state);
-  InsertSummary(connection, run.id, record.summary, content_hash);
-  InsertEstimates(connection, run, record);
-  Query(connection, "INSERT INTO gram(run, stroke, gram) VALUES(?, ?, ?)", run.id, index, gram).Run();
+  InsertSummary(connection, run.id, stroke.summary, content_hash);
+  InsertEstimates(connection, run, stroke);
+  Query(connection, "INSERT INTO gram(run, stroke, gram) VALUES(?, ?, ?)", run.id, index, stroke.gram).Run();
   ++run.strokes;
   Query(connection, "UPDATE run SET strokes = ? WHERE id = ?", run.strokes, run.id).Run();
-  return UpdateRollups(connection, run.machine, run.first_sequence + index);
+  return UpdateRollups(connection, run, stroke.gram);
 }
 
 }  // namespace
 
-Status AppendStrokes(Connection& connection, RunRow& run, const std::vector<StrokeRecord>& strokes) {
-  const std::size_t columns = connection.Columns(run.machine, run.model_version).size();
-  for (const StrokeRecord& record : strokes)
-    if (const Status stored = StoreOne(connection, run, record, columns); !stored)
+Status AppendStrokes(Connection& connection, RunRow& run, std::span<const PackedStroke> strokes) {
+  if (strokes.empty()) return {};
+  const int columns = connection.ColumnCount(run.machine, run.model_version);
+  for (const PackedStroke& stroke : strokes)
+    if (const Status stored = StoreOne(connection, run, stroke, columns); !stored)
       return tl::unexpected(
           Error{stored.error().kind, fmt::format("{}: run {} ({}), stroke {}: {}", connection.path, run.id,
-                                                 run.source, record.summary.index, stored.error().text)});
+                                                 run.source, stroke.summary.index, stored.error().text)});
   return {};
 }
 
 Status Database::StoreStrokes(std::int64_t run, const std::vector<StrokeRecord>& strokes) {
-  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
-    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+  return InTransaction(*impl_, [&]() -> Status {
     auto row = impl_->FindRun(run);
     if (!row) return tl::unexpected(row.error());
-    if (const Status stored = AppendStrokes(*impl_, *row, strokes); !stored) return stored;
-    transaction.commit();
+    for (const StrokeRecord& record : strokes) {
+      const PackedStroke stroke = Pack(record);
+      if (const Status stored = AppendStrokes(*impl_, *row, {&stroke, 1}); !stored) return stored;
+    }
     return {};
   });
 }
@@ -145,8 +143,7 @@ Status Database::CompareStrokes(std::int64_t run, const std::vector<StrokeRecord
       return BadInput("run {} holds {} strokes, {} were offered", run, row->strokes, strokes.size());
     for (std::int64_t i = 0; i < row->strokes; ++i) {
       const StrokeRecord& record = strokes[static_cast<std::size_t>(i)];
-      const auto gram = EncodeGram(record.gram, NoisePrecision::kFloat);
-      if (const Status same = CheckSame(*impl_, run, i, ContentHash(record, gram)); !same)
+      if (const Status same = CheckSame(*impl_, run, i, ContentHash(Pack(record))); !same)
         return BadInput("run {}, stroke {} (ends at {:.3f} s): stored and offered content differ", run, i,
                         record.summary.end);
     }

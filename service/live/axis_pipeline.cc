@@ -27,7 +27,7 @@ Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared
 Status AxisPipeline::Build() {
   const Machine& machine = model_->machine;
   auto pipeline = Pipeline::Create(machine, machine.live->grid_period, [this](StrokeRecord&& record) {
-    last_ = record;
+    last_ = {record.summary, {}, record.estimates};
     ++strokes_;
     step_.strokes.push_back(std::move(record));
     step_.pipeline_state = pipeline_->SaveState();
@@ -50,9 +50,9 @@ bool AxisPipeline::Process(SampleBlock&& block) {
 
 bool AxisPipeline::StrokeEndsSoon() const {
   const Machine& machine = model_->machine;
-  const double half = machine.gate.stroke_gap / 2;
-  return pipeline_->stroke_closed_for() > half &&
-         static_cast<double>(pending_rows()) * machine.live->grid_period > half;
+  const double soon = machine.gate.stroke_gap / 4;
+  return pipeline_->stroke_closed_for() > machine.gate.stroke_gap - soon &&
+         static_cast<double>(pending_rows()) * machine.live->grid_period > soon;
 }
 
 WriteItem AxisPipeline::TakeStep(std::vector<std::uint8_t> sender_marks) {
@@ -60,7 +60,7 @@ WriteItem AxisPipeline::TakeStep(std::vector<std::uint8_t> sender_marks) {
   item.axis = axis_;
   step_.rows_taken = rows_taken_;
   step_.sender_marks = std::move(sender_marks);
-  item.step = std::exchange(step_, {});
+  item.step = Pack(std::exchange(step_, {}));
   return item;
 }
 

@@ -23,7 +23,7 @@ struct WriteItem {
   enum class Kind { kStep, kEndRun, kBeginRun };
   Kind kind = Kind::kStep;
   int axis = 0;
-  LiveBatch step;                          ///< kStep
+  PackedBatch step;                        ///< kStep
   std::string summary;                     ///< kEndRun
   std::vector<std::uint8_t> state;         ///< kEndRun: what the next run starts from
   std::shared_ptr<const LiveModel> model;  ///< kBeginRun
@@ -44,8 +44,8 @@ class AxisPipeline {
   /// Judges the rows and identifies. True if a stroke ended.
   bool Process(SampleBlock&& block);
   std::int64_t pending_rows() const { return static_cast<std::int64_t>(step_.raw.rows()); }
-  /// The stroke under way will probably end within half of GateSpec::stroke_gap, and more rows than that are
-  /// pending: store them now, so that the stroke's own step is small when it is due.
+  /// The stroke under way will probably end within a quarter of GateSpec::stroke_gap, and more rows than that
+  /// are pending: store them now, so that the stroke's own step is small when it is due.
   bool StrokeEndsSoon() const;
   /// What came since the last call, to be stored.
   WriteItem TakeStep(std::vector<std::uint8_t> sender_marks);

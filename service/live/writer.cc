@@ -21,8 +21,10 @@ constexpr std::size_t kLatenciesKept = 65536;
 constexpr std::size_t kItemsKept = 10'000;
 
 std::int64_t Bytes(const WriteItem& item) {
-  const SampleBlock& raw = item.step.raw;
-  return static_cast<std::int64_t>(raw.rows() * (8 + raw.signal.size() * (8 + sizeof(Quality))));
+  std::int64_t bytes = 0;
+  if (item.step.raw)
+    for (const RawChunk& chunk : *item.step.raw) bytes += chunk.bytes();
+  return bytes;
 }
 
 bool Has(const Error& error, const char* text) { return error.text.find(text) != std::string::npos; }
@@ -77,10 +79,10 @@ void LiveWriter::Push(WriteItem&& item) {
 void LiveWriter::Trim() {
   for (WriteItem& item : items_) {
     if (status_.waiting_bytes <= options_.queue_bytes) break;
-    if (item.step.raw.rows() == 0) continue;
+    if (item.step.rows == 0) continue;
     status_.waiting_bytes -= Bytes(item);
-    status_.dropped_rows += static_cast<std::int64_t>(item.step.raw.rows());
-    item.step.raw = SampleBlock();
+    status_.dropped_rows += std::exchange(item.step.rows, 0);
+    item.step.raw = {};
     broken_.insert(item.axis);
   }
   for (WriteItem& item : items_) {
@@ -92,7 +94,7 @@ void LiveWriter::Trim() {
     strokes.clear();
   }
   const auto says_nothing = [](const WriteItem& item) {
-    return item.kind == WriteItem::Kind::kStep && item.step.raw.rows() == 0 && item.step.strokes.empty();
+    return item.kind == WriteItem::Kind::kStep && item.step.rows == 0 && item.step.strokes.empty();
   };
   if (items_.size() > kItemsKept) std::erase_if(items_, says_nothing);
 }
@@ -161,7 +163,7 @@ Status LiveWriter::StoreSteps() {
   for (WriteItem& item : current_) {
     const Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
     std::int64_t& index = next.try_emplace(item.axis, axis.strokes).first->second;
-    for (StrokeRecord& record : item.step.strokes) record.summary.index = index++;
+    for (PackedStroke& stroke : item.step.strokes) stroke.summary.index = index++;
     steps.push_back({axis.run, &item.step});
   }
   if (const Status stored = database_.StoreLive(steps, signals_, options_.raw); !stored) return stored;
@@ -264,7 +266,7 @@ Status LiveWriter::Execute(WriteItem& item) {
 
 void LiveWriter::Count(const WriteItem& item) {
   ++status_.steps;
-  status_.rows += static_cast<std::int64_t>(item.step.raw.rows());
+  status_.rows += item.step.rows;
   status_.strokes += static_cast<std::int64_t>(item.step.strokes.size());
   if (item.sent == 0) return;
   const std::int64_t now = clock_().monotonic_ns;
