@@ -192,16 +192,16 @@ std::optional<std::pair<std::string, std::string>> Explainer::Relatives(const Gr
 }
 
 void Explainer::Judge(Explanation& out) const {
-  const double allowed = options_.remainder_share * ranking_.Gain(start_.fit, out.final);
+  const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
   if (!AtFloor(out.final, more) || !IsLawful(out.final) ||
-      out.remainder > options_.max_remainder + more * allowed) {
+      out.remainder > options_.max_remainder + more * options_.remainder_share * gain) {
     out.verdict = Verdict::kUnknown;
     out.partial = true;
     out.groups.clear();
     return;
   }
-  if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + allowed) {
+  if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
     out.doubt = fmt::format("it leaves something that another law would explain ({})", out.remainder_law);
   } else if (out.margin < options_.rival_gain) {
     out.doubt = fmt::format("a law without a name explains the error as well ({})", out.margin_law);

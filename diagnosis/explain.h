@@ -20,14 +20,15 @@ const char* VerdictName(Verdict verdict);
 
 /// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
 struct ExplainOptions {
-  double min_gain = 30.0;  ///< held-out error energy an effect must remove, in units of the noise variance
+  double min_gain = 40.0;  ///< held-out error energy an effect must remove, in units of the noise variance
   double min_t = 4.0;      ///< size over its stroke-clustered standard error
   double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
   double max_remainder =
       40.0;  ///< gain another law may still make on an explanation that claims to be complete
   double doubt_remainder = 20.0;   ///< ... and above which the explanation is flagged as partial
-  double remainder_share = 0.003;  ///< of the gain so far, allowed on top of both
+  double remainder_share = 0.003;  ///< of the gain so far, allowed on top of the former
+  double doubt_share = 0.0005;     ///< ... and of the latter
   double interplay =
       4.0;  ///< two effects act on one another, which their sum leaves out: so much more may be left
   double second_t =

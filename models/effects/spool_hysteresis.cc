@@ -8,11 +8,16 @@ namespace hydroscope::effects {
 namespace {
 
 /// Increments of root times lag, per width. `lag` is edge minus spool, within +- width / 2; it lives on from
-/// stretch to stretch. Only the edge waits for the sample before.
+/// stretch to stretch; where a stroke begins, the spool's way just before tells most of it. Only the edge waits for
+/// the sample before.
 HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std::span<double> out) {
   const double *root = s[kFlowRoot], *y = s[kSpool];
-  if (!s.continues) lag = 0.0;
   const double reach = 0.5 * width, scale = 0.5 * s.period / width;
+  if (!s.continues) {
+    double edge = y[-s.before];
+    for (int k = -s.before; k <= 0; ++k) edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
+    lag = edge - y[0];
+  }
   double edge = y[0] + lag, left = root[0] * lag;
   for (int k = 0; k + 1 < s.samples; ++k) {
     edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
