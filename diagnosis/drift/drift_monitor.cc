@@ -290,7 +290,7 @@ std::vector<SlowDrift> DriftMonitor::SlowDrifts() const {
                     trends_[q].Figures(sizes_[q].smallest, doubt_[q]),
                     0,
                     {}};
-    if (!drift.figures.significant) continue;
+    if (!drift.figures.significant || (sizes_[q].only_upwards && drift.figures.slope < 0)) continue;
     drift.limit = std::copysign(sizes_[q].alarm, drift.figures.slope);
     drift.reach = SlowTrend::Reach(drift.figures, drift.limit);
     drifts.push_back(drift);
