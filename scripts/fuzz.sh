@@ -2,29 +2,61 @@
 # Runs each parser of what comes from outside under libFuzzer, with address and undefined-behaviour checks:
 #   scripts/fuzz.sh            a minute each
 #   scripts/fuzz.sh 600        ten minutes each
-# What was found stays in build/fuzz/corpus and is where the next run begins. A crash stops it and leaves its input
-# there as crash-*. Needs clang (scripts/setup.sh --fuzz); without it, it says so and succeeds.
+#   scripts/fuzz.sh 600 csv mat  these alone
+# HYDROSCOPE_FUZZ_JOBS of them (2) run at a time. What was found stays in build/fuzz/corpus and is where the next run
+# begins. A crash stops it and leaves its input there as crash-*. Installs clang if it is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-seconds=${1:-60}
-if ! command -v clang++ >/dev/null; then
-  echo "fuzz: clang is not installed, nothing was run; scripts/setup.sh --fuzz installs it"
-  exit 0
-fi
-targets=(acquisition/message_fuzz acquisition/registers_fuzz models/machine_fuzz replay/csv_fuzz alarms/feeds/requests_fuzz)
-scripts/build.sh fuzz "${targets[@]##*/}"
-for target in "${targets[@]}"; do
-  corpus=build/fuzz/corpus/${target##*/}
+targets=(
+  acquisition/message      # DDS messages
+  acquisition/registers    # answers of a Modbus controller
+  models/machine           # machine files, expressions
+  replay/csv               # logs as text
+  storage/blobs            # raw rows and Grams of a database
+  service/run_summary      # JSON in a database
+  diagnosis/rules          # rules of the drift watch
+  alarms/feeds/requests    # Modbus requests to the service
+  alarms/feeds/payload     # commands by MQTT Sparkplug
+)
+# By name only: matio, which reads MAT files for us, takes the memory that a damaged file claims to need.
+by_name=(replay/mat)
+
+# fuzz TARGET SECONDS: 255, which ends xargs, if it finds something.
+fuzz() {
+  local name=${1##*/} corpus=build/fuzz/corpus/${1##*/}
   mkdir -p "$corpus"
-  [[ $target == models/machine_fuzz ]] && cp -n machines/*.toml "$corpus/"
-  echo "fuzz: ${target##*/}, $seconds s"
-  if ! build/fuzz/"$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 \
+  case $name in
+    machine) cp -n machines/*.toml "$corpus/" ;;
+    rules) cp -n machines/*_rules.toml "$corpus/" ;;
+    csv) cp -n tests/fuzz_seeds/log.csv "$corpus/" ;;
+    mat) cp -n tests/fuzz_seeds/*.mat "$corpus/" ;;
+    requests) cp -n tests/fuzz_seeds/modbus_requests.bin "$corpus/" ;;
+  esac
+  local memory=(-rss_limit_mb=2048)
+  [[ $name == mat ]] && memory=(-rss_limit_mb=0 -malloc_limit_mb=0)
+  if ! ASAN_OPTIONS=allocator_may_return_null=1 "build/fuzz/${1}_fuzz" -max_total_time="$2" -timeout=60 "${memory[@]}" \
     -artifact_prefix="$corpus/" -print_final_stats=1 "$corpus" >"$corpus.log" 2>&1; then
     tail -n 40 "$corpus.log"
-    echo "fuzz: ${target##*/} failed; its input is in $corpus"
-    exit 1
+    echo "fuzz: $name failed; its input is in $corpus"
+    return 255
   fi
-  grep -E "number_of_executed_units|new_units_added" "$corpus.log"
-done
-echo "fuzz: all ${#targets[@]} parsers ran $seconds s without a finding"
+  echo "fuzz: $name, $2 s: $(sed -n 's/stat::number_of_executed_units: *//p' "$corpus.log") inputs," \
+    "$(sed -n 's/stat::new_units_added: *//p' "$corpus.log") of them new"
+}
+export -f fuzz
+
+seconds=${1:-60}
+shift || true
+if [[ $# -gt 0 ]]; then
+  wanted=()
+  for target in "${targets[@]}" "${by_name[@]}"; do
+    for name in "$@"; do [[ ${target##*/} == "$name" ]] && wanted+=("$target"); done
+  done
+  [[ ${#wanted[@]} -eq $# ]] || { echo "fuzz: not all of '$*' are parsers: ${targets[*]##*/} ${by_name[*]##*/}" >&2; exit 2; }
+  targets=("${wanted[@]}")
+fi
+names=("${targets[@]##*/}")
+scripts/build.sh fuzz "${names[@]/%/_fuzz}"
+printf '%s\n' "${targets[@]}" | xargs -P "${HYDROSCOPE_FUZZ_JOBS:-2}" -I{} bash -c 'fuzz "$@"' fuzz {} "$seconds"
+echo "fuzz: ${#targets[@]} parsers ran $seconds s each without a finding"

@@ -5,6 +5,27 @@
 #include <nlohmann/json.hpp>
 
 namespace hydroscope {
+namespace {
+
+/// Throws if a value is of another kind than expected.
+RunSummary ReadSummary(const nlohmann::json& json) {
+  RunSummary s;
+  s.sample_period = json.value("sample_period", 0.0);
+  s.rows = json.value("rows", std::int64_t{0});
+  s.rejected_rows = json.value("rejected_rows", std::int64_t{0});
+  s.gated = json.value("gated", std::int64_t{0});
+  s.used = json.value("used", std::int64_t{0});
+  s.discarded_strokes = json.value("discarded_strokes", std::int64_t{0});
+  s.flagged = json.value("flagged", decltype(s.flagged){});
+  s.absent = json.value("absent", decltype(s.absent){});
+  s.stopped = json.value("stopped", std::string());
+  for (const auto& f : json.value("findings", nlohmann::json::array()))
+    s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
+                          f.value("found", std::string()), f.value("expected", std::string())});
+  return s;
+}
+
+}  // namespace
 
 std::int64_t RunSummary::FlaggedValues() const {
   std::int64_t sum = 0;
@@ -33,22 +54,12 @@ std::string FormatRunSummary(const RunSummary& s) {
 }
 
 RunSummary ParseRunSummary(const std::string& text) {
-  RunSummary s;
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object()) return s;
-  s.sample_period = json.value("sample_period", 0.0);
-  s.rows = json.value("rows", std::int64_t{0});
-  s.rejected_rows = json.value("rejected_rows", std::int64_t{0});
-  s.gated = json.value("gated", std::int64_t{0});
-  s.used = json.value("used", std::int64_t{0});
-  s.discarded_strokes = json.value("discarded_strokes", std::int64_t{0});
-  s.flagged = json.value("flagged", decltype(s.flagged){});
-  s.absent = json.value("absent", decltype(s.absent){});
-  s.stopped = json.value("stopped", std::string());
-  for (const auto& f : json.value("findings", nlohmann::json::array()))
-    s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
-                          f.value("found", std::string()), f.value("expected", std::string())});
-  return s;
+  try {
+    const auto json = nlohmann::json::parse(text);
+    return json.is_object() ? ReadSummary(json) : RunSummary();
+  } catch (const nlohmann::json::exception&) {  // no JSON, or values of another kind
+    return {};
+  }
 }
 
 std::string FindingText(const LogFinding& f) {

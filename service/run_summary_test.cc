@@ -28,6 +28,8 @@ TEST(RunSummary, WhatIsNoSummaryIsEmpty) {
   EXPECT_EQ(ParseRunSummary("").rows, 0);
   EXPECT_EQ(ParseRunSummary("[1, 2").rows, 0);
   EXPECT_EQ(ParseRunSummary("{}").rows, 0);
+  EXPECT_EQ(ParseRunSummary(R"({"rows": "many"})").rows, 0);
+  EXPECT_EQ(ParseRunSummary(R"({"rows": 3, "findings": [7]})").rows, 0);
 }
 
 TEST(RunSummary, TextThatIsNoUtf8IsReplaced) {
