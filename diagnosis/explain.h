@@ -26,7 +26,7 @@ struct ExplainOptions {
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
   double max_remainder =
       40.0;  ///< gain another law may still make on an explanation that claims to be complete
-  double doubt_remainder = 20.0;   ///< ... and above which the explanation is flagged as partial
+  double doubt_remainder = 15.0;   ///< ... and above which the explanation is flagged as partial
   double remainder_share = 0.003;  ///< of the gain so far, allowed on top of the former
   double doubt_share = 0.0005;     ///< ... and of the latter
   double interplay =
