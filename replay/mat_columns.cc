@@ -1,5 +1,6 @@
 #include <matio.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -8,6 +9,9 @@
 
 namespace hydroscope {
 namespace {
+
+constexpr std::int64_t kMostColumns =
+    10'000;  // of a matrix that is taken for signals; a damaged file claims any number
 
 template <typename T>
 void Widen(const unsigned char* bytes, std::int64_t count, std::int64_t stride, double* out) {
@@ -114,9 +118,9 @@ void MatColumns::AddVariable(matvar_t* variable, const std::string& name, bool h
   if (!HoldsNumbers(*variable) || (held && variable->data == nullptr)) return;
   const auto down = static_cast<std::int64_t>(variable->dims[0]);
   const auto across = static_cast<std::int64_t>(variable->dims[1]);
-  if (down * across < 2) return;
   const bool upright = down >= across;
   const std::int64_t count = upright ? across : down;
+  if (count < 1 || count > kMostColumns || std::max(down, across) < 2) return;
   for (std::int64_t i = 0; i < count; ++i) {
     Column column{variable, held, upright ? i * down : i, upright ? 1 : down, upright ? down : across};
     columns_.push_back(column);

@@ -20,9 +20,9 @@ bool IsMatFile(const std::string& path);
 
 /// The numeric columns of a MAT file (v5 to v7.3, through matio): vectors under their names, fields of
 /// structs under the field's name, columns of a matrix M as "M(1)", "M(2)", ... (rows, if it is wider than
-/// long); each also by its 1-based number in the file. Scalars, texts and complex numbers are left out.
-/// Variables are read in slices; only structs and variables compressed in the old format (v5...7) have to be
-/// read as a whole.
+/// long); each also by its 1-based number in the file. Scalars, texts, complex numbers and matrices of more
+/// than 10 000 columns are left out. Variables are read in slices; only structs and variables compressed in
+/// the old format (v5...7) have to be read as a whole.
 class MatColumns {
  public:
   static Result<std::unique_ptr<MatColumns>> Open(const std::string& path);
