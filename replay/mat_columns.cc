@@ -109,7 +109,9 @@ void MatColumns::AddVariable(matvar_t* variable, const std::string& name, bool h
   if (variable->class_type == MAT_C_STRUCT) {
     const unsigned fields = Mat_VarGetNumberOfFields(variable);
     char* const* field_names = Mat_VarGetStructFieldnames(variable);
-    if (field_names == nullptr) return;  // the file says there are more than it holds
+    const bool complete =
+        field_names != nullptr && variable->data != nullptr && variable->nbytes >= fields * sizeof(matvar_t*);
+    if (!complete) return;  // the file says there are more than it holds
     for (unsigned i = 0; i < fields; ++i)
       if (matvar_t* field = Mat_VarGetStructFieldByIndex(variable, i, 0))
         AddVariable(field, field_names[i], held);
