@@ -34,13 +34,14 @@ Effect PressureSignalDelay(const CushionGeometry&) {
     // (p(t + t_d) - p(t)) / t_d is the mean of the rate.
     const auto dead_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const MeanOverShift rate(s, kPressureRate, delay);
-      wide::Differences(s, rate, out);
+      wide::Differences(
+          s, [&](int k) { return rate(k); }, out);
     };
     const auto stroke_volume = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* z = s[kPosition];
       const MeanOverShift rate(s, kPressureRate, delay);
       wide::IntegrateOver(
-          s, [=](int k) { return z[k]; }, rate, out);
+          s, [=](int k) { return z[k]; }, [&](int k) { return rate(k); }, out);
     };
     const auto null = [delay](const Stretch& s, double&, std::span<double> out) {
       const double* root = s[kFlowRoot];

@@ -2,36 +2,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "models/die_cushion.h"
 
 namespace hydroscope::effects {
 
-/// A channel `shift` seconds later (negative: earlier), by the line between samples; beyond what is known of it
-/// its end value. For what is integrated over time, or smoothed already: the line takes white noise out of
+/// A channel `shift` seconds later (negative: earlier), by the line between samples; beyond what is known of
+/// it its end value. For what is integrated over time, or smoothed already: the line takes white noise out of
 /// samples, which would spoil the estimate of the noise of a level.
 class ShiftedSignal {
  public:
   ShiftedSignal(const Stretch& stretch, int channel, double shift)
-      : x_(stretch[channel]),
-        first_(-stretch.before),
-        last_(stretch.samples + stretch.after - 1),
-        whole_(static_cast<int>(std::floor(shift / stretch.period))),
-        fraction_(shift / stretch.period - whole_) {}
-
-  double operator()(int k) const {
-    const double here = x_[std::clamp(k + whole_, first_, last_)], next = x_[std::clamp(k + whole_ + 1, first_, last_)];
-    return here + fraction_ * (next - here);
+      : x_(stretch[channel]), fraction_(shift / stretch.period) {
+    const int whole = static_cast<int>(std::floor(fraction_));
+    fraction_ -= whole;
+    const int first = -stretch.before, last = stretch.samples + stretch.after - 1;
+    if (whole >= first && whole + stretch.samples <= last) {
+      x_ += whole;
+      return;
+    }
+    held_.resize(static_cast<std::size_t>(stretch.samples) + 1);
+    for (int k = 0; k <= stretch.samples; ++k) held_[k] = x_[std::clamp(k + whole, first, last)];
+    x_ = held_.data();
   }
+  ShiftedSignal(const ShiftedSignal&) = delete;
+  ShiftedSignal& operator=(const ShiftedSignal&) = delete;
+
+  double operator()(int k) const { return x_[k] + fraction_ * (x_[k + 1] - x_[k]); }
 
  private:
-  const double* x_;
-  int first_, last_, whole_;
-  double fraction_;
+  const double* x_;           ///< shifted by whole samples
+  double fraction_;           ///< of a sample, beyond the whole ones
+  std::vector<double> held_;  ///< in place of the channel's own samples, if the shift leads beyond its ends
 };
 
-/// Mean of a smooth channel between now and `shift` seconds later (negative: earlier), by Simpson's rule: of a rate, the
-/// change over that time per second.
+/// Mean of a smooth channel between now and `shift` seconds later (negative: earlier), by Simpson's rule: of
+/// a rate, the change over that time per second.
 class MeanOverShift {
  public:
   MeanOverShift(const Stretch& stretch, int channel, double shift)
