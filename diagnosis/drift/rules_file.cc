@@ -123,10 +123,12 @@ Result<RuleBook> ParseRules(const std::string& text, const std::string& origin) 
   }
   std::vector<std::string> quantities;
   for (const WatchSpec& w : book.watches) quantities.push_back(w.quantity);
-  if (const auto* rules = root.get_as<toml::array>("rule"))
+  const toml::array* rules = root.get_as<toml::array>("rule");
+  if (top.Has("rule") && (rules == nullptr || !(rules->empty() || rules->is_array_of_tables())))
+    top.Wrong("rule", "tables, each of them under [[rule]]");
+  else if (rules != nullptr)
     for (std::size_t i = 0; i < rules->size(); ++i)
-      if (const toml::table* rule = rules->get_as<toml::table>(i))
-        ReadRule(*rule, i + 1, quantities, problems, book);
+      ReadRule(*rules->get_as<toml::table>(i), i + 1, quantities, problems, book);
   if (problems.any()) return tl::unexpected(problems.ToError());
   return book;
 }

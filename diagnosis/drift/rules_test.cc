@@ -59,6 +59,11 @@ TEST(Rules, UnknownKeyNamesTheNearest) {
   EXPECT_NE(ErrorOf("[[rule]]\nid=\"a\"\n").find("guidance is missing"), std::string::npos);
 }
 
+TEST(Rules, WhatIsNoListOfTablesIsRefused) {
+  for (const char* text : {"rule = 3\n", "[rule]\nid=\"a\"\n", "rule = [1, 2]\n"})
+    EXPECT_NE(ErrorOf(text).find("[[rule]]"), std::string::npos) << text << ErrorOf(text);
+}
+
 TEST(Rules, EveryKeyIsDocumented) {
   const std::string docs = Text("docs/drift.md");
   for (const RuleSection& section : RuleFileSections()) {
