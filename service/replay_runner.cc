@@ -1,7 +1,6 @@
 #include "service/replay_runner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "service/drift_report.h"
 #include "service/explain_report.h"
 #include "service/live/raw_log.h"
+#include "service/live/real_clock.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
 #include "service/model_edit.h"
@@ -396,9 +396,7 @@ Status WatchForDrift(const ReplayOptions& options, const Machine& machine, Press
     for (ReplayOutcome& outcome : replay.machines) outcome.watch.problem = watchable.error().text;
     return {};
   }
-  const double wall =
-      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  if (const Status judged = press.CatchUp(wall); !judged) return judged;
+  if (const Status judged = press.CatchUp(WallSeconds()); !judged) return judged;
   for (const AlarmState& alarm : press.alarms())
     if (!AtRest(alarm)) replay.alarms.push_back(alarm);
   for (ReplayOutcome& outcome : replay.machines)

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -14,6 +13,7 @@
 #include "core/units.h"
 #include "service/commands.h"
 #include "service/commands/alarms_scada.h"
+#include "service/live/real_clock.h"
 #include "service/output.h"
 #include "service/utc_text.h"
 #include "storage/alarm_journal.h"
@@ -28,10 +28,6 @@ struct AlarmsArguments {
   std::int64_t after = 0, last = 0;
   int modbus_acknowledge = 0;
 };
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 std::string UserOf(const AlarmsArguments& a) {
   if (!a.user.empty()) return a.user;
@@ -184,8 +180,12 @@ Status Act(const AlarmsArguments& a, const char* done,
   if (!journal) return tl::unexpected(journal.error());
   const auto found = Find(*journal, a, which);
   if (!found) return tl::unexpected(found.error());
-  const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(), Now(), found->alarm.last_stroke,
-                        std::numeric_limits<double>::quiet_NaN(), 0,     0};
+  const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(),
+                        WallSeconds(),
+                        found->alarm.last_stroke,
+                        std::numeric_limits<double>::quiet_NaN(),
+                        0,
+                        0};
   bool changed = false;
   const Status stored = journal->Change(found->machine, now.wall, [&](AxisContent& axis) -> Status {
     auto events = act(axis.Alarm(found->alarm.id), now);
@@ -233,7 +233,7 @@ Status Metrics(const AlarmsArguments& a) {
   if (!listed) return tl::unexpected(listed.error());
   std::vector<AlarmState> states;
   for (const Listed& l : *listed) states.push_back(l.alarm);
-  const AlarmMetrics m = MeasureAlarms(*rows, states, Now());
+  const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
   if (a.json != "-") {
     std::cout << fmt::format(
         "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: "

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -9,6 +8,7 @@
 #include "service/axis_monitor.h"
 #include "service/commands.h"
 #include "service/history_options.h"
+#include "service/live/real_clock.h"
 #include "service/output.h"
 
 namespace hydroscope {
@@ -18,10 +18,6 @@ struct LearnArguments {
   HistoryOptions history;
   std::string machine, user, comment, json;
 };
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 /// Learns one machine's reference; what was learned as JSON.
 Result<nlohmann::json> LearnOne(const LearnArguments& a, const Database& database,
@@ -33,7 +29,7 @@ Result<nlohmann::json> LearnOne(const LearnArguments& a, const Database& databas
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   AxisMonitor axis(machine, *model, rules, database, a.history.db, part.id, journal);
-  if (const Status learned = axis.Learn(part.first, part.last, Now(), {a.user, a.comment}); !learned)
+  if (const Status learned = axis.Learn(part.first, part.last, WallSeconds(), {a.user, a.comment}); !learned)
     return tl::unexpected(learned.error());
   const drift::Reference& reference = axis.monitor()->reference();
   nlohmann::json curves = nlohmann::json::array();

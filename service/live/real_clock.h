@@ -13,4 +13,7 @@ inline HostTime RealTime() {
           duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
+/// s since 1970-01-01 UTC.
+inline double WallSeconds() { return Seconds(RealTime().wall_ns); }
+
 }  // namespace hydroscope
