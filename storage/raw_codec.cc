@@ -20,7 +20,8 @@ constexpr std::uint8_t kZlibBegins = 0x78;
 constexpr int kLevel =
     6;  // of zlib; noise repeats nothing but runs, so that Z_RLE loses 2 % and takes half the time
 constexpr int kMemoryLevel = 7;                 // of zlib: a block holds 8191 bytes, those of one column
-constexpr std::size_t kOwnCode = 1024;           // bytes of columns that are worth a code of their own
+constexpr std::size_t kOwnCode = 1024;          // bytes of columns that are worth a code of their own
+constexpr std::size_t kFewRows = 100;           // not worth any: an estimate may wait for them
 constexpr int kHighestOrder = 2;                // of the differences
 constexpr std::int64_t kLargestCorrection = 3;  // units in the last place
 constexpr double kMostSteps = 1e9;
@@ -212,7 +213,11 @@ class Deflater {
   Deflater(const Deflater&) = delete;
   Deflater& operator=(const Deflater&) = delete;
 
-  void Begin() { deflateReset(&stream_); }
+  /// `plain`: the bytes are kept as they are.
+  void Begin(bool plain) {
+    deflateReset(&stream_);
+    deflateParams(&stream_, plain ? Z_NO_COMPRESSION : kLevel, plain ? Z_DEFAULT_STRATEGY : Z_RLE);
+  }
   void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
     stream_.next_in = const_cast<Bytef*>(bytes.data());
     stream_.avail_in = static_cast<uInt>(bytes.size());
@@ -240,7 +245,7 @@ template <typename T>
 std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
   std::vector<std::uint8_t> packed = {kVersion};
   thread_local Deflater deflater;
-  deflater.Begin();
+  deflater.Begin(columns.front().size() <= kFewRows);
   std::vector<std::uint8_t> plain;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const bool last = c + 1 == columns.size();
