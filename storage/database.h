@@ -170,9 +170,12 @@ class Database {
   /// they share are written once. Strokes as by StoreStrokes; raw rows must lie behind those the run has.
   Status StoreLive(std::span<const LiveStep> steps, const std::vector<std::string>& signals,
                    const RawLimits& limits);
-  /// Moves what the write-ahead log holds into the database file, as far as no reader is in the way. It happens by
-  /// itself when the log is long; asked for in a pause, it keeps nobody waiting.
+  /// Moves what the write-ahead log holds into the database file, as far as no reader is in the way, and waits for
+  /// the disk. It happens by itself when the log is long; asked for in a pause, it keeps nobody waiting, nor does
+  /// the transaction that follows.
   Status Checkpoint();
+  /// From now on Checkpoint is called in pauses: by itself it happens only beyond 64 MB, should they not come.
+  Status LeaveCheckpointsToPauses();
   /// The machine's newest run; nullopt if it has none.
   Result<std::optional<LiveProgress>> NewestRun(std::int64_t machine) const;
   /// Runs of the machine of which raw rows are kept, in order.

@@ -1,11 +1,12 @@
-#include <limits>
-
 #include "storage/connection.h"
 #include "storage/database.h"
+#include "storage/schema.h"
 #include "storage/store_steps.h"
 
 namespace hydroscope {
 namespace {
+
+constexpr int kLongestLog = 64 << 20;  ///< bytes
 
 std::vector<std::uint8_t> Copy(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -45,6 +46,16 @@ Status Database::StoreLive(std::span<const LiveStep> steps, const std::vector<st
 Status Database::Checkpoint() {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     impl_->db.exec("PRAGMA wal_checkpoint(PASSIVE)");
+    // Who begins the log anew waits for its head to be on the disk: somebody who has nothing to store.
+    impl_->db.exec(fmt::format("PRAGMA user_version = {}", kFormatVersion));
+    return {};
+  });
+}
+
+Status Database::LeaveCheckpointsToPauses() {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    const int page = impl_->db.execAndGet("PRAGMA page_size").getInt();
+    impl_->db.exec(fmt::format("PRAGMA wal_autocheckpoint = {}", kLongestLog / page));
     return {};
   });
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "storage/storage_fixture.h"
 
@@ -55,6 +56,26 @@ TEST(LiveStore, RowsFlagsStrokesAndStateComeBack) {
   EXPECT_EQ(newest->run.strokes, 3);
   EXPECT_EQ(newest->rows_taken, 1600);
   EXPECT_EQ(newest->sender_marks.back(), 1600 % 256);
+}
+
+TEST(LiveStore, CheckpointsLeftToPausesHappenInThem) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  EXPECT_OK(press.database.LeaveCheckpointsToPauses());
+  const auto run = press.Begin("live");
+  const auto log_size = [&] { return std::filesystem::file_size(folder.File() + "-wal"); };
+  constexpr std::int64_t kRows = 250'000;
+  std::int64_t row = 0;
+  for (std::uintmax_t before = 0; before < (24u << 20); before = log_size(), row += kRows) {
+    EXPECT_OK(Store(press, run.id, Batch(row, row + kRows)));
+    ASSERT_GT(log_size(), before) << "a transaction had to wait for a checkpoint";
+  }
+  const auto longest = log_size(), stored = std::filesystem::file_size(folder.File());
+  EXPECT_OK(press.database.Checkpoint());
+  EXPECT_GT(std::filesystem::file_size(folder.File()), stored + (20u << 20));
+  EXPECT_OK(Store(press, run.id, Batch(row, row + kRows)));
+  EXPECT_EQ(log_size(), longest) << "the log does not begin anew behind a checkpoint";
+  EXPECT_EQ(Value(press.database.NewestRun(1))->rows_taken, row + kRows);
 }
 
 TEST(LiveStore, ARefusedBatchLeavesNothingBehind) {

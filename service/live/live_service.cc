@@ -20,6 +20,7 @@ constexpr double kRound = 0.005;         ///< s the pipeline's thread waits for 
 constexpr double kStatusPeriod = 1.0;    ///< s
 constexpr double kRatePeriod = 2.0;      ///< s
 constexpr double kDrainPatience = 10.0;  ///< s
+constexpr int kStepsPerRound = 8;  ///< without a stroke: 2 ms of packing that strokes may have to wait for
 
 constexpr std::chrono::milliseconds kFreshStatus(100);  ///< the pipeline's thread has to tell its state
 
@@ -112,6 +113,7 @@ Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& opti
     axes.push_back(std::move(*axis));
     service->aligner_->RestoreMarks(a, marks);
   }
+  if (const Status left = database->LeaveCheckpointsToPauses(); !left) return tl::unexpected(left.error());
   std::vector<std::string> signals;
   for (const SignalSpec& signal : (*model)->machine.signals) signals.push_back(signal.name);
   service->writer_ =
@@ -207,7 +209,8 @@ void LiveService::Run() {
         for (const auto& axis : axes_) axis->new_run_wanted = true;
       }
     }
-    for (std::size_t a = 0; a < axes_.size(); ++a) ProcessAxis(static_cast<int>(a), now.monotonic_ns);
+    int steps = kStepsPerRound;
+    for (std::size_t a = 0; a < axes_.size(); ++a) ProcessAxis(static_cast<int>(a), now.monotonic_ns, steps);
     ++heartbeats_;
     if (heartbeat_) heartbeat_();
     if (status_wanted_.exchange(false) || Seconds(now.monotonic_ns - status_at) >= kStatusPeriod) {
@@ -220,7 +223,8 @@ void LiveService::Run() {
       writer_->Push(std::move(item));
 }
 
-void LiveService::ProcessAxis(int a, std::int64_t now) {
+/// `steps`: how many steps without a stroke may still be stored in this round.
+void LiveService::ProcessAxis(int a, std::int64_t now, int& steps) {
   AxisState& axis = *axes_[static_cast<std::size_t>(a)];
   SampleBlock block;
   bool stroke = false;
@@ -230,13 +234,13 @@ void LiveService::ProcessAxis(int a, std::int64_t now) {
     newest = block.time.back();
     stroke = axis.pipeline->Process(std::move(block)) || stroke;
   }
-  // All axes at once: they share a transaction, and the pages of the database it touches.
+  // Axes one behind the other: they share transactions, and the pages of the database these touch.
   const auto turn = [&](std::int64_t at) {
     return std::floor(Seconds(at - start_.monotonic_ns) / options_.raw_period);
   };
   const bool due =
       axis.pipeline->pending_rows() > 0 && (turn(now) > turn(axis.stored) || axis.pipeline->StrokeEndsSoon());
-  if (stroke || due) {
+  if (stroke || (due && steps-- > 0)) {
     WriteItem item = axis.pipeline->TakeStep(aligner_->marks(a));
     if (stroke) {
       item.taken = clock_().monotonic_ns;

@@ -67,7 +67,7 @@ class LiveService {
               Clock clock, Heartbeat heartbeat);
   Result<LiveWriter::Axis> OpenAxis(Database& database, int axis, std::vector<std::uint8_t>& marks);
   void Run();
-  void ProcessAxis(int axis, std::int64_t now);
+  void ProcessAxis(int axis, std::int64_t now, int& steps);
   void BeginNewRun(int axis);
   void UpdateStatus(HostTime now);
   std::vector<ChannelStatus> Channels(std::int64_t now);

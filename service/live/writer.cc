@@ -14,8 +14,9 @@ namespace hydroscope {
 namespace {
 
 constexpr std::chrono::milliseconds kRetry(250);
-constexpr std::chrono::milliseconds kPause(50);  // without work: time for a checkpoint
-constexpr std::size_t kStepsToCheckpoint = 16;
+constexpr std::chrono::milliseconds kPause(50);  // without work: time for a checkpoint, if it is due
+constexpr std::size_t kStepsToCheckpoint = 16;   // transactions; behind a stroke, when the next one is farthest
+constexpr std::size_t kStepsWithoutStroke = 128;
 constexpr std::size_t kStepsTogether = 128;
 constexpr std::size_t kLatenciesKept = 65536;
 constexpr std::size_t kItemsKept = 10'000;
@@ -127,7 +128,7 @@ bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
   const auto wanted = [this] {
     return stopping_ || HasCurrent() || !items_.empty() || !valve_checks_.empty();
   };
-  if (not_checkpointed_ < kStepsToCheckpoint)
+  if (not_checkpointed_ < (stroke_stored_ ? kStepsToCheckpoint : kStepsWithoutStroke))
     changed_.wait(lock, wanted);
   else if (!changed_.wait_for(lock, kPause, wanted))
     return true;
@@ -168,9 +169,11 @@ Status LiveWriter::StoreSteps() {
   }
   if (const Status stored = database_.StoreLive(steps, signals_, options_.raw); !stored) return stored;
   ++not_checkpointed_;
+  stroke_stored_ = false;
   for (const WriteItem& item : current_) {
     Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
     axis.strokes += static_cast<std::int64_t>(item.step.strokes.size());
+    stroke_stored_ = stroke_stored_ || !item.step.strokes.empty();
     if (acknowledged_) acknowledged_(axis, item);
   }
   return {};

@@ -96,6 +96,7 @@ class LiveWriter {
   std::vector<WriteItem> current_;    ///< taken off the queue by the thread, which alone touches it
   std::size_t singly_ = 0;            ///< items to be taken one by one, because one of them was refused
   std::size_t not_checkpointed_ = 0;  ///< transactions
+  bool stroke_stored_ = false;        ///< by the last one
   std::optional<std::pair<int, ValveCheckRecord>> current_check_;
   WriterStatus status_;
   std::vector<double> latencies_, commits_;
