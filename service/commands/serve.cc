@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <systemd/sd-daemon.h>
 
 #include <CLI/CLI.hpp>
@@ -30,6 +31,13 @@ struct ServeArguments {
   double raw_days = 7, raw_gigabytes = 4, min_free_megabytes = 64, queue_megabytes = 128,
          valve_check_hours = 0;
 };
+
+/// What the writer's thread frees behind a stroke the pipeline's thread needs at the next one: it is kept,
+/// not given back to the system and fetched anew page by page while estimates wait.
+void KeepFreedMemory() {
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+}
 
 /// Signals the service answers; blocked in every thread and waited for by one.
 sigset_t Signals() {
@@ -98,6 +106,7 @@ void Wait(LiveService& service, DriftWatch* watch, const LiveOptions& options, c
 int Run(ServeArguments& a) {
   if (const Status configured = ConfigureLog(a.log_level, a.log_json); !configured)
     return ReportError(configured.error());
+  KeepFreedMemory();
   a.live.writer.raw = {static_cast<std::int64_t>(a.raw_gigabytes * 1024 * kMegabyte), a.raw_days * 86400};
   a.live.writer.min_free = static_cast<std::int64_t>(a.min_free_megabytes * kMegabyte);
   a.live.writer.queue_bytes = static_cast<std::int64_t>(a.queue_megabytes * kMegabyte);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -14,10 +15,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kWatchRound(100);
 constexpr std::chrono::milliseconds kRetry(2000);  ///< after an error
-constexpr double kLookEvery = 0.5;                 ///< s between looks at channels
-constexpr double kSilence = 2.0;                   ///< s a channel may be stale before that is told
-constexpr double kStart = 15.0;                    ///< s after the start in which senders may be found
-constexpr double kIdle = 60.0;                     ///< s without a stroke
+constexpr int kNice = 10;           ///< strokes that are stored can wait, those that end cannot
+constexpr double kLookEvery = 0.5;  ///< s between looks at channels
+constexpr double kSilence = 2.0;    ///< s a channel may be stale before that is told
+constexpr double kStart = 15.0;     ///< s after the start in which senders may be found
+constexpr double kIdle = 60.0;      ///< s without a stroke
 constexpr AlarmSettings kAtOnce{1, 1, 0, false};
 
 double Wall(HostTime now) { return Seconds(now.wall_ns); }
@@ -54,6 +56,7 @@ void DriftWatch::Replace(std::unique_ptr<PressMonitor> press) {
 }
 
 void DriftWatch::Run() {
+  static_cast<void>(nice(kNice));  // of this thread alone
   for (;;) {
     {
       std::lock_guard lock(mutex_);
