@@ -27,6 +27,8 @@ SequenceMonitor::Verdict SequenceMonitor::Receive(std::uint64_t first, std::uint
     if (filled < behind) holes_[filled] = behind;
     verdict.reordered = true;
     lost_ -= static_cast<std::int64_t>(filled - first);
+    duplicates_ += static_cast<std::int64_t>(std::min(end, next_) - filled);  // had come behind the hole
+    next_ = std::max(next_, end);
     ++reordered_;
     return verdict;
   }

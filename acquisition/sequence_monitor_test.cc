@@ -40,6 +40,17 @@ TEST(SequenceMonitor, WhatComesLateIsNoLongerLost) {
   EXPECT_EQ(monitor.Receive(10, 10).skip, 10u) << "the second time it is a duplicate";
 }
 
+TEST(SequenceMonitor, AnotherPieceThatReachesBeyondTheHoleLeavesNoneBehindIt) {
+  SequenceMonitor monitor;
+  monitor.Receive(0, 10);
+  monitor.Receive(20, 10);
+  const auto late = monitor.Receive(10, 30);
+  EXPECT_TRUE(late.reordered);
+  EXPECT_EQ(monitor.lost(), 0);
+  EXPECT_EQ(monitor.duplicates(), 10);
+  EXPECT_EQ(monitor.Receive(40, 10).missing, 0u) << "rows 30 to 39 came";
+}
+
 TEST(SequenceMonitor, ManyHolesTakeNoMoreMemoryAndStillCount) {
   SequenceMonitor monitor;
   for (std::uint64_t k = 0; k < 10000; ++k) monitor.Receive(2 * k, 1);
