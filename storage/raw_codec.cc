@@ -22,6 +22,7 @@ constexpr int kLevel =
 constexpr int kMemoryLevel = 7;                 // of zlib: a block holds 8191 bytes, those of one column
 constexpr std::size_t kOwnCode = 1024;          // bytes of columns that are worth a code of their own
 constexpr std::size_t kFewRows = 100;           // not worth any: an estimate may wait for them
+constexpr std::size_t kMostRows = 1u << 20;     // of a chunk; a damaged file may claim any number
 constexpr int kHighestOrder = 2;                // of the differences
 constexpr std::int64_t kLargestCorrection = 3;  // units in the last place
 constexpr double kMostSteps = 1e9;
@@ -280,7 +281,7 @@ Result<std::vector<std::vector<T>>> Unpack(std::span<const std::uint8_t> bytes, 
   const auto damaged = [&] {
     return BadInput("damaged: {} bytes do not unpack to {} columns of {} rows", bytes.size(), columns, rows);
   };
-  if (bytes.empty()) return damaged();
+  if (bytes.empty() || rows > kMostRows) return damaged();
   if (bytes.front() == kZlibBegins) {
     const auto shuffled = Inflate(bytes, columns * rows * sizeof(T));
     if (!shuffled || shuffled->size() != columns * rows * sizeof(T)) return damaged();

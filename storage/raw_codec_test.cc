@@ -98,6 +98,23 @@ TEST(RawCodec, WhatVersionOnePackedIsStillRead) {
   EXPECT_EQ((*back)[0], column);
 }
 
+TEST(RawCodec, FewRowsComeBackToo) {
+  std::mt19937_64 random(8);
+  for (const std::size_t rows : {1u, 36u, 100u, 101u}) {
+    std::vector<double> noise(rows), steps(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      noise[i] = std::bit_cast<double>(random() >> 2);
+      steps[i] = 0.25 * static_cast<double>(i * i % 9);
+    }
+    const auto packed = PackColumns(std::vector<std::span<const double>>{noise, steps});
+    const auto back = UnpackColumns(packed, 2, rows);
+    ASSERT_TRUE(back) << back.error().text;
+    EXPECT_EQ((*back)[0], noise);
+    EXPECT_EQ((*back)[1], steps);
+    EXPECT_LT(packed.size(), rows * 10 + 80) << "what is not deflated is packed all the same";
+  }
+}
+
 TEST(RawCodec, DamagedBytesAreRefusedWhateverTheyAre) {
   const auto column = Column([](std::size_t i, double) { return 0.5 * static_cast<double>(i % 9); });
   const auto packed = PackColumns(std::vector<std::span<const double>>{column, column});
@@ -109,6 +126,8 @@ TEST(RawCodec, DamagedBytesAreRefusedWhateverTheyAre) {
   EXPECT_FALSE(UnpackColumns(packed, 3, kRows));
   EXPECT_FALSE(UnpackColumns(packed, 1, kRows));
   EXPECT_FALSE(UnpackColumns(packed, 2, kRows + 1));
+  EXPECT_FALSE(UnpackColumns(packed, 2, std::size_t{1} << 40)) << "as much memory as a damaged number claims";
+  EXPECT_FALSE(UnpackColumns(packed, 2, static_cast<std::size_t>(-1)));
 }
 
 }  // namespace
