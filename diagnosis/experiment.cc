@@ -15,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNeeded = 200.0;     ///< noise variances between rivals that settle a case
+constexpr double kNeeded = 300.0;     ///< noise variances between rivals that settle a case
 constexpr double kWorthwhile = 60.0;  ///< ... and that make the longest series worth asking for
 constexpr int kMinStrokes = 24;       ///< fewer give no interval worth the name
 constexpr double kWarmUp = 3600;      ///< s of waiting that warming the oil costs

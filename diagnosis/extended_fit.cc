@@ -192,6 +192,9 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   double excess = 0;
   double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
   NoiseFloorSum floor(window_);
+  std::vector<int> added;
+  for (const EffectChoice& choice : choices) added.push_back(choice.effect);
+  const std::vector<int> walk = model_->WalkingParameters(added);
   for (std::size_t s = 0; s < strokes.size(); ++s) {
     NormalEquations rest = total;
     rest -= AsEquations(strokes[s].clean, strokes[s].count());
@@ -203,7 +206,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     excess += error;
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
-    floor.Add(strokes[s].noise, fit.theta, model_->walk_columns, strokes[s].blocks, strokes[s].spans);
+    floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].blocks, strokes[s].spans);
     flow_error += Energy(strokes[s].flow, theta);
     windows += strokes[s].windows;
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "models/die_cushion.h"
 
@@ -9,6 +10,8 @@ namespace hydroscope {
 namespace {
 
 constexpr const char* kPrefix = "generic: ";
+// With these begin the laws of the flow through the valve.
+constexpr std::string_view kValve = "flow gain", kNull = "null";
 // Scales that bring every signal to about 1, so that the laws are of similar size.
 constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0, kMiddle = 313.15;
 constexpr double kAbsolute = 1.013e5;  // Pa, from gauge to absolute pressure
@@ -18,6 +21,7 @@ std::shared_ptr<const Effect> Law(const char* what, Column::Fill fill, std::vect
   auto effect = std::make_shared<Effect>();
   effect->id = std::string(kPrefix) + what;
   effect->title = what;
+  effect->walks = effect->title.starts_with(kValve) || effect->title.starts_with(kNull);
   effect->min = -std::numeric_limits<double>::infinity();
   effect->max = std::numeric_limits<double>::infinity();
   effect->typical = std::numeric_limits<double>::infinity();

@@ -216,7 +216,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
     for (std::size_t i = 0; i < values.size(); ++i) derived_replicas(i, s) = values[i].value;
   }
   fit.rms_holdout = judged > 0 ? std::sqrt(std::max(0.0, squared_error / judged)) : 0.0;
-  fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.walk_columns);
+  fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.WalkingParameters());
 
   const double jackknife = (count - 1) / count;
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();

@@ -65,7 +65,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
 std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, const Eigen::VectorXd& theta);
 
 /// Flow error that sensor noise alone would cause, summed over strokes. White noise of a block mean and noise
-/// that is integrated (ModelStructure::walk_columns) reach a flow differently: a random walk grows over a
+/// that is integrated (Column::walks) reach a flow differently: a random walk grows over a
 /// span, but within the short window of a flow there is little of it.
 class NoiseFloorSum {
  public:

@@ -71,8 +71,10 @@ void IntegralEstimator::AddStretch(const Stretch&, const SpanEquations& equation
     for (int j = 0; j <= i; ++j) {
       for (int k = 0; k < equations.equations; ++k)
         span.gram(i, j) += equations.integral(i, k) * equations.integral(j, k);
-      for (int k = 0; k < 2 * equations.blocks; ++k)
+      for (int k = 0; k < equations.blocks; ++k)
         span.noise(i, j) += equations.noise(i, k) * equations.noise(j, k);
+      for (Eigen::Index k = 0; k < equations.walk.cols(); ++k)
+        span.noise(i, j) += equations.walk(i, k) * equations.walk(j, k);
       span.gram(j, i) = span.gram(i, j);
       span.noise(j, i) = span.noise(i, j);
     }

@@ -60,7 +60,8 @@ double ErrorOverFloor(const std::vector<SimulatedLog>& logs, double span) {
   const Eigen::VectorXd theta = AnalyticStroke::Theta();
   NormalEquations flow;
   for (const StrokeGram& gram : grams) flow += FlowEquations(gram, columns, model->output_column());
-  const double floor = NoiseFloor(grams, columns, model->output_column(), theta, window, model->walk_columns);
+  const double floor =
+      NoiseFloor(grams, columns, model->output_column(), theta, window, model->WalkingParameters());
   return std::sqrt(MeanSquaredError(flow, theta)) / floor;
 }
 

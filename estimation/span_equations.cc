@@ -8,6 +8,9 @@
 namespace hydroscope {
 namespace {
 
+/// Blocks per sample of the noise that is integrated, which changes with opening and pressure only.
+constexpr int kWalkStep = 5;
+
 /// Mean level and sign contrast (times `share`) of each block, `stride` apart; returns the level after the
 /// last block. Only the level waits for the block before.
 HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<BlockWeights>& weights,
@@ -79,9 +82,8 @@ SpanEquationBuilder::SpanEquationBuilder(std::shared_ptr<const ModelStructure> m
   last_level_.assign(columns, 0.0);
   level_.resize(columns, window_.span + 2 * window_.half_window);
   out_.integral.resize(columns, window_.span);
-  out_.noise = Eigen::MatrixXd::Zero(columns, 2 * window_.span);
-  out_.integrated_rows = model_->integrated_columns();
-  rate_noise_.resize(model_->integrated_columns(), window_.span);
+  out_.noise = Eigen::MatrixXd::Zero(columns, window_.span);
+  out_.walk.resize(columns, 0);
   out_.flow.resize(columns, window_.span);
   out_.flow_time.reserve(window_.span);
 }
@@ -95,7 +97,7 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
   } else {
     FillLevels(stretch, blocks);
     FillContrasts(blocks);
-    FillIntegratedNoise(stretch, blocks);
+    FillWalk(stretch, blocks);
   }
   FillFlows(blocks, stretch.continues, begin);
   out_.equations = window_.level_form ? blocks : blocks - 1;
@@ -150,7 +152,6 @@ void SpanEquationBuilder::FillValues(const Stretch& stretch, int blocks) {
       out_.noise(c, b) = signs * contrast;
     }
   }
-  out_.noise.middleCols(blocks, blocks).setZero();
 }
 
 void SpanEquationBuilder::FillContrasts(int blocks) {
@@ -161,13 +162,40 @@ void SpanEquationBuilder::FillContrasts(int blocks) {
                 mean_.data(), &out_.integral(0, j - 1));
 }
 
-void SpanEquationBuilder::FillIntegratedNoise(const Stretch& stretch, int blocks) {
-  const double walk = std::sqrt(window_.block * (blocks * blocks - 1.0) / (6.0 * blocks)) * stretch.period;
-  const int lead = stretch.continues ? 1 : 0;
-  rate_noise_.setZero(out_.integrated_rows, blocks);
-  model_->integrated_noise(stretch, lead + window_.block / 2, window_.block, rate_noise_);
-  out_.noise.middleCols(blocks, blocks).topRows(out_.integrated_rows) = walk * rate_noise_;
-  out_.noise.middleCols(blocks, blocks).bottomRows(model_->column_count() - out_.integrated_rows).setZero();
+void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
+  const int first = (stretch.continues ? 1 : 0) + window_.block / 2, step = kWalkStep * window_.block;
+  const int rates = (blocks + kWalkStep - 1) / kWalkStep;
+  out_.walk.setZero(model_->column_count(), rates);
+  if (model_->disturb)
+    FillDisturbedRates(stretch, first, step, out_.walk);
+  else
+    model_->integrated_noise(stretch, first, step, out_.walk);
+  // A step after x of B blocks has the centred energy x (B - x) / B; steps all along the span sum to (B^2 -
+  // 1) / 6.
+  weights_of_walk_.resize(rates);
+  for (int k = 0; k < rates; ++k) {
+    const double x = std::min(0.5 + (k + 0.5) * kWalkStep, blocks - 0.5);
+    weights_of_walk_[k] = x * (blocks - x);
+  }
+  const double energy = window_.block * (blocks * blocks - 1.0) / 6.0 / weights_of_walk_.sum();
+  for (int k = 0; k < rates; ++k)
+    out_.walk.col(k) *= std::sqrt(weights_of_walk_[k] * energy) * stretch.period;
+}
+
+void SpanEquationBuilder::FillDisturbedRates(const Stretch& stretch, int first, int step,
+                                             Eigen::MatrixXd& rate_noise) {
+  // One sample more than rates, since a rate lies between two.
+  const int rates = static_cast<int>(rate_noise.cols());
+  twice_.samples = 2 * (rates + 1);
+  twice_.continues = true;
+  model_->disturb(stretch, first, step, twice_);
+  const double *plain = increments_.data(), *disturbed = plain + rates + 1;
+  for (int c = 0; c < model_->column_count(); ++c) {
+    if (!model_->columns[c].walks) continue;
+    double state = column_state_[c];
+    model_->columns[c].fill(twice_, state, std::span(increments_.data(), 2 * rates + 1));
+    for (int k = 0; k < rates; ++k) rate_noise(c, k) = (disturbed[k] - plain[k]) / twice_.period;
+  }
 }
 
 void SpanEquationBuilder::FillFlows(int blocks, bool continues, double begin) {

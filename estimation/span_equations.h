@@ -22,7 +22,7 @@ namespace hydroscope {
 /// nonlinearity, without knowing any noise level. Subtracting it takes out the errors-in-variables bias that
 /// is left. Noise that is integrated (pressure noise in the valve flow) walks away from the level at random;
 /// the model says how much of it there is, and a random walk over B blocks of M samples has the centred
-/// energy M (B^2 - 1) / 6 per sample variance.
+/// energy M (B^2 - 1) / 6 per sample variance, most of it from what came in at the middle.
 ///
 /// Level form. A balance without d/dt needs no integration: its equations are the block means themselves, and
 /// none of them is spent on an intercept. Its windows are means over the same time as those of the flow form.
@@ -30,13 +30,13 @@ namespace hydroscope {
 /// Flow form. Levels seen through a triangular window's derivative: flows in m^3/s, to show and to compare.
 struct SpanEquations {
   Eigen::MatrixXd integral;       ///< columns x (blocks - 1), integrated output unit (m^3)
-  Eigen::MatrixXd noise;          ///< columns x (2 blocks): white part, then integrated part; same unit
+  Eigen::MatrixXd noise;          ///< columns x blocks, same unit: white noise
+  Eigen::MatrixXd walk;           ///< columns x any number, same unit: noise that is integrated
   Eigen::MatrixXd flow;           ///< columns x windows, output unit (m^3/s)
   std::vector<double> flow_time;  ///< s, centre of each window
   int blocks = 0;
-  int equations = 0;        ///< columns of `integral` that hold: blocks - 1, in the level form blocks
-  int integrated_rows = 0;  ///< first rows of `noise` whose integrated part is not zero
-  double begin = 0;         ///< s, first new sample
+  int equations = 0;  ///< columns of `integral` that hold: blocks - 1, in the level form blocks
+  double begin = 0;   ///< s, first new sample
 };
 
 /// How blocks, spans and windows count in samples.
@@ -77,7 +77,8 @@ class SpanEquationBuilder {
   void FillLevels(const Stretch& stretch, int blocks);
   void FillValues(const Stretch& stretch, int blocks);
   void FillContrasts(int blocks);
-  void FillIntegratedNoise(const Stretch& stretch, int blocks);
+  void FillWalk(const Stretch& stretch, int blocks);
+  void FillDisturbedRates(const Stretch& stretch, int first, int step, Eigen::MatrixXd& rate_noise);
   void FillFlows(int blocks, bool continues, double begin);
 
   std::shared_ptr<const ModelStructure> model_;
@@ -85,11 +86,12 @@ class SpanEquationBuilder {
   std::vector<BlockWeights> weights_;  ///< one per sample of a block
   std::vector<double> increments_;
   std::vector<double> column_state_;
-  std::vector<double> last_level_;  ///< level of each column at the last sample of the stretch before
-  Eigen::MatrixXd level_;           ///< columns x (history + blocks), block means
-  Eigen::MatrixXd rate_noise_;
+  std::vector<double> last_level_;         ///< level of each column at the last sample of the stretch before
+  Eigen::MatrixXd level_;                  ///< columns x (history + blocks), block means
+  Stretch twice_;                          ///< of ModelStructure::disturb
+  Eigen::VectorXd weights_of_walk_;        ///< of a step at the times of the rates
   Eigen::VectorXd mean_, before_, after_;  ///< of levels, one per column
-  int history_ = 0;  ///< block means kept from the stretch before
+  int history_ = 0;                        ///< block means kept from the stretch before
   SpanEquations out_;
 };
 

@@ -159,6 +159,36 @@ TEST(SpanEquations, NoiseMatrixHoldsTheNoiseOfTheContrastsAndNeitherLevelNorSlop
   }
 }
 
+/// Energy that pressure noise gives each column's equations, found from many draws, and what the noise
+/// matrices say of it.
+TEST(SpanEquations, PressureNoiseInFlowsThroughTheValveIsCountedForEveryColumnThatHasIt) {
+  const Fixture fixture(25);
+  AnalyticStroke stroke(0.2);
+  const Stretch clean = SampleStroke(*fixture.model, stroke, 250, fixture.window.period);
+  SpanEquationBuilder builder(fixture.model, fixture.window);
+  const auto columns = fixture.model->column_count();
+  const int equations = fixture.window.span - 1, draws = 400;
+  MatrixXd mean = MatrixXd::Zero(columns, equations);
+  VectorXd squares = VectorXd::Zero(columns), counted = squares;
+  RandomStream random(5);
+  for (int d = 0; d < draws; ++d) {
+    Stretch noisy = clean;
+    for (double& p : noisy.channel[kPressureA]) p += 2.2e5 * random.Normal();
+    const SpanEquations& e = builder.Build(noisy, 0);
+    mean += e.integral.leftCols(equations) / draws;
+    squares += e.integral.leftCols(equations).rowwise().squaredNorm() / draws;
+    counted += (e.noise.leftCols(e.blocks).rowwise().squaredNorm() + e.walk.rowwise().squaredNorm()) / draws;
+  }
+  const VectorXd energy = squares - mean.rowwise().squaredNorm();
+  int walking = 0;
+  for (int c = 0; c < columns; ++c) {
+    if (!fixture.model->columns[c].walks || energy[c] == 0) continue;  // one edge is never open
+    ++walking;
+    EXPECT_NEAR(counted[c] / energy[c], 1.0, 0.15) << fixture.model->columns[c].name;
+  }
+  EXPECT_GT(walking, 15);
+}
+
 TEST(SpanEquations, AStrokeInPiecesHasTheLevelsOfTheWhole) {
   const Fixture whole(40), piece(10);
   AnalyticStroke stroke(0.2);
@@ -202,7 +232,7 @@ TEST(WindowSamples, CountTimesInSamplesWithinSensibleLimits) {
   const WindowSpec spec;
   const WindowSamples usual = WindowSamples::From(spec, 0.002);
   EXPECT_EQ(usual.block, 10);
-  EXPECT_EQ(usual.span, 20);
+  EXPECT_EQ(usual.span, 35);
   EXPECT_EQ(usual.half_window, 2);
   const WindowSamples slow = WindowSamples::From(spec, 0.05);
   EXPECT_EQ(slow.block, 4);

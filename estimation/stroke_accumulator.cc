@@ -82,14 +82,6 @@ void AddOuter(const Eigen::MatrixXd& equations, int count, Eigen::MatrixXd& pack
 
 int Padded(int columns) { return (columns + 7) / 8 * 8; }
 
-/// Only the base columns have an integrated part, the first of 57 rows or so.
-void AddIntegratedNoise(const SpanEquations& span, Eigen::MatrixXd& lower) {
-  const int rows = span.integrated_rows;
-  lower.topLeftCorner(rows, rows)
-      .selfadjointView<Eigen::Lower>()
-      .rankUpdate(span.noise.middleCols(span.blocks, span.blocks).topRows(rows));
-}
-
 }  // namespace
 
 StrokeAccumulator::StrokeAccumulator(int columns)
@@ -99,7 +91,7 @@ void StrokeAccumulator::Add(const SpanEquations& span) {
   const int windows = static_cast<int>(span.flow_time.size());
   AddOuter(span.integral, span.equations, packed_, integral_);
   AddOuter(span.noise, span.blocks, packed_, noise_);
-  AddIntegratedNoise(span, noise_);
+  AddOuter(span.walk, static_cast<int>(span.walk.cols()), packed_, noise_);
   AddOuter(span.flow, windows, packed_, flow_);
   blocks_ += span.blocks;
   spans_ += span.blocks - span.equations;

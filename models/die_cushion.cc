@@ -12,6 +12,14 @@ namespace hydroscope {
 namespace {
 
 constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
+constexpr double kLeastRoot =
+    300.0;  ///< sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least
+
+/// Whether the open edge leads to the tank; without a reading of the supply pressure (NaN) it is taken to do
+/// so.
+bool LeadsToTank(double spool, double supply, bool has_supply) {
+  return (spool >= 0.0) | !has_supply | (supply != supply);
+}
 
 /// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put
 /// back.
@@ -34,8 +42,7 @@ HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch
   double* const root = s[kFlowRoot];
   const double variance = WhiteNoiseVariance(p, s.samples);
   for (int k = -s.before; k < s.samples + s.after; ++k) {
-    const bool to_tank = (y[k] >= 0.0) | !has_supply | (supply[k] != supply[k]);  // NaN: not measured now
-    const double dp = to_tank ? p[k] - tank_pressure : supply[k] - p[k];
+    const double dp = LeadsToTank(y[k], supply[k], has_supply) ? p[k] - tank_pressure : supply[k] - p[k];
     root[k] = NoiseCorrectedRoot(dp, variance);
   }
 }
@@ -61,7 +68,8 @@ std::vector<Column> BaseColumns(double area) {
          const double *root = s[kFlowRoot], *y = s[kSpool];
          wide::IntegrateOverTime(
              s, [=](int k) { return root[k] * y[k]; }, out);
-       }},
+       },
+       true},
       {"dead_volume",
        [](const Stretch& s, double&, std::span<double> out) {
          const double* p = s[kPressureA];
@@ -79,7 +87,8 @@ std::vector<Column> BaseColumns(double area) {
          const double* root = s[kFlowRoot];
          wide::IntegrateOverTime(
              s, [=](int k) { return root[k]; }, out);
-       }},
+       },
+       true},
       {"piston_volume",
        [area](const Stretch& s, double&, std::span<double> out) {
          const double* z = s[kPosition];
@@ -89,16 +98,26 @@ std::vector<Column> BaseColumns(double area) {
   };
 }
 
-/// Pressure noise in the flow through the valve: d(root y)/dp = y / (2 root), d(root)/dp = 1 / (2 root).
-void IntegratedNoise(const Stretch& s, int first, int step, Eigen::MatrixXd& rate_noise) {
-  const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
-  for (Eigen::Index b = 0; b < rate_noise.cols(); ++b) {
-    const auto sample = first + static_cast<int>(b) * step;
-    const double slope =
-        0.5 * std / std::max(std::abs(s[kFlowRoot][sample]), 300.0);  // 300 sqrt(Pa) is 0.9 bar
-    rate_noise(0, b) = slope * s[kSpool][sample];
-    rate_noise(3, b) = slope;
+/// Noise of p_A, which every flow has in its root of the pressure drop: d(root)/dp = +-1 / (2 root). Beyond
+/// the end of `s` its last sample stands.
+void DisturbPressure(bool has_supply, const Stretch& s, int first, int step, Stretch& twice) {
+  const int count = twice.samples / 2;
+  twice.period = s.period * step;
+  twice.channel.resize(s.channel.size());
+  for (std::size_t c = 0; c < s.channel.size(); ++c) {
+    const double* from = s[static_cast<int>(c)];
+    std::vector<double>& to = twice.channel[c];
+    to.resize(twice.samples);
+    for (int k = 0; k < count; ++k) to[k] = to[count + k] = from[std::min(first + k * step, s.samples - 1)];
   }
+  const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
+  for (int k = count; k < twice.samples; ++k) {
+    const double rise = 0.5 * std / std::max(std::abs(twice[kFlowRoot][k]), kLeastRoot);
+    twice[kPressureA][k] += std;
+    twice[kFlowRoot][k] +=
+        LeadsToTank(twice[kSpool][k], twice[kSupplyPressure][k], has_supply) ? rise : -rise;
+  }
+  FillLogarithms(twice);
 }
 
 DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
@@ -159,8 +178,9 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
     DeriveChannels(tank, has_supply, s);
   };
-  model->integrated_noise = IntegratedNoise;
-  model->walk_columns = {0, 3};
+  model->disturb = [has_supply](const Stretch& s, int first, int step, Stretch& twice) {
+    DisturbPressure(has_supply, s, first, step, twice);
+  };
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
   AddLibrary(DieCushionEffects(geometry), *model);

@@ -44,6 +44,7 @@ struct Effect {
   std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
   std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
   std::vector<int> channels; ///< DieCushionChannel needed beyond the base model's
+  bool walks = false;        ///< Column::walks of its columns
   /// The effect at values of `nonlinear`, in their order.
   std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
   /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.

@@ -31,7 +31,7 @@ void AddShape(ModelStructure& model, int index, const std::vector<double>& nonli
     if (!nonlinear.empty()) name += fmt::format("[{:g}]", fmt::join(nonlinear, ","));
     if (variant.columns.size() > 1) name += fmt::format(".{}", j);
     shape.columns.push_back(model.column_count());
-    model.columns.push_back({std::move(name), std::move(variant.columns[j])});
+    model.columns.push_back({std::move(name), std::move(variant.columns[j]), effect.walks});
   }
   model.effect_shapes[index].push_back(std::move(shape));
 }

@@ -150,7 +150,6 @@ Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machi
     const std::string name = i < balance.terms.size() ? balance.terms[i].parameter : "output";
     model->columns.push_back({name, FillOf(ready.back(), model->level_form)});
   }
-  model->output_integrated = true;
   model->integrated_noise = [ready](const Stretch& s, int first, int step, Eigen::MatrixXd& rate_noise) {
     for (Eigen::Index b = 0; b < rate_noise.cols(); ++b)
       for (std::size_t i = 0; i < ready.size(); ++i)

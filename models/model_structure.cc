@@ -1,6 +1,7 @@
 #include "models/model_structure.h"
 
 #include "models/die_cushion.h"
+#include "models/effect.h"
 #include "models/expression_balance.h"
 
 namespace hydroscope {
@@ -9,6 +10,15 @@ std::vector<std::string> ModelStructure::ColumnNames() const {
   std::vector<std::string> names;
   for (const Column& column : columns) names.push_back(column.name);
   return names;
+}
+
+std::vector<int> ModelStructure::WalkingParameters(const std::vector<int>& added) const {
+  std::vector<int> entries;
+  for (int c = 0; c < base_count; ++c)
+    if (columns[c].walks) entries.push_back(c);
+  for (std::size_t k = 0; k < added.size(); ++k)
+    if (effects[added[k]]->walks) entries.push_back(base_count + static_cast<int>(k));
+  return entries;
 }
 
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {

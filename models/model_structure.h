@@ -25,6 +25,9 @@ struct Column {
   using Fill = std::function<void(const Stretch&, double& state, std::span<double> increments)>;
   std::string name;
   Fill fill;
+  /// Integral over time of a flow so large that its sensor noise, integrated to a random walk, counts: that through the
+  /// valve. Leaks are small; a volume (a function of the signals themselves) has white noise.
+  bool walks = false;
 };
 
 /// What the weights of a composite effect may depend on: the base regression parameters (SI, in the order of
@@ -69,7 +72,6 @@ struct ModelStructure {
   /// The balance has no derivative with respect to time: columns fill values (one per sample) in place of increments,
   /// and equations are block means without an intercept.
   bool level_form = false;
-  bool output_integrated = false;         ///< `integrated_noise` speaks of the output column too
 
   /// A channel that maps of the error run over: where the built-in list of the die cushion does not apply.
   struct ShownChannel {
@@ -80,18 +82,21 @@ struct ModelStructure {
 
   /// Fills the derived channels of a stretch whose measured channels are there.
   std::function<void(Stretch&)> derive_channels;
-  /// Standard deviation that sensor noise gives the rates of the base columns that are integrated over time, all from
-  /// one common source, at samples `first`, `first + step`, ...: a column of `rate_noise` each, which comes in as
+  /// Standard deviation that sensor noise gives the rates of base columns and output that are integrated over time, all
+  /// from one common source, at samples `first`, `first + step`, ...: a column of `rate_noise` each, which comes in as
   /// zeros. Integrated, it is a random walk.
   std::function<void(const Stretch&, int first, int step, Eigen::MatrixXd& rate_noise)> integrated_noise;
-  /// Base columns whose sensor noise is nearly all of that kind; the noise floor counts it as a walk.
-  std::vector<int> walk_columns;
+  /// The same for every column that walks, of base and effects, where one sensor is the source: the first half of `twice`
+  /// is filled with the samples `first`, `first + step`, ... of a stretch, all channels, the second half with the same at
+  /// noise of that sensor one standard deviation up. What a column's rates differ by is its noise. Where it is there, it
+  /// stands in for `integrated_noise`.
+  std::function<void(const Stretch&, int first, int step, Stretch& twice)> disturb;
   /// Physical parameters of a regression result; all of them, admissible or not.
   std::function<std::vector<DerivedParameter>(const Eigen::VectorXd& theta)> derive;
 
   int output_column() const { return base_count; }
-  /// Columns that `integrated_noise` fills, the first ones.
-  int integrated_columns() const { return output_integrated ? base_count + 1 : base_count; }
+  /// Entries of a fit's parameters, those of the base first, then one per effect of `added`, whose regressors walk.
+  std::vector<int> WalkingParameters(const std::vector<int>& added = {}) const;
   int column_count() const { return static_cast<int>(columns.size()); }
   /// Machine signals the base model reads; a bad value in one of them ends a window.
   std::vector<int> needed_signals;

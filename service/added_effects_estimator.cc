@@ -180,10 +180,10 @@ void AddedEffectsEstimator::Linearise(const Eigen::VectorXd& theta) {
 SpanEquations AddedEffectsEstimator::Reduced(const SpanEquations& equations) const {
   SpanEquations out;
   out.integral = weights_.transpose() * equations.integral.leftCols(equations.equations);
-  out.noise = weights_.transpose() * equations.noise.leftCols(2 * equations.blocks);
+  out.noise = weights_.transpose() * equations.noise.leftCols(equations.blocks);
+  out.walk = weights_.transpose() * equations.walk;
   out.blocks = equations.blocks;
   out.equations = equations.equations;
-  out.integrated_rows = static_cast<int>(weights_.cols());
   out.begin = equations.begin;
   return out;
 }

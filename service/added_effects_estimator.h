@@ -42,6 +42,8 @@ class AddedEffectsEstimator : public StrokeEstimator {
 
   /// The stroke over the regressors of theta() and the output behind them, as linearised at present.
   StrokeGram Reduced(const StrokeGram& gram) const;
+  /// Indices into ModelStructure::effects.
+  const std::vector<int>& effects() const { return effects_; }
   int regressors() const { return model_->base_count + static_cast<int>(effects_.size()); }
   /// Modelled output = weights . columns of the model, with parameters `theta`; empty without any.
   Eigen::VectorXd ColumnWeights(const Eigen::VectorXd& theta) const;

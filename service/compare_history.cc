@@ -28,11 +28,13 @@ StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled
   out.rms_measured = std::sqrt(gram.flow(output, output) / windows);
   out.rms_modelled = std::sqrt(QuadraticForm(gram.flow, modelled) / windows);
   out.rms_residual = std::sqrt(QuadraticForm(gram.flow, residual) / windows);
-  std::vector<int> columns;  // base columns first, as ModelStructure::walk_columns counts them
-  for (int c = 0; c < modelled.size(); ++c)
-    if (c < model.base_count || (modelled[c] != 0 && c != output)) columns.push_back(c);
-  out.noise_floor =
-      NoiseFloor({&gram, 1}, columns, output, modelled(columns).eval(), window, model.walk_columns);
+  std::vector<int> columns, walking;
+  for (int c = 0; c < modelled.size(); ++c) {
+    if (modelled[c] == 0 || c == output) continue;
+    if (model.columns[c].walks) walking.push_back(static_cast<int>(columns.size()));
+    columns.push_back(c);
+  }
+  out.noise_floor = NoiseFloor({&gram, 1}, columns, output, modelled(columns).eval(), window, walking);
   return out;
 }
 

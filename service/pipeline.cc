@@ -104,7 +104,9 @@ void Pipeline::Judge(const StrokeGram& gram, StrokeSummary& summary) {
   const int output = added_ != nullptr ? added_->regressors() : model_->output_column();
   summary.rms_error =
       std::sqrt(std::max(0.0, MeanSquaredError(FlowEquations(reduced, regressors, output), theta)));
-  summary.noise_floor = NoiseFloor({&reduced, 1}, regressors, output, theta, window_, model_->walk_columns);
+  const std::vector<int> walking =
+      model_->WalkingParameters(added_ != nullptr ? added_->effects() : std::vector<int>{});
+  summary.noise_floor = NoiseFloor({&reduced, 1}, regressors, output, theta, window_, walking);
 }
 
 std::vector<std::uint8_t> Pipeline::SaveState() const {

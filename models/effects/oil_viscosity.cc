@@ -27,6 +27,7 @@ Effect OilViscosity(const CushionGeometry&) {
       "of order, the "
       "wrong oil grade.";
   e.channels = {kOilTemperature};
+  e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];

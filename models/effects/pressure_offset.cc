@@ -40,6 +40,7 @@ Effect PressureOffset(const CushionGeometry&) {
       "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in "
       "the "
       "controller. Check it with the cushion relieved.";
+  e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

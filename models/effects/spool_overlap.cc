@@ -27,6 +27,7 @@ Effect SpoolOverlap(const CushionGeometry&) {
       "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
       "a zero-lap "
       "one, the wrong valve after a repair, a mechanical null far off.";
+  e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

@@ -36,6 +36,7 @@ Effect TankBackPressure(const CushionGeometry&) {
       "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed "
       "cock, a "
       "squeezed return hose.";
+  e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double x = nonlinear[0];
     const auto flow = [x](const Stretch& s, double&, std::span<double> out) {

@@ -23,6 +23,7 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.plain =
       "One control edge lets through more than the other; look for: one-sided wear or dirt of the valve.";
   e.channels = {kSupplyPressure};
+  e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

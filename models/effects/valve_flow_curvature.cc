@@ -33,6 +33,7 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
       "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
       "a spool with "
       "another notch shape than the data sheet says.";
+  e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
