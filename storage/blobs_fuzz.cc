@@ -18,7 +18,7 @@ using namespace hydroscope;
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kColumns = 3, kMostRows = 40;
+constexpr std::size_t kColumns = 3, kMostRows = 130;  // more than the 100 rows that are not deflated
 
 void Require(bool condition, const char* what) {
   if (condition) return;
