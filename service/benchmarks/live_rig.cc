@@ -34,7 +34,7 @@ std::string MachineText(const RigOptions& o, int domain, int port, const std::st
     text += fmt::format(
         "ring = {{ session = 2, newest = 4, time = 8, first = 1000, records = {}, width = {}, period = {}, "
         "poll_period = "
-        "0.02 }}\n",
+        "0.01 }}\n",
         std::min(1024, (65536 - 1000) / width), width, 1 / o.rate);
   } else {
     text += fmt::format(
