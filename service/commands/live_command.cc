@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/units.h"
+#include "service/commands/finite_number.h"
 #include "service/commands/simulate_press.h"
 
 namespace hydroscope {
@@ -18,21 +19,13 @@ namespace {
 /// "name=value" words behind the first ones.
 using Options = std::map<std::string, double>;
 
-std::optional<double> Number(const std::string& text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 Result<Options> ReadOptions(const std::vector<std::string>& words, std::size_t first,
                             const std::vector<std::string>& known) {
   Options options;
   for (std::size_t k = first; k < words.size(); ++k) {
     const auto equals = words[k].find('=');
     const std::string name = words[k].substr(0, equals);
-    const auto value = equals == std::string::npos ? std::nullopt : Number(words[k].substr(equals + 1));
+    const auto value = equals == std::string::npos ? std::nullopt : FiniteNumber(words[k].substr(equals + 1));
     if (!value || std::find(known.begin(), known.end(), name) == known.end())
       return UsageError("'{}' is not understood; expected {}=NUMBER", words[k],
                         fmt::join(known, "=NUMBER or "));
@@ -75,7 +68,7 @@ Result<LiveCommand> ModbusLine(const std::string& word) {
   if (word == "hang") return ModbusFaultCommand{ModbusFault::kHang, 0};
   if (word == "garbage") return ModbusFaultCommand{ModbusFault::kGarbage, 0};
   if (word.starts_with("late="))
-    if (const auto delay = Number(word.substr(5)); delay && *delay >= 0 && *delay <= 60)
+    if (const auto delay = FiniteNumber(word.substr(5)); delay && *delay >= 0 && *delay <= 60)
       return ModbusFaultCommand{ModbusFault::kLate, *delay};
   return UsageError("modbus {}: expected modbus hang, garbage, late=SECONDS (0 to 60) or on", word);
 }
@@ -101,7 +94,7 @@ Result<LiveCommand> ParseLiveCommand(const std::string& line) {
   } else if (words.size() == 2 && what == "dds") {
     if (words[1] == "mute" || words[1] == "on") return MuteCommand{words[1] == "mute"};
   } else if (words.size() == 2 && what == "clock") {
-    if (const auto jump = Number(words[1]); jump && std::abs(*jump) < 1e7) return ClockCommand{*jump};
+    if (const auto jump = FiniteNumber(words[1]); jump && std::abs(*jump) < 1e7) return ClockCommand{*jump};
   }
   return UsageError("'{}' is not understood; expected one of\n{}", line, LiveCommandHelp());
 }

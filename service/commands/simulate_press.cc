@@ -12,6 +12,7 @@
 #include "core/constants.h"
 #include "core/units.h"
 #include "models/machine.h"
+#include "service/commands/finite_number.h"
 #include "simulator/effects.h"
 
 namespace hydroscope {
@@ -27,14 +28,6 @@ std::vector<std::string> Split(const std::string& text, char separator) {
     }
   }
   return parts;
-}
-
-std::optional<double> Number(const std::string& text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
 }
 
 struct FaultName {
@@ -62,7 +55,7 @@ Result<EffectSetting> ParseEffect(const std::string& text) {
         if (info.id == name) effect.size = info.typical_size;
       continue;
     }
-    const auto value = equals == std::string::npos ? std::nullopt : Number(parts[k].substr(equals + 1));
+    const auto value = equals == std::string::npos ? std::nullopt : FiniteNumber(parts[k].substr(equals + 1));
     if (!value)
       return UsageError("--effect {}: '{}' is not NAME=NUMBER; expected e.g. relief_valve=2e-11,crack=170e5",
                         text, parts[k]);
@@ -94,8 +87,8 @@ Result<SensorFault> ParseFault(const std::string& text) {
   const bool whole_row = fault.kind == FaultKind::kDropout || fault.kind == FaultKind::kClockJump;
   if (whole_row && (fault.channel.empty() || fault.channel == "*" || fault.channel == "t"))
     fault.channel = "p_A";
-  const auto start = Number(parts[2]), duration = Number(parts[3]);
-  const auto size = parts.size() == 5 ? Number(parts[4]) : 0.0;
+  const auto start = FiniteNumber(parts[2]), duration = FiniteNumber(parts[3]);
+  const auto size = parts.size() == 5 ? FiniteNumber(parts[4]) : 0.0;
   if (!start || !duration || !size) return UsageError("--fault {}: {}", text, kForm);
   const bool sized = fault.kind == FaultKind::kSpike || fault.kind == FaultKind::kOffsetDrift ||
                      fault.kind == FaultKind::kClockJump;
@@ -109,7 +102,7 @@ Result<SensorFault> ParseFault(const std::string& text) {
 
 Status ParseOil(const std::string& text, PressOptions& options) {
   const auto parts = Split(text, ':');
-  const auto start = Number(parts.front()), end = Number(parts.back());
+  const auto start = FiniteNumber(parts.front()), end = FiniteNumber(parts.back());
   if (parts.size() > 2 || !start || !end)
     return UsageError("--oil {}: expected START:END in degC, e.g. 26:52, or one temperature", text);
   options.oil_start = *start + kZeroCelsius;
