@@ -16,9 +16,9 @@
 #include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
 #include "diagnosis/whiteness.h"
+#include "service/benchmarks/random_effect.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/output.h"
-#include "simulator/effects.h"
 
 namespace hydroscope {
 namespace {
@@ -44,8 +44,6 @@ constexpr std::array<const char*, kKinds> kKindNames = {"one effect, error +10 %
                                                         "outside the library, below 2 %",
                                                         "healthy",
                                                         "constant ram speed"};
-constexpr double kNoticed = 0.02;  ///< relative rise of the error below which an effect counts as too weak
-constexpr double kStrong = 0.10;
 constexpr double kAtFloor = 0.05;  ///< held-out error over the noise floor with the right effect in the model
 /// What a simulated machine may do in an experiment beside what it does anyway, Pa.
 constexpr double kLowestRod = 20e5, kHighestRod = 100e5;
@@ -74,29 +72,6 @@ struct KindTally {
 
 bool Contains(const std::vector<std::string>& set, const std::string& id) {
   return std::find(set.begin(), set.end(), id) != set.end();
-}
-
-/// Uniform double in [0, 1) that does not depend on the library's distributions.
-double Uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
-
-/// Drawing strokes never use the edge for y_v < 0 and pass the null only by accident: these two leave no
-/// trace in them.
-bool Invisible(const std::string& id) { return id == "valve_flow_asymmetry" || id == "spool_overlap"; }
-
-EffectSetting RandomEffect(std::mt19937_64& random, double min_factor, double max_factor, bool visible) {
-  const auto& effects = PressEffects();
-  std::size_t pick = random() % effects.size();
-  while (visible && Invisible(effects[pick].id)) pick = random() % effects.size();
-  const EffectInfo& info = effects[pick];
-  EffectSetting setting{
-      info.id, info.typical_size * min_factor * std::pow(max_factor / min_factor, Uniform(random)), {}};
-  if (info.id == "relief_valve") setting.extra["crack"] = 130e5 + 60e5 * Uniform(random);
-  if (info.id == "accumulator") setting.extra["precharge"] = 40e5 + 100e5 * Uniform(random);
-  if (info.id == "position_dependent_leakage") {
-    setting.extra["centre"] = 0.04 + 0.12 * Uniform(random);
-    setting.extra["width"] = 0.012 + 0.02 * Uniform(random);
-  }
-  return setting;
 }
 
 Case Draw(int index, std::uint64_t seed, bool healthy) {
@@ -140,30 +115,25 @@ Case Draw(int index, std::uint64_t seed, bool healthy) {
   return c;
 }
 
-/// Held-out error of the base model over the noise floor, less 1.
-double Excess(const ExtendedFit& base) {
-  return base.noise_floor > 0 ? std::max(0.0, base.rms_holdout / base.noise_floor - 1) : 0.0;
-}
-
 Result<LogStrokes> StrokesFor(const PressOptions& options) {
   return StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
 }
 
 /// Sorts cases by how much the effect matters; of two effects the one that matters less on its own.
 void Grade(Case& c) {
-  c.excess = Excess(c.explanation.base);
-  if (c.kind == kOutside && c.excess < kNoticed) c.kind = kOutsideWeak;
-  if (c.kind == kOne) c.kind = c.excess >= kStrong ? kOne : c.excess >= kNoticed ? kWeak : kTooWeak;
+  c.excess = ErrorOverFloor(c.explanation.base);
+  if (c.kind == kOutside && c.excess < kNoticedError) c.kind = kOutsideWeak;
+  if (c.kind == kOne) c.kind = c.excess >= kStrongError ? kOne : c.excess >= kNoticedError ? kWeak : kTooWeak;
   if (c.kind != kTwo) return;
   for (const EffectSetting& effect : c.options.effects) {
     PressOptions alone = c.options;
     alone.effects = {effect};
     if (const auto strokes = StrokesFor(alone)) {
       const StrokeSet set(strokes->model, strokes->Grams(), strokes->window);
-      c.excess = std::min(c.excess, Excess(set.Fit({})));
+      c.excess = std::min(c.excess, ErrorOverFloor(set.Fit({})));
     }
   }
-  if (c.excess < kNoticed) c.kind = kTwoOneWeak;
+  if (c.excess < kNoticedError) c.kind = kTwoOneWeak;
 }
 
 /// Records the proposed experiment on the same machine and explains both logs together.
@@ -307,7 +277,7 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
         kKindNames[c.kind], truth, c.excess, x.base.excess_ratio, x.final.excess_ratio,
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
-        nonlinear, index++, Excess(x.final),
+        nonlinear, index++, ErrorOverFloor(x.final),
         c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment) + AfterText(c));
   }
 }

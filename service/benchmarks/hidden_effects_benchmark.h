@@ -13,9 +13,9 @@ struct HiddenEffectsOptions {
   std::string details;       ///< one line per case to this tab-separated file, "" = none
 };
 
-/// Hides effects in simulated logs of varied machines, sizes, speeds and lengths, explains each log as a user would and
-/// prints, per kind of case, how often the truth was found, how often a wrong name was given, and how large the sets
-/// were, with a confusion matrix. Returns 0 if every goal is reached, else 1.
+/// Hides effects in simulated logs of varied machines, sizes, speeds and lengths, explains each log as a user
+/// would and prints, per kind of case, how often the truth was found, how often a wrong name was given, and
+/// how large the sets were, with a confusion matrix. Returns 0 if every goal is reached, else 1.
 int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& options);
 
 }  // namespace hydroscope

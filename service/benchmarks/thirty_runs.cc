@@ -1,23 +1,19 @@
 #include "service/benchmarks/thirty_runs.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "core/constants.h"
 #include "estimation/gram_fit.h"
-#include "service/benchmarks/simulated_strokes.h"
+#include "service/benchmarks/simulated_replay.h"
 #include "service/output.h"
-#include "service/replay_runner.h"
 #include "service/report_analysis.h"
-#include "simulator/log_format.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -53,24 +49,6 @@ struct Slopes {
   double memory = 0;              ///< correlation of successive trend values
 };
 
-/// A folder that goes when the study is over.
-class WorkFolder {
- public:
-  WorkFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("hydroscope_runs_{}", getpid())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  std::string File(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
 PressOptions RunOptions(const ThirtyRunsOptions& o, std::uint64_t seed, int run) {
   PressOptions press;
   press.seconds = o.seconds;
@@ -82,37 +60,12 @@ PressOptions RunOptions(const ThirtyRunsOptions& o, std::uint64_t seed, int run)
   return press;
 }
 
-Status WriteLog(const PressOptions& options, const std::string& path) {
-  PressGenerator press(options);
-  std::string text(kPressLogHeader);
-  for (PressRow row; press.Next(row);) AppendPressLine(row, text);
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) return BadInput("cannot write {}", path);
-  return {};
-}
-
-/// Machine file and logs of one seed, replayed.
+/// Logs of one seed, replayed.
 Result<ReplayOutcome> Replay(const ThirtyRunsOptions& o, std::uint64_t seed, const WorkFolder& folder,
                              const std::string& database, const std::string& report) {
-  Machine machine = MachineFor(RunOptions(o, seed, 0));
-  for (SignalSpec& signal : machine.signals)
-    if (signal.name == "T_oil") signal.unit = "degC";
-  ReplayOptions replay;
-  replay.machine_file = folder.File("machine.toml");
-  replay.database = database;
-  replay.report = report;
-  std::ofstream file(replay.machine_file);
-  file << FormatMachine(machine);
-  if (!file.flush()) return BadInput("cannot write {}", replay.machine_file);
-  for (int run = 0; run < o.runs; ++run) {
-    replay.logs.push_back(folder.File(fmt::format("run_{:02}.csv", run + 1)));
-    if (const Status written = WriteLog(RunOptions(o, seed, run), replay.logs.back()); !written)
-      return tl::unexpected(written.error());
-  }
-  auto replayed = RunReplay(replay);
-  if (!replayed) return tl::unexpected(replayed.error());
-  return std::move(replayed->machines.front());
+  std::vector<PressOptions> runs;
+  for (int run = 0; run < o.runs; ++run) runs.push_back(RunOptions(o, seed, run));
+  return ReplaySimulated(runs, folder, database, report);
 }
 
 /// What the database holds of one run; `trends` are those of the machine in order.
