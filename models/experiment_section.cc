@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "models/machine_keys.h"
 #include "models/machine_sections.h"
 
@@ -32,6 +34,19 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   ReadRange(section, "rod_pressure", "Pa", spec.rod_pressure_min, spec.rod_pressure_max);
   section.Number("warm_up", spec.warm_up, {.si = "K", .default_unit = "K", .difference = true, .low = 0});
   section.Integer("max_strokes", spec.max_strokes, 12);
+  spec.signals = ReadBounds(section, "signals", "experiment.signals", machine);
+  const bool own = machine.model == "expressions";
+  if (!own && section.Has("signals"))
+    section.Problem(
+        "signals is for machines of your own; here: ram_speed, pressure, rod_pressure and warm_up");
+  for (const char* key : {"ram_speed", "pressure", "rod_pressure", "warm_up"})
+    if (own && section.Has(key))
+      section.Problem(fmt::format(
+          "{} is for the die cushion; name the signals of a machine of your own under signals", key));
+  for (const GateBound& bound : spec.signals)
+    if (bound.magnitude != bound.rate)
+      section.Problem(
+          fmt::format("signals: expected a signal (\"{0}\") or its speed (\"abs(ddt({0}))\")", bound.signal));
 }
 
 }  // namespace hydroscope

@@ -127,6 +127,8 @@ struct ExperimentSpec {
   std::optional<double> rod_pressure_min, rod_pressure_max;  ///< Pa, pressures in chamber B
   double warm_up = 0.0;                                      ///< K by which the oil may warm on the way
   int max_strokes = 400;                                     ///< more than these nobody records
+  /// Own machines: what strokes may be run at, means of signals or of their speeds.
+  std::vector<GateBound> signals;
 
   bool operator==(const ExperimentSpec&) const = default;
 };

@@ -194,9 +194,10 @@ std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
   return Section("[geometry]", "What data sheets say; std is the uncertainty.", pairs, notes, "geometry");
 }
 
-std::string GateSection(const Machine& machine, const MachineNotes& notes) {
+/// Bounds on signals and their rates, as ReadBounds reads them.
+Pairs BoundPairs(const Machine& machine, const std::vector<GateBound>& bounds) {
   Pairs conditions;
-  for (const GateBound& bound : machine.gate.bounds) {
+  for (const GateBound& bound : bounds) {
     const int index = machine.SignalIndex(bound.signal);
     std::string si =
         index < 0 ? "1" : FindFileUnit(machine.signals[index].unit).value_or(FileUnit{.si = "1"}).si;
@@ -209,6 +210,11 @@ std::string GateSection(const Machine& machine, const MachineNotes& notes) {
     if (bound.magnitude) name = fmt::format("abs({})", name);
     conditions.emplace_back(name, Inline(limits));
   }
+  return conditions;
+}
+
+std::string GateSection(const Machine& machine, const MachineNotes& notes) {
+  const Pairs conditions = BoundPairs(machine, machine.gate.bounds);
   Pairs pairs;
   if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
   pairs.emplace_back("stroke_gap", Plain(machine.gate.stroke_gap));
@@ -297,7 +303,8 @@ std::string ExperimentSection(const Machine& machine, const MachineNotes& notes)
     pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
   if (spec.rod_pressure_min || spec.rod_pressure_max)
     pairs.emplace_back("rod_pressure", range(spec.rod_pressure_min, spec.rod_pressure_max, "Pa"));
-  pairs.emplace_back("warm_up", Plain(spec.warm_up));
+  if (!spec.signals.empty()) pairs.emplace_back("signals", Inline(BoundPairs(machine, spec.signals)));
+  if (machine.model != "expressions") pairs.emplace_back("warm_up", Plain(spec.warm_up));
   pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
   return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",
                  pairs, notes, "experiment");

@@ -57,7 +57,7 @@ const std::vector<MachineSection>& MachineFileSections() {
         "moving_average", "symmetrical_derivative", "update_period"}},
       {"monitor.<parameter>", {"unit", "reference", "warn_low", "warn_high", "alarm_low", "alarm_high"}},
       {"valve", {"input", "output", "full_scale"}},
-      {"experiment", {"ram_speed", "pressure", "rod_pressure", "warm_up", "max_strokes"}},
+      {"experiment", {"ram_speed", "pressure", "rod_pressure", "warm_up", "max_strokes", "signals"}},
       {"experiment.<range>", {"min", "max", "unit"}},
       {"balance", {"output", "unit", "terms", "derived"}},
       {"effect", {"id", "description", "terms", "unit", "min", "max", "typical", "shape"}},

@@ -210,44 +210,51 @@ void ReadGeometry(TableReader& file, Machine& machine) {
   });
 }
 
+std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, const std::string& path,
+                                  const Machine& machine) {
+  std::vector<GateBound> bounds;
+  const toml::table* table = section.Table(key);
+  if (table == nullptr) return bounds;
+  TableReader conditions(*table, path, section.problems());
+  std::vector<std::string> names;
+  for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
+  for (const TableReader::Entry& entry : conditions.Entries()) {
+    GateBound bound;
+    bound.signal = entry.key;
+    bound.magnitude = Unwrap("abs(", bound.signal);
+    bound.rate = Unwrap("ddt(", bound.signal);
+    const int index = machine.SignalIndex(bound.signal);
+    if (index < 0) {
+      conditions.Problem(
+          entry.where,
+          fmt::format(
+              "\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
+              bound.signal, DidYouMean(bound.signal, names), Listed(names)));
+      continue;
+    }
+    const toml::table* limits = conditions.Table(entry.key);
+    if (limits == nullptr) continue;
+    TableReader reader(*limits, path + "." + entry.key, section.problems());
+    reader.AllowOnly(MachineFileKeys("gate.conditions.<signal>"));
+    std::string unit = SiOf(machine.signals[index].unit) + (bound.rate ? "/s" : "");
+    const std::string si = unit;
+    reader.UnitName("unit", unit, si);
+    const Quantity quantity{.si = si, .default_unit = unit};
+    reader.Number("min", bound.min, quantity);
+    reader.Number("max", bound.max, quantity);
+    if (!reader.Has("min") && !reader.Has("max")) reader.Problem("min or max is missing");
+    if (bound.min && bound.max && *bound.min > *bound.max) reader.Wrong("min", "a limit not above max");
+    bounds.push_back(std::move(bound));
+  }
+  return bounds;
+}
+
 void ReadGate(TableReader& file, Machine& machine) {
   Section(file, "gate", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("gate"));
     section.Number("stroke_gap", machine.gate.stroke_gap, kSecondsAboveZero);
     section.Number("min_stroke", machine.gate.min_stroke, kSecondsAboveZero);
-    const toml::table* table = section.Table("conditions");
-    if (table == nullptr) return;
-    TableReader conditions(*table, "gate.conditions", section.problems());
-    std::vector<std::string> names;
-    for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
-    for (const TableReader::Entry& entry : conditions.Entries()) {
-      GateBound bound;
-      bound.signal = entry.key;
-      bound.magnitude = Unwrap("abs(", bound.signal);
-      bound.rate = Unwrap("ddt(", bound.signal);
-      const int index = machine.SignalIndex(bound.signal);
-      if (index < 0) {
-        conditions.Problem(
-            entry.where,
-            fmt::format(
-                "\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
-                bound.signal, DidYouMean(bound.signal, names), Listed(names)));
-        continue;
-      }
-      const toml::table* limits = conditions.Table(entry.key);
-      if (limits == nullptr) continue;
-      TableReader reader(*limits, "gate.conditions." + entry.key, section.problems());
-      reader.AllowOnly(MachineFileKeys("gate.conditions.<signal>"));
-      std::string unit = SiOf(machine.signals[index].unit) + (bound.rate ? "/s" : "");
-      const std::string si = unit;
-      reader.UnitName("unit", unit, si);
-      const Quantity quantity{.si = si, .default_unit = unit};
-      reader.Number("min", bound.min, quantity);
-      reader.Number("max", bound.max, quantity);
-      if (!reader.Has("min") && !reader.Has("max")) reader.Problem("min or max is missing");
-      if (bound.min && bound.max && *bound.min > *bound.max) reader.Wrong("min", "a limit not above max");
-      machine.gate.bounds.push_back(std::move(bound));
-    }
+    machine.gate.bounds = ReadBounds(section, "conditions", "gate.conditions", machine);
   });
 }
 

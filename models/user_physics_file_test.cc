@@ -66,6 +66,21 @@ TEST(UserPhysicsFile, AnEffectHasOneParameterAndAnIdOfItsOwn) {
               HasSubstr("an effect of the library is called so"));
 }
 
+TEST(UserPhysicsFile, SaysWhatTheMachineMayBeAskedToDo) {
+  const std::string base = Balance("A = \"p\"") + "[experiment]\n";
+  const Machine machine =
+      Parse(base +
+            "signals = { p = { min = 1, max = 7, unit = \"bar\" }, \"abs(ddt(x))\" = { min = 3, max = "
+            "30, unit = \"mm/s\" } }\n");
+  ASSERT_EQ(machine.experiment.signals.size(), 2u);
+  EXPECT_EQ(machine.experiment.signals[0], (GateBound{"p", false, 1e5, 7e5, false}));
+  EXPECT_EQ(machine.experiment.signals[1], (GateBound{"x", true, 0.003, 0.03, true}));
+  EXPECT_EQ(Parse(FormatMachine(machine)).experiment, machine.experiment);
+  EXPECT_THAT(Refusal(base + "signals = { q = { min = 1 } }\n"), HasSubstr("\"q\" is no signal"));
+  EXPECT_THAT(Refusal(base + "signals = { \"ddt(x)\" = { min = 1 } }\n"), HasSubstr("\"abs(ddt(x))\""));
+  EXPECT_THAT(Refusal(base + "warm_up = 10\n"), HasSubstr("for the die cushion"));
+}
+
 TEST(UserPhysicsFile, ConstantsFoundFromTheDataHaveLimits) {
   const std::string base =
       Balance("A = \"p\"") + "[[effect]]\nid = \"a\"\nterms = { k = \"max(x - c, 0)\" }\n";

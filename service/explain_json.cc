@@ -105,6 +105,22 @@ nlohmann::json PlanJson(const Experiment& experiment) {
           {"separation", experiment.separation}};
 }
 
+/// The same of a machine of the user's own.
+nlohmann::json PlanJson(const SignalExperiment& experiment) {
+  if (experiment.strokes == 0) return nullptr;
+  nlohmann::json signals = nlohmann::json::array();
+  for (const SignalLevels& s : experiment.signals) {
+    nlohmann::json levels = nlohmann::json::array();
+    for (const auto& [low, high] : s.levels) levels.push_back({low, high});
+    signals.push_back({{"signal", s.signal}, {"speed", s.speed}, {"levels", levels}});
+  }
+  return {{"strokes", experiment.strokes},
+          {"signals", signals},
+          {"seconds", experiment.seconds},
+          {"separation", experiment.separation},
+          {"separation_now", experiment.separation_now}};
+}
+
 }  // namespace
 
 nlohmann::json ExplainJson(const ExplainResult& result) {
@@ -130,7 +146,8 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"located", LocatedJson(result.location.located, Factor(result))},
           {"remainder", RemainderJson(result)},
           {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()},
-          {"experiment_plan", PlanJson(result.experiment)}};
+          {"experiment_plan", result.signal_experiment.inputs.empty() ? PlanJson(result.experiment)
+                                                                      : PlanJson(result.signal_experiment)}};
 }
 
 }  // namespace hydroscope

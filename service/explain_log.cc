@@ -112,10 +112,13 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
     out.remainder =
         ShapeOfRemainder(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
                                      ColumnWeights(*out.explanation.model, out.explanation.final)));
-  if (out.explanation.verdict == Verdict::kAmbiguous)
-    out.experiment =
-        ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches), out.log.stretches,
-                          out.log.window);
+  if (out.explanation.verdict != Verdict::kAmbiguous) return out;
+  if (model->name == "expressions")
+    out.signal_experiment =
+        ProposeSignalExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
+  else
+    out.experiment = ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches),
+                                       out.log.stretches, out.log.window);
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
 #include "diagnosis/remainder_shape.h"
+#include "diagnosis/signal_experiment.h"
 #include "service/batch_fit.h"
 
 namespace hydroscope {
@@ -37,7 +38,8 @@ struct ExplainResult {
   ErrorLocation location;                   ///< of the error of the model as it is
   std::vector<ResidualSignal> signals;      ///< that the maps of `location` name
   std::optional<RemainderShape> remainder;  ///< verdict unknown: what Explanation::final leaves
-  Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart
+  Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
+  SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
 
   const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
   /// nullptr if the library has no effect of this name.

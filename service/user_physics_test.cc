@@ -4,13 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <numbers>
-#include <random>
 
 #include "service/benchmarks/seal_friction.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/explain_log.h"
+#include "service/own_machine_fixture.h"
 #include "simulator/press.h"
 
 namespace hydroscope {
@@ -19,43 +17,8 @@ namespace {
 using ::testing::Contains;
 using ::testing::UnorderedElementsAre;
 
-/// What is true of a simulated cylinder: force = A p + c + (F_c + mu p) sign(v).
-struct Seal {
-  double bore = 0.0257, c = 1.0, coulomb = 0, friction = 0;
-  double noise = 0.3;  ///< N
-  std::uint64_t seed = 1;
-};
-
-/// Three runs at constant pressures on a triangle in x with short rests where it turns, 100 rows a second,
-/// written as logs in the layout of machines/seal_friction.toml.
-std::vector<std::string> Logs(const Seal& seal) {
-  std::mt19937_64 random(seal.seed);
-  std::normal_distribution<double> normal;
-  const double area = std::numbers::pi / 4 * seal.bore * seal.bore;
-  std::vector<std::string> logs;
-  for (const double bar : {1.0, 3.5, 6.0}) {
-    logs.push_back(testing::TempDir() + "seal_" + std::to_string(seal.seed) + "_" +
-                   std::to_string(logs.size()) + ".csv");
-    std::ofstream out(logs.back());
-    out << std::fixed;
-    double x = 0;  // m
-    for (int row = 0; row < 3000; ++row) {
-      const double phase = std::fmod(row * 0.01, 4.0);  // s: 1.6 out, 0.4 rest, 1.6 back, 0.4 rest
-      const double v = phase < 1.6 ? 0.013 : phase < 2.0 ? 0 : phase < 3.6 ? -0.013 : 0;
-      x += 0.01 * v;
-      const double sign = phase >= 1.8 && phase < 3.8 ? -1 : 1;  // the seal holds on while the piston rests
-      const double p = 1e5 * (bar + 0.05 * sign) + 200 * std::sin(0.7 * row);
-      const double force =
-          area * p + seal.c + (seal.coulomb + seal.friction * p) * sign + seal.noise * normal(random);
-      out << row * 10.0 << "\t0\t0\t0\t" << 1e3 * x + 0.004 * normal(random) << '\t'
-          << p / 1e5 + 0.0005 * normal(random) << '\t' << force << '\n';
-    }
-  }
-  return logs;
-}
-
 ExplainResult ExplainSeal(const Seal& seal) {
-  auto result = ExplainLogs(Logs(seal), std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/seal_friction.toml");
+  auto result = ExplainLogs(Logs(seal), kSealMachine);
   if (!result) ADD_FAILURE() << result.error().text;
   return result ? std::move(*result) : ExplainResult{};
 }
@@ -111,21 +74,6 @@ PressOptions Press(std::uint64_t seed) {
   options.seed = seed;
   options.seconds = 60;
   return options;
-}
-
-/// The die cushion's balance as a user would write it.
-Machine CushionAsExpressions(const Machine& built_in) {
-  Machine machine = built_in;
-  machine.model = "expressions";
-  machine.geometry["A_A"].unit = "m2";
-  machine.balance.output = "A_A*ddt(z)";
-  machine.balance.unit = "m3/s";
-  machine.balance.terms = {{"q", "sqrt(max(p_A, 0))*y_v", ""},
-                           {"t2", "ddt(p_A)", ""},
-                           {"t3", "z*ddt(p_A)", ""},
-                           {"n", "sqrt(max(p_A, 0))", ""}};
-  machine.balance.derived = {{"K", "-A_A/t3", "Pa"}, {"V0", "A_A*t2/t3", "m3"}};
-  return machine;
 }
 
 TEST(UserPhysics, TheDieCushionWrittenAsExpressionsGivesTheSameParameters) {

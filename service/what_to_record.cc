@@ -150,11 +150,12 @@ std::string Exciting(const std::vector<RankedEffect>& ranking) {
 
 std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  if (result.log.model->name == "expressions")
-    return x.verdict == Verdict::kAmbiguous
-               ? std::optional<std::string>(
-                     "Record strokes in which the expressions of these effects go different ways.")
-               : std::nullopt;
+  if (result.log.model->name == "expressions") {
+    if (x.verdict != Verdict::kAmbiguous) return std::nullopt;
+    if (!result.signal_experiment.inputs.empty()) return SignalExperimentText(result.signal_experiment);
+    return "Record strokes in which the expressions of these effects go different ways; explain the logs "
+           "themselves to have such strokes computed.";
+  }
   const std::optional<std::string> one_speed = OneSpeed(result);
   if (x.verdict == Verdict::kAmbiguous) {
     if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment);

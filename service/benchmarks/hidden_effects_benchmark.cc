@@ -175,7 +175,8 @@ MachineMoves MovesFor(const Case& c, const LogStrokes& strokes) {
                         .rod_pressure_min = kLowestRod,
                         .rod_pressure_max = kHighestRod,
                         .warm_up = 20.0,
-                        .max_strokes = 400};
+                        .max_strokes = 400,
+                        .signals = {}};
   return MovesOf(machine, strokes.stretches);
 }
 

@@ -1,0 +1,118 @@
+#include "diagnosis/rival_separation.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "diagnosis/refine.h"
+
+namespace hydroscope {
+namespace {
+
+std::vector<int> RivalsOf(const Explanation& explanation) {
+  std::vector<int> rivals;
+  const auto& effects = explanation.model->effects;
+  for (const auto& group : explanation.groups) {
+    if (group.size() < 2) continue;
+    for (const std::string& id : group)
+      for (std::size_t e = 0; e < effects.size(); ++e)
+        if (effects[e]->id == id) rivals.push_back(static_cast<int>(e));
+    break;
+  }
+  return rivals;
+}
+
+/// Energy of `a` in `total` that `known`, one column each, and `b`, at whatever sizes, cannot take over.
+double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const Eigen::MatrixXd& known,
+                  const Eigen::VectorXd& b) {
+  Eigen::MatrixXd regressors(known.rows(), known.cols() + 1);
+  regressors << known, b;
+  const Eigen::MatrixXd weighed = total * regressors;
+  const Eigen::MatrixXd h = regressors.transpose() * weighed;
+  const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
+  const Eigen::VectorXd cross = scale.asDiagonal() * (weighed.transpose() * a);
+  return std::max(0.0, a.dot(total * a) - cross.dot(scaled.completeOrthogonalDecomposition().solve(cross)));
+}
+
+}  // namespace
+
+RivalModel RivalModelOf(const Explanation& explanation) {
+  RivalModel out{std::make_shared<ModelStructure>(*explanation.model), RivalsOf(explanation), {}};
+  ModelStructure& structure = *out.structure;
+  structure.columns.resize(structure.output_column() + 1);
+  for (auto& shapes : structure.effect_shapes) shapes.clear();
+  for (const int rival : out.rivals)
+    for (const EffectShape& shape : explanation.model->effect_shapes[rival])
+      AddShape(structure, rival, shape.nonlinear);
+  for (const EffectChoice& choice : explanation.chosen) {
+    if (std::find(out.rivals.begin(), out.rivals.end(), choice.effect) != out.rivals.end()) continue;
+    AddShape(structure, choice.effect,
+             explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear);
+    out.others.push_back({choice.effect, 0});
+  }
+  return out;
+}
+
+RivalEvidence& RivalEvidence::Add(const RivalEvidence& other, double times) {
+  total =
+      total.size() == 0 ? Eigen::MatrixXd(times * other.total) : Eigen::MatrixXd(total + times * other.total);
+  noise += times * other.noise;
+  equations += times * other.equations;
+  return *this;
+}
+
+RivalEvidence EvidenceOf(const RivalModel& model, const Eigen::VectorXd& theta,
+                         std::span<const StrokeStretches> strokes, const WindowSamples& window) {
+  const std::vector<StrokeGram> grams = GramsOf(model.structure, strokes, window);
+  RivalEvidence out{StrokeSet(model.structure, grams, window).Total(), 0, 0};
+  Eigen::VectorXd balance(theta.size() + 1);
+  balance << -theta, 1;
+  for (const StrokeGram& gram : grams) {
+    const Eigen::MatrixXd noise = Unpacked(gram.noise).topLeftCorner(balance.size(), balance.size());
+    out.noise += balance.dot(noise * balance);
+    out.equations += static_cast<double>(gram.blocks - gram.spans);
+  }
+  return out;
+}
+
+Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
+  const int base = model.structure->base_count;
+  const auto others = static_cast<Eigen::Index>(model.others.size());
+  known_ = Eigen::MatrixXd::Identity(model.structure->column_count(), base + others);
+  for (const int rival : model.rivals) {
+    std::vector<EffectChoice> choices = model.others;
+    choices.push_back(recorded.BestShape(rival, model.others));
+    if (choices.back().shape < 0) continue;
+    const ExtendedFit fit = recorded.Fit(choices);
+    const auto direction = [&](std::size_t k) {
+      Eigen::VectorXd at(base + 1);
+      at << fit.theta.head(base), fit.effects[k].size;
+      return recorded.Direction(choices[k], at);
+    };
+    for (std::size_t k = 0; k < model.others.size(); ++k)
+      known_.col(base + static_cast<Eigen::Index>(k)) = direction(k);
+    unit_.push_back(direction(model.others.size()));
+    fitted_.push_back(unit_.back() * fit.effects.back().size);
+  }
+}
+
+double Rivals::Nearest(const RivalEvidence& evidence) const {
+  if (unit_.size() < 2) return 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < fitted_.size(); ++a)
+    for (std::size_t b = 0; b < unit_.size(); ++b)
+      if (a != b) nearest = std::min(nearest, Separation(evidence.total, fitted_[a], known_, unit_[b]));
+  return nearest * evidence.equations / evidence.noise;
+}
+
+int StrokesToSettle(int most, const std::function<double(int)>& separation) {
+  if (separation(most) < kSettledSeparation) return most;
+  int enough = most;
+  for (int few = kFewestProposed - 1; enough - few > 1;) {
+    const int middle = (few + enough) / 2;
+    (separation(middle) < kSettledSeparation ? few : enough) = middle;
+  }
+  return enough;
+}
+
+}  // namespace hydroscope
