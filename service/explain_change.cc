@@ -109,19 +109,73 @@ std::vector<ValueChange> ParameterChanges(const StrokeHistory& before, const Str
   return out;
 }
 
-/// Sizes of the effects both sets have, before with the model that explains those strokes.
-std::vector<ValueChange> EffectChanges(const ChangeResult& result, double min_t) {
-  std::vector<ValueChange> out;
-  const Explanation &before = result.before.explanation, &after = result.after.explanation;
-  for (const EffectEstimate& then : before.final.effects)
-    for (const EffectEstimate& now : after.final.effects) {
-      if (now.choice.effect != then.choice.effect) continue;
-      const Effect& effect = result.after.effect(now.choice.effect);
-      out.push_back({effect.id, effect.unit, then.size, then.std, now.size, now.std, false});
-      out.back().significant = std::abs(out.back().change()) > min_t * out.back().std();
-    }
-  return out;
-}
+/// Sizes of the effects both sets have, before and after in one shape: sizes at different thresholds or
+/// places say nothing of each other. An effect changed if it did in the shape that suits the strokes after
+/// and in the one that suits those before, by `min_t` standard errors, and if its old size would cost the
+/// strokes after more than a new effect must gain (min_gain), more than the model errs there anyway, and more
+/// than the effects that appeared may act on it (ExplainOptions::interplay): their sum leaves that out.
+class EffectComparison {
+ public:
+  EffectComparison(const StrokeHistory& before, const StrokeHistory& after, const ChangeResult& result,
+                   const ExplainOptions& options)
+      : then_(result.after.explanation.model, before.units, before.window),
+        now_(result.after.explanation.model, after.units, after.window),
+        result_(result),
+        options_(options) {}
+
+  std::vector<ValueChange> Changes() const {
+    std::vector<ValueChange> out;
+    const Explanation &before = result_.before.explanation, &after = result_.after.explanation;
+    for (std::size_t k = 0; k < before.chosen.size(); ++k)
+      for (std::size_t j = 0; j < after.chosen.size(); ++j) {
+        if (after.chosen[j].effect != before.chosen[k].effect) continue;
+        ValueChange change = In(after.chosen[j], j);
+        const int shape = ShapeBefore(before.chosen[k]);
+        change.significant =
+            change.significant && shape >= 0 && In({after.chosen[j].effect, shape}, j).significant;
+        out.push_back(std::move(change));
+      }
+    return out;
+  }
+
+ private:
+  /// The shape of the strokes before among those of the model after, -1 if it is not there.
+  int ShapeBefore(const EffectChoice& choice) const {
+    const auto& was = result_.before.explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
+    const auto& shapes = now_.model().effect_shapes[choice.effect];
+    const auto at =
+        std::find_if(shapes.begin(), shapes.end(), [&](const EffectShape& s) { return s.nonlinear == was; });
+    return at == shapes.end() ? -1 : static_cast<int>(at - shapes.begin());
+  }
+
+  /// What the evidence for a change must exceed, in noise variances.
+  double Needed() const {
+    const Explanation& after = result_.after.explanation;
+    const double left = std::max(0.0, after.final.excess_ratio),
+                 gained = std::max(0.0, after.base.excess_ratio - after.final.excess_ratio);
+    return options_.min_gain + now_.equations() * (left + options_.interplay * options_.left_share * gained);
+  }
+
+  /// Before and after with effect `j` of the model after in one shape.
+  ValueChange In(const EffectChoice& choice, std::size_t j) const {
+    const Explanation& after = result_.after.explanation;
+    std::vector<EffectChoice> later = after.chosen;
+    later[j] = choice;
+    const std::vector<EffectChoice> earlier(later.begin(), later.begin() + after.started);
+    const ExtendedFit now = now_.Fit(later), then = then_.Fit(earlier);
+    const Effect& effect = result_.after.effect(choice.effect);
+    if (!now.solved || !then.solved) return {effect.id, effect.unit, 0, 0, 0, 0, false};
+    const EffectEstimate &a = then.effects[j], &b = now.effects[j];
+    ValueChange change{effect.id, effect.unit, a.size, a.std, b.size, b.std, false};
+    const double evidence = std::pow(change.change() / std::hypot(a.model_std, b.model_std), 2);
+    change.significant = std::abs(change.change()) > options_.min_t * change.std() && evidence > Needed();
+    return change;
+  }
+
+  StrokeSet then_, now_;
+  const ChangeResult& result_;
+  const ExplainOptions& options_;
+};
 
 }  // namespace
 
@@ -145,9 +199,11 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   Explanation& later = result.after.explanation;
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);
-  result.effects = EffectChanges(result, own.min_t);
+  result.effects = EffectComparison(before, newest, result, own).Changes();
   for (const ValueChange& effect : result.effects) {
-    if (!effect.significant || later.verdict == Verdict::kUnknown) continue;
+    // In a model that does not explain the strokes before, a size has no name.
+    if (!effect.significant || later.verdict == Verdict::kUnknown || earlier.verdict == Verdict::kUnknown)
+      continue;
     AddOnce(later.set, effect.name);  // it was there and grew or shrank
     later.groups.push_back({effect.name});
     if (later.verdict == Verdict::kAdequate) later.verdict = Verdict::kNamed;

@@ -28,7 +28,7 @@ struct ChangeResult {
   /// error grew and no effect explains it.
   ExplainResult after;
   std::vector<ValueChange> parameters;  ///< of the base model; free in both sets
-  std::vector<ValueChange> effects;     ///< that were in the model before, free in both sets
+  std::vector<ValueChange> effects;     ///< that were in the model before, free in both sets, in one shape
   std::vector<std::string> appeared;    ///< effects that only the strokes after need, best first
   /// Newest strokes after that `after` speaks of; 0 = all. Fewer where what appeared went on changing: wear
   /// grows.
@@ -40,9 +40,11 @@ inline constexpr std::size_t kFewestUnits = 8;
 /// What changed from the strokes of `before` to those of `after`. The base parameters are free in both, an
 /// effect is admitted in those after only: it must lower their error on strokes left out, and its size must
 /// differ from what the strokes before say by ExplainOptions::min_t standard errors. A model error that was
-/// there before already does not count as a change. If no effect of one size explains all strokes after, but
-/// one explains part of their error, the newest half, quarter, ... of one machine's strokes is explained
-/// instead, down to kFewestUnits. Errors as ExplainHistory; both must be of the same model.
+/// there before already does not count as a change. An effect that was there before changed if, both sets
+/// fitted in one shape, its old size costs the strokes after ExplainOptions::min_gain and more than model
+/// errors can feign. If no effect of one size explains all strokes after, but one explains part of their
+/// error, the newest half, quarter, ... of one machine's strokes is explained instead, down to kFewestUnits.
+/// Errors as ExplainHistory; both must be of the same model.
 Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHistory& after,
                                    const ExplainOptions& options = {});
 

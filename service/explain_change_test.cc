@@ -61,6 +61,12 @@ TEST(ExplainHistory, AThresholdBetweenTheGridValuesIsFoundByInterpolation) {
   EXPECT_NEAR(result->NonlinearOf(result->explanation.chosen.front()).front(), 160e5, 10e5);
 }
 
+TEST(ExplainHistory, ADelayFarFromTheStoredOneIsNotTakenForTwoEffects) {
+  const auto result = ExplainHistory(HistoryOf(Cushion(6, {{"pressure_signal_delay", 0.016, {}}})));
+  ASSERT_TRUE(result.has_value());
+  for (const std::string& id : result->explanation.set) EXPECT_EQ(id, "pressure_signal_delay");
+}
+
 TEST(ExplainHistory, TooFewStrokesAreAnErrorThatSaysSo) {
   StrokeHistory history = HistoryOf(Cushion(3, {}));
   history.units.resize(3);
@@ -90,6 +96,24 @@ TEST(ExplainChange, WhatWasThereBeforeIsNoChange) {
   EXPECT_THAT(result->before.explanation.set, Contains("spool_hysteresis"));
   EXPECT_EQ(result->after.explanation.verdict, Verdict::kAdequate) << ChangeText(*result);
   EXPECT_THAT(result->appeared, IsEmpty());
+}
+
+TEST(ExplainChange, SizesAtTwoThresholdsAreNoChange) {
+  const EffectSetting valve = {"relief_valve", 4.6e-11, {{"crack", 137e5}}};
+  for (const std::uint64_t seed : {11, 21, 31}) {
+    const auto result =
+        ExplainChange(HistoryOf(Cushion(seed, {valve})), HistoryOf(Cushion(seed + 1, {valve})));
+    ASSERT_TRUE(result.has_value());
+    EXPECT_THAT(result->after.explanation.set, IsEmpty()) << ChangeText(*result);
+  }
+}
+
+TEST(ExplainChange, AnEffectBesideANewOneIsNotSaidToHaveChanged) {
+  const EffectSetting tank = {"tank_back_pressure", 1.2e12, {}};
+  const auto result = ExplainChange(HistoryOf(Cushion(7, {tank})),
+                                    HistoryOf(Cushion(8, {tank, {"spool_signal_delay", 0.005, {}}})));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_THAT(result->after.explanation.set, ElementsAre("spool_signal_delay")) << ChangeText(*result);
 }
 
 TEST(ExplainChange, WearThatGoesOnIsNamedOnTheNewestStrokes) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "diagnosis/interpolated_shapes.h"
+#include "diagnosis/shape_freedom.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -27,6 +28,16 @@ std::shared_ptr<const ModelStructure> Refined(const Explanation& x) {
   effects.erase(std::unique(effects.begin(), effects.end()), effects.end());
   for (const int effect : effects) AddInterpolatedShapes(*model, effect);
   return model;
+}
+
+/// Explains without effects that rest on the shape of another one.
+Explanation ExplainRefined(const StrokeSet& strokes, ExplainOptions options) {
+  for (;;) {
+    Explanation out = Explain(strokes, options);
+    const std::vector<std::string> resting = EffectsOfShapes(strokes, out, options);
+    if (resting.empty()) return out;
+    options.exclude.insert(options.exclude.end(), resting.begin(), resting.end());
+  }
 }
 
 }  // namespace
@@ -52,7 +63,8 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.explanation = Explain(StrokeSet(history.model, history.units, history.window), options);
   if (out.explanation.base.solved &&
       (out.explanation.verdict != Verdict::kAdequate || !options.start.empty()))
-    out.explanation = Explain(StrokeSet(Refined(out.explanation), history.units, history.window), options);
+    out.explanation =
+        ExplainRefined(StrokeSet(Refined(out.explanation), history.units, history.window), options);
   if (!out.explanation.base.solved)
     return BadInput(
         "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "

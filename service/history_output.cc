@@ -76,17 +76,28 @@ std::string EffectsText(const ChangeResult& result) {
   return text;
 }
 
-bool AnyParameter(const ChangeResult& result) {
-  return std::any_of(result.parameters.begin(), result.parameters.end(),
-                     [](const auto& v) { return v.significant; });
+bool AnyMoved(const ChangeResult& result) {
+  const auto moved = [](const ValueChange& v) { return v.significant; };
+  return std::any_of(result.parameters.begin(), result.parameters.end(), moved) ||
+         std::any_of(result.effects.begin(), result.effects.end(), moved);
+}
+
+/// What explains part of an error whose cause is not named.
+std::string NearestText(const Explanation& after) {
+  if (after.steps.size() < 2 || !(after.base.excess_ratio > 0)) return "";
+  std::vector<std::string> added;
+  for (std::size_t k = 1; k < after.steps.size(); ++k) added.push_back(after.steps[k].added);
+  return fmt::format(
+      "Nearest, and not proven: {} would explain {:.0f} % of the model error's energy. Stored strokes hold "
+      "laws with a threshold, a place or a delay at a few values only: explain a log recorded since.\n",
+      fmt::join(added, " and "), 100 * (1 - after.final.excess_ratio / after.base.excess_ratio));
 }
 
 std::string VerdictText(const ChangeResult& result) {
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
-      return AnyParameter(result)
-                 ? "ADEQUATE: no physical effect appeared; parameters moved (marked * below).\n"
-                 : "ADEQUATE: nothing changed between these strokes that stands out.\n";
+      return AnyMoved(result) ? "ADEQUATE: no physical effect appeared; what is marked * below moved.\n"
+                              : "ADEQUATE: nothing changed between these strokes that stands out.\n";
     case Verdict::kNamed:
       return "NAMED: this appeared or changed.\n" + EffectsText(result);
     case Verdict::kAmbiguous:
@@ -94,7 +105,8 @@ std::string VerdictText(const ChangeResult& result) {
              "first.\n" +
              EffectsText(result);
     case Verdict::kUnknown:
-      return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n";
+      return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n" +
+             NearestText(result.after.explanation);
   }
   return "";
 }
@@ -127,6 +139,7 @@ std::string ChangeText(const ChangeResult& result) {
   const Explanation &before = result.before.explanation, &after = result.after.explanation;
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
   std::string text = VerdictText(result);
+  if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt);
   text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
   if (result.newest > 0)
     text += fmt::format("What appeared went on changing: explained on the newest {} of these strokes.\n",

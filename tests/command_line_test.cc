@@ -62,6 +62,7 @@ TEST_F(CommandLine, EveryCommandAndOptionIsDocumented) {
                                                           {"verify-live"},
                                                           {"benchmark", "coverage"},
                                                           {"benchmark", "frf"},
+                                                          {"benchmark", "since"},
                                                           {"benchmark", "filter-study"},
                                                           {"benchmark", "thirty-runs"},
                                                           {"benchmark", "endurance"},

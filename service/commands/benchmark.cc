@@ -12,6 +12,7 @@
 #include "service/benchmarks/hidden_effects_benchmark.h"
 #include "service/benchmarks/recovery.h"
 #include "service/benchmarks/seal_friction.h"
+#include "service/benchmarks/since_benchmark.h"
 #include "service/benchmarks/thirty_runs.h"
 #include "service/commands.h"
 
@@ -73,6 +74,23 @@ void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark hidden-effects --cases 300 --seed 5 --experiments\n"
       "  hydroscope benchmark hidden-effects --cases 40 --seed 7 --details cases.tsv");
   command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(*o); });
+}
+
+void AddSince(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<SinceOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "since", "What changed at a known time, by 'explain --since': right, wrong and superfluous names");
+  command->add_option("--cases", o->cases, "Histories of simulated machines, a log before and one after")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_option("--effect", o->effect, "Where one effect appears, this one");
+  command->add_option("--details", o->details, "Write one line per history to this tab-separated file");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark since\n"
+      "  hydroscope benchmark since --cases 30 --effect relief_valve --details cases.tsv");
+  command->callback([o, &exit_code] { exit_code = RunSinceBenchmark(*o); });
 }
 
 void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
@@ -257,6 +275,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
       "  hydroscope benchmark filter-study --svg filter_study.svg");
   AddCoverage(*benchmark, exit_code);
   AddHiddenEffects(*benchmark, exit_code);
+  AddSince(*benchmark, exit_code);
   AddFrf(*benchmark, exit_code);
   AddFilterStudy(*benchmark, exit_code);
   AddThirtyRuns(*benchmark, exit_code);
