@@ -112,8 +112,9 @@ std::vector<ValueChange> ParameterChanges(const StrokeHistory& before, const Str
 /// Sizes of the effects both sets have, before and after in one shape: sizes at different thresholds or
 /// places say nothing of each other. An effect changed if it did in the shape that suits the strokes after
 /// and in the one that suits those before, by `min_t` standard errors, and if its old size would cost the
-/// strokes after more than a new effect must gain (min_gain), more than the model errs there anyway, and more
-/// than the effects that appeared may act on it (ExplainOptions::interplay): their sum leaves that out.
+/// strokes after more than a new effect must gain (min_gain) and more than the model errs there anyway.
+/// Beside effects that appeared, the model with the old size must also fail the adequacy gate of two effects,
+/// which act on one another (ExplainOptions::interplay).
 class EffectComparison {
  public:
   EffectComparison(const StrokeHistory& before, const StrokeHistory& after, const ChangeResult& result,
@@ -151,9 +152,11 @@ class EffectComparison {
   /// What the evidence for a change must exceed, in noise variances.
   double Needed() const {
     const Explanation& after = result_.after.explanation;
-    const double left = std::max(0.0, after.final.excess_ratio),
-                 gained = std::max(0.0, after.base.excess_ratio - after.final.excess_ratio);
-    return options_.min_gain + now_.equations() * (left + options_.interplay * options_.left_share * gained);
+    double error = std::max(0.0, after.final.excess_ratio);
+    if (static_cast<int>(after.chosen.size()) > after.started)
+      error = std::max(error, options_.floor_excess - after.final.excess_ratio +
+                                  options_.interplay * options_.left_share * after.base.excess_ratio);
+    return options_.min_gain + now_.equations() * error;
   }
 
   /// Before and after with effect `j` of the model after in one shape.
@@ -177,6 +180,18 @@ class EffectComparison {
   const ExplainOptions& options_;
 };
 
+/// New effects that remove less of the error that appeared than they leave do not explain it: a model whose
+/// own effects changed errs in its own ways, and some law follows a part of that.
+void RefuseSmallShares(double excess_before, Explanation& after) {
+  const double left = after.final.excess_ratio - std::max(0.0, excess_before);
+  if (after.set.empty() || after.base.excess_ratio - after.final.excess_ratio >= left) return;
+  after.verdict = Verdict::kUnknown;
+  after.partial = true;
+  after.set.clear();
+  after.groups.clear();
+  after.doubt.clear();
+}
+
 }  // namespace
 
 double ValueChange::std() const { return std::hypot(before_std, after_std); }
@@ -197,6 +212,7 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   result.after = std::move(*now);
 
   Explanation& later = result.after.explanation;
+  RefuseSmallShares(earlier.final.excess_ratio, later);
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);
   result.effects = EffectComparison(before, newest, result, own).Changes();
