@@ -139,6 +139,25 @@ class EffectComparison {
     return out;
   }
 
+  /// Effects that explain the strokes after as well as a change of `id` does, if that keeps its old size:
+  /// ExplainOptions::rival_gain. None beside effects that appeared.
+  std::vector<std::string> Rivals(const std::string& id) const {
+    const Explanation& after = result_.after.explanation;
+    std::vector<std::string> rivals;
+    if (static_cast<int>(after.chosen.size()) > after.started) return rivals;
+    const ExtendedFit then = then_.Fit(after.chosen);
+    for (std::size_t j = 0; then.solved && j < after.chosen.size(); ++j) {
+      if (result_.after.effect(after.chosen[j].effect).id != id) continue;
+      for (const RankedEffect& rival : after.ranking) {
+        if (!rival.fit.solved) continue;
+        const EffectEstimate &was = then.effects[j], &is = rival.fit.effects[j];
+        const double kept = std::pow((is.size - was.size) / std::hypot(is.model_std, was.model_std), 2);
+        if (kept - std::max(0.0, rival.gain) < options_.rival_gain) rivals.push_back(rival.id);
+      }
+    }
+    return rivals;
+  }
+
  private:
   /// The shape of the strokes before among those of the model after, -1 if it is not there.
   int ShapeBefore(const EffectChoice& choice) const {
@@ -215,14 +234,18 @@ Result<ChangeResult> ExplainChange(const StrokeHistory& before, const StrokeHist
   RefuseSmallShares(earlier.final.excess_ratio, later);
   result.appeared = later.set;
   result.parameters = ParameterChanges(before, newest, result);
-  result.effects = EffectComparison(before, newest, result, own).Changes();
+  const EffectComparison comparison(before, newest, result, own);
+  result.effects = comparison.Changes();
   for (const ValueChange& effect : result.effects) {
     // In a model that does not explain the strokes before, a size has no name.
     if (!effect.significant || later.verdict == Verdict::kUnknown || earlier.verdict == Verdict::kUnknown)
       continue;
-    AddOnce(later.set, effect.name);  // it was there and grew or shrank
-    later.groups.push_back({effect.name});
+    std::vector<std::string> group = comparison.Rivals(effect.name);
+    group.insert(group.begin(), effect.name);  // it was there and grew or shrank
+    for (const std::string& id : group) AddOnce(later.set, id);
+    if (group.size() > 1) later.verdict = Verdict::kAmbiguous;
     if (later.verdict == Verdict::kAdequate) later.verdict = Verdict::kNamed;
+    later.groups.push_back(std::move(group));
   }
   return result;
 }

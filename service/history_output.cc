@@ -101,7 +101,8 @@ std::string VerdictText(const ChangeResult& result) {
     case Verdict::kNamed:
       return "NAMED: this appeared or changed.\n" + EffectsText(result);
     case Verdict::kAmbiguous:
-      return "AMBIGUOUS: something appeared, and these strokes cannot tell which of these it is, best "
+      return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell which of these it is, "
+             "best "
              "first.\n" +
              EffectsText(result);
     case Verdict::kUnknown:
