@@ -273,7 +273,9 @@ const char* VerdictName(Verdict verdict) {
 }
 
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
-  return Explainer(strokes, options, StartModel(strokes, options.start)).Run();
+  const std::optional<StrokeSet> comparable = strokes.Comparable();
+  const StrokeSet& used = comparable ? *comparable : strokes;
+  return Explainer(used, options, StartModel(used, options.start)).Run();
 }
 
 }  // namespace hydroscope

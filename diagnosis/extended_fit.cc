@@ -93,6 +93,24 @@ Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::Ve
   return direction;
 }
 
+std::optional<StrokeSet> StrokeSet::Comparable() const {
+  StrokeSet good(model_, {}, window_);
+  for (std::size_t s = 0; s < clean_.size(); ++s) {
+    if (std::find(bad_[s].begin(), bad_[s].end(), true) != bad_[s].end()) continue;
+    good.clean_.push_back(clean_[s]);
+    good.noise_.push_back(noise_[s]);
+    good.flow_.push_back(flow_[s]);
+    good.blocks_.push_back(blocks_[s]);
+    good.spans_.push_back(spans_[s]);
+    good.windows_.push_back(windows_[s]);
+    good.bad_.push_back(bad_[s]);
+    good.equations_ += static_cast<double>(blocks_[s] - spans_[s]);
+  }
+  const std::size_t count = good.clean_.size();
+  if (count == clean_.size() || count < kLeastStrokes || 2 * count < clean_.size()) return std::nullopt;
+  return good;
+}
+
 std::vector<std::size_t> StrokeSet::Usable(std::span<const EffectChoice> choices) const {
   std::vector<std::size_t> strokes;
   for (std::size_t s = 0; s < clean_.size(); ++s) {

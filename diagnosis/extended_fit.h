@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,6 +70,9 @@ class StrokeSet {
   double equations() const { return equations_; }
   /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;
+  /// The strokes in which every signal of the library was good, if a sensor was bad in some but not in most:
+  /// on them all effects can be compared. Nothing if all strokes serve, or too few.
+  std::optional<StrokeSet> Comparable() const;
   /// Strokes in which every signal the effects need was good.
   std::vector<std::size_t> Usable(std::span<const EffectChoice> choices) const;
   /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape

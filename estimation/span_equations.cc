@@ -8,7 +8,7 @@
 namespace hydroscope {
 namespace {
 
-/// Blocks per sample of the noise that is integrated, which changes with opening and pressure only.
+/// Blocks per sample of ModelStructure::disturb, whose noise changes with opening and pressure only.
 constexpr int kWalkStep = 5;
 
 /// Mean level and sign contrast (times `share`) of each block, `stride` apart; returns the level after the
@@ -163,8 +163,9 @@ void SpanEquationBuilder::FillContrasts(int blocks) {
 }
 
 void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
-  const int first = (stretch.continues ? 1 : 0) + window_.block / 2, step = kWalkStep * window_.block;
-  const int rates = (blocks + kWalkStep - 1) / kWalkStep;
+  const int between = model_->disturb ? kWalkStep : 1;
+  const int first = (stretch.continues ? 1 : 0) + window_.block / 2, step = between * window_.block;
+  const int rates = (blocks + between - 1) / between;
   out_.walk.setZero(model_->column_count(), rates);
   if (model_->disturb)
     FillDisturbedRates(stretch, first, step, out_.walk);
@@ -174,7 +175,7 @@ void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
   // 1) / 6.
   weights_of_walk_.resize(rates);
   for (int k = 0; k < rates; ++k) {
-    const double x = std::min(0.5 + (k + 0.5) * kWalkStep, blocks - 0.5);
+    const double x = std::min(0.5 + (k + 0.5) * between, blocks - 0.5);
     weights_of_walk_[k] = x * (blocks - x);
   }
   const double energy = window_.block * (blocks * blocks - 1.0) / 6.0 / weights_of_walk_.sum();

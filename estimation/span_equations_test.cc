@@ -232,7 +232,7 @@ TEST(WindowSamples, CountTimesInSamplesWithinSensibleLimits) {
   const WindowSpec spec;
   const WindowSamples usual = WindowSamples::From(spec, 0.002);
   EXPECT_EQ(usual.block, 10);
-  EXPECT_EQ(usual.span, 35);
+  EXPECT_EQ(usual.span, 28);
   EXPECT_EQ(usual.half_window, 2);
   const WindowSamples slow = WindowSamples::From(spec, 0.05);
   EXPECT_EQ(slow.block, 4);

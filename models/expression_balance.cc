@@ -148,12 +148,14 @@ Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machi
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ready.push_back(std::make_shared<const ExpressionParts>(parts[i], channels.Indices()));
     const std::string name = i < balance.terms.size() ? balance.terms[i].parameter : "output";
-    model->columns.push_back({name, FillOf(ready.back(), model->level_form)});
+    const bool walks = !model->level_form && !HasLevel(parts[i]);
+    model->columns.push_back({name, FillOf(ready.back(), model->level_form), walks});
   }
   model->integrated_noise = [ready](const Stretch& s, int first, int step, Eigen::MatrixXd& rate_noise) {
     for (Eigen::Index b = 0; b < rate_noise.cols(); ++b)
       for (std::size_t i = 0; i < ready.size(); ++i)
-        rate_noise(static_cast<Eigen::Index>(i), b) = ready[i]->Contrast(s, first + static_cast<int>(b) * step);
+        rate_noise(static_cast<Eigen::Index>(i), b) =
+            ready[i]->Contrast(s, first + static_cast<int>(b) * step);
   };
   model->derive = Derivation(machine, units);
 

@@ -73,7 +73,7 @@ struct GateSpec {
 
 struct WindowSpec {
   double block = 0.02;       ///< s averaged into one equation
-  double span = 0.7;         ///< s that share one intercept (integration constant)
+  double span = 0.56;        ///< s that share one intercept (integration constant)
   double half_width = 0.04;  ///< s, half width of the triangular window in which flows are shown and compared
 
   bool operator==(const WindowSpec&) const = default;

@@ -14,7 +14,7 @@ PressOptions SmallLeak() {
   PressOptions press;
   press.seconds = 60;
   press.seed = 31;
-  press.effects = {{"internal_leakage", 1.2e-12, {}}};
+  press.effects = {{"internal_leakage", 0.9e-12, {}}};
   return press;
 }
 

@@ -165,7 +165,7 @@ TEST(Pipeline, RefusesAStateThatIsNotItsOwnAndWorksOnAsIfItHadNotSeenIt) {
 
 TEST(Pipeline, RecoversTheKnownParametersWithinItsIntervals) {
   for (std::uint64_t seed : {1, 2, 3}) {
-    const PressOptions press = Press(seed, 90);
+    const PressOptions press = Press(seed, 180);
     Line line(MachineFor(press));
     line.Run(Rows(press));
     const double truth[] = {press.machine.K, press.machine.V0, press.machine.Q_vn, press.machine.y_0};

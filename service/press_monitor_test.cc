@@ -179,6 +179,11 @@ class PressMonitorTest : public testing::Test {
   std::vector<std::int64_t> runs_, ids_, stored_;
 };
 
+/// 24 strokes with a leak may not tell it from one to the outside: then both are named, the likelier one
+/// first.
+constexpr const char* kInternalLeakageAppeared =
+    "appeared( and the strokes cannot tell which)?: internal_leakage";
+
 std::vector<std::string> Standing(const AxisMonitor& axis) {
   std::vector<std::string> alarms;
   for (const AlarmState& alarm : axis.alarms())
@@ -201,7 +206,7 @@ TEST_F(PressMonitorTest, ALeakOfOneAxisIsItsAlarmWithTheStrokesAndTheExplanation
   const drift::DriftFinding& finding = press->axis(0).monitor()->findings().front();
   EXPECT_NEAR(static_cast<double>(finding.since.last_before + 1), static_cast<double>(Healthy().size()), 10);
   EXPECT_NEAR(finding.parts.front().size, 3e-12, 0.6e-12);
-  EXPECT_THAT(finding.explanation, HasSubstr("appeared: internal_leakage"));
+  EXPECT_THAT(finding.explanation, testing::ContainsRegex(kInternalLeakageAppeared));
   EXPECT_THAT(finding.explanation, HasSubstr("error on strokes left out"));
   for (const AlarmState& alarm : press->axis(0).alarms())
     if (alarm.id == "internal_leakage") {
@@ -223,7 +228,7 @@ TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
   EXPECT_LT(section.find("internal_leakage, deviation"), section.find("K′, deviation"));
   for (const char* curve : {"bulk modulus", "valve flow", "dead volume"})
     EXPECT_THAT(section, HasSubstr(curve));
-  EXPECT_THAT(DriftVerdictBox(press->axis(1)), HasSubstr("appeared: internal_leakage"));
+  EXPECT_THAT(DriftVerdictBox(press->axis(1)), testing::ContainsRegex(kInternalLeakageAppeared));
 }
 
 /// The same strokes as if the oil had never been compressed: dead volume and bulk modulus are not to be told.
