@@ -60,6 +60,7 @@ class Explainer {
   void TakeSteps(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
   void FindMargin(Explanation& out) const;
+  bool IsSame(const RankedEffect& law, const Explanation& found) const;
   std::optional<std::pair<std::string, std::string>> Relatives(const Groups& groups) const;
   void Judge(Explanation& out) const;
 
@@ -152,29 +153,30 @@ void Explainer::FindRemainder(const CandidateModel& model, Explanation& out) con
   }
 }
 
-/// Generic laws stand for effects that are not in the library. One that explains the error as well as the
-/// best effect, and is not much the same as one of the set, shows that the name rests on what happens to be
-/// in the library.
+/// Generic laws stand for effects that are not in the library. One that explains the error as well as what
+/// was found, and is not much the same as an effect of the set, shows that the name rests on what happens to
+/// be in the library.
 void Explainer::FindMargin(Explanation& out) const {
   out.margin = std::numeric_limits<double>::infinity();
-  if (out.groups.size() != 1) return;
   for (const RankedEffect& law : ranking_.RankGeneric(start_)) {
-    if (!law.fit.solved) continue;
-    const double alone = law.fit.effects.back().independent;
-    const double least = IsPlainFlow(law.id) ? kSameFlow : kSameLaw;
-    bool same = false;
-    for (const RankedEffect& named : out.ranking) {
-      const auto& group = out.groups.front();
-      if (std::find(group.begin(), group.end(), named.id) == group.end()) continue;
-      const CandidateModel with = ranking_.With(start_, named.fit.effects.back().choice);
-      const ExtendedFit both = ranking_.With(with, law.fit.effects.back().choice).fit;
-      same = same || !both.solved || both.effects.back().independent < least * alone;
-    }
-    if (same) continue;
-    out.margin = ranking_.Gain(law.fit, out.ranking.front().fit);
+    if (!law.fit.solved) return;
+    if (out.groups.size() == 1 && IsSame(law, out)) continue;
+    out.margin = ranking_.Gain(law.fit, out.final);
     out.margin_law = law.id;
     return;
   }
+}
+
+/// Little of the law is left beside an effect that may be the one.
+bool Explainer::IsSame(const RankedEffect& law, const Explanation& found) const {
+  const double least = (IsPlainFlow(law.id) ? kSameFlow : kSameLaw) * law.fit.effects.back().independent;
+  const auto& group = found.groups.front();
+  return std::any_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& named) {
+    if (std::find(group.begin(), group.end(), named.id) == group.end()) return false;
+    const CandidateModel with = ranking_.With(start_, named.fit.effects.back().choice);
+    const ExtendedFit both = ranking_.With(with, law.fit.effects.back().choice).fit;
+    return !both.solved || both.effects.back().independent < least;
+  });
 }
 
 /// Two effects found at once of which one is easily taken for the other.
@@ -203,7 +205,7 @@ void Explainer::Judge(Explanation& out) const {
   }
   if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
     out.doubt = fmt::format("it leaves something that another law would explain ({})", out.remainder_law);
-  } else if (out.margin < options_.rival_gain) {
+  } else if (out.margin < options_.doubt_margin) {
     out.doubt = fmt::format("a law without a name explains the error as well ({})", out.margin_law);
   } else if (const auto blend = Relatives(out.groups)) {
     out.doubt = fmt::format("{} and {} have similar signatures, and together they can pass for a third law",

@@ -29,6 +29,7 @@ struct ExplainOptions {
   double doubt_remainder = 15.0;   ///< ... and above which the explanation is flagged as partial
   double remainder_share = 0.003;  ///< of the gain so far, allowed on top of the former
   double doubt_share = 0.0005;     ///< ... and of the latter
+  double doubt_margin = 20.0;      ///< a law without a name within this of the best flags it as partial too
   double interplay =
       4.0;  ///< two effects act on one another, which their sum leaves out: so much more may be left
   double second_t =
@@ -74,11 +75,11 @@ struct Explanation {
   std::string doubt;
   double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances
   std::string remainder_law;
-  double margin = 0;  ///< by which the best named effect beats the best generic law that is not much the same
-  std::string margin_law;             ///< "" if none was tried
-  ExtendedFit base;                   ///< the model as it is: base balance and ExplainOptions::start
-  ExtendedFit final;                  ///< with the effects found
-  int started = 0;                    ///< effects of `base`, the first of `chosen`
+  double margin = 0;       ///< by which what was found beats the best generic law that is not much the same
+  std::string margin_law;  ///< "" if none was tried
+  ExtendedFit base;        ///< the model as it is: base balance and ExplainOptions::start
+  ExtendedFit final;       ///< with the effects found
+  int started = 0;         ///< effects of `base`, the first of `chosen`
   std::vector<EffectChoice> chosen;   ///< effects of `final`, those of `base` first
   std::vector<RankedEffect> ranking;  ///< on the model as it is, best first
   std::vector<RankedEffect> second;   ///< on the model and the first effect, best first

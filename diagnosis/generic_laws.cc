@@ -16,18 +16,15 @@ constexpr std::string_view kValve = "flow gain", kNull = "null";
 constexpr double kPressure = 1e7, kPosition1 = 0.1, kSpeed1 = 0.1, kTemperature = 10.0, kMiddle = 313.15;
 constexpr double kAbsolute = 1.013e5;  // Pa, from gauge to absolute pressure
 
-/// A law whose regressor is one column.
-std::shared_ptr<const Effect> Law(const char* what, Column::Fill fill, std::vector<int> channels = {}) {
-  auto effect = std::make_shared<Effect>();
-  effect->id = std::string(kPrefix) + what;
-  effect->title = what;
-  effect->walks = effect->title.starts_with(kValve) || effect->title.starts_with(kNull);
-  effect->min = -std::numeric_limits<double>::infinity();
-  effect->max = std::numeric_limits<double>::infinity();
-  effect->typical = std::numeric_limits<double>::infinity();
-  effect->channels = std::move(channels);
-  effect->variant = [fill = std::move(fill)](const auto&) { return PlainVariant(fill); };
-  return effect;
+double P(const Stretch& s, int k) { return s[kPressureA][k] / kPressure; }
+double B(const Stretch& s, int k) { return s[kPressureB][k] / kPressure; }
+double Z(const Stretch& s, int k) { return s[kPosition][k] / kPosition1; }
+double Y(const Stretch& s, int k) { return s[kSpool][k]; }
+double Valve(const Stretch& s, int k) { return s[kFlowRoot][k] * s[kSpool][k]; }
+double Oil(const Stretch& s, int k) { return (s[kOilTemperature][k] - kMiddle) / kTemperature; }
+double Log(const Stretch& s, int k) { return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute)); }
+double Inverse(const Stretch& s, int k) {
+  return kPressure / std::max(s[kPressureA][k] + kAbsolute, kAbsolute);
 }
 
 /// A flow of that rate.
@@ -48,11 +45,41 @@ Column::Fill Stored(Volume volume) {
   };
 }
 
-double P(const Stretch& s, int k) { return s[kPressureA][k] / kPressure; }
-double Z(const Stretch& s, int k) { return s[kPosition][k] / kPosition1; }
-double Y(const Stretch& s, int k) { return s[kSpool][k]; }
-double Valve(const Stretch& s, int k) { return s[kFlowRoot][k] * s[kSpool][k]; }
-double Oil(const Stretch& s, int k) { return (s[kOilTemperature][k] - kMiddle) / kTemperature; }
+/// A volume of that size for every position.
+template <typename Volume>
+Column::Fill Stroke(Volume volume) {
+  return [volume](const Stretch& s, double&, std::span<double> out) {
+    IntegrateOver(
+        s, [&](int k) { return Z(s, k); }, [&](int k) { return volume(s, k); }, out);
+  };
+}
+
+/// A law of the columns of `variant`.
+std::shared_ptr<const Effect> Law(const char* what, EffectVariant variant, std::vector<int> channels = {}) {
+  auto effect = std::make_shared<Effect>();
+  effect->id = std::string(kPrefix) + what;
+  effect->title = what;
+  effect->walks = effect->title.starts_with(kValve) || effect->title.starts_with(kNull);
+  effect->min = -std::numeric_limits<double>::infinity();
+  effect->max = std::numeric_limits<double>::infinity();
+  effect->typical = std::numeric_limits<double>::infinity();
+  effect->channels = std::move(channels);
+  effect->variant = [variant = std::move(variant)](const auto&) { return variant; };
+  return effect;
+}
+
+std::shared_ptr<const Effect> Law(const char* what, Column::Fill fill, std::vector<int> channels = {}) {
+  return Law(what, PlainVariant(std::move(fill)), std::move(channels));
+}
+
+/// A volume of that size for every volume of the oil column, V_0 + A z.
+template <typename Volume>
+EffectVariant OilVolume(Volume volume) {
+  return {{Stored(volume), Stroke(volume)}, [](const ShapeContext& c) {
+            const double dead_length = c.theta[1] / c.theta[2];
+            return std::vector<double>{dead_length / kPosition1, 1.0};
+          }};
+}
 
 std::vector<std::shared_ptr<const Effect>> Laws() {
   return {
@@ -61,6 +88,8 @@ std::vector<std::shared_ptr<const Effect>> Laws() {
       Law("flow with p_A^2", Flow([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
       Law("flow with p_A z", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k); })),
       Law("flow with p_A z^2", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k) * Z(s, k); })),
+      Law("flow with p_A - p_B", Flow([](const Stretch& s, int k) { return P(s, k) - B(s, k); }),
+          {kPressureB}),
       Law("flow with y_v", Flow([](const Stretch& s, int k) { return Y(s, k); })),
       Law("flow gain with y_v",
           Flow([](const Stretch& s, int k) { return Valve(s, k) * std::abs(Y(s, k)); })),
@@ -73,18 +102,11 @@ std::vector<std::shared_ptr<const Effect>> Laws() {
       Law("null with T_oil", Flow([](const Stretch& s, int k) { return s[kFlowRoot][k] * Oil(s, k); }),
           {kOilTemperature}),
       Law("volume with p_A^2", Stored([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
-      Law("volume with log p_A", Stored([](const Stretch& s, int k) {
-            return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute));
-          })),
-      Law("volume with 1/p_A", Stored([](const Stretch& s, int k) {
-            return kPressure / std::max(s[kPressureA][k] + kAbsolute, kAbsolute);
-          })),
-      Law("stroke volume with log p_A",
-          [](const Stretch& s, double&, std::span<double> out) {
-            IntegrateOver(
-                s, [&](int k) { return Z(s, k); },
-                [&](int k) { return std::log(std::max(s[kPressureA][k] + kAbsolute, kAbsolute)); }, out);
-          }),
+      Law("volume with log p_A", Stored(Log)),
+      Law("volume with 1/p_A", Stored(Inverse)),
+      Law("stroke volume with log p_A", Stroke(Log)),
+      Law("oil volume with log p_A", OilVolume(Log)),
+      Law("oil volume with 1/p_A", OilVolume(Inverse)),
       Law("volume with dz/dt", Stored([](const Stretch& s, int k) { return s[kSpeed][k] / kSpeed1; })),
       Law("volume with y_v", Stored([](const Stretch& s, int k) { return Valve(s, k); })),
       Law("volume with dp_A/dt",
