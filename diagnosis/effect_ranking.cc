@@ -40,6 +40,20 @@ void BestFirst(std::vector<RankedEffect>& ranking) {
 
 }  // namespace
 
+CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
+  CandidateModel model;
+  const auto& library = strokes.model().effects;
+  for (const std::string& id : ids) {
+    const auto at = std::find_if(library.begin(), library.end(), [&](const auto& e) { return e->id == id; });
+    if (at == library.end()) return {};
+    const EffectChoice best = strokes.BestShape(static_cast<int>(at - library.begin()), model.choices);
+    if (best.shape < 0) return {};
+    model.choices.push_back(best);
+  }
+  model.fit = strokes.Fit(model.choices);
+  return model;
+}
+
 double EffectRanking::Cost(const ExtendedFit& fit) const {
   double cost = 0;
   for (const EffectEstimate& e : fit.effects) {
@@ -75,7 +89,7 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
   ranked.why_not = "the signals it needs have no usable samples in these strokes";
   const double degrees = strokes_.strokes() - 1.0;
   bool forbidden = false, separable = false;
-  for (int shape = 0; shape < static_cast<int>(strokes_.model().effect_shapes[index].size()); ++shape) {
+  for (const int shape : ShapesFor(strokes_.model(), index, on.choices)) {
     if (!strokes_.Measured({index, shape})) continue;
     ExtendedFit fit = With(on, {index, shape}).fit;
     if (!fit.solved) continue;

@@ -14,6 +14,10 @@ struct CandidateModel {
   ExtendedFit fit;
 };
 
+/// The model as it is: base balance and the effects it has already, each in its best shape. Not solved if one
+/// of them cannot be fitted or is not in the library.
+CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids);
+
 /// Tries effects on top of a model and weighs the evidence for them.
 class EffectRanking {
  public:

@@ -53,10 +53,11 @@ class Explainer {
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
+  std::vector<EffectChoice> PairFirsts(std::vector<RankedEffect> ranking) const;
   std::optional<std::pair<CandidateModel, Groups>> SearchPairs(
       const std::vector<RankedEffect>& ranking) const;
-  /// Effects that explain the error, best model first; sets groups and second of `out`.
-  CandidateModel Search(Explanation& out) const;
+  /// The model with the effects that explain the error, if some do; sets groups and second of `out`.
+  std::optional<CandidateModel> Search(Explanation& out) const;
   void TakeSteps(const CandidateModel& model, Explanation& out) const;
   void FindRemainder(const CandidateModel& model, Explanation& out) const;
   void FindMargin(Explanation& out) const;
@@ -70,17 +71,35 @@ class Explainer {
   const EffectRanking ranking_;
 };
 
+/// The effects that gain most on their own, each in its best shape and in all that were refined: what suits a
+/// pair need not suit the effect alone, nor agree with itself there.
+std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> ranking) const {
+  std::erase_if(ranking, [&](const RankedEffect& r) { return !r.fit.solved || r.gain <= options_.min_gain; });
+  std::stable_sort(ranking.begin(), ranking.end(),
+                   [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
+  std::vector<EffectChoice> firsts;
+  for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a) {
+    const EffectChoice best = ranking[a].fit.effects.back().choice;
+    firsts.push_back(best);
+    const auto& shapes = strokes_.model().effect_shapes[best.effect];
+    for (const int shape : ShapesFor(strokes_.model(), best.effect, start_.choices))
+      if (shapes[shape].refined && shape != best.shape) firsts.push_back({best.effect, shape});
+  }
+  return firsts;
+}
+
 std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     const std::vector<RankedEffect>& ranking) const {
   struct Pair {
     CandidateModel model;
     double gain;
+    bool lawful;
     int effect[2];
   };
   std::vector<Pair> pairs;
-  for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a) {
-    if (!ranking[a].significant) continue;
-    const CandidateModel first = ranking_.With(start_, ranking[a].fit.effects.back().choice);
+  for (const EffectChoice& choice : PairFirsts(ranking)) {
+    const CandidateModel first = ranking_.With(start_, choice);
+    if (!first.fit.solved) continue;
     for (const RankedEffect& second : ranking_.Rank(first)) {
       if (!second.fit.solved) continue;
       const std::size_t count = second.fit.effects.size();
@@ -89,13 +108,16 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
         continue;
       Pair pair{{first.choices, second.fit},
                 ranking_.Gain(ranking.front().fit, second.fit),
-                {ranking[a].effect, second.effect}};
+                IsLawful(second.fit),
+                {choice.effect, second.effect}};
       pair.model.choices.push_back(second.fit.effects.back().choice);
       if (pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
     }
   }
   if (pairs.empty()) return std::nullopt;
-  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.gain > y.gain; });
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
+    return x.lawful != y.lawful ? x.lawful : x.gain > y.gain;
+  });
   const Pair& best = pairs.front();
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
                    {strokes_.model().effects[best.effect[1]]->id}};
@@ -114,16 +136,18 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   return std::make_pair(best.model, groups);
 }
 
-CandidateModel Explainer::Search(Explanation& out) const {
-  CandidateModel model = ranking_.With(start_, out.ranking.front().fit.effects.back().choice);
-  out.groups = {ranking_.Rivals(out.ranking)};
-  if (!AtFloor(model.fit)) {
+std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
+  const RankedEffect& first = out.ranking.front();
+  const CandidateModel model = ranking_.With(start_, first.fit.effects.back().choice);
+  if (!first.significant || !AtFloor(model.fit)) {
     if (auto pair = SearchPairs(out.ranking)) {
-      model = pair->first;
-      out.groups = pair->second;
+      out.groups = std::move(pair->second);
+      return std::move(pair->first);
     }
-    return model;
   }
+  if (!first.significant) return std::nullopt;
+  out.groups = {ranking_.Rivals(out.ranking)};
+  if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
       options_.max_effects < 2)
@@ -230,32 +254,20 @@ Explanation Explainer::Run() {
   out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
   if (!out.base.solved) return out;
   out.ranking = ranking_.Rank(start_);
-  if (out.ranking.empty() || !out.ranking.front().significant) {
-    out.verdict = out.base.excess_ratio <= options_.floor_excess ? Verdict::kAdequate : Verdict::kUnknown;
+  const bool stands_out = !out.ranking.empty() && out.ranking.front().significant;
+  const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
+  std::optional<CandidateModel> model;
+  if (stands_out || (!at_floor && !out.ranking.empty() && out.ranking.front().fit.solved))
+    model = Search(out);
+  if (!model) {
+    out.verdict = at_floor ? Verdict::kAdequate : Verdict::kUnknown;
     return out;
   }
-  const CandidateModel model = Search(out);
-  TakeSteps(model, out);
-  FindRemainder(model, out);
+  TakeSteps(*model, out);
+  FindRemainder(*model, out);
   FindMargin(out);
   Judge(out);
   return out;
-}
-
-/// The model as it is: base balance and the effects it has already, each in its best shape. Not solved if one
-/// of them cannot be fitted.
-CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
-  CandidateModel model;
-  const auto& library = strokes.model().effects;
-  for (const std::string& id : ids) {
-    const auto at = std::find_if(library.begin(), library.end(), [&](const auto& e) { return e->id == id; });
-    if (at == library.end()) return {};
-    const EffectChoice best = strokes.BestShape(static_cast<int>(at - library.begin()), model.choices);
-    if (best.shape < 0) return {};
-    model.choices.push_back(best);
-  }
-  model.fit = strokes.Fit(model.choices);
-  return model;
 }
 
 }  // namespace

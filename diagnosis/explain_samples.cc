@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/generic_laws.h"
 
@@ -24,67 +25,26 @@ std::vector<EffectChoice> Before(const ExtendedFit& fit) {
   return choices;
 }
 
-void AddClose(const std::vector<RankedEffect>& ranking, double min_gain, std::vector<Refinement>& work) {
-  for (const RankedEffect& r : ranking)
-    if (r.fit.solved && r.gain > std::max(min_gain, kClose * ranking.front().gain))
-      work.push_back({r.fit.effects.back().choice, Before(r.fit)});
-}
-
-/// The effects in the model, each given the others; in the first round also those that come close to the
-/// best.
-std::vector<Refinement> WorkOf(const Explanation& found, int round, const ExplainOptions& options) {
+/// Effects that come close to the best and can be refined.
+std::vector<Refinement> CloseTo(const Explanation& found, const ExplainOptions& options) {
   std::vector<Refinement> work;
-  for (const EffectChoice& chosen : found.chosen) {
-    // Laws tied to their size are refined together.
-    if (found.chosen.size() > 1 && found.model->effects[chosen.effect]->implied) continue;
-    std::vector<EffectChoice> others = found.chosen;
-    std::erase(others, chosen);
-    work.push_back({chosen, others});
-  }
-  if (round > 0) return work;
-  AddClose(found.ranking, options.min_gain, work);
-  AddClose(found.second, options.min_gain, work);
+  for (const auto& ranking : {found.ranking, found.second})
+    for (const RankedEffect& r : ranking)
+      if (r.fit.solved && !found.model->effects[r.effect]->nonlinear.empty() &&
+          r.gain > std::max(options.min_gain, kClose * ranking.front().gain))
+        work.push_back({r.fit.effects.back().choice, Before(r.fit)});
   return work;
 }
 
-/// The model with the refined shapes. A law with one parameter keeps none but refined ones: the grid was for
-/// finding it.
-std::shared_ptr<const ModelStructure> Refined(const ModelStructure& model,
-                                              const std::vector<Refinement>& work,
-                                              std::span<const EffectChoice> chosen,
-                                              std::span<const StrokeStretches> strokes,
-                                              const WindowSamples& window, bool& changed) {
-  auto refined = std::make_shared<ModelStructure>(model);
-  changed = false;
-  for (const Refinement& item : work) {
-    const Effect& effect = *model.effects[item.choice.effect];
-    if (effect.nonlinear.empty()) continue;
-    const EffectShape& shape = model.effect_shapes[item.choice.effect][item.choice.shape];
-    const std::vector<double> values = RefineNonlinear(model, strokes, window, item.others, item.choice);
-    if (values == shape.nonlinear && shape.refined) continue;
-    AddShape(*refined, item.choice.effect, values);
-    refined->effect_shapes[item.choice.effect].back().refined = true;
-    changed = true;
-  }
-  if (chosen.size() > 1) {
-    const auto together = RefineTogether(model, strokes, window, chosen);
-    for (std::size_t k = 0; k < chosen.size(); ++k) {
-      const EffectShape& shape = model.effect_shapes[chosen[k].effect][chosen[k].shape];
-      if (!model.effects[chosen[k].effect]->implied || (together[k] == shape.nonlinear && shape.refined))
-        continue;
-      AddShape(*refined, chosen[k].effect, together[k]);
-      refined->effect_shapes[chosen[k].effect].back().refined = true;
-      changed = true;
-    }
-  }
-  for (std::size_t e = 0; e < refined->effects.size(); ++e) {
-    auto& shapes = refined->effect_shapes[e];
+/// A law with one parameter keeps none but refined shapes: the grid was for finding it.
+void DropGrid(ModelStructure& model) {
+  for (std::size_t e = 0; e < model.effects.size(); ++e) {
+    auto& shapes = model.effect_shapes[e];
     const bool any =
-        std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.refined; });
-    if (any && refined->effects[e]->implied)
+        std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.refined && !s.on; });
+    if (any && model.effects[e]->implied)
       std::erase_if(shapes, [](const EffectShape& s) { return !s.refined; });
   }
-  return refined;
 }
 
 }  // namespace
@@ -94,13 +54,24 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            const ExplainOptions& options) {
   auto with_laws = std::make_shared<ModelStructure>(*model);
   AddGenericLaws(*with_laws);
+  if (!options.start.empty()) {
+    const CandidateModel start =
+        StartModel(StrokeSet(with_laws, GramsOf(with_laws, strokes, window), window), options.start);
+    RefineModel(*with_laws, strokes, window, start.choices);
+    DropGrid(*with_laws);
+  }
   model = with_laws;
   Explanation out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<Refinement> work = WorkOf(out, round, options);
-    bool changed = false;
-    model = Refined(*model, work, out.chosen, strokes, window, changed);
-    if (!changed) return out;
+    auto refined = std::make_shared<ModelStructure>(*model);
+    const int columns = refined->column_count();
+    RefineModel(*refined, strokes, window, out.chosen);
+    if (round == 0)
+      for (const Refinement& close : CloseTo(out, options))
+        RefineOne(*refined, strokes, window, close.others, close.choice);
+    if (refined->column_count() == columns) return out;
+    DropGrid(*refined);
+    model = refined;
     const std::vector<std::string> set_before = out.set;
     const double excess_before = out.final.excess_ratio;
     out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);

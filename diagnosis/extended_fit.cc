@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 namespace hydroscope {
 namespace {
@@ -39,6 +41,31 @@ NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
 }
 
 }  // namespace
+
+std::vector<int> ShapesFor(const ModelStructure& model, int effect, std::span<const EffectChoice> others) {
+  const auto& shapes = model.effect_shapes[effect];
+  const auto in_others = [&](const Correction& on) {
+    return std::any_of(others.begin(), others.end(), [&](const EffectChoice& other) {
+      return other.effect == on.effect &&
+             model.effect_shapes[other.effect][other.shape].nonlinear.front() == on.value;
+    });
+  };
+  std::vector<int> all(shapes.size()), corrected, measured;
+  std::iota(all.begin(), all.end(), 0);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(corrected),
+               [&](int s) { return shapes[s].on && in_others(*shapes[s].on); });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(measured), [&](int s) { return !shapes[s].on; });
+  return !corrected.empty() ? corrected : !measured.empty() ? measured : all;
+}
+
+std::optional<Correction> CorrectionOf(const ModelStructure& model, std::span<const EffectChoice> choices,
+                                       std::span<const std::vector<double>> values, std::size_t k) {
+  const bool corrects = static_cast<bool>(model.effects[choices[k].effect]->correct);
+  for (std::size_t j = 0; j < choices.size(); ++j)
+    if (j != k && model.effects[choices[j].effect]->correct && !values[j].empty() && (!corrects || j < k))
+      return Correction{choices[j].effect, values[j].front()};
+  return std::nullopt;
+}
 
 Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
   Eigen::MatrixXd full(packed.dimension(), packed.dimension());
@@ -137,7 +164,7 @@ EffectChoice StrokeSet::BestShape(int effect, std::span<const EffectChoice> othe
   double least = 0;
   std::vector<EffectChoice> choices(others.begin(), others.end());
   choices.push_back({effect, 0});
-  for (int shape = 0; shape < static_cast<int>(model_->effect_shapes[effect].size()); ++shape) {
+  for (const int shape : ShapesFor(*model_, effect, others)) {
     choices.back().shape = shape;
     const ExtendedFit fit = Fit(choices);
     if (!fit.solved || (best.shape >= 0 && fit.excess_ratio >= least)) continue;

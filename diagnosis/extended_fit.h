@@ -20,6 +20,16 @@ struct EffectChoice {
   bool operator==(const EffectChoice&) const = default;
 };
 
+/// Shapes of `effect` for a model that has `others`: those on the signals as one of these corrects them, else
+/// those on the signals as measured.
+std::vector<int> ShapesFor(const ModelStructure& model, int effect, std::span<const EffectChoice> others);
+
+/// What the signals of effect number `k` of a model are corrected by: the first effect that acts on signals
+/// and is not `k`; of two such effects the second one's by the first. `values` are their nonlinear
+/// parameters.
+std::optional<Correction> CorrectionOf(const ModelStructure& model, std::span<const EffectChoice> choices,
+                                       std::span<const std::vector<double>> values, std::size_t k);
+
 /// One added effect as fitted.
 struct EffectEstimate {
   EffectChoice choice;

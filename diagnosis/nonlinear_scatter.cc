@@ -34,8 +34,8 @@ class Shifting {
     std::vector<EffectChoice> choices(choices_.begin(), choices_.end());
     for (const auto& [k, values] : shapes) {
       const int effect = choices_[k].effect;
-      AddShape(*model, effect, values);
-      const EffectChoice shifted{effect, static_cast<int>(model->effect_shapes[effect].size()) - 1};
+      const EffectChoice shifted{
+          effect, AddShape(*model, effect, values, model->effect_shapes[effect][choices_[k].shape].on)};
       if (beside)
         choices.push_back(shifted);
       else

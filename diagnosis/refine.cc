@@ -87,17 +87,22 @@ class ShapeTrial {
   ShapeTrial(const ModelStructure& model, std::span<const StrokeStretches> strokes,
              const WindowSamples& window, std::span<const EffectChoice> others, int effect)
       : fixed_(BaseOnly(model)), strokes_(strokes), window_(window), effect_(effect) {
+    std::vector<std::vector<double>> values;
     for (const EffectChoice& other : others) {
-      AddShape(fixed_, other.effect, model.effect_shapes[other.effect][other.shape].nonlinear);
-      choices_.push_back({other.effect, static_cast<int>(fixed_.effect_shapes[other.effect].size()) - 1});
+      const EffectShape& shape = model.effect_shapes[other.effect][other.shape];
+      choices_.push_back({other.effect, AddShape(fixed_, other.effect, shape.nonlinear, shape.on)});
+      values.push_back(shape.nonlinear);
     }
+    choices_.push_back({effect, -1});
+    on_ = CorrectionOf(fixed_, choices_, values, others.size());
   }
+
+  const std::optional<Correction>& on() const { return on_; }
 
   ExtendedFit Fit(const std::vector<double>& nonlinear) const {
     auto trial = std::make_shared<ModelStructure>(fixed_);
-    AddShape(*trial, effect_, nonlinear);
     std::vector<EffectChoice> all = choices_;
-    all.push_back({effect_, static_cast<int>(trial->effect_shapes[effect_].size()) - 1});
+    all.back().shape = AddShape(*trial, effect_, nonlinear, on_);
     return StrokeSet(trial, GramsOf(trial, strokes_, window_), window_).Fit(all);
   }
   double Error(const std::vector<double>& nonlinear) const {
@@ -110,7 +115,8 @@ class ShapeTrial {
   std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
   int effect_;
-  std::vector<EffectChoice> choices_;
+  std::vector<EffectChoice> choices_;  ///< the last one is on trial
+  std::optional<Correction> on_;
 };
 
 /// Within the admissible range, and not so small that it cannot be told from none.
@@ -151,17 +157,58 @@ double SolveImplied(const ShapeTrial& trial, const ModelStructure& model, const 
   return x;
 }
 
+/// The refined shape of these values: one that is there, else a new one.
+EffectChoice Keep(ModelStructure& model, int effect, const std::vector<double>& nonlinear,
+                  const std::optional<Correction>& on) {
+  auto& shapes = model.effect_shapes[effect];
+  auto same = std::find_if(shapes.begin(), shapes.end(),
+                           [&](const EffectShape& s) { return s.nonlinear == nonlinear && s.on == on; });
+  if (same == shapes.end()) same = shapes.begin() + AddShape(model, effect, nonlinear, on);
+  same->refined = true;
+  return {effect, static_cast<int>(same - shapes.begin())};
+}
+
+/// Values of the nonlinear parameters of all of `choices`, of which those tied to the size agree with it.
+std::vector<std::vector<double>> SolveImpliedTogether(const ModelStructure& model,
+                                                      std::span<const StrokeStretches> strokes,
+                                                      const WindowSamples& window,
+                                                      std::span<const EffectChoice> choices) {
+  const ModelStructure base = BaseOnly(model);
+  std::vector<std::vector<double>> values;
+  for (const EffectChoice& c : choices) values.push_back(model.effect_shapes[c.effect][c.shape].nonlinear);
+  for (int step = 0; step < kImpliedSteps; ++step) {
+    auto trial = std::make_shared<ModelStructure>(base);
+    std::vector<EffectChoice> all;
+    for (std::size_t k = 0; k < choices.size(); ++k)
+      all.push_back({choices[k].effect, AddShape(*trial, choices[k].effect, values[k],
+                                                 CorrectionOf(model, choices, values, k))});
+    const ExtendedFit fit = StrokeSet(trial, GramsOf(trial, strokes, window), window).Fit(all);
+    if (!fit.solved) break;
+    bool settled = true;
+    std::vector<std::vector<double>> next = values;
+    for (std::size_t k = 0; k < choices.size(); ++k) {
+      const Effect& effect = *model.effects[choices[k].effect];
+      if (!effect.implied) continue;
+      const double implied = effect.implied({fit.theta.head(model.base_count), fit.effects[k].size});
+      next[k][0] = WithinLimits(effect.nonlinear[0], implied);
+      settled = settled && std::abs(next[k][0] - values[k][0]) <= kImpliedAccuracy * std::abs(values[k][0]);
+    }
+    if (settled) break;
+    values = std::move(next);
+  }
+  return values;
+}
+
 }  // namespace
 
-std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const StrokeStretches> strokes,
-                                    const WindowSamples& window, std::span<const EffectChoice> others,
-                                    const EffectChoice& start) {
+EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> strokes,
+                       const WindowSamples& window, std::span<const EffectChoice> others,
+                       const EffectChoice& start) {
   const Effect& effect = *model.effects[start.effect];
-  std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
-  if (effect.nonlinear.empty()) return best;
   const ShapeTrial trial(model, strokes, window, others, start.effect);
-  if (effect.implied) return {SolveImplied(trial, model, effect, best[0])};
-  const int sweeps = effect.nonlinear.size() > 1 ? kSweeps : 1;
+  std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
+  if (effect.implied) best = {SolveImplied(trial, model, effect, best[0])};
+  const int sweeps = effect.implied ? 0 : effect.nonlinear.size() > 1 ? kSweeps : 1;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::size_t i = 0; i < effect.nonlinear.size(); ++i) {
       const auto [low, high] = Bracket(effect, i, best[i]);
@@ -172,38 +219,24 @@ std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const
       };
       best[i] = Minimise(along, low, high, best[i]);
     }
-  return best;
+  return Keep(model, start.effect, best, trial.on());
 }
 
-std::vector<std::vector<double>> RefineTogether(const ModelStructure& model,
-                                                std::span<const StrokeStretches> strokes,
-                                                const WindowSamples& window,
-                                                std::span<const EffectChoice> choices) {
-  std::vector<std::vector<double>> values;
-  for (const EffectChoice& c : choices) values.push_back(model.effect_shapes[c.effect][c.shape].nonlinear);
-  const ModelStructure base = BaseOnly(model);
-  for (int step = 0; step < kImpliedSteps; ++step) {
-    auto trial = std::make_shared<ModelStructure>(base);
-    std::vector<EffectChoice> all;
-    for (std::size_t k = 0; k < choices.size(); ++k) {
-      AddShape(*trial, choices[k].effect, values[k]);
-      all.push_back(
-          {choices[k].effect, static_cast<int>(trial->effect_shapes[choices[k].effect].size()) - 1});
-    }
-    const ExtendedFit fit = StrokeSet(trial, GramsOf(trial, strokes, window), window).Fit(all);
-    if (!fit.solved) return values;
-    bool settled = true;
-    for (std::size_t k = 0; k < choices.size(); ++k) {
-      const Effect& effect = *model.effects[choices[k].effect];
-      if (!effect.implied) continue;
-      const double implied = WithinLimits(
-          effect.nonlinear[0], effect.implied({fit.theta.head(model.base_count), fit.effects[k].size}));
-      settled = settled && std::abs(implied - values[k][0]) <= kImpliedAccuracy * std::abs(values[k][0]);
-      values[k][0] = implied;
-    }
-    if (settled) return values;
+std::vector<EffectChoice> RefineModel(ModelStructure& model, std::span<const StrokeStretches> strokes,
+                                      const WindowSamples& window, std::vector<EffectChoice> choices) {
+  if (choices.size() > 1) {
+    const auto values = SolveImpliedTogether(model, strokes, window, choices);
+    for (std::size_t k = 0; k < choices.size(); ++k)
+      choices[k] = Keep(model, choices[k].effect, values[k], CorrectionOf(model, choices, values, k));
   }
-  return values;
+  for (EffectChoice& choice : choices) {
+    const Effect& effect = *model.effects[choice.effect];
+    if (effect.nonlinear.empty() || (choices.size() > 1 && effect.implied)) continue;
+    std::vector<EffectChoice> others = choices;
+    std::erase(others, choice);
+    choice = RefineOne(model, strokes, window, others, choice);
+  }
+  return choices;
 }
 
 }  // namespace hydroscope

@@ -19,18 +19,16 @@ std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
 /// Finds the nonlinear parameters (threshold, width, exponent, ...) of effect `start.effect`, in a model that
 /// also has the effects `others`, from the best shape `start`: those a law ties to its size (Effect::implied)
 /// by going back and forth between the two, free ones by the error on strokes left out, coordinate by
-/// coordinate with Brent's method within the admissible range. Returns their values, or `start`'s own if the
-/// effect has none.
-std::vector<double> RefineNonlinear(const ModelStructure& model, std::span<const StrokeStretches> strokes,
-                                    const WindowSamples& window, std::span<const EffectChoice> others,
-                                    const EffectChoice& start);
+/// coordinate with Brent's method within the admissible range. Adds the shape to the model, unless it is
+/// there, and returns it.
+EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> strokes,
+                       const WindowSamples& window, std::span<const EffectChoice> others,
+                       const EffectChoice& start);
 
-/// Shapes of all of `choices` at once whose law ties them to their size: each takes the value that the common
-/// fit implies, again and again until they stay. Returns the nonlinear parameters of every choice; those of
-/// free ones are unchanged.
-std::vector<std::vector<double>> RefineTogether(const ModelStructure& model,
-                                                std::span<const StrokeStretches> strokes,
-                                                const WindowSamples& window,
-                                                std::span<const EffectChoice> choices);
+/// The same for all effects of a model. Those tied to their size take the values that the common fit implies,
+/// again and again until they stay, then free ones are found given the others; each on the signals as the
+/// others correct them (Effect::correct). Returns the shapes, in the order of `choices`.
+std::vector<EffectChoice> RefineModel(ModelStructure& model, std::span<const StrokeStretches> strokes,
+                                      const WindowSamples& window, std::vector<EffectChoice> choices);
 
 }  // namespace hydroscope

@@ -43,11 +43,11 @@ RivalModel RivalModelOf(const Explanation& explanation) {
   for (auto& shapes : structure.effect_shapes) shapes.clear();
   for (const int rival : out.rivals)
     for (const EffectShape& shape : explanation.model->effect_shapes[rival])
-      AddShape(structure, rival, shape.nonlinear);
+      AddShape(structure, rival, shape.nonlinear, shape.on);
   for (const EffectChoice& choice : explanation.chosen) {
     if (std::find(out.rivals.begin(), out.rivals.end(), choice.effect) != out.rivals.end()) continue;
-    AddShape(structure, choice.effect,
-             explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear);
+    const EffectShape& shape = explanation.model->effect_shapes[choice.effect][choice.shape];
+    AddShape(structure, choice.effect, shape.nonlinear, shape.on);
     out.others.push_back({choice.effect, 0});
   }
   return out;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "estimation/analytic_stroke.h"
@@ -121,6 +122,84 @@ TEST(Effects, EveryShapeHasOneFiniteWeightPerColumnAndValuesWithinItsRange) {
       }
     }
   }
+}
+
+/// What the balance without effects leaves.
+std::vector<double> Left(const ModelStructure& model, const Stretch& s) {
+  const Eigen::Vector4d theta = AnalyticStroke::Theta();
+  std::vector<double> left = Increments(model.columns[model.output_column()], s);
+  for (int c = 0; c < model.base_count; ++c) {
+    const std::vector<double> column = Increments(model.columns[c], s);
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] -= theta[c] * column[k];
+  }
+  return left;
+}
+
+std::vector<double> Added(const ModelStructure& model, int effect, int shape, double size, const Stretch& s) {
+  const EffectShape& of = model.effect_shapes[effect][shape];
+  const std::vector<double> weights = of.weights({AnalyticStroke::Theta(), size});
+  std::vector<double> added(s.samples - 1, 0.0);
+  for (std::size_t j = 0; j < weights.size(); ++j) {
+    const std::vector<double> column = Increments(model.columns[of.columns[j]], s);
+    for (std::size_t k = 0; k < added.size(); ++k) added[k] += size * weights[j] * column[k];
+  }
+  return added;
+}
+
+/// Root of the sum of squares, without the ends, beyond which a shifted signal is not known.
+double Size(const std::vector<double>& x) {
+  double sum = 0;
+  for (std::size_t k = 30; k + 30 < x.size(); ++k) sum += x[k] * x[k];
+  return std::sqrt(sum);
+}
+
+TEST(Effects, OfSignalsCorrectThemToWhatTheirColumnsSay) {
+  ModelStructure model = *Model();
+  const Stretch measured = SomeStretch(model);
+  const std::map<std::string, double> values = {
+      {"spool_signal_delay", 0.006}, {"pressure_signal_delay", 0.006}, {"position_signal_delay", 0.006},
+      {"pressure_offset", 4e5},      {"valve_flow_curvature", 0.1},    {"spool_hysteresis", 0.01}};
+  std::size_t tested = 0;
+  for (int e = 0; e < static_cast<int>(model.effects.size()); ++e) {
+    const Effect& effect = *model.effects[e];
+    if (!effect.correct) continue;
+    ++tested;
+    ASSERT_EQ(values.count(effect.id), 1u) << effect.id;
+    const double value = values.at(effect.id);
+    const int shape = AddShape(model, e, {value});
+    ASSERT_NEAR(effect.implied({AnalyticStroke::Theta(), value}), value, 1e-12 * std::abs(value))
+        << effect.id;
+    Stretch corrected = measured;
+    double state = 0;
+    effect.correct(value, state, corrected);
+    std::vector<double> added = Added(model, e, shape, value, measured);
+    const std::vector<double> before = Left(model, measured), after = Left(model, corrected);
+    const double whole = Size(added);
+    for (std::size_t k = 0; k < added.size(); ++k) added[k] -= before[k] - after[k];
+    EXPECT_LT(Size(added), 0.05 * whole) << effect.id;
+  }
+  EXPECT_EQ(tested, values.size());
+}
+
+TEST(Effects, ActOnTheSignalsThatAnotherOneCorrects) {
+  ModelStructure model = *Model();
+  const Stretch measured = SomeStretch(model);
+  const auto index = [&](const std::string& id) {
+    for (std::size_t e = 0; e < model.effects.size(); ++e)
+      if (model.effects[e]->id == id) return static_cast<int>(e);
+    return -1;
+  };
+  const int offset = index("pressure_offset"), relief = index("relief_valve");
+  const double crack = 80e5, b = 6e5;
+  const int plain = AddShape(model, relief, {crack}), later = AddShape(model, relief, {crack + b}),
+            on = AddShape(model, relief, {crack}, Correction{offset, b});
+  // What opens at 80 bar opens at a reading of 86 bar, if the sensor reads 6 bar too much.
+  const std::vector<double> expected = Added(model, relief, later, 1e-12, measured);
+  std::vector<double> miss = Added(model, relief, on, 1e-12, measured);
+  for (std::size_t k = 0; k < miss.size(); ++k) miss[k] -= expected[k];
+  EXPECT_LT(Size(miss), 1e-9 * Size(expected));
+  EXPECT_NE(Added(model, relief, plain, 1e-12, measured), expected);
+  EXPECT_THAT(model.columns.back().name, testing::HasSubstr("after pressure_offset"));
 }
 
 }  // namespace

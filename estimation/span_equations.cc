@@ -188,7 +188,7 @@ void SpanEquationBuilder::FillDisturbedRates(const Stretch& stretch, int first, 
   // One sample more than rates, since a rate lies between two.
   const int rates = static_cast<int>(rate_noise.cols());
   twice_.samples = 2 * (rates + 1);
-  twice_.continues = true;
+  twice_.continues = twice_.scattered = true;
   model_->disturb(stretch, first, step, twice_);
   const double *plain = increments_.data(), *disturbed = plain + rates + 1;
   for (int c = 0; c < model_->column_count(); ++c) {

@@ -9,6 +9,15 @@
 #include "models/wide_stretch.h"
 
 namespace hydroscope {
+
+HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
+  const double *p = s[kPressureA], *y = s[kSpool];
+  double *pressure = s[kLogPressure], *absolute = s[kLogAbsolute], *opening = s[kLogOpening];
+  for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
+  for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
+  for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
+}
+
 namespace {
 
 constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
@@ -27,14 +36,6 @@ double NoiseCorrectedRoot(double dp, double variance) {
   const double magnitude = std::abs(dp);
   const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
   return std::copysign(std::sqrt(magnitude) * correction, dp);
-}
-
-HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
-  const double *p = s[kPressureA], *y = s[kSpool];
-  double *pressure = s[kLogPressure], *absolute = s[kLogAbsolute], *opening = s[kLogOpening];
-  for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
-  for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
-  for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
 }
 
 HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch& s) {

@@ -27,6 +27,9 @@ enum DieCushionChannel {
   kDieCushionChannels
 };
 
+/// Fills the logarithms of the channels they are of.
+void FillLogarithms(Stretch& stretch);
+
 /// The balance of a die-cushion cylinder with its valve to tank (Krimpmann-type grey box of the press paper, eq. 6-8):
 ///   A_A dz/dt = theta1 root(dp) y_v + theta2 dp_A/dt + theta3 z dp_A/dt + theta4 root(dp)
 /// theta1 = -Q_vn / sqrt(dp_nom), theta2 = -V0/K', theta3 = -A_A/K', theta4 = Q_vn/sqrt(dp_nom) y_0,

@@ -40,6 +40,10 @@ struct Effect {
   /// A law with one parameter that enters in both ways: the value of nonlinear[0] that base parameters and size imply.
   /// Empty: the nonlinear parameters are free.
   std::function<double(const ShapeContext&)> implied;
+  /// Acts on signals, sensors' or the edge's: takes the effect at `value` of nonlinear[0] out of those of a stretch, derived
+  /// channels included, so that the base balance of what is left is base and effect of what was measured. `state` as in
+  /// Column::Fill. Empty: it acts on no signal.
+  std::function<void(double value, double& state, Stretch&)> correct;
   std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
   std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
   std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
@@ -58,8 +62,10 @@ struct CushionGeometry {
   double stroke = 0.2;        ///< m, working stroke, positions run 0 ... stroke
 };
 
-/// Appends the effect's columns at these nonlinear values to the model as one more shape of effect `index`.
-void AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear);
+/// Appends the effect's columns at these nonlinear values to the model as one more shape of effect `index`, if asked for on
+/// the signals as another effect corrects them. Returns the shape's index.
+int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear,
+             const std::optional<Correction>& on = {});
 
 /// Appends every effect whose channels the machine measures, with the shapes of its grid.
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model);

@@ -22,18 +22,39 @@ std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeomet
   return library;
 }
 
-void AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear) {
+namespace {
+
+Column::Fill OnCorrected(Column::Fill fill, std::shared_ptr<const Effect> by, double value) {
+  return [fill = std::move(fill), by = std::move(by), value](const Stretch& s, double& state,
+                                                             std::span<double> out) {
+    if (s.scattered) return fill(s, state, out);
+    Stretch corrected = s;
+    by->correct(value, state, corrected);
+    fill(corrected, state, out);
+  };
+}
+
+}  // namespace
+
+int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear,
+             const std::optional<Correction>& on) {
   const Effect& effect = *model.effects[index];
   EffectVariant variant = effect.variant(nonlinear);
-  EffectShape shape{{}, std::move(variant.weights), nonlinear};
+  EffectShape shape{{}, std::move(variant.weights), nonlinear, on};
   for (std::size_t j = 0; j < variant.columns.size(); ++j) {
     std::string name = effect.id;
     if (!nonlinear.empty()) name += fmt::format("[{:g}]", fmt::join(nonlinear, ","));
     if (variant.columns.size() > 1) name += fmt::format(".{}", j);
+    Column::Fill fill = std::move(variant.columns[j]);
+    if (on) {
+      name += fmt::format(" after {}[{:g}]", model.effects[on->effect]->id, on->value);
+      fill = OnCorrected(std::move(fill), model.effects[on->effect], on->value);
+    }
     shape.columns.push_back(model.column_count());
-    model.columns.push_back({std::move(name), std::move(variant.columns[j]), effect.walks});
+    model.columns.push_back({std::move(name), std::move(fill), effect.walks});
   }
   model.effect_shapes[index].push_back(std::move(shape));
+  return static_cast<int>(model.effect_shapes[index].size()) - 1;
 }
 
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model) {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,11 +38,20 @@ struct ShapeContext {
   double size = 0.0;
 };
 
+/// An effect that acts on signals (Effect::correct), at a value of its nonlinear parameter: what else acts, acts on the
+/// signals as it corrects them.
+struct Correction {
+  int effect = 0;  ///< index into ModelStructure::effects
+  double value = 0;  ///< SI
+  bool operator==(const Correction&) const = default;
+};
+
 /// One way an effect of the library looks in the columns: regressor = sum_j weight_j * column_j.
 struct EffectShape {
   std::vector<int> columns;
   std::function<std::vector<double>(const ShapeContext&)> weights;
   std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
+  std::optional<Correction> on;   ///< its columns are of signals corrected so: for models that have that effect too
   bool refined = false;           ///< values found on the samples, not of the grid
 };
 

@@ -59,14 +59,22 @@ Result<std::shared_ptr<const ModelStructure>> AddedEffectsEstimator::Widen(const
     return BadInput("machine {}: {} effects are part of the model, at most {} can be identified with it",
                     machine.name, machine.added_effects.size(), kMostEffects);
   auto wide = std::make_shared<ModelStructure>(model);
+  std::vector<EffectChoice> added;
+  std::vector<std::vector<double>> given;
   for (const std::string& id : machine.added_effects) {
     const auto effect = FindEffect(model, id);
     if (!effect) return tl::unexpected(effect.error());
-    const auto values = GivenValues(machine, *model.effects[*effect]);
+    auto values = GivenValues(machine, *model.effects[*effect]);
     if (!values) return tl::unexpected(values.error());
-    if (values->empty()) continue;
-    wide->effect_shapes[*effect].clear();
-    AddShape(*wide, *effect, *values);
+    added.push_back({*effect, 0});
+    given.push_back(std::move(*values));
+  }
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    const auto on = CorrectionOf(model, added, given, k);
+    if (given[k].size() != model.effects[added[k].effect]->nonlinear.size() || (given[k].empty() && !on))
+      continue;
+    wide->effect_shapes[added[k].effect].clear();
+    AddShape(*wide, added[k].effect, given[k], on);
   }
   return std::shared_ptr<const ModelStructure>(std::move(wide));
 }

@@ -10,6 +10,12 @@
 #include "models/effect.h"
 
 namespace hydroscope {
+namespace {
+
+/// Over the effects of the model, whose nonlinear parameters depend on one another.
+constexpr int kPasses = 2;
+
+}  // namespace
 
 Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
   for (std::size_t e = 0; e < model.effects.size(); ++e)
@@ -49,15 +55,8 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
             id, id);
       choices.push_back(best);
     }
-    for (std::size_t k = 0; k < choices.size(); ++k) {
-      std::vector<EffectChoice> others = choices;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-      const std::vector<double> nonlinear =
-          RefineNonlinear(*structure, log.stretches, log.window, others, choices[k]);
-      if (nonlinear.empty()) continue;
-      AddShape(*structure, choices[k].effect, nonlinear);
-      choices[k].shape = static_cast<int>(structure->effect_shapes[choices[k].effect].size()) - 1;
-    }
+    for (int pass = 0; pass < kPasses; ++pass)
+      choices = RefineModel(*structure, log.stretches, log.window, choices);
   }
   MachineModel out{structure, choices, {}};
   out.fit = StrokeSet(structure, GramsOf(structure, log.stretches, log.window), log.window).Fit(choices);

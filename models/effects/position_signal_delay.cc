@@ -57,6 +57,13 @@ Effect PositionSignalDelay(const CushionGeometry&) {
                            return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
                          }};
   };
+  // The other signals as they were when the position was what is read now, as in the columns above.
+  e.correct = [](double delay, double&, Stretch& s) {
+    ShiftChannels(
+        s, {kPressureA, kSpool, kPressureB, kSupplyPressure, kOilTemperature, kFlowRoot, kPressureRate},
+        -delay);
+    FillLogarithms(s);
+  };
   e.grid = {{0.006}};
   return e;
 }

@@ -7,7 +7,7 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeast = 2e5;                // Pa; below it the root of the pressure is taken as linear
+constexpr double kLeast = 2e5;                     // Pa; below it the root of the pressure is taken as linear
 constexpr double kLeastRoot = 447.21359549995793;  // its root
 
 /// Change of the flow root with a zero error b, per b: (root(dp - b) - root(dp)) / b to tank, (root(dp + b) -
@@ -55,6 +55,13 @@ Effect PressureOffset(const CushionGeometry&) {
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[3]};
                          }};
+  };
+  e.correct = [](double b, double&, Stretch& s) {
+    double *p = s[kPressureA], *root = s[kFlowRoot];
+    const double* y = s[kSpool];
+    for (int k = -s.before; k < s.samples + s.after; ++k) root[k] += b * RootChange(root[k], y[k], b);
+    for (int k = -s.before; k < s.samples + s.after; ++k) p[k] -= b;
+    FillLogarithms(s);
   };
   e.grid = {{-5e5}, {5e5}};
   return e;

@@ -53,6 +53,10 @@ Effect PressureSignalDelay(const CushionGeometry&) {
                            return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
                          }};
   };
+  e.correct = [](double delay, double&, Stretch& s) {
+    ShiftChannels(s, {kPressureA, kFlowRoot, kPressureRate}, delay);
+    FillLogarithms(s);
+  };
   e.grid = {{0.006}};
   return e;
 }

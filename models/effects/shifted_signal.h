@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <vector>
 
 #include "models/die_cushion.h"
@@ -50,5 +51,18 @@ class MeanOverShift {
   const double* now_;
   ShiftedSignal half_way_, then_;
 };
+
+/// Moves channels by the nearest whole number of samples: sample k becomes what was measured `shift` seconds
+/// later (negative: earlier); beyond what is known, its end value. For levels too, whose noise stays white.
+inline void ShiftChannels(Stretch& stretch, std::initializer_list<int> channels, double shift) {
+  for (const int channel : channels) {
+    std::vector<double>& x = stretch.channel[channel];
+    const auto by = std::clamp<std::ptrdiff_t>(std::lround(shift / stretch.period),
+                                               1 - static_cast<std::ptrdiff_t>(x.size()),
+                                               static_cast<std::ptrdiff_t>(x.size()) - 1);
+    if (by > 0) std::fill(std::move(x.begin() + by, x.end(), x.begin()), x.end(), x.back());
+    if (by < 0) std::fill(x.begin(), std::move_backward(x.begin(), x.end() + by, x.end()), x.front());
+  }
+}
 
 }  // namespace hydroscope::effects

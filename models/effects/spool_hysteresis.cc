@@ -7,17 +7,20 @@ namespace hydroscope::effects {
 
 namespace {
 
+/// Edge minus spool where a stroke begins: the spool's way just before tells most of it.
+double FirstLag(const Stretch& s, double reach) {
+  const double* y = s[kSpool];
+  double edge = y[-s.before];
+  for (int k = -s.before; k <= 0; ++k) edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
+  return edge - y[0];
+}
+
 /// Increments of root times lag, per width. `lag` is edge minus spool, within +- width / 2; it lives on from
-/// stretch to stretch; where a stroke begins, the spool's way just before tells most of it. Only the edge waits for
-/// the sample before.
+/// stretch to stretch. Only the edge waits for the sample before.
 HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std::span<double> out) {
   const double *root = s[kFlowRoot], *y = s[kSpool];
   const double reach = 0.5 * width, scale = 0.5 * s.period / width;
-  if (!s.continues) {
-    double edge = y[-s.before];
-    for (int k = -s.before; k <= 0; ++k) edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
-    lag = edge - y[0];
-  }
+  if (!s.continues) lag = FirstLag(s, reach);
   double edge = y[0] + lag, left = root[0] * lag;
   for (int k = 0; k + 1 < s.samples; ++k) {
     edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
@@ -26,6 +29,21 @@ HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std
     out[k] = scale * (left + right);
     left = right;
   }
+}
+
+/// The edge in place of the spool, as far as the spool is known.
+void PutEdge(double width, double& lag, Stretch& s) {
+  double* y = s[kSpool];
+  const double reach = 0.5 * width;
+  if (!s.continues) lag = FirstLag(s, reach);
+  double edge = y[0] + lag, last = lag;
+  for (int k = 0; k < s.samples + s.after; ++k) {
+    edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
+    if (k == s.samples - 1) last = edge - y[k];
+    y[k] = edge;
+  }
+  for (int k = -s.before; k < 0; ++k) y[k] += lag;
+  lag = last;
 }
 
 }  // namespace
@@ -55,6 +73,10 @@ Effect SpoolHysteresis(const CushionGeometry&) {
       FollowEdge(s, width, lag, out);
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.correct = [](double width, double& lag, Stretch& s) {
+    PutEdge(width, lag, s);
+    FillLogarithms(s);
   };
   e.grid = {{0.002}, {0.005}, {0.01}};
   return e;

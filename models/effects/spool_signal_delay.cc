@@ -32,6 +32,10 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
     };
     return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
   };
+  e.correct = [](double delay, double&, Stretch& s) {
+    ShiftChannels(s, {kSpool}, delay);
+    FillLogarithms(s);
+  };
   e.grid = {{0.006}};
   return e;
 }

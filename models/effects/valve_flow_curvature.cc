@@ -7,6 +7,8 @@
 namespace hydroscope::effects {
 namespace {
 
+constexpr double kLeastOpening = 1e-3;  // of kLogOpening
+
 /// |y|^a; openings below 0.1 % count as 0.1 %.
 double Power(double log_opening, double a) { return Exp(a * log_opening); }
 
@@ -51,6 +53,12 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
     return EffectVariant{{flow, null}, [](const ShapeContext& c) {
                            return std::vector<double>{c.theta[0], c.theta[3]};
                          }};
+  };
+  e.correct = [](double a, double&, Stretch& s) {
+    double* y = s[kSpool];
+    for (int k = -s.before; k < s.samples + s.after; ++k)
+      y[k] *= Power(Log(std::max(std::abs(y[k]), kLeastOpening)), a);
+    FillLogarithms(s);
   };
   e.grid = {{-0.1}, {0.1}};
   return e;
