@@ -151,7 +151,7 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
   const double n = static_cast<double>(worse.size());
   const double mean = worse.mean();
   const double deviation = std::sqrt((worse.array() - mean).square().sum() / (n - 1) / n);
-  return mean < options_.rival_t * deviation && worse.sum() < 10 * options_.rival_gain;
+  return mean < options_.rival_t * deviation && worse.sum() < options_.sure_gain;
 }
 
 std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {

@@ -53,6 +53,8 @@ class Explainer {
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
+  std::vector<EffectChoice> Shapes(const RankedEffect& effect) const;
+  CandidateModel Both(const RankedEffect& first, int second) const;
   std::vector<EffectChoice> PairFirsts(std::vector<RankedEffect> ranking) const;
   std::optional<std::pair<CandidateModel, Groups>> SearchPairs(
       const std::vector<RankedEffect>& ranking) const;
@@ -71,21 +73,43 @@ class Explainer {
   const EffectRanking ranking_;
 };
 
-/// The effects that gain most on their own, each in its best shape and in all that were refined: what suits a
-/// pair need not suit the effect alone, nor agree with itself there.
+/// The effect in its best shape and in all that were refined: what suits a pair need not suit the effect
+/// alone, nor agree with itself there.
+std::vector<EffectChoice> Explainer::Shapes(const RankedEffect& effect) const {
+  const EffectChoice best = effect.fit.effects.back().choice;
+  std::vector<EffectChoice> choices = {best};
+  for (const int shape : ShapesFor(strokes_.model(), best.effect, start_.choices))
+    if (strokes_.model().effect_shapes[best.effect][shape].refined && shape != best.shape)
+      choices.push_back({best.effect, shape});
+  return choices;
+}
+
+/// The effects that gain most on their own, in all their shapes.
 std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> ranking) const {
   std::erase_if(ranking, [&](const RankedEffect& r) { return !r.fit.solved || r.gain <= options_.min_gain; });
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
   std::vector<EffectChoice> firsts;
-  for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a) {
-    const EffectChoice best = ranking[a].fit.effects.back().choice;
-    firsts.push_back(best);
-    const auto& shapes = strokes_.model().effect_shapes[best.effect];
-    for (const int shape : ShapesFor(strokes_.model(), best.effect, start_.choices))
-      if (shapes[shape].refined && shape != best.shape) firsts.push_back({best.effect, shape});
-  }
+  for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a)
+    for (const EffectChoice& choice : Shapes(ranking[a])) firsts.push_back(choice);
   return firsts;
+}
+
+/// The model that has both, in the shapes that suit them best together.
+CandidateModel Explainer::Both(const RankedEffect& first, int second) const {
+  std::optional<CandidateModel> best;
+  for (const EffectChoice& choice : Shapes(first)) {
+    const CandidateModel model = ranking_.With(start_, choice);
+    if (!model.fit.solved) continue;
+    const EffectChoice other = strokes_.BestShape(second, model.choices);
+    if (other.shape < 0) continue;
+    CandidateModel both = ranking_.With(model, other);
+    const bool lawful = IsLawful(both.fit);
+    if (!best || (lawful && !IsLawful(best->fit)) ||
+        (lawful == IsLawful(best->fit) && both.fit.excess_ratio < best->fit.excess_ratio))
+      best = std::move(both);
+  }
+  return *best;
 }
 
 std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
@@ -155,7 +179,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
   out.groups.push_back(ranking_.Rivals(out.second));
-  return ranking_.With(model, second.fit.effects.back().choice);
+  return Both(first, second.effect);
 }
 
 void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {

@@ -38,7 +38,8 @@ struct ExplainOptions {
       12.0;                  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
   double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
-  int max_effects = 2;   ///< effects hidden at once that are looked for
+  double sure_gain = 60.0;  ///< ... but none worse by so many noise variances
+  int max_effects = 2;      ///< effects hidden at once that are looked for
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known

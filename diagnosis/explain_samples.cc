@@ -9,7 +9,9 @@ namespace hydroscope {
 namespace {
 
 constexpr int kRounds = 4;
-constexpr double kClose = 0.1;      ///< effects that gain this share of the best are refined
+constexpr double kClose = 0.1;  ///< effects that gain this share of the best are refined
+constexpr double kFirstLookT =
+    3.0;  ///< ExplainOptions::second_t before shapes are refined, which makes sizes surer
 constexpr double kSettled = 0.005;  ///< change of the excess ratio
 
 /// An effect to refine, in a model that has the others.
@@ -61,7 +63,9 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
     DropGrid(*with_laws);
   }
   model = with_laws;
-  Explanation out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
+  ExplainOptions first_look = options;
+  first_look.second_t = kFirstLookT;
+  Explanation out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), first_look);
   for (int round = 0; round < kRounds; ++round) {
     auto refined = std::make_shared<ModelStructure>(*model);
     const int columns = refined->column_count();
@@ -69,10 +73,10 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
     if (round == 0)
       for (const Refinement& close : CloseTo(out, options))
         RefineOne(*refined, strokes, window, close.others, close.choice);
-    if (refined->column_count() == columns) return out;
+    const bool strict = round > 0 || out.chosen.size() < 2;
+    if (refined->column_count() == columns && strict) return out;
     DropGrid(*refined);
     model = refined;
-    const std::vector<std::string> set_before = out.set;
     const double excess_before = out.final.excess_ratio;
     out = Explain(StrokeSet(model, GramsOf(model, strokes, window), window), options);
     if (out.chosen.empty()) return out;

@@ -47,7 +47,9 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
   options.min_gain *= times;
   options.max_remainder *= times;
   options.doubt_remainder *= times;
+  options.doubt_margin *= times;
   options.rival_gain *= times;
+  options.sure_gain *= times;
   return options;
 }
 
