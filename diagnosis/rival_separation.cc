@@ -8,6 +8,9 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kWatched = 0.5;        ///< of the best effect's gain
+constexpr double kWatchedWeight = 2.0;  ///< of their separation, since they lag behind already
+
 std::vector<int> RivalsOf(const Explanation& explanation) {
   std::vector<int> rivals;
   const auto& effects = explanation.model->effects;
@@ -19,6 +22,19 @@ std::vector<int> RivalsOf(const Explanation& explanation) {
     break;
   }
   return rivals;
+}
+
+/// Effects that are no rivals now, but that explain so much that they could be after an experiment that does
+/// not tell them apart either.
+std::vector<int> WatchedOf(const Explanation& explanation) {
+  std::vector<int> watched;
+  if (explanation.groups.size() != 1) return watched;
+  const auto& group = explanation.groups.front();
+  for (const RankedEffect& r : explanation.ranking)
+    if (r.fit.solved && r.gain > kWatched * explanation.ranking.front().gain &&
+        std::find(group.begin(), group.end(), r.id) == group.end())
+      watched.push_back(r.effect);
+  return watched;
 }
 
 /// Energy of `a` in `total` that `known`, one column each, and `b`, at whatever sizes, cannot take over.
@@ -37,13 +53,17 @@ double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const 
 }  // namespace
 
 RivalModel RivalModelOf(const Explanation& explanation) {
-  RivalModel out{std::make_shared<ModelStructure>(*explanation.model), RivalsOf(explanation), {}};
+  RivalModel out{std::make_shared<ModelStructure>(*explanation.model),
+                 RivalsOf(explanation),
+                 WatchedOf(explanation),
+                 {}};
   ModelStructure& structure = *out.structure;
   structure.columns.resize(structure.output_column() + 1);
   for (auto& shapes : structure.effect_shapes) shapes.clear();
-  for (const int rival : out.rivals)
-    for (const EffectShape& shape : explanation.model->effect_shapes[rival])
-      AddShape(structure, rival, shape.nonlinear, shape.on);
+  for (const auto& effects : {out.rivals, out.watched})
+    for (const int effect : effects)
+      for (const EffectShape& shape : explanation.model->effect_shapes[effect])
+        AddShape(structure, effect, shape.nonlinear, shape.on);
   for (const EffectChoice& choice : explanation.chosen) {
     if (std::find(out.rivals.begin(), out.rivals.end(), choice.effect) != out.rivals.end()) continue;
     const EffectShape& shape = explanation.model->effect_shapes[choice.effect][choice.shape];
@@ -79,29 +99,34 @@ Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
   const int base = model.structure->base_count;
   const auto others = static_cast<Eigen::Index>(model.others.size());
   known_ = Eigen::MatrixXd::Identity(model.structure->column_count(), base + others);
-  for (const int rival : model.rivals) {
-    std::vector<EffectChoice> choices = model.others;
-    choices.push_back(recorded.BestShape(rival, model.others));
-    if (choices.back().shape < 0) continue;
-    const ExtendedFit fit = recorded.Fit(choices);
-    const auto direction = [&](std::size_t k) {
-      Eigen::VectorXd at(base + 1);
-      at << fit.theta.head(base), fit.effects[k].size;
-      return recorded.Direction(choices[k], at);
-    };
-    for (std::size_t k = 0; k < model.others.size(); ++k)
-      known_.col(base + static_cast<Eigen::Index>(k)) = direction(k);
-    unit_.push_back(direction(model.others.size()));
-    fitted_.push_back(unit_.back() * fit.effects.back().size);
+  for (const std::vector<int>* effects : {&model.rivals, &model.watched}) {
+    for (const int effect : *effects) {
+      std::vector<EffectChoice> choices = model.others;
+      choices.push_back(recorded.BestShape(effect, model.others));
+      if (choices.back().shape < 0) continue;
+      const ExtendedFit fit = recorded.Fit(choices);
+      const auto direction = [&](std::size_t k) {
+        Eigen::VectorXd at(base + 1);
+        at << fit.theta.head(base), fit.effects[k].size;
+        return recorded.Direction(choices[k], at);
+      };
+      unit_.push_back(direction(model.others.size()));
+      if (effects != &model.rivals) continue;
+      for (std::size_t k = 0; k < model.others.size(); ++k)
+        known_.col(base + static_cast<Eigen::Index>(k)) = direction(k);
+      fitted_.push_back(unit_.back() * fit.effects.back().size);
+    }
   }
 }
 
 double Rivals::Nearest(const RivalEvidence& evidence) const {
-  if (unit_.size() < 2) return 0;
+  if (fitted_.size() < 2) return 0;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < fitted_.size(); ++a)
     for (std::size_t b = 0; b < unit_.size(); ++b)
-      if (a != b) nearest = std::min(nearest, Separation(evidence.total, fitted_[a], known_, unit_[b]));
+      if (a != b)
+        nearest = std::min(nearest, Separation(evidence.total, fitted_[a], known_, unit_[b]) *
+                                        (b < fitted_.size() ? 1 : kWatchedWeight));
   return nearest * evidence.equations / evidence.noise;
 }
 

@@ -21,6 +21,8 @@ struct RivalModel {
   std::shared_ptr<ModelStructure> structure;
   std::vector<int> rivals;  ///< indices of effects between which the explanation cannot decide, of the first
                             ///< hidden effect that it leaves open; empty if it decides
+  std::vector<int>
+      watched;  ///< effects that could become rivals in strokes that do not tell them apart either
   std::vector<EffectChoice> others;
 };
 RivalModel RivalModelOf(const Explanation& explanation);
@@ -45,12 +47,13 @@ class Rivals {
 
   /// Energy between the two that are nearest to one another, in noise variances of an equation: the part of
   /// one, at its fitted size, that neither the known nor the other, at whatever sizes, can take over. 0 where
-  /// the recorded strokes cannot size two of them.
+  /// the recorded strokes cannot size two of them. That of a rival and a watched effect counts twice.
   double Nearest(const RivalEvidence& evidence) const;
 
  private:
   Eigen::MatrixXd known_;
-  std::vector<Eigen::VectorXd> unit_, fitted_;
+  std::vector<Eigen::VectorXd> unit_;    ///< of rivals, then of watched effects
+  std::vector<Eigen::VectorXd> fitted_;  ///< of rivals
 };
 
 /// Fewest strokes, kFewestProposed to `most`, that reach kSettledSeparation; `most` if none does.

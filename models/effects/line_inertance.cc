@@ -1,12 +1,67 @@
 #include <algorithm>
+#include <cmath>
 
+#include "core/wide.h"
 #include "models/effects/effects.h"
-#include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
+namespace {
 
-/// Oil column between cylinder and valve: the valve sees p_A - L dQ/dt, so root(dp) loses L dQ/dt / (2
-/// root(dp)) with Q = -theta1 u root(dp) (lumped inertance L = rho l / A, Merritt 1967, sec. 3-6).
+constexpr double kLeastOpening = 1e-3;
+
+/// The flow through a column of oil before an edge of opening y, per k: x dq/dt = |dp| - (q / y)^2, x = L k.
+struct ColumnFlow {
+  double step;  ///< period / x
+  double q;     ///< of the last sample, without sign
+
+  /// Goes on from sample 0 to `count` <= kChunk; `lag` is how far q is behind the flow without a column, from
+  /// sample 1 on. By the trapezium rule, q^2 taken as the product of old and new value; where the column
+  /// settles within a sample it follows a ramp, by its time constant late. Only q waits for the sample
+  /// before.
+  HYDROSCOPE_WIDE void Advance(const double* root, const double* y, int count, double* lag) {
+    double opening[kChunk + 1], steady[kChunk + 1], drop[kChunk + 1], loss[kChunk], gain[kChunk],
+        ramp[kChunk];
+    for (int k = 0; k <= count; ++k) {
+      opening[k] = 1.0 / std::max(std::abs(y[k]), kLeastOpening);
+      steady[k] = y[k] * root[k];
+      drop[k] = root[k] * std::abs(root[k]);
+    }
+    for (int k = 0; k < count; ++k) {
+      loss[k] = step * opening[k] * opening[k + 1];
+      gain[k] = 0.5 * step * (drop[k] + drop[k + 1]);
+      ramp[k] = (steady[k + 1] - steady[k]) / std::max(2 * loss[k] * std::abs(steady[k + 1]), 1.0);
+    }
+    for (int k = 0; k < count; ++k) {
+      const double share = loss[k] * q, next = (q + gain[k]) / (1.0 + share);
+      const bool swings = share < 1.0 && next >= 0.0;
+      q = swings ? next : std::abs(steady[k + 1] - ramp[k]);
+      lag[k] = swings ? steady[k + 1] - std::copysign(q, steady[k + 1]) : ramp[k];
+    }
+  }
+};
+
+/// Increments of the lag per x, on a column in motion since as long as the signals are known.
+void IntegrateLag(const Stretch& s, double x, std::span<double> out) {
+  const double *root = s[kFlowRoot], *y = s[kSpool];
+  ColumnFlow column{s.period / x, std::abs(root[-s.before] * y[-s.before])};
+  double lag[kChunk];
+  for (int k = -s.before; k < 0; k += kChunk) column.Advance(root + k, y + k, std::min(kChunk, -k), lag);
+  const double scale = 0.5 * s.period / x;
+  double left = y[0] * root[0] - std::copysign(column.q, y[0] * root[0]);
+  for (int first = 0; first + 1 < s.samples; first += kChunk) {
+    const int count = std::min(kChunk, s.samples - 1 - first);
+    column.Advance(root + first, y + first, count, lag);
+    for (int k = 0; k < count; ++k) {
+      out[first + k] = scale * (left + lag[k]);
+      left = lag[k];
+    }
+  }
+}
+
+}  // namespace
+
+/// Oil column between cylinder and valve: the valve sees p_A - L dQ/dt, so the flow follows k y_v root(dp)
+/// late, k = -theta1 (lumped inertance L = rho l / A, Merritt 1967, sec. 3-6).
 Effect LineInertance(const CushionGeometry&) {
   Effect e;
   e.id = "line_inertance";
@@ -17,21 +72,21 @@ Effect LineInertance(const CushionGeometry&) {
   e.unit = "kg/m4";
   e.max = 1e10;
   e.typical = 5e6;
-  e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
+  e.nonlinear = {{"x", "s sqrt(Pa)", 0.1, 3000.0}};
+  e.implied = [](const ShapeContext& c) { return -c.size * c.theta[0]; };
+  e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0";
   e.plain =
       "A long or narrow line between cylinder and valve makes the oil column swing; look for: a long hose "
       "fitted, a throttled line.";
-  e.variant = [](const auto&) {
-    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool];
-      wide::IntegrateOver(
-          s, [=](int k) { return y[k] / std::max(root[k], 300.0); }, [=](int k) { return root[k] * y[k]; },
-          out);
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [x = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      IntegrateLag(s, x, out);
     };
-    return EffectVariant{
-        {flow}, [](const ShapeContext& c) { return std::vector<double>{0.5 * c.theta[0] * c.theta[0]}; }};
+    return EffectVariant{{flow},
+                         [](const ShapeContext& c) { return std::vector<double>{c.theta[0] * c.theta[0]}; }};
   };
+  e.grid = {{8.0}};
   return e;
 }
 
