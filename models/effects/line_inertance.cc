@@ -16,27 +16,31 @@ struct ColumnFlow {
 
   /// Goes on from sample 0 to `count` <= kChunk; `lag` is how far q is behind the flow without a column, from
   /// sample 1 on. By the trapezium rule, q^2 taken as the product of old and new value; where the column
-  /// settles within a sample it follows a ramp, by its time constant late. Only q waits for the sample
-  /// before.
+  /// settles within a sample it follows a ramp, by its time constant late. Only a column that has not settled
+  /// waits for the sample before.
   HYDROSCOPE_WIDE void Advance(const double* root, const double* y, int count, double* lag) {
-    double opening[kChunk + 1], steady[kChunk + 1], drop[kChunk + 1], loss[kChunk], gain[kChunk],
-        ramp[kChunk];
+    double opening[kChunk + 1], steady[kChunk + 1], loss[kChunk], settled[kChunk];
     for (int k = 0; k <= count; ++k) {
       opening[k] = 1.0 / std::max(std::abs(y[k]), kLeastOpening);
       steady[k] = y[k] * root[k];
-      drop[k] = root[k] * std::abs(root[k]);
     }
+    int moving = 0;
     for (int k = 0; k < count; ++k) {
       loss[k] = step * opening[k] * opening[k + 1];
-      gain[k] = 0.5 * step * (drop[k] + drop[k + 1]);
-      ramp[k] = (steady[k + 1] - steady[k]) / std::max(2 * loss[k] * std::abs(steady[k + 1]), 1.0);
+      settled[k] = loss[k] * std::abs(steady[k + 1]);  // half the period over the time constant
+      lag[k] = (steady[k + 1] - steady[k]) * (0.5 / std::max(settled[k], 0.5));
+      moving += settled[k] < 1.0;
     }
-    for (int k = 0; k < count; ++k) {
-      const double share = loss[k] * q, next = (q + gain[k]) / (1.0 + share);
-      const bool swings = share < 1.0 && next >= 0.0;
-      q = swings ? next : std::abs(steady[k + 1] - ramp[k]);
-      lag[k] = swings ? steady[k + 1] - std::copysign(q, steady[k + 1]) : ramp[k];
+    if (moving > 0) {
+      for (int k = 0; k < count; ++k) {
+        const double drop = 0.5 * (root[k] * std::abs(root[k]) + root[k + 1] * std::abs(root[k + 1]));
+        const double next = (q + step * drop) / (1.0 + loss[k] * q);
+        const bool swings = settled[k] < 1.0 && next >= 0.0;
+        q = swings ? next : std::abs(steady[k + 1] - lag[k]);
+        if (swings) lag[k] = steady[k + 1] - std::copysign(q, steady[k + 1]);
+      }
     }
+    q = std::abs(steady[count] - lag[count - 1]);
   }
 };
 
