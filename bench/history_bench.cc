@@ -112,7 +112,7 @@ Status Run(const std::string& path, std::int64_t strokes, std::size_t axes) {
 }  // namespace hydroscope
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
+  if (argc < 2 || argv[1][0] == '-') {
     std::fprintf(stderr, "usage: history_bench DB [STROKES [AXES]]\n");
     return 2;
   }
