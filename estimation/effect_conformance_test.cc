@@ -59,8 +59,8 @@ TEST(Effects, EveryColumnStaysFiniteWithoutPressureWithoutOpeningAndAtTheStop) {
     for (double x : Increments(column, s)) ASSERT_TRUE(std::isfinite(x)) << column.name;
 }
 
-/// A late signal is read ahead of its time, the others behind theirs, and a column of oil needs its time to move:
-/// beside the border of a stretch what lies beyond it is not known.
+/// A late signal is read ahead of its time, the others behind theirs, and a column of oil needs its time to
+/// move: beside the border of a stretch what lies beyond it is not known.
 bool LooksBeyond(const Column& column) {
   return column.name.find("_signal_delay") != std::string::npos ||
          column.name.find("line_inertance") != std::string::npos;
@@ -182,6 +182,23 @@ TEST(Effects, OfSignalsCorrectThemToWhatTheirColumnsSay) {
     EXPECT_LT(Size(added), 0.05 * whole) << effect.id;
   }
   EXPECT_EQ(tested, values.size());
+}
+
+TEST(Effects, CorrectWithinWhatIsKnownOfAStretch) {
+  const auto model = Model();
+  const Stretch known = SomeStretch(*model);
+  Stretch longer = known;  // memory of a longer stretch, whose samples are none of this one
+  for (std::vector<double>& x : longer.channel) x.insert(x.end(), 50, std::nan(""));
+  for (const auto& effect : model->effects) {
+    if (!effect->correct) continue;
+    Stretch a = known, b = longer;
+    double state_a = 0, state_b = 0;
+    effect->correct(effect->typical, state_a, a);
+    effect->correct(effect->typical, state_b, b);
+    for (int c : {kPressureA, kPosition, kSpool, kFlowRoot, kPressureRate, kLogOpening})
+      for (int k = 0; k < known.samples; ++k)
+        ASSERT_EQ(a[c][k], b[c][k]) << effect->id << " " << c << " " << k;
+  }
 }
 
 TEST(Effects, ActOnTheSignalsThatAnotherOneCorrects) {

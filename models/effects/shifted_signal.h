@@ -55,13 +55,12 @@ class MeanOverShift {
 /// Moves channels by the nearest whole number of samples: sample k becomes what was measured `shift` seconds
 /// later (negative: earlier); beyond what is known, its end value. For levels too, whose noise stays white.
 inline void ShiftChannels(Stretch& stretch, std::initializer_list<int> channels, double shift) {
+  const std::ptrdiff_t known = stretch.before + stretch.samples + stretch.after;
+  const auto by = std::clamp<std::ptrdiff_t>(std::lround(shift / stretch.period), 1 - known, known - 1);
   for (const int channel : channels) {
-    std::vector<double>& x = stretch.channel[channel];
-    const auto by = std::clamp<std::ptrdiff_t>(std::lround(shift / stretch.period),
-                                               1 - static_cast<std::ptrdiff_t>(x.size()),
-                                               static_cast<std::ptrdiff_t>(x.size()) - 1);
-    if (by > 0) std::fill(std::move(x.begin() + by, x.end(), x.begin()), x.end(), x.back());
-    if (by < 0) std::fill(x.begin(), std::move_backward(x.begin(), x.end() + by, x.end()), x.front());
+    double *const first = stretch[channel] - stretch.before, *const last = first + known;
+    if (by > 0) std::fill(std::move(first + by, last, first), last, last[-1]);
+    if (by < 0) std::fill(first, std::move_backward(first, last + by, last), first[0]);
   }
 }
 
