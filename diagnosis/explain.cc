@@ -53,8 +53,8 @@ class Explainer {
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
   }
-  std::vector<EffectChoice> Shapes(const RankedEffect& effect) const;
-  CandidateModel Both(const RankedEffect& first, int second) const;
+  std::vector<EffectChoice> Shapes(const EffectChoice& best) const;
+  CandidateModel Both(const CandidateModel& first, const RankedEffect& second) const;
   std::vector<EffectChoice> PairFirsts(std::vector<RankedEffect> ranking) const;
   std::optional<std::pair<CandidateModel, Groups>> SearchPairs(
       const std::vector<RankedEffect>& ranking) const;
@@ -75,8 +75,7 @@ class Explainer {
 
 /// The effect in its best shape and in all that were refined: what suits a pair need not suit the effect
 /// alone, nor agree with itself there.
-std::vector<EffectChoice> Explainer::Shapes(const RankedEffect& effect) const {
-  const EffectChoice best = effect.fit.effects.back().choice;
+std::vector<EffectChoice> Explainer::Shapes(const EffectChoice& best) const {
   std::vector<EffectChoice> choices = {best};
   for (const int shape : ShapesFor(strokes_.model(), best.effect, start_.choices))
     if (strokes_.model().effect_shapes[best.effect][shape].refined && shape != best.shape)
@@ -91,25 +90,27 @@ std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> rankin
                    [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
   std::vector<EffectChoice> firsts;
   for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a)
-    for (const EffectChoice& choice : Shapes(ranking[a])) firsts.push_back(choice);
+    for (const EffectChoice& choice : Shapes(ranking[a].fit.effects.back().choice)) firsts.push_back(choice);
   return firsts;
 }
 
-/// The model that has both, in the shapes that suit them best together.
-CandidateModel Explainer::Both(const RankedEffect& first, int second) const {
-  std::optional<CandidateModel> best;
-  for (const EffectChoice& choice : Shapes(first)) {
+/// The model that has both, in the shapes that suit them best together: as ranked, or with the first in
+/// another one.
+CandidateModel Explainer::Both(const CandidateModel& first, const RankedEffect& second) const {
+  CandidateModel best = ranking_.With(first, second.fit.effects.back().choice);
+  for (const EffectChoice& choice : Shapes(first.choices.back())) {
     const CandidateModel model = ranking_.With(start_, choice);
-    if (!model.fit.solved) continue;
-    const EffectChoice other = strokes_.BestShape(second, model.choices);
+    const EffectChoice other =
+        model.fit.solved ? strokes_.BestShape(second.effect, model.choices) : EffectChoice{0, -1};
     if (other.shape < 0) continue;
     CandidateModel both = ranking_.With(model, other);
-    const bool lawful = IsLawful(both.fit);
-    if (!best || (lawful && !IsLawful(best->fit)) ||
-        (lawful == IsLawful(best->fit) && both.fit.excess_ratio < best->fit.excess_ratio))
-      best = std::move(both);
+    if (!std::all_of(both.fit.effects.begin(), both.fit.effects.end(),
+                     [](const EffectEstimate& e) { return e.admissible; }))
+      continue;
+    const bool lawful = IsLawful(both.fit), was_lawful = IsLawful(best.fit);
+    if (lawful != was_lawful ? lawful : both.fit.excess_ratio < best.fit.excess_ratio) best = std::move(both);
   }
-  return *best;
+  return best;
 }
 
 std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
@@ -179,7 +180,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
   out.groups.push_back(ranking_.Rivals(out.second));
-  return Both(first, second.effect);
+  return Both(model, second);
 }
 
 void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {

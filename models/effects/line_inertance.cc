@@ -7,7 +7,7 @@
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeastOpening = 1e-3;
+constexpr double kNearlyClosed = 1e-3;
 
 /// The flow through a column of oil before an edge of opening y, per k: x dq/dt = |dp| - (q / y)^2, x = L k.
 struct ColumnFlow {
@@ -21,7 +21,7 @@ struct ColumnFlow {
   HYDROSCOPE_WIDE void Advance(const double* root, const double* y, int count, double* lag) {
     double opening[kChunk + 1], steady[kChunk + 1], loss[kChunk], settled[kChunk];
     for (int k = 0; k <= count; ++k) {
-      opening[k] = 1.0 / std::max(std::abs(y[k]), kLeastOpening);
+      opening[k] = 1.0 / std::max(std::abs(y[k]), kNearlyClosed);
       steady[k] = y[k] * root[k];
     }
     int moving = 0;
