@@ -74,6 +74,7 @@ struct Explanation {
   /// of the set, `doubt` says why.
   bool partial = false;
   std::string doubt;
+  std::vector<std::string> warnings;  ///< what makes the result doubtful, a sentence each, for every output
   double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances
   std::string remainder_law;
   double margin = 0;       ///< by which what was found beats the best generic law that is not much the same

@@ -10,6 +10,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr int kExplainSchema = 2;  ///< 2: `schema` and `warnings`
+
 double Factor(const ExplainResult& result) { return OutputUnit(result.explanation.model.get()).factor; }
 
 nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& estimate,
@@ -126,11 +128,13 @@ nlohmann::json PlanJson(const SignalExperiment& experiment) {
 nlohmann::json ExplainJson(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const std::optional<std::string> experiment = WhatToRecord(result);
-  return {{"verdict", VerdictName(x.verdict)},
+  return {{"schema", kExplainSchema},
+          {"verdict", VerdictName(x.verdict)},
           {"set", x.set},
           {"groups", x.groups},
           {"partial", x.partial},
           {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt)},
+          {"warnings", x.warnings},
           {"noise_floor", x.final.noise_floor * Factor(result)},
           {"strokes", result.strokes},
           {"strokes_in_log", result.log.strokes.size()},

@@ -254,6 +254,7 @@ std::string ExplainText(const ExplainResult& result) {
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
   text += NotFiniteText(result.log.totals);
+  for (const std::string& warning : x.warnings) text += fmt::format("WARNING: {}\n", warning);
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
