@@ -11,8 +11,11 @@ constexpr double kRootSlope = 1 / 141.4;  // 1/sqrt(Pa), steepest slope of Signe
 
 }  // namespace
 
-PressPlant::PressPlant(const PressMachine& machine, const PressEffectSizes& effects, double step)
-    : machine_(machine), step_(step), nominal_(machine.Q_vn / std::sqrt(machine.dp_nom)) {
+PressPlant::PressPlant(const PressMachine& machine, const PressEffectSizes& effects, double step,
+                       const PlantLaws& laws)
+    : machine_(machine), laws_(laws), step_(step), nominal_(machine.Q_vn / std::sqrt(machine.dp_nom)) {
+  machine_.A_A *= 1 + laws.area_error;
+  machine_.p_tank += laws.tank_shift;
   SetEffects(effects);
 }
 
@@ -25,22 +28,32 @@ void PressPlant::SetEffects(const PressEffectSizes& effects) {
 }
 
 double PressPlant::Conductance(double opening, double gain) const {
-  const double g = nominal_ * gain * EffectiveOpening(effects_, opening);
+  const double g = nominal_ * gain * EffectiveOpening(effects_, laws_.Opening(opening));
   return g > 0 ? g / std::sqrt(1 + effects_.tank_resistance * g * g) : g;
 }
 
 double PressPlant::ValveFlow(double conductance, double p_A, double p_0) const {
-  return conductance * SignedRoot(conductance > 0 ? p_A - machine_.p_tank : p_0 - p_A);
+  const double dp = conductance > 0 ? p_A - machine_.p_tank : p_0 - p_A;
+  return laws_.acts_on_edges() ? laws_.EdgeFlow(conductance, dp) : conductance * SignedRoot(dp);
+}
+
+double PressPlant::Volume(const RamMotion::Point& ram, const Drive& drive) const {
+  return machine_.V0 * drive.V0_factor + machine_.A_A * ram.z;
+}
+
+double PressPlant::Modulus(double p_A, const Drive& drive) const {
+  return machine_.K * drive.K_factor + laws_.modulus_slope * p_A;
 }
 
 double PressPlant::Slope(double p_A, double conductance, const RamMotion::Point& ram,
                          const Drive& drive) const {
   const double valve = effects_.inertance != 0 ? line_flow_ : ValveFlow(conductance, p_A, drive.p_0);
-  const double volume = machine_.V0 + machine_.A_A * ram.z;
-  const double inflow = -machine_.A_A * ram.v - valve;
-  if (plain_) return inflow * machine_.K / volume;
+  const double volume = Volume(ram, drive), modulus = Modulus(p_A, drive);
+  double inflow = -machine_.A_A * ram.v - valve - drive.leakage * (p_A - drive.p_B) - drive.extra_flow;
+  if (laws_.leaks()) inflow -= laws_.Leakage(p_A, drive.p_B, ram.z);
+  if (plain_) return inflow * modulus / volume;
   return (inflow - LeakageFlow(effects_, p_A, drive.p_B, ram.z)) /
-         ChamberCapacity(effects_, machine_.K, volume, p_A);
+         ChamberCapacity(effects_, modulus, volume, p_A);
 }
 
 void PressPlant::StepPressure(const Drive& drive, const double conductance[3]) {
@@ -51,8 +64,8 @@ void PressPlant::StepPressure(const Drive& drive, const double conductance[3]) {
   const double k4 = Slope(p + h * k3, conductance[2], drive.ram[2], drive);
   p_A_ = p + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
   if (p_A_ >= kVapour && cavity_ == 0) return;
-  const double volume = machine_.V0 + machine_.A_A * drive.ram[2].z;
-  const double capacity = ChamberCapacity(effects_, machine_.K, volume, kVapour);
+  const double capacity =
+      ChamberCapacity(effects_, Modulus(kVapour, drive), Volume(drive.ram[2], drive), kVapour);
   cavity_ -= (p_A_ - kVapour) * capacity;
   p_A_ = kVapour;
   if (cavity_ < 0) {
@@ -67,6 +80,10 @@ void PressPlant::StepLine(double conductance, double p_0, double step) {
     return;
   }
   const double drive = p_A_ - (conductance > 0 ? machine_.p_tank : p_0);
+  if (laws_.acts_on_edges()) {
+    line_flow_ = LineFlow(conductance, drive, step);
+    return;
+  }
   const double decay = step * std::abs(line_flow_) / (conductance * conductance * effects_.inertance);
   if (drive * line_flow_ < 0 || drive == 0) {  // the flow is being turned round
     line_flow_ = (line_flow_ + step * drive / effects_.inertance) / (1 + decay);
@@ -79,6 +96,15 @@ void PressPlant::StepLine(double conductance, double p_0, double step) {
       std::copysign(final_flow * (flow + final_flow * approach) / (final_flow + flow * approach), drive);
 }
 
+/// Oil column before an edge with a law of its own: linearly implicit, because the exact solution is known
+/// for the plain law alone.
+double PressPlant::LineFlow(double conductance, double drop, double step) const {
+  const double flow = line_flow_, smallest = 1e-9;
+  const double at = std::abs(flow) > smallest ? flow : std::copysign(smallest, drop);
+  const double resistance = laws_.EdgeDrop(conductance, at) / at;
+  return (flow + step * drop / effects_.inertance) / (1 + step * resistance / effects_.inertance);
+}
+
 void PressPlant::Step(const Drive& drive) {
   double conductance[3];
   for (int k = 0; k < 3; ++k) conductance[k] = Conductance(drive.opening[k], drive.gain);
@@ -87,13 +113,17 @@ void PressPlant::Step(const Drive& drive) {
   if (effects_.inertance != 0) StepLine((conductance[1] + conductance[2]) / 2, drive.p_0, step_ / 2);
 }
 
-double PressPlant::StiffestRate(const PressMachine& machine, const PressEffectSizes& e, double z_bottom) {
+double PressPlant::StiffestRate(const PressMachine& machine, const PressEffectSizes& e, double z_bottom,
+                                const PlantLaws& laws) {
+  constexpr double kHighest = 300e5;  // Pa, highest pressure that is allowed for
   const double volume = machine.V0 + machine.A_A * std::max(0.0, z_bottom);
-  const double capacity = volume / machine.K;
+  const double capacity = volume / (machine.K + std::max(0.0, laws.modulus_slope) * kHighest);
   const double gain = machine.Q_vn / std::sqrt(machine.dp_nom) * (1 + std::abs(e.asymmetry)) *
+                      (1 + std::abs(laws.second_gain)) *
                       std::pow(1 / e.curvature_normal_opening, std::max(0.0, e.curvature));
   const double leakage = std::abs(e.internal_leakage) + std::abs(e.external_leakage) +
-                         std::abs(e.worn_leakage) + std::abs(e.relief_gain) +
+                         std::abs(e.worn_leakage) + std::abs(e.relief_gain) + laws.zone_leakage +
+                         2 * laws.relief_square * std::max(0.0, kHighest - laws.relief_crack) +
                          std::abs(e.orifice_leakage) * kRootSlope;
   const double node = (gain * kRootSlope + leakage) / capacity;
   const double line = e.inertance > 0 ? 3 / std::sqrt(e.inertance * capacity) : 0;

@@ -2,6 +2,7 @@
 
 #include "simulator/effects.h"
 #include "simulator/motion.h"
+#include "simulator/plant_laws.h"
 #include "simulator/press_options.h"
 
 namespace hydroscope {
@@ -14,10 +15,12 @@ namespace hydroscope {
 ///
 /// Fourth-order Runge-Kutta; with line inertance the oil column is a second state, split off symmetrically
 /// and solved exactly (a Riccati equation), because a nearly closed valve makes it stiff. Below the vapour
-/// pressure the pressure stays and a cavity grows instead, which inflow fills again.
+/// pressure the pressure stays and a cavity grows instead, which inflow fills again. Imperfections of the
+/// plant (plant_laws.h) change the edges' law, add leakage and move the parameters.
 class PressPlant {
  public:
-  PressPlant(const PressMachine& machine, const PressEffectSizes& effects, double step);
+  PressPlant(const PressMachine& machine, const PressEffectSizes& effects, double step,
+             const PlantLaws& laws = {});
 
   /// What the surroundings do over one step. Motion and opening at its begin, middle and end.
   struct Drive {
@@ -25,6 +28,9 @@ class PressPlant {
     double opening[3];        ///< 1, y_v - y_0 of the metering edge
     double p_B = 0, p_0 = 0;  ///< Pa
     double gain = 1;          ///< flow gain, relative
+    double K_factor = 1, V0_factor = 1;  ///< 1, of the machine's values
+    double leakage = 0;                  ///< m^3/(s Pa), times p_A - p_B
+    double extra_flow = 0;               ///< m^3/s out of the chamber
   };
 
   /// Other effects from now on; the step must stay below the inverse of their StiffestRate.
@@ -40,15 +46,20 @@ class PressPlant {
   /// Signed flow per root of pressure, m^3/(s sqrt(Pa)), of an opening.
   double Conductance(double opening, double gain) const;
   /// Largest rate of the pressure equation, 1/s; the step must stay well below its inverse.
-  static double StiffestRate(const PressMachine& machine, const PressEffectSizes& effects, double z_bottom);
+  static double StiffestRate(const PressMachine& machine, const PressEffectSizes& effects, double z_bottom,
+                             const PlantLaws& laws = {});
 
  private:
   void StepPressure(const Drive& drive, const double conductance[3]);
   void StepLine(double conductance, double p_0, double step);
   double Slope(double p_A, double conductance, const RamMotion::Point& ram, const Drive& drive) const;
+  double Volume(const RamMotion::Point& ram, const Drive& drive) const;
+  double Modulus(double p_A, const Drive& drive) const;
+  double LineFlow(double conductance, double drop, double step) const;
 
   PressMachine machine_;
   PressEffectSizes effects_;
+  PlantLaws laws_;
   double step_;
   double nominal_;  // Q_vn / sqrt(dp_nom)
   bool plain_;      // neither leakage nor gas: the fast path

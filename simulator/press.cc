@@ -9,15 +9,29 @@
 #include "simulator/effects.h"
 #include "simulator/motion.h"
 #include "simulator/plant.h"
+#include "simulator/sensor_imperfections.h"
 #include "simulator/valve.h"
 
 namespace hydroscope {
 namespace {
 
-PressOptions WithSeeds(PressOptions options) {
+/// Options with the seeds drawn and the sample period that counts.
+PressOptions Settled(PressOptions options) {
   if (options.control_seed == 0) options.control_seed = StreamSeed(options.seed, "control seed");
   if (options.noise_seed == 0) options.noise_seed = StreamSeed(options.seed, "noise seed");
+  const auto list = ResolveImperfections(options.imperfections).value();
+  if (const auto* slow = FindImperfection(list, ImperfectionKind::kSlowSampling))
+    options.sample_period = slow->size;
   return options;
+}
+
+/// What is logged of a true row with this white noise; false if the row is lost.
+bool ReadRow(const PressOptions& options, const std::array<double, 7>& white, SensorImperfections& sensors,
+             FaultInjector& faults, PressRow& row) {
+  sensors.Distort(row);
+  ReadSensors(options.noise, options.quantum, sensors.Noise(white), row);
+  const bool sent = sensors.Transport(row);
+  return faults.Apply(row) && sent;
 }
 
 /// A supply pressure that breathes slowly.
@@ -30,27 +44,34 @@ double Breathing(double mean, double amplitude, double period, double t) {
 struct PressGenerator::State {
   /// Whole numbers of controller cycles per sample and of integration steps per cycle.
   struct Grid {
-    Grid(const PressOptions& o, const PressEffectSizes& effects);
+    Grid(const PressOptions& o, const PressEffectSizes& effects, const PlantLaws& laws, double leakage);
     std::int64_t cycles_per_sample, steps_per_cycle;
     double cycle, step;  // s
   };
 
   explicit State(const PressOptions& given)
-      : options(WithSeeds(given)),
+      : options(Settled(given)),
+        imperfections(ResolveImperfections(options.imperfections).value()),
         effects(ResolveEffects(given.effects).value()),
-        grid(options, effects),
+        active(effects),
+        moments(imperfections, options.seconds, options.seed),
+        grid(options, effects, PlantLawsOf(imperfections), moments.most_leakage()),
         motion(options.motion, options.seed),
         set_point(options.machine, options.motion, options.control_seed),
         controller(options.machine, options.motion, grid.cycle, options.control_seed),
         between_samples(StreamSeed(options.noise_seed, "controller readings")),
         valve(options.machine.valve_f0, options.machine.valve_damping, options.machine.valve_gain,
               options.machine.valve_dead_time, grid.step / 2),
-        plant(options.machine, effects, grid.step),
+        plant(options.machine, effects, grid.step, PlantLawsOf(imperfections)),
         noise(options.noise, options.noise_seed),
+        sensors(imperfections, options),
         faults(options.faults),
-        late_pressure(effects.pressure_delay, grid.step),
-        late_spool(effects.spool_delay, grid.step),
-        late_position(effects.position_delay, grid.step),
+        lag{FirstOrderLag(LagOf(ImperfectionKind::kPressureLag), grid.step),
+            FirstOrderLag(LagOf(ImperfectionKind::kSpoolLag), grid.step),
+            FirstOrderLag(LagOf(ImperfectionKind::kPositionLag), grid.step)},
+        late_pressure(effects.pressure_delay + LateBy("p_A"), grid.step),
+        late_spool(effects.spool_delay + LateBy("y_v"), grid.step),
+        late_position(effects.position_delay + LateBy("z"), grid.step),
         total_rows(std::llround(options.seconds / options.sample_period)) {
     truth.options = options;
     plant.Reset(options.motion.rest_pressure);
@@ -65,10 +86,13 @@ struct PressGenerator::State {
     return options.oil_start + (options.oil_end - options.oil_start) * t / options.seconds;
   }
   void PushSensors() {
-    late_pressure.Push(plant.p_A());
-    late_spool.Push(valve.position());
-    late_position.Push(drive.ram[2].z);
+    late_pressure.Push(lag[0].Step(plant.p_A()));
+    late_spool.Push(lag[1].Step(valve.position()));
+    late_position.Push(lag[2].Step(drive.ram[2].z));
   }
+  double LagOf(ImperfectionKind kind) const;
+  double LateBy(std::string_view channel) const;
+  void Move(double t);
   PressRow CleanRow(double t) const;
   double RodPressure() const;
   void Control(double t, double pressure_noise);
@@ -76,7 +100,11 @@ struct PressGenerator::State {
   void Track(double t);
 
   PressOptions options;
-  PressEffectSizes effects;
+  std::vector<Imperfection> imperfections;
+  PressEffectSizes effects, active;  // asked for, and in force at present
+  PlantMoments moments;
+  double y_0_shift = 0;
+  bool effects_on = true;
   Grid grid;
   RamMotion motion;
   SetPoint set_point;
@@ -85,7 +113,9 @@ struct PressGenerator::State {
   ServoValve valve;
   PressPlant plant;
   NoiseSource noise;
+  SensorImperfections sensors;
   FaultInjector faults;
+  FirstOrderLag lag[3];
   DelayLine late_pressure, late_spool, late_position;
   PressPlant::Drive drive;
   double edge = 0;     // position of the metering edge
@@ -96,14 +126,17 @@ struct PressGenerator::State {
   std::int64_t stroke_rows = 0;
 };
 
-PressGenerator::State::Grid::Grid(const PressOptions& o, const PressEffectSizes& effects) {
+PressGenerator::State::Grid::Grid(const PressOptions& o, const PressEffectSizes& e, const PlantLaws& laws,
+                                  double leakage) {
+  PressEffectSizes effects = e;
+  effects.internal_leakage = std::abs(e.internal_leakage) + leakage;
   const auto parts = [](double whole, double part) {
     return std::max<std::int64_t>(1, std::llround(std::ceil(whole / part - 1e-9)));
   };
   cycles_per_sample = parts(o.sample_period, o.control_period);
   cycle = o.sample_period / static_cast<double>(cycles_per_sample);
   const double z_low = o.motion.z_bottom - o.motion.z_bottom_spread;
-  const double stable = 1 / PressPlant::StiffestRate(o.machine, effects, z_low);
+  const double stable = 1 / PressPlant::StiffestRate(o.machine, effects, z_low, laws);
   steps_per_cycle = parts(cycle, std::min(o.max_step, stable));
   step = cycle / static_cast<double>(steps_per_cycle);
 }
@@ -111,7 +144,7 @@ PressGenerator::State::Grid::Grid(const PressOptions& o, const PressEffectSizes&
 PressRow PressGenerator::State::CleanRow(double t) const {
   PressRow r;
   r.t = t;
-  r.p_A = late_pressure.Read() + effects.pressure_offset;
+  r.p_A = late_pressure.Read() + active.pressure_offset;
   r.p_B = drive.p_B;
   r.p_0 = drive.p_0;
   r.z = late_position.Read();
@@ -129,14 +162,42 @@ double PressGenerator::State::RodPressure() const {
   return levels[next / std::max<std::size_t>(1, options.motion.speeds.size()) % levels.size()];
 }
 
+double PressGenerator::State::LagOf(ImperfectionKind kind) const {
+  double lag = 0;
+  for (const Imperfection& one : imperfections)
+    if (one.kind == kind || one.kind == ImperfectionKind::kSignalLag) lag += one.size;
+  return lag;
+}
+
+double PressGenerator::State::LateBy(std::string_view channel) const {
+  const auto* early = FindImperfection(imperfections, ImperfectionKind::kOneSignalEarly);
+  return early == nullptr || early->channel == ChannelIndex(channel) ? 0 : early->size;
+}
+
+/// Parameters that move, and effects that come and go.
+void PressGenerator::State::Move(double t) {
+  if (imperfections.empty()) return;
+  const PlantMoments::Moment now = moments.At(t, OilTemperature(t), motion.stroke());
+  drive.K_factor = now.K_factor;
+  drive.V0_factor = now.V0_factor;
+  drive.gain *= now.gain;
+  drive.leakage = now.leakage;
+  y_0_shift = now.y_0_shift;
+  if (now.effects_on == effects_on) return;
+  effects_on = now.effects_on;
+  active = effects_on ? effects : PressEffectSizes{};
+  plant.SetEffects(active);
+}
+
 void PressGenerator::State::Control(double t, double pressure_noise) {
   drive.p_B = Breathing(RodPressure(), 0.6e5, 17, t);
   drive.p_0 = Breathing(options.machine.p_supply, 0.5e5, 23, t);
-  drive.gain = ViscosityGain(effects, OilTemperature(t));
+  drive.gain = ViscosityGain(active, OilTemperature(t));
+  Move(t);
   const RamMotion::Point ram = motion.At(t);
   const double wanted = set_point.At(t, grid.cycle, motion);
   command =
-      controller.Command(plant.p_A() + effects.pressure_offset + pressure_noise, wanted, ram, motion.phase());
+      controller.Command(plant.p_A() + active.pressure_offset + pressure_noise, wanted, ram, motion.phase());
 }
 
 void PressGenerator::State::Integrate(double t) {
@@ -147,9 +208,10 @@ void PressGenerator::State::Integrate(double t) {
     drive.opening[0] = drive.opening[2];
     for (int half = 1; half <= 2; ++half) {
       drive.ram[half] = motion.At(begin + h / 2 * half);
-      edge = EdgeWithPlay(effects, valve.Step(command / 10), edge);
-      drive.opening[half] = edge - options.machine.y_0;
+      edge = EdgeWithPlay(active, valve.Step(command / 10), edge);
+      drive.opening[half] = edge - options.machine.y_0 - y_0_shift;
     }
+    if (moments.ripples()) drive.extra_flow = moments.Ripple(begin + h / 2);
     plant.Step(drive);
     PushSensors();
   }
@@ -197,10 +259,8 @@ bool PressGenerator::NextClean(PressRow& row) {
 
 bool PressGenerator::Next(PressRow& row) {
   State& s = *state_;
-  while (NextClean(row)) {
-    ReadSensors(s.options.noise, s.options.quantum, s.draw, row);
-    if (s.faults.Apply(row)) return true;
-  }
+  while (NextClean(row))
+    if (ReadRow(s.options, s.draw, s.sensors, s.faults, row)) return true;
   return false;
 }
 
@@ -228,7 +288,7 @@ Status PressGenerator::SetEffects(const std::vector<EffectSetting>& settings) {
   delay(s.late_pressure, s.effects.pressure_delay, sizes->pressure_delay);
   delay(s.late_spool, s.effects.spool_delay, sizes->spool_delay);
   delay(s.late_position, s.effects.position_delay, sizes->position_delay);
-  s.effects = *sizes;
+  s.effects = s.active = *sizes;
   s.plant.SetEffects(*sizes);
   return {};
 }
@@ -269,14 +329,18 @@ SimulatedLog SimulateClean(const PressOptions& options) {
 
 SimulatedLog AddSensorNoise(const SimulatedLog& clean, const PressOptions& options,
                             std::uint64_t noise_seed) {
-  NoiseSource noise(options.noise, noise_seed);
+  PressOptions reading = clean.truth.options;
+  reading.noise = options.noise;
+  reading.quantum = options.quantum;
+  reading.noise_seed = noise_seed;
+  NoiseSource noise(reading.noise, noise_seed);
+  SensorImperfections sensors(ResolveImperfections(options.imperfections).value(), reading);
   FaultInjector faults(options.faults);
   SimulatedLog log;
   log.truth = clean.truth;
   for (std::size_t k = 0; k < clean.rows(); ++k) {
     PressRow row = clean.Row(k);
-    ReadSensors(options.noise, options.quantum, noise.Next(), row);
-    if (faults.Apply(row)) log.Append(row);
+    if (ReadRow(reading, noise.Next(), sensors, faults, row)) log.Append(row);
   }
   return log;
 }

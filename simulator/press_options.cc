@@ -6,6 +6,7 @@
 
 #include "core/units.h"
 #include "simulator/effects.h"
+#include "simulator/imperfections.h"
 #include "simulator/sensors.h"
 
 namespace hydroscope {
@@ -87,6 +88,7 @@ Status Validate(const PressOptions& o) {
     if (const Status status = CheckRanges({{"rod pressure in turn", level, 0, 1e8, "Pa"}}); !status)
       return status;
   if (const auto effects = ResolveEffects(o.effects); !effects) return tl::unexpected(effects.error());
+  if (const auto list = ResolveImperfections(o.imperfections); !list) return tl::unexpected(list.error());
   return CheckFaults(o.faults);
 }
 

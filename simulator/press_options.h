@@ -75,6 +75,15 @@ struct EffectSetting {
   std::map<std::string, double> extra;
 };
 
+/// What a plant has and a clean simulation lacks: kind of simulator/imperfections.h, its size in SI, further
+/// numbers by name and, where it acts on one, the channel ("" = as the kind says, "all" = all).
+struct ImperfectionSetting {
+  std::string kind;
+  double size = 0;
+  std::map<std::string, double> extra;
+  std::string channel;
+};
+
 enum class FaultKind {
   kNan,          ///< reading is not a number
   kStuck,        ///< reading stays at its value at `start`
@@ -109,10 +118,12 @@ struct PressOptions {
   SensorNoise noise;
   SensorQuantum quantum;
   std::vector<EffectSetting> effects;
+  std::vector<ImperfectionSetting> imperfections;  ///< those of readings act in this order
   std::vector<SensorFault> faults;
 };
 
-/// Checks ranges, effect ids, their extras and fault channels; the message names value, limit and remedy.
+/// Checks ranges, effect ids, imperfections, their extras and channels; the message names value, limit and
+/// remedy.
 Status Validate(const PressOptions& options);
 
 }  // namespace hydroscope

@@ -21,13 +21,13 @@ namespace {
 
 struct PressArguments {
   std::string out, machine, oil, truth;
-  std::vector<std::string> effects, faults;
+  std::vector<std::string> effects, imperfections, faults;
   PressOptions options;
   double speed_min = 20, speed_max = 120;  // mm/s
   double noise_factor = 1;
   std::uint64_t random_machine = 0;
   int adc_bits = 0, cylinders = 1, effect_cylinder = 0;
-  bool speed_given = false, list_effects = false;
+  bool speed_given = false, list_effects = false, list_imperfections = false;
   ServedPress serve;
   bool seconds_given = false, period_given = false;
 };
@@ -52,6 +52,11 @@ Result<PressOptions> BuildOptions(const PressArguments& a) {
     const auto effect = ParseEffect(text);
     if (!effect) return tl::unexpected(effect.error());
     o.effects.push_back(*effect);
+  }
+  for (const std::string& text : a.imperfections) {
+    const auto imperfection = ParseImperfection(text);
+    if (!imperfection) return tl::unexpected(imperfection.error());
+    o.imperfections.push_back(*imperfection);
   }
   for (const std::string& text : a.faults) {
     const auto fault = ParseFault(text);
@@ -98,6 +103,8 @@ Status WriteLog(const PressOptions& options, const std::string& path, const std:
 
 /// Endless and at 1 kHz unless the command line says otherwise.
 Status RunServe(const PressArguments& a) {
+  if (!a.imperfections.empty())
+    return UsageError("--imperfection is for logs; a press that is served takes faults and effects");
   auto options = BuildOptions(a);
   if (!options) return tl::unexpected(options.error());
   if (!a.seconds_given) options->seconds = 1e8;
@@ -108,6 +115,10 @@ Status RunServe(const PressArguments& a) {
 Status RunPress(const PressArguments& a) {
   if (a.list_effects) {
     std::cout << EffectTable();
+    return {};
+  }
+  if (a.list_imperfections) {
+    std::cout << ImperfectionTable();
     return {};
   }
   if (!a.serve.machine.empty()) return RunServe(a);
@@ -156,6 +167,13 @@ void AddPress(CLI::App& simulate, int& exit_code) {
       ->type_name("EFFECT")
       ->allow_extra_args(false);
   app->add_flag("--list-effects", a->list_effects, "Print the effects with units and typical sizes");
+  app->add_option("--imperfection", a->imperfections,
+                  "What plants have and simulations lack: KIND[=SIZE][,NAME=VALUE...][,on=CHANNEL] in SI, "
+                  "repeatable")
+      ->type_name("KIND")
+      ->allow_extra_args(false);
+  app->add_flag("--list-imperfections", a->list_imperfections,
+                "Print the imperfections with units and typical sizes");
   auto* low = app->add_option("--speed-min", a->speed_min, "Lowest ram speed, mm/s")->capture_default_str();
   auto* high = app->add_option("--speed-max", a->speed_max, "Highest ram speed, mm/s; equal: constant")
                    ->capture_default_str();
@@ -190,6 +208,8 @@ void AddPress(CLI::App& simulate, int& exit_code) {
       "  hydroscope simulate press --out press.csv --seconds 120 --seed 1\n"
       "  hydroscope simulate press --out leak.csv --effect internal_leakage=4e-12 --truth leak.json\n"
       "  hydroscope simulate press --out relief.csv.gz --effect relief_valve=2e-11,crack=170e5 --oil 26:52\n"
+      "  hydroscope simulate press --out filtered.csv --imperfection coloured_noise=0.1,phi=0.8\n"
+      "  hydroscope simulate press --out lag.csv --imperfection pressure_signal_lag=0.004\n"
       "  hydroscope simulate press --out slow.csv --speed-min 50 --speed-max 50\n"
       "  hydroscope simulate press --out bad.csv --fault stuck:p_A:30:2 --fault clock_jump:t:60:0:3600\n"
       "  hydroscope simulate press --out c.csv --cylinders 4 --effect external_leakage --effect-cylinder 2\n"

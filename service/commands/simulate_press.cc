@@ -14,6 +14,7 @@
 #include "models/machine.h"
 #include "service/commands/finite_number.h"
 #include "simulator/effects.h"
+#include "simulator/imperfections.h"
 
 namespace hydroscope {
 namespace {
@@ -66,6 +67,38 @@ Result<EffectSetting> ParseEffect(const std::string& text) {
     }
   }
   return effect;
+}
+
+Result<ImperfectionSetting> ParseImperfection(const std::string& text) {
+  ImperfectionSetting setting;
+  const auto parts = Split(text, ',');
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const auto equals = parts[k].find('=');
+    const std::string name = parts[k].substr(0, equals);
+    const std::string given = equals == std::string::npos ? "" : parts[k].substr(equals + 1);
+    if (k == 0) setting.kind = name;
+    if (k == 0 && equals == std::string::npos) {
+      for (const ImperfectionInfo& info : PressImperfections())
+        if (info.name == name) setting.size = info.typical_size;
+      if (setting.size == 0) setting.size = std::nan("");  // unknown kind: the simulator says so
+      continue;
+    }
+    if (k > 0 && name == "on") {
+      setting.channel = given;
+      continue;
+    }
+    const auto value = FiniteNumber(given);
+    if (!value)
+      return UsageError(
+          "--imperfection {}: '{}' is not NAME=NUMBER; expected e.g. coloured_noise=0.1,phi=0.8,on=p_A", text,
+          parts[k]);
+    if (k == 0) {
+      setting.size = *value;
+    } else {
+      setting.extra[name] = *value;
+    }
+  }
+  return setting;
 }
 
 Result<SensorFault> ParseFault(const std::string& text) {
@@ -136,7 +169,11 @@ SensorQuantum QuantumOfBits(int bits) {
 nlohmann::json TruthJson(const PressTruth& truth) {
   const PressOptions& o = truth.options;
   const PressMachine& m = o.machine;
-  nlohmann::json effects = nlohmann::json::array(), strokes = nlohmann::json::array();
+  nlohmann::json effects = nlohmann::json::array(), strokes = nlohmann::json::array(),
+                 imperfections = nlohmann::json::array();
+  for (const ImperfectionSetting& one : o.imperfections)
+    imperfections.push_back(
+        {{"kind", one.kind}, {"size", one.size}, {"extra", one.extra}, {"channel", one.channel}});
   for (const EffectSetting& effect : o.effects)
     effects.push_back({{"id", effect.id}, {"size", effect.size}, {"extra", effect.extra}});
   for (const StrokeTruth& s : truth.strokes)
@@ -167,11 +204,25 @@ nlohmann::json TruthJson(const PressTruth& truth) {
   return {{"parameters", parameters},
           {"noise", noise},
           {"effects", effects},
+          {"imperfections", imperfections},
           {"oil", {{"start", o.oil_start}, {"end", o.oil_end}}},
           {"seeds", {{"motion", o.seed}, {"control", o.control_seed}, {"noise", o.noise_seed}}},
           {"seconds", o.seconds},
           {"sample_period", o.sample_period},
           {"strokes", strokes}};
+}
+
+std::string ImperfectionTable() {
+  std::string text =
+      fmt::format("{:<34}{:<14}{:>10}  {}\n", "imperfection", "unit", "typical", "law (further numbers)");
+  for (const ImperfectionInfo& info : PressImperfections()) {
+    text += fmt::format("{:<34}{:<14}{:>10.3g}  {}", info.name, info.unit, info.typical_size, info.law);
+    for (const EffectExtra& extra : info.extras)
+      text += fmt::format("; {}={:g} {}", extra.name, extra.value, extra.unit);
+    if (!info.channel.empty()) text += fmt::format("; on={}", info.channel);
+    text += '\n';
+  }
+  return text;
 }
 
 std::string EffectTable() {

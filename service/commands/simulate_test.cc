@@ -117,6 +117,24 @@ TEST(SimulateCommand, FourCylindersWriteFourFilesWithTheEffectInOne) {
   }
 }
 
+TEST(SimulateCommand, ImperfectionsAreTakenListedAndRefused) {
+  const auto parsed = ParseImperfection("coloured_noise=0.1,phi=0.9,on=p_A");
+  ASSERT_TRUE(parsed);
+  EXPECT_EQ(parsed->kind, "coloured_noise");
+  EXPECT_EQ(parsed->size, 0.1);
+  EXPECT_EQ(parsed->extra.at("phi"), 0.9);
+  EXPECT_EQ(parsed->channel, "p_A");
+  EXPECT_EQ(ParseImperfection("K_drift")->size, -0.1);
+  EXPECT_FALSE(ParseImperfection("K_drift=much"));
+  EXPECT_NE(ImperfectionTable().find("pressure_signal_lag"), std::string::npos);
+  const std::string out = TempFile("i.csv"), truth = TempFile("i.json");
+  ASSERT_EQ(Simulate({"press", "--out", out, "--seconds", "1", "--imperfection", "K_drift=-0.05", "--truth",
+                      truth}),
+            kDone);
+  EXPECT_EQ(nlohmann::json::parse(ReadAll(truth))["imperfections"][0]["kind"], "K_drift");
+  EXPECT_EQ(Simulate({"press", "--out", out, "--imperfection", "K_drit=1"}), kWrongUse);
+}
+
 TEST(SimulateCommand, ValveSweepHasItsColumns) {
   const std::string out = TempFile("sweep.csv");
   ASSERT_EQ(Simulate({"valve", "--out", out, "--frequencies", "10,20", "--hold", "0.5"}), kDone);
