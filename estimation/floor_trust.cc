@@ -1,0 +1,178 @@
+#include "estimation/floor_trust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kUnstated = std::numeric_limits<double>::quiet_NaN();
+/// Stretches whose equations tell the shares: a few per cent are enough.
+constexpr std::size_t kStretchesTried = 12;
+
+/// Independent numbers of mean 0 and variance 1, the same every time: what a share is, no seed should decide.
+class Signs {
+ public:
+  double Next() {
+    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
+    return (state_ >> 63) != 0 ? 1.0 : -1.0;
+  }
+
+ private:
+  std::uint64_t state_ = 20;
+};
+
+std::shared_ptr<const ModelStructure> BaseAlone(const ModelStructure& model) {
+  auto base = std::make_shared<ModelStructure>(model);
+  base->columns.resize(static_cast<std::size_t>(model.base_count) + 1);
+  base->effects.clear();
+  base->effect_shapes.clear();
+  return base;
+}
+
+std::vector<const Stretch*> SomeStretches(std::span<const std::vector<Stretch>> strokes, int least) {
+  std::vector<const Stretch*> all;
+  for (const auto& stroke : strokes)
+    for (const Stretch& stretch : stroke)
+      if (stretch.samples >= least) all.push_back(&stretch);
+  if (all.size() <= kStretchesTried) return all;
+  std::vector<const Stretch*> some;
+  for (std::size_t k = 0; k < kStretchesTried; ++k) some.push_back(all[k * all.size() / kStretchesTried]);
+  return some;
+}
+
+/// What the floor counts as noise of a stretch taken by itself: contrasts of blocks, then steps of the walk.
+struct CountedNoise {
+  Eigen::RowVectorXd white, walk;
+};
+
+CountedNoise NoiseOf(const std::shared_ptr<const ModelStructure>& base, const WindowSamples& window,
+                     const Eigen::VectorXd& weights, Stretch stretch) {
+  stretch.continues = false;
+  SpanEquationBuilder builder(base, window);
+  const SpanEquations& equations = builder.Build(stretch, 0);
+  return {weights.transpose() * equations.noise.leftCols(equations.blocks),
+          weights.transpose() * equations.walk};
+}
+
+std::vector<int> MeasuredChannels(const ModelStructure& model) {
+  std::vector<int> channels;
+  for (std::size_t c = 0; c < model.channel_source.size(); ++c)
+    if (model.channel_source[c] >= 0) channels.push_back(static_cast<int>(c));
+  return channels;
+}
+
+/// Readings of a channel, stretches that continue one another put together.
+SignalRuns RunsOf(const std::vector<Stretch>& stroke, int channel) {
+  SignalRuns runs;
+  for (const Stretch& stretch : stroke) {
+    const double* x = stretch[channel];
+    const int first = stretch.continues && !runs.empty() ? 1 : 0;
+    if (first == 0) runs.emplace_back();
+    runs.back().insert(runs.back().end(), x + first, x + stretch.samples);
+  }
+  return runs;
+}
+
+std::string UnitOf(const SignalSpec& spec) {
+  const auto unit = FindUnit(spec.unit);
+  return unit ? std::string(unit->si) : std::string();
+}
+
+/// Noise energy over that of the contrasts, as far as it is known; NaN if not.
+double KnownScale(const SignalNoise& noise) {
+  const double contrast = noise.std * noise.std;
+  switch (noise.kind) {
+    case NoiseKind::kUnknown:
+    case NoiseKind::kWhite:
+      return 1;
+    case NoiseKind::kSignalInContrast:
+      if (std::isfinite(noise.stated)) return noise.stated * noise.stated / contrast;
+      return noise.seen_at_rest ? noise.quiet_std * noise.quiet_std / contrast : kUnstated;
+    case NoiseKind::kColoured:
+      return std::isfinite(noise.slow_ratio) ? std::max(noise.ratio, noise.slow_ratio) : noise.ratio;
+    default:
+      return std::isfinite(noise.stated) ? noise.stated * noise.stated / contrast : kUnstated;
+  }
+}
+
+/// By how much the signal may change the noise energy of the balance, as a share of it.
+double Leverage(const SignalNoise& noise) {
+  const double scale = KnownScale(noise);
+  return noise.share * (std::isfinite(scale) ? std::abs(scale - 1) : 1.0);
+}
+
+void Conclude(double floor_excess, FloorTrust& trust) {
+  double scale = 0, shares = 0;
+  for (const SignalNoise& noise : trust.signals) {
+    const bool counts = Leverage(noise) > floor_excess;
+    scale += noise.share * (counts ? KnownScale(noise) : 1);
+    shares += noise.share;
+    if (!counts) continue;
+    trust.believable = false;
+    trust.sentences.push_back(noise.sentence);
+  }
+  if (trust.believable) return;
+  trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
+  trust.why = "the noise floor is not used: " + trust.sentences.front();
+}
+
+}  // namespace
+
+std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                                const WindowSamples& window, const Eigen::VectorXd& theta,
+                                std::span<const double> std) {
+  const auto base = BaseAlone(model);
+  Eigen::VectorXd weights(model.base_count + 1);
+  weights << theta.head(model.base_count), -1.0;
+  std::vector<double> energy(std.size(), 0.0);
+  Signs signs;
+  for (const Stretch* stretch : SomeStretches(strokes, 2 * window.block)) {
+    const CountedNoise measured = NoiseOf(base, window, weights, *stretch);
+    for (std::size_t c = 0; c < std.size(); ++c) {
+      if (!(std[c] > 0)) continue;
+      Stretch noisy = *stretch;
+      for (double& x : noisy.channel[c]) x += std[c] * signs.Next();
+      const CountedNoise more = NoiseOf(base, window, weights, std::move(noisy));
+      const double white = (more.white - measured.white).squaredNorm();
+      const double walk = std::max(0.0, more.walk.squaredNorm() - measured.walk.squaredNorm());
+      if (std::isfinite(white + walk)) energy[c] += white + walk;
+    }
+  }
+  const double total = std::accumulate(energy.begin(), energy.end(), 0.0);
+  if (total > 0)
+    for (double& e : energy) e /= total;
+  return energy;
+}
+
+FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                      const WindowSamples& window, const Eigen::VectorXd& theta, const Machine& machine,
+                      const FloorTrustOptions& options) {
+  FloorTrust trust;
+  const std::vector<int> channels = MeasuredChannels(model);
+  std::vector<double> std(model.channel_source.size(), 0.0);
+  std::vector<SignalNoise> judged;
+  for (const int channel : channels) {
+    const SignalSpec& spec = machine.signals[static_cast<std::size_t>(model.channel_source[channel])];
+    std::vector<SignalRuns> runs;
+    for (const auto& stroke : strokes) runs.push_back(RunsOf(stroke, channel));
+    judged.push_back(JudgeSignalNoise(spec.name, UnitOf(spec), runs, window.period,
+                                      spec.noise_std.value_or(kUnstated), options.signal));
+    std[static_cast<std::size_t>(channel)] = judged.back().std;
+  }
+  const std::vector<double> shares = NoiseShares(model, strokes, window, theta, std);
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    judged[k].share = shares[static_cast<std::size_t>(channels[k])];
+    if (judged[k].share > 0) trust.signals.push_back(std::move(judged[k]));
+  }
+  std::stable_sort(trust.signals.begin(), trust.signals.end(),
+                   [](const SignalNoise& a, const SignalNoise& b) { return a.share > b.share; });
+  Conclude(options.floor_excess, trust);
+  return trust;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/signal_noise.h"
+#include "estimation/span_equations.h"
+#include "models/machine.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// Whether the noise floor of a balance, which rests on noise that is white from row to row, can be believed.
+struct FloorTrust {
+  bool believable = true;
+  /// Signals of the base balance, largest share of its noise first.
+  std::vector<SignalNoise> signals;
+  /// Noise energy of the balance as far as it is known, over that of the contrasts: from the stated noise of
+  /// the signals that the contrasts cannot judge, and from what coloured noise has over four rows (a lower
+  /// bound). 1 if believable; NaN where a signal that counts is neither stated nor measurable.
+  double noise_scale = 1;
+  std::string why;                     ///< one sentence; "" if believable
+  std::vector<std::string> sentences;  ///< one per signal that is not white and counts, for `warnings`
+};
+
+struct FloorTrustOptions {
+  SignalNoiseOptions signal;
+  /// A signal counts if it can change the noise energy of the balance by this share
+  /// (ExplainOptions::floor_excess).
+  double floor_excess = 0.15;
+};
+
+/// Judges the floor of the base balance `theta` (regression parameters, SI; further entries are not looked
+/// at) over the samples of `strokes`, each a stroke's stretches as the pipeline cut them. `machine` gives the
+/// stated noise and the units. Deterministic; some milliseconds for a log of two minutes.
+FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                      const WindowSamples& window, const Eigen::VectorXd& theta, const Machine& machine,
+                      const FloorTrustOptions& options = {});
+
+/// Share of each measured channel of the base balance in its noise energy when the channels have the noise
+/// `std` (SI, one per channel; others 0): white noise is added to each in turn, through every derived channel
+/// and column. Sums to 1; all 0 if nothing makes a difference.
+std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                                const WindowSamples& window, const Eigen::VectorXd& theta,
+                                std::span<const double> std);
+
+}  // namespace hydroscope

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hydroscope {
+
+/// What a signal's noise is like, as far as rows next to one another tell.
+enum class NoiseKind {
+  kUnknown,           ///< too few rows, or none that differ
+  kWhite,             ///< independent from row to row: what the noise share of the balance takes for granted
+  kColoured,          ///< a sensor, amplifier or controller filters it: stronger over several rows, or weaker
+  kQuantised,         ///< the resolution is coarser than the noise
+  kSignalInContrast,  ///< the signal itself moves from row to row: sampled too slowly to see the noise
+  kDisagreesWithStated,  ///< white, and clearly less than the machine file says
+};
+
+/// "white", "coloured", "quantised", "signal", "not as stated", "not known".
+const char* NoiseKindName(NoiseKind kind);
+
+/// Readings of one signal in one stroke: runs of rows without a gap.
+using SignalRuns = std::vector<std::vector<double>>;
+
+/// Noise of one signal. Energies are of contrasts over 4 d rows, four means of d rows each with the signs
+/// + - - +, scaled so that white noise has its variance at every d. Level and slope do not enter; motion x(t)
+/// does with its curvature, sqrt(d) x'' (d T)^2, so that its energy grows 32-fold per octave of d, that of
+/// first-order filtered noise at most fourfold (Walsh functions; contrasts of different d are orthogonal on
+/// the same rows).
+struct SignalNoise {
+  std::string name;  ///< of the signal
+  std::string unit;  ///< SI
+  NoiseKind kind = NoiseKind::kUnknown;
+  double std = 0;            ///< SI, from + - - + over neighbouring rows, all rows: what the floor goes by
+  double quiet_std = 0;      ///< SI, the same where the signal moves least
+  bool seen_at_rest = true;  ///< the signal moves, but not always: `quiet_std` is that of its noise
+  double ratio = 1;  ///< energy over pairs of rows against single rows where the signal moves least ...
+  double ratio_low = 1, ratio_high = 1;  ///< ... and its 95 % band, by chunks of time
+  double slow_ratio = 1;                 ///< the same over four rows; NaN where motion hides it
+  double slope = 0;     ///< d ln energy / d ln d from one to two rows; white 0, first order up to 2, motion 5
+  double quantum = 0;   ///< SI, smallest step between readings
+  double repeated = 0;  ///< share of readings equal to the one before
+  double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
+  double share = 1;      ///< of the noise energy of a balance; see JudgeFloor
+  std::string sentence;  ///< what is wrong with it, with units; "" if white
+};
+
+/// Thresholds of JudgeSignalNoise.
+struct SignalNoiseOptions {
+  /// Ratio that still counts as white. AR(1) noise of phi 0.05 has 1.07, and a block of ten rows then has
+  /// 1.15 times the noise that neighbouring rows promise: what a floor may be off by (floor_excess).
+  double tolerated_ratio = 1.07;
+  /// Standard errors by which a ratio must miss it: Student's t of the chunks, 0.02 % on one side, since
+  /// three signals of a log are tried in up to four ways and one healthy log in a hundred may be accused.
+  double significance = 2e-4;
+  /// A ratio beyond this is motion: first-order filtered noise has 4 at most.
+  double motion_ratio = 5.0;
+  /// Relative difference of standard deviations to a stated one that is clear.
+  double stated_tolerance = 0.3;
+  /// Share of repeated readings beyond which the resolution hides the noise: with normal noise of std s
+  /// and a resolution q it is 0.28 q / s, here q = 1.4 s.
+  double repeated_share = 0.4;
+  int chunks = 16;  ///< of time, the independent units
+};
+
+/// Judges one signal over the strokes of a log; `period` in s. `stated`: SI, NaN if the machine file says
+/// nothing. Fills everything but `share`.
+SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
+                             std::span<const SignalRuns> strokes, double period, double stated,
+                             const SignalNoiseOptions& options = {});
+
+}  // namespace hydroscope
