@@ -8,7 +8,7 @@
 
 namespace hydroscope {
 
-void ForEachCase(int count, ProgressBar& progress, const std::function<void(int)>& work) {
+void ForEachCase(int count, ProgressBar& progress, const std::function<void(int)>& work, int threads) {
   std::atomic<int> next = 0;
   std::mutex mutex;
   int done = 0;
@@ -20,9 +20,9 @@ void ForEachCase(int count, ProgressBar& progress, const std::function<void(int)
       progress.Update(static_cast<double>(done) / count, done);
     }
   };
-  const int most = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::vector<std::jthread> threads;
-  for (int t = 1; t < std::min(most, count); ++t) threads.emplace_back(run);
+  const int most = threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::vector<std::jthread> others;
+  for (int t = 1; t < std::min(most, count); ++t) others.emplace_back(run);
   run();
 }
 

@@ -10,6 +10,7 @@
 #include "service/benchmarks/filter_study.h"
 #include "service/benchmarks/frf_benchmark.h"
 #include "service/benchmarks/hidden_effects_benchmark.h"
+#include "service/benchmarks/plant_logs_benchmark.h"
 #include "service/benchmarks/recovery.h"
 #include "service/benchmarks/seal_friction.h"
 #include "service/benchmarks/since_benchmark.h"
@@ -74,6 +75,26 @@ void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark hidden-effects --cases 300 --seed 5 --experiments\n"
       "  hydroscope benchmark hidden-effects --cases 40 --seed 7 --details cases.tsv");
   command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(*o); });
+}
+
+void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<PlantLogsOptions>();
+  CLI::App* command = benchmark.add_subcommand("plant-logs",
+                                               "Logs as plants have them, each with an imperfection: right, "
+                                               "wrong and missing answers of explain and fit");
+  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_option("--kinds", o->kinds, "Only these kinds of imperfection, separated by commas")
+      ->delimiter(',');
+  command->add_option("--jobs", o->jobs, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
+  command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark plant-logs\n"
+      "  hydroscope benchmark plant-logs --cases 40 --kinds coloured_noise,signal_lag --details cases.tsv");
+  command->callback([o, &exit_code] { exit_code = RunPlantLogsBenchmark(*o); });
 }
 
 void AddSince(CLI::App& benchmark, int& exit_code) {
@@ -275,6 +296,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
       "  hydroscope benchmark filter-study --svg filter_study.svg");
   AddCoverage(*benchmark, exit_code);
   AddHiddenEffects(*benchmark, exit_code);
+  AddPlantLogs(*benchmark, exit_code);
   AddSince(*benchmark, exit_code);
   AddFrf(*benchmark, exit_code);
   AddFilterStudy(*benchmark, exit_code);
