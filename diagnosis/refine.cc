@@ -19,14 +19,6 @@ constexpr int kImpliedSteps = 8;            ///< between a law's size and the sh
 constexpr double kImpliedAccuracy = 0.001;  ///< relative; well below the std of a size that is known
 constexpr double kLeastShare = 1e-4;        ///< of its limit: smaller values are not told from it
 
-/// Base and output columns alone, no shapes.
-ModelStructure BaseOnly(const ModelStructure& model) {
-  ModelStructure base = model;
-  base.columns.resize(model.output_column() + 1);
-  for (auto& shapes : base.effect_shapes) shapes.clear();
-  return base;
-}
-
 /// From the neighbour below `value` on the effect's grid (or the limit) to the neighbour above.
 std::pair<double, double> Bracket(const Effect& effect, std::size_t coordinate, double value) {
   double low = effect.nonlinear[coordinate].min, high = effect.nonlinear[coordinate].max;
@@ -62,6 +54,13 @@ double Minimise(Error error, double low, double high, double start) {
 }
 
 }  // namespace
+
+ModelStructure BaseOnly(const ModelStructure& model) {
+  ModelStructure base = model;
+  base.columns.resize(model.output_column() + 1);
+  for (auto& shapes : base.effect_shapes) shapes.clear();
+  return base;
+}
 
 std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
                                 std::span<const StrokeStretches> strokes, const WindowSamples& window) {

@@ -12,6 +12,9 @@ namespace hydroscope {
 /// The gated samples of one stroke, as the pipeline cut them.
 using StrokeStretches = std::vector<Stretch>;
 
+/// The model with its base and output columns alone, and no shapes of its effects.
+ModelStructure BaseOnly(const ModelStructure& model);
+
 /// Grams of kept samples under any model over the same channels.
 std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
                                 std::span<const StrokeStretches> strokes, const WindowSamples& window);

@@ -1,0 +1,254 @@
+#include "diagnosis/feature_banks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/quantile.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr int kKnots = 6;        ///< of the coefficient of a term, over one signal
+constexpr int kRateKnots = 9;    ///< of a rate over one signal
+constexpr int kPairKnots = 5;    ///< of a rate over two signals, each
+constexpr int kPhaseKnots = 4;   ///< of a coefficient over the phase of the stroke
+constexpr int kTrendPowers = 2;  ///< of the time within the log
+constexpr int kPairedAxes = 3;   ///< signals taken two at a time
+constexpr int kMostModulated = 8;  ///< terms of the balance that get coefficients over signals
+constexpr double kTail = 0.01;     ///< quantile at the outer knots
+constexpr std::size_t kQuantileSamples = 20000;
+constexpr double kNudge = 0.01;  ///< of a channel's range, to see which columns read it
+
+/// Place among `knots` hat functions: left knot and share of the right one.
+struct Hat {
+  int left = 0;
+  double right = 0;
+};
+
+Hat HatAt(double place, int knots) {
+  const double at = std::clamp(place, 0.0, 1.0) * (knots - 1);
+  const int left = std::min(static_cast<int>(at), knots - 2);
+  return {left, at - left};
+}
+
+/// The columns up to the output, in a row: which of them change when a channel of the stretch is nudged.
+std::vector<bool> ColumnsThatRead(const ModelStructure& model, const Stretch& stretch, int channel) {
+  const auto filled = [&](Stretch s) {
+    model.derive_channels(s);
+    std::vector<std::vector<double>> out;
+    for (int c = 0; c <= model.output_column(); ++c) {
+      double state = 0;
+      out.emplace_back(s.samples);
+      model.columns[c].fill(s, state, out.back());
+    }
+    return out;
+  };
+  Stretch nudged = stretch;
+  auto& values = nudged.channel[channel];
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double nudge = kNudge * std::max(*high - *low, 1e-3 * std::abs(*high));
+  for (std::size_t k = 0; k < values.size(); k += 2) values[k] += nudge;
+  const auto before = filled(stretch), after = filled(nudged);
+  std::vector<bool> reads;
+  for (std::size_t c = 0; c < before.size(); ++c) reads.push_back(before[c] != after[c]);
+  return reads;
+}
+
+std::vector<double> SamplesOf(std::span<const StrokeStretches> strokes, int channel) {
+  std::size_t total = 0;
+  for (const StrokeStretches& stroke : strokes)
+    for (const Stretch& stretch : stroke) total += static_cast<std::size_t>(stretch.samples);
+  const auto step = static_cast<int>(std::max<std::size_t>(1, total / kQuantileSamples));
+  std::vector<double> values;
+  for (const StrokeStretches& stroke : strokes)
+    for (const Stretch& stretch : stroke)
+      for (int k = 0; k < stretch.samples; k += step) values.push_back(stretch[channel][k]);
+  return values;
+}
+
+}  // namespace
+
+FeatureBanks::FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
+                           const WindowSamples& window)
+    : model_(model), strokes_(strokes), window_(window), column_state_(model.columns.size(), 0.0) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int channel : AxisChannels()) {
+    const std::vector<double> values = SamplesOf(strokes, channel);
+    const Axis axis{channel, Quantile(values, kTail, nan), Quantile(values, 1 - kTail, nan)};
+    if (axis.high > axis.low) axes_.push_back(axis);
+  }
+  paired_ = std::min<int>(kPairedAxes, static_cast<int>(axes_.size()));
+  axes_.push_back({-1, 0.0, 1.0});
+  ChooseBanks();
+}
+
+/// Channels that are measured, those that the base terms read first; not those that the output alone reads.
+std::vector<int> FeatureBanks::AxisChannels() const {
+  const Stretch* sample = nullptr;
+  for (const StrokeStretches& stroke : strokes_)
+    for (const Stretch& stretch : stroke)
+      if (sample == nullptr) sample = &stretch;
+  if (sample == nullptr) return {};
+  std::vector<int> read, further;
+  for (int channel = 0; channel < static_cast<int>(model_.channel_source.size()); ++channel) {
+    if (model_.channel_source[channel] < 0) continue;
+    const std::vector<bool> reads = ColumnsThatRead(model_, *sample, channel);
+    const bool base = std::find(reads.begin(), reads.end() - 1, true) != reads.end() - 1;
+    if (base)
+      read.push_back(channel);
+    else if (!reads.back())
+      further.push_back(channel);
+  }
+  read.insert(read.end(), further.begin(), further.end());
+  return read;
+}
+
+void FeatureBanks::ChooseBanks() {
+  const int phase = static_cast<int>(axes_.size()) - 1;
+  const auto name = [&](int axis) {
+    return axis == phase ? std::string("the phase of the stroke") : model_.channel_names[axes_[axis].channel];
+  };
+  const int terms = std::min(model_.base_count, kMostModulated);
+  for (int axis = 0; axis < phase; ++axis) {
+    for (int c = 0; c < terms; ++c) banks_.push_back({name(axis), {c}, {axis}, kKnots});
+    banks_.push_back({name(axis), {}, {axis}, kRateKnots});
+  }
+  for (int a = 0; a < paired_; ++a)
+    for (int b = a + 1; b < paired_; ++b)
+      banks_.push_back({name(a) + " and " + name(b), {}, {a, b}, kPairKnots * kPairKnots});
+  std::vector<int> all(terms);
+  for (int c = 0; c < terms; ++c) all[c] = c;
+  banks_.push_back({name(phase), all, {phase}, terms * kPhaseKnots});
+  banks_.push_back({"the time within the log", all, {}, terms * kTrendPowers});
+  out_.banks.resize(banks_.size());
+}
+
+void FeatureBanks::FillIncrements(const Stretch& stretch) {
+  increments_.resize(model_.columns.size());
+  for (std::size_t c = 0; c < model_.columns.size(); ++c) {
+    increments_[c].assign(stretch.samples, 0.0);
+    const std::size_t count = model_.level_form ? stretch.samples : stretch.samples - 1;
+    model_.columns[c].fill(stretch, column_state_[c], std::span(increments_[c].data(), count));
+  }
+}
+
+void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
+  double total = 1;
+  for (const Stretch& part : strokes_[stroke]) total += part.samples;
+  place_.resize(axes_.size());
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    place_[a].resize(stretch.samples);
+    const Axis& axis = axes_[a];
+    for (int k = 0; k < stretch.samples; ++k) {
+      const double x =
+          axis.channel < 0 ? (done_ + k) / total : (stretch[axis.channel][k] - axis.low) / (axis.high - axis.low);
+      place_[a][k] = std::isfinite(x) ? x : 0.0;
+    }
+  }
+  done_ += stretch.samples;
+}
+
+/// Block means of features: `advance(k, level)` takes the features from sample k to sample k + 1 (in the level
+/// form it sets them at sample k).
+template <typename Advance>
+void FeatureBanks::SumBlocks(int features, int blocks, Eigen::MatrixXd& rows, Advance advance) const {
+  rows.setZero(blocks, features);
+  std::vector<double> level(features, 0.0), sum(features, 0.0);
+  for (int k = 0; !model_.level_form && k < lead_; ++k) advance(k, level.data());
+  for (int b = 0; b < blocks; ++b) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    for (int k = lead_ + b * window_.block; k < lead_ + (b + 1) * window_.block; ++k) {
+      if (model_.level_form) advance(k, level.data());
+      for (int f = 0; f < features; ++f) sum[f] += level[f];
+      if (!model_.level_form) advance(k, level.data());
+    }
+    for (int f = 0; f < features; ++f) rows(b, f) = sum[f] / window_.block;
+  }
+  if (!model_.level_form) rows.rowwise() -= rows.colwise().mean().eval();
+}
+
+void FeatureBanks::FillModel(int blocks) {
+  const int columns = model_.column_count();
+  SumBlocks(columns, blocks, out_.model, [&](int k, double* level) {
+    for (int c = 0; c < columns; ++c)
+      level[c] = model_.level_form ? increments_[c][k] : level[c] + increments_[c][k];
+  });
+}
+
+void FeatureBanks::FillModulated(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const {
+  const int knots = bank.count / static_cast<int>(bank.columns.size());
+  const std::vector<double>& place = place_[bank.axes[0]];
+  const bool values = model_.level_form;
+  SumBlocks(bank.count, blocks, rows, [&](int k, double* level) {
+    if (values) std::fill_n(level, bank.count, 0.0);
+    const std::size_t next = std::min<std::size_t>(k + 1, place.size() - 1);
+    const Hat hat = HatAt(values ? place[k] : 0.5 * (place[k] + place[next]), knots);
+    for (std::size_t i = 0; i < bank.columns.size(); ++i) {
+      double* const own = level + i * knots + hat.left;
+      const double increment = increments_[bank.columns[i]][k];
+      own[0] += (1 - hat.right) * increment;
+      own[1] += hat.right * increment;
+    }
+  });
+}
+
+/// Within a span the time is as good as constant: the terms' own rows times its powers.
+void FeatureBanks::FillTrend(const FeatureBank& bank, double time, Eigen::MatrixXd& rows) const {
+  rows.resize(out_.model.rows(), bank.count);
+  double power = 1;
+  for (int p = 0; p < kTrendPowers; ++p) {
+    power *= time;
+    for (std::size_t i = 0; i < bank.columns.size(); ++i)
+      rows.col(p * static_cast<int>(bank.columns.size()) + static_cast<int>(i)) =
+          power * out_.model.col(bank.columns[i]);
+  }
+}
+
+void FeatureBanks::FillRates(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const {
+  const bool values = model_.level_form, pair = bank.axes.size() == 2;
+  const double period = values ? 1.0 : window_.period;
+  const std::vector<double>& first = place_[bank.axes[0]];
+  const std::vector<double>& second = place_[bank.axes.back()];
+  SumBlocks(bank.count, blocks, rows, [&](int k, double* level) {
+    if (values) std::fill_n(level, bank.count, 0.0);
+    const Hat a = HatAt(first[k], pair ? kPairKnots : kRateKnots);
+    if (!pair) {
+      level[a.left] += (1 - a.right) * period;
+      level[a.left + 1] += a.right * period;
+      return;
+    }
+    const Hat b = HatAt(second[k], kPairKnots);
+    double* const corner = level + a.left * kPairKnots + b.left;
+    corner[0] += (1 - a.right) * (1 - b.right) * period;
+    corner[1] += (1 - a.right) * b.right * period;
+    corner[kPairKnots] += a.right * (1 - b.right) * period;
+    corner[kPairKnots + 1] += a.right * b.right * period;
+  });
+}
+
+const FeatureRows& FeatureBanks::Rows(std::size_t stroke, std::size_t part) {
+  if (part == 0) done_ = 0;
+  work_ = strokes_[stroke][part];
+  model_.derive_channels(work_);
+  lead_ = work_.continues ? 1 : 0;
+  const int blocks = (work_.samples - lead_) / window_.block;
+  FillIncrements(work_);
+  FillPlaces(work_, stroke);
+  FillModel(blocks);
+  const double strokes = static_cast<double>(strokes_.size());
+  const double time = strokes > 1 ? 2.0 * static_cast<double>(stroke) / (strokes - 1) - 1.0 : 0.0;
+  for (std::size_t b = 0; b < banks_.size(); ++b) {
+    const FeatureBank& bank = banks_[b];
+    if (bank.columns.empty())
+      FillRates(bank, blocks, out_.banks[b]);
+    else if (bank.axes.empty())
+      FillTrend(bank, time, out_.banks[b]);
+    else
+      FillModulated(bank, blocks, out_.banks[b]);
+  }
+  return out_;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "diagnosis/refine.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// Functions of the measured signals of one kind.
+struct FeatureBank {
+  std::string about;         ///< what they are functions of, for people: "p_A", "p_A and z", "time in the log"
+  std::vector<int> columns;  ///< base columns they modulate; empty: rates of their own
+  std::vector<int> axes;     ///< one or two of the banks' axes; empty: the time within the log
+  int count = 0;             ///< features
+};
+
+/// Rows of one stretch in the form of the balance's own equations: block means of the running integral about
+/// their mean over the span (in the level form block means as they are), one row per block.
+struct FeatureRows {
+  Eigen::MatrixXd model;               ///< blocks x model columns
+  std::vector<Eigen::MatrixXd> banks;  ///< per bank, blocks x features
+};
+
+/// Banks of features in which any law that depends on the signals as they are can be written nearly: every
+/// term of the base balance with a coefficient that is a piecewise linear function of one signal, of the phase
+/// of the stroke or of the time within the log (varying-coefficient model, Hastie and Tibshirani 1993), and
+/// rates of their own that are piecewise linear functions of one or two signals. No feature holds a signal that
+/// only the output reads, whose noise is that of the equation.
+class FeatureBanks {
+ public:
+  /// `strokes` must outlive the banks. Knots lie between the 1 % and the 99 % quantile of each signal.
+  FeatureBanks(const ModelStructure& model, std::span<const StrokeStretches> strokes,
+               const WindowSamples& window);
+
+  const std::vector<FeatureBank>& banks() const { return banks_; }
+
+  /// Rows of stretch `part` of stroke `stroke`; the stretches of a stroke must be taken in their order. The
+  /// result stays valid until the next call.
+  const FeatureRows& Rows(std::size_t stroke, std::size_t part);
+
+ private:
+  /// A signal that features are functions of.
+  struct Axis {
+    int channel = 0;  ///< of Stretch; -1 = phase of the stroke
+    double low = 0, high = 1;
+  };
+  std::vector<int> AxisChannels() const;
+  void ChooseBanks();
+  void FillIncrements(const Stretch& stretch);
+  void FillPlaces(const Stretch& stretch, std::size_t stroke);
+  void FillModel(int blocks);
+  void FillModulated(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const;
+  void FillTrend(const FeatureBank& bank, double time, Eigen::MatrixXd& rows) const;
+  void FillRates(const FeatureBank& bank, int blocks, Eigen::MatrixXd& rows) const;
+  template <typename Advance>
+  void SumBlocks(int features, int blocks, Eigen::MatrixXd& rows, Advance advance) const;
+
+  const ModelStructure& model_;
+  std::span<const StrokeStretches> strokes_;
+  WindowSamples window_;
+  std::vector<Axis> axes_;
+  int paired_ = 0;  ///< the first so many axes are taken two at a time too
+  std::vector<FeatureBank> banks_;
+  Stretch work_;
+  int lead_ = 0;                                 ///< samples of the stretch before its first block
+  std::vector<double> column_state_;             ///< Column::fill
+  std::vector<std::vector<double>> increments_;  ///< [model column][sample]
+  std::vector<std::vector<double>> place_;       ///< [axis][sample], 0 ... 1 between its outer knots
+  double done_ = 0;                              ///< samples of the stroke before this stretch
+  FeatureRows out_;
+};
+
+}  // namespace hydroscope
