@@ -30,7 +30,7 @@ class Explainer {
       : strokes_(strokes),
         options_(options),
         start_(start),
-        ranking_(strokes, options, start.fit.noise_variance) {}
+        ranking_(strokes, options, start.fit.noise_variance * options.evidence_scale) {}
 
   Explanation Run();
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
+#include "diagnosis/predictability.h"
 #include "diagnosis/refine.h"
 
 namespace hydroscope {
@@ -43,6 +44,12 @@ struct ExplainOptions {
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
+  /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
+  /// function of the measured signals can predict on strokes left out (diagnosis/predictability.h).
+  bool floor_believable = true;
+  PredictabilityOptions predictability;
+  double noise_scale = 1;     ///< noise energy over that of the noise shares
+  double evidence_scale = 1;  ///< noise variances that count as one where equations are correlated
 };
 
 /// One effect tried on top of a model.
@@ -63,6 +70,12 @@ struct ExplainStep {
   std::string added;       ///< "" for the model as it is
   double rms_holdout = 0;  ///< m^3/s
   double excess_ratio = 0;
+};
+
+/// Strokes that differ from the rest of a log.
+struct OddStrokes {
+  std::vector<std::size_t> strokes;  ///< indices of the strokes explained
+  std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
 };
 
 struct Explanation {
@@ -86,7 +99,10 @@ struct Explanation {
   std::vector<RankedEffect> ranking;  ///< on the model as it is, best first
   std::vector<RankedEffect> second;   ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
-  double noise_variance = 0;  ///< of one equation, integrated output unit squared
+  double noise_scale = 1;     ///< ExplainOptions::noise_scale that was found
+  /// Strokes that were left out of everything else here, except of a set that explains them.
+  std::vector<OddStrokes> odd_strokes;
+  Predictability base_left, final_left;  ///< of the error of `base` and `final`; tested on samples only
 };
 
 /// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is

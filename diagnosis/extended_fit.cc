@@ -85,8 +85,8 @@ struct StrokeSet::Reduced {
 };
 
 StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
-                     const WindowSamples& window)
-    : model_(std::move(model)), window_(window) {
+                     const WindowSamples& window, double noise_scale)
+    : model_(std::move(model)), window_(window), noise_scale_(noise_scale) {
   for (const StrokeGram& gram : strokes) {
     noise_.push_back(Unpacked(gram.noise));
     clean_.push_back(Unpacked(gram.integral) - noise_.back());
@@ -120,22 +120,48 @@ Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::Ve
   return direction;
 }
 
-std::optional<StrokeSet> StrokeSet::Comparable() const {
-  StrokeSet good(model_, {}, window_);
-  for (std::size_t s = 0; s < clean_.size(); ++s) {
-    if (std::find(bad_[s].begin(), bad_[s].end(), true) != bad_[s].end()) continue;
-    good.clean_.push_back(clean_[s]);
-    good.noise_.push_back(noise_[s]);
-    good.flow_.push_back(flow_[s]);
-    good.blocks_.push_back(blocks_[s]);
-    good.spans_.push_back(spans_[s]);
-    good.windows_.push_back(windows_[s]);
-    good.bad_.push_back(bad_[s]);
-    good.equations_ += static_cast<double>(blocks_[s] - spans_[s]);
+StrokeSet StrokeSet::Only(std::span<const std::size_t> strokes) const {
+  StrokeSet some(model_, {}, window_, noise_scale_);
+  for (const std::size_t s : strokes) {
+    some.clean_.push_back(clean_[s]);
+    some.noise_.push_back(noise_[s]);
+    some.flow_.push_back(flow_[s]);
+    some.blocks_.push_back(blocks_[s]);
+    some.spans_.push_back(spans_[s]);
+    some.windows_.push_back(windows_[s]);
+    some.bad_.push_back(bad_[s]);
+    some.equations_ += static_cast<double>(blocks_[s] - spans_[s]);
   }
-  const std::size_t count = good.clean_.size();
-  if (count == clean_.size() || count < kLeastStrokes || 2 * count < clean_.size()) return std::nullopt;
-  return good;
+  return some;
+}
+
+std::optional<StrokeSet> StrokeSet::Comparable() const {
+  std::vector<std::size_t> good;
+  for (std::size_t s = 0; s < clean_.size(); ++s)
+    if (std::find(bad_[s].begin(), bad_[s].end(), true) == bad_[s].end()) good.push_back(s);
+  if (good.size() == clean_.size() || good.size() < kLeastStrokes || 2 * good.size() < clean_.size())
+    return std::nullopt;
+  return Only(good);
+}
+
+StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes) const {
+  StrokeSet out = *this;
+  const int kept = model_->output_column() + 1;
+  for (std::size_t s = 0; s < clean_.size(); ++s) {
+    if (std::find(strokes.begin(), strokes.end(), s) != strokes.end()) continue;
+    for (Eigen::MatrixXd* matrix : {&out.clean_[s], &out.noise_[s], &out.flow_[s]}) {
+      matrix->bottomRows(matrix->rows() - kept).setZero();
+      matrix->rightCols(matrix->cols() - kept).setZero();
+    }
+    std::fill(out.bad_[s].begin() + kept, out.bad_[s].end(), false);
+  }
+  return out;
+}
+
+double StrokeSet::ExcessRatio(const ExtendedFit& fit, std::size_t stroke) const {
+  const double noise = fit.noise_variance * static_cast<double>(blocks_[stroke] - spans_[stroke]);
+  const double excess = fit.excess[static_cast<Eigen::Index>(stroke)];
+  return noise > 0 ? (excess - (1 - 1 / noise_scale_) * noise) / noise : 0.0;
 }
 
 std::vector<std::size_t> StrokeSet::Usable(std::span<const EffectChoice> choices) const {
@@ -255,11 +281,16 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     flow_error += Energy(strokes[s].flow, theta);
     windows += strokes[s].windows;
   }
-  fit.excess_ratio = excess / noise;
+  // Of the error, the noise shares were taken out already; the rest of the noise is still in it.
+  const double further_noise = (noise_scale_ - 1) * noise;
+  noise *= noise_scale_;
+  fit.excess_ratio = (excess - further_noise) / noise;
   fit.noise_variance = noise / total.equations;
-  fit.fit_excess_ratio = fit_excess / noise;
+  fit.fit_excess_ratio = (fit_excess - further_noise) / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
-  fit.noise_floor = floor.Rms();
+  // Coloured noise reaches flows by a way that is not known: as much of the error as in the integral form.
+  fit.noise_floor =
+      noise_scale_ == 1.0 ? floor.Rms() : fit.rms_holdout / std::sqrt(1 + std::max(0.0, fit.excess_ratio));
 
   const double count = static_cast<double>(strokes.size());
   const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();

@@ -63,8 +63,9 @@ Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed);
 /// Strokes prepared for many fits: Grams with the noise share taken out, and the shares themselves.
 class StrokeSet {
  public:
+  /// `noise_scale`: noise energy over what the noise shares say, where these are not believable.
   StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<const StrokeGram> strokes,
-            const WindowSamples& window);
+            const WindowSamples& window, double noise_scale = 1.0);
 
   /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.
   ExtendedFit Fit(std::span<const EffectChoice> choices) const;
@@ -78,11 +79,18 @@ class StrokeSet {
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }
+  double Equations(std::size_t stroke) const { return static_cast<double>(blocks_[stroke] - spans_[stroke]); }
   /// Whether the effect's columns were measured (finite and not all zero) in enough strokes to be judged.
   bool Measured(const EffectChoice& choice) const;
   /// The strokes in which every signal of the library was good, if a sensor was bad in some but not in most:
   /// on them all effects can be compared. Nothing if all strokes serve, or too few.
   std::optional<StrokeSet> Comparable() const;
+  /// The strokes of these indices alone.
+  StrokeSet Only(std::span<const std::size_t> strokes) const;
+  /// All strokes, with the library's effects at work in those of these indices alone.
+  StrokeSet WithEffectsIn(std::span<const std::size_t> strokes) const;
+  /// Error energy per noise energy of a stroke under `fit`, as excess_ratio is of all.
+  double ExcessRatio(const ExtendedFit& fit, std::size_t stroke) const;
   /// Strokes in which every signal the effects need was good.
   std::vector<std::size_t> Usable(std::span<const EffectChoice> choices) const;
   /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape
@@ -103,6 +111,7 @@ class StrokeSet {
   std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
   std::vector<std::int64_t> blocks_, spans_;
   std::vector<double> windows_;
+  double noise_scale_ = 1.0;
   std::vector<std::vector<bool>> bad_;  ///< [stroke][column]: a signal it needs was bad
   double equations_ = 0;
 };

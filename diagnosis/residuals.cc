@@ -252,4 +252,17 @@ Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<con
   return out;
 }
 
+void ScaleNoise(double noise_floor, Residuals& residuals) {
+  double sum = 0, windows = 0;
+  for (const StrokeResiduals& stroke : residuals.strokes)
+    for (const double variance : stroke.noise_variance) {
+      sum += variance;
+      windows += 1;
+    }
+  if (!(sum > 0)) return;
+  const double factor = noise_floor * noise_floor * windows / sum;
+  for (StrokeResiduals& stroke : residuals.strokes)
+    for (double& variance : stroke.noise_variance) variance *= factor;
+}
+
 }  // namespace hydroscope

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/floor_trust.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -24,6 +25,9 @@ std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const Mo
 }
 
 namespace {
+
+/// PredictabilityOptions::min_share: less counts as nothing.
+constexpr double kLeastSeen = PredictabilityOptions{}.min_share;
 
 /// The model as it is in place of the base balance alone.
 void TakeBase(ExplainResult& result) {
@@ -47,6 +51,17 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
   x.partial = true;
   x.doubt = fmt::format("of the model error's energy {:.1f} % is left, more than sensor noise",
                         100 * x.final.excess_ratio / x.base.excess_ratio);
+}
+
+/// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
+void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
+  if (trust.believable) return;
+  x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
+  if (x.final_left.tested)
+    x.warnings.push_back(
+        fmt::format("the noise floor is taken from what no function of the signals predicts; a law that explains "
+                    "less than {:.0f} % of the error left would not be seen",
+                    std::ceil(100 * std::max(x.final_left.null_share, kLeastSeen))));
 }
 
 }  // namespace
@@ -96,7 +111,11 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
     if (!extended) return tl::unexpected(extended.error());
     model = extended->structure;
   }
+  const FloorTrust trust =
+      JudgeFloor(*out.log.model, out.log.stretches, out.log.window, out.base.theta, out.log.machine);
+  as_is.floor_believable = trust.believable;
   out.explanation = ExplainSamples(model, out.log.stretches, out.log.window, as_is);
+  WarnOfFloor(trust, out.explanation);
   if (!out.explanation.base.solved)
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
@@ -104,14 +123,17 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   if (!as_is.start.empty()) TakeBase(out);
   if (model->name == "expressions") DoubtWhatIsLeft(options, out.explanation);
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
-  Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
-                                    ColumnWeights(*out.explanation.model, out.explanation.base));
+  const auto residuals_of = [&](const ExtendedFit& fit) {
+    Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
+                                      ColumnWeights(*out.explanation.model, fit));
+    if (!trust.believable) ScaleNoise(fit.noise_floor, residuals);
+    return residuals;
+  };
+  Residuals residuals = residuals_of(out.explanation.base);
   out.location = Locate(residuals);
   out.signals = std::move(residuals.signals);
   if (out.explanation.verdict == Verdict::kUnknown)
-    out.remainder =
-        ShapeOfRemainder(ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
-                                     ColumnWeights(*out.explanation.model, out.explanation.final)));
+    out.remainder = ShapeOfRemainder(residuals_of(out.explanation.final));
   if (out.explanation.verdict != Verdict::kAmbiguous) return out;
   if (model->name == "expressions")
     out.signal_experiment =

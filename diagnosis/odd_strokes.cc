@@ -1,0 +1,95 @@
+#include "diagnosis/odd_strokes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hydroscope {
+namespace {
+
+/// Odd strokes that an effect must be seen in, each left out in turn.
+constexpr std::size_t kLeastNamed = 3;
+
+std::size_t Worst(const StrokeSet& strokes, const ExtendedFit& fit) {
+  std::size_t worst = 0;
+  for (std::size_t s = 1; s < static_cast<std::size_t>(strokes.strokes()); ++s)
+    if (strokes.ExcessRatio(fit, s) > strokes.ExcessRatio(fit, worst)) worst = s;
+  return worst;
+}
+
+/// Whether the rest, as fitted, does not describe stroke `s` of all.
+bool IsOdd(const StrokeSet& all, std::span<const std::size_t> rest, std::size_t s,
+           std::span<const EffectChoice> start, const OddStrokeOptions& options) {
+  std::vector<std::size_t> with(rest.begin(), rest.end());
+  with.push_back(s);
+  const StrokeSet set = all.Only(with);
+  const ExtendedFit fit = set.Fit(start);
+  if (!fit.solved) return true;
+  const std::size_t last = with.size() - 1;
+  const double chance = std::sqrt(2.0 / std::max(1.0, set.Equations(last)));
+  return set.ExcessRatio(fit, last) > std::max(options.clear, options.deviations * chance);
+}
+
+/// "1 and 4", counted from 1 as people do.
+std::string Numbers(const std::vector<std::size_t>& strokes) {
+  std::vector<std::size_t> counted;
+  for (const std::size_t s : strokes) counted.push_back(s + 1);
+  return fmt::format("{}", fmt::join(counted, ", "));
+}
+
+}  // namespace
+
+std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                        const ExplainOptions& explain, const OddStrokeOptions& options) {
+  const auto count = static_cast<std::size_t>(strokes.strokes());
+  std::vector<std::size_t> rest(count), out;
+  std::iota(rest.begin(), rest.end(), 0);
+  bool described = false;
+  while (rest.size() >= std::max(options.least, static_cast<std::size_t>(std::ceil((1 - options.most) * static_cast<double>(count))))) {
+    const StrokeSet set = strokes.Only(rest);
+    const ExtendedFit fit = set.Fit(start);
+    if (!fit.solved) return {};
+    described = fit.excess_ratio <= explain.floor_excess;
+    if (described) break;
+    const std::size_t worst = Worst(set, fit);
+    out.push_back(rest[worst]);
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  if (!described || out.empty()) return {};
+  std::vector<std::size_t> odd;
+  for (const std::size_t s : out)
+    if (IsOdd(strokes, rest, s, start, options)) odd.push_back(s);
+  std::sort(odd.begin(), odd.end());
+  return odd;
+}
+
+std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
+                                             const ExplainOptions& explain,
+                                             const OddStrokeOptions& options) {
+  const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
+  OddStrokes odd{FindOddStrokes(strokes, start, explain, options), {}};
+  if (odd.strokes.empty()) return std::nullopt;
+  std::vector<std::size_t> rest;
+  for (std::size_t s = 0; s < static_cast<std::size_t>(strokes.strokes()); ++s)
+    if (!std::binary_search(odd.strokes.begin(), odd.strokes.end(), s)) rest.push_back(s);
+  Explanation out = Explain(strokes.Only(rest), explain);
+  if (out.verdict != Verdict::kAdequate) return std::nullopt;
+  out.warnings.push_back(fmt::format("strokes {} differ from the rest", Numbers(odd.strokes)));
+  if (odd.strokes.size() >= kLeastNamed) {
+    Explanation only = Explain(strokes.WithEffectsIn(odd.strokes), explain);
+    if (!only.set.empty()) {
+      odd.set = only.set;
+      only.warnings.push_back(fmt::format("this holds for strokes {} alone; the other {} are described without it",
+                                          Numbers(odd.strokes), rest.size()));
+      out = std::move(only);
+    }
+  }
+  if (odd.set.empty()) out.warnings.back() += "; nothing in the library explains how, so they were left out";
+  out.odd_strokes.push_back(std::move(odd));
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "diagnosis/explain.h"
+
+namespace hydroscope {
+
+/// Thresholds of the search for odd strokes, calibrated by `hydroscope benchmark plant-logs`.
+struct OddStrokeOptions {
+  double most = 0.4;        ///< share of the strokes that may be odd: more, and who is to say which ones are
+  std::size_t least = 4;    ///< strokes that the rest must have
+  double clear = 0.5;       ///< error energy per noise energy of a stroke that is odd, as the rest models it
+  double deviations = 6.0;  ///< ... and in standard deviations of what noise makes of so many equations
+};
+
+/// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until it
+/// does (forward trimming), then those that the rest describes after all are taken back. Empty if the log
+/// cannot be parted so, or if all strokes are described.
+std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
+                                        const ExplainOptions& explain, const OddStrokeOptions& options = {});
+
+/// An explanation in place of `whole`, of verdict unknown, if a few strokes are to blame: of the rest as
+/// it is, and of the odd strokes against it (an effect at work in these alone). `strokes` has the model
+/// of `whole`. nullopt if none are odd, or the rest is not described either.
+std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
+                                             const ExplainOptions& explain,
+                                             const OddStrokeOptions& options = {});
+
+}  // namespace hydroscope
