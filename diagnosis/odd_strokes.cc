@@ -1,8 +1,5 @@
 #include "diagnosis/odd_strokes.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -33,13 +30,6 @@ bool IsOdd(const StrokeSet& all, std::span<const std::size_t> rest, std::size_t 
   return set.ExcessRatio(fit, last) > std::max(options.clear, options.deviations * chance);
 }
 
-/// "1 and 4", counted from 1 as people do.
-std::string Numbers(const std::vector<std::size_t>& strokes) {
-  std::vector<std::size_t> counted;
-  for (const std::size_t s : strokes) counted.push_back(s + 1);
-  return fmt::format("{}", fmt::join(counted, ", "));
-}
-
 }  // namespace
 
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
@@ -48,7 +38,8 @@ std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<cons
   std::vector<std::size_t> rest(count), out;
   std::iota(rest.begin(), rest.end(), 0);
   bool described = false;
-  while (rest.size() >= std::max(options.least, static_cast<std::size_t>(std::ceil((1 - options.most) * static_cast<double>(count))))) {
+  const auto share = static_cast<std::size_t>(std::ceil((1 - options.most) * static_cast<double>(count)));
+  while (rest.size() >= std::max(options.least, share)) {
     const StrokeSet set = strokes.Only(rest);
     const ExtendedFit fit = set.Fit(start);
     if (!fit.solved) return {};
@@ -77,17 +68,11 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
     if (!std::binary_search(odd.strokes.begin(), odd.strokes.end(), s)) rest.push_back(s);
   Explanation out = Explain(strokes.Only(rest), explain);
   if (out.verdict != Verdict::kAdequate) return std::nullopt;
-  out.warnings.push_back(fmt::format("strokes {} differ from the rest", Numbers(odd.strokes)));
   if (odd.strokes.size() >= kLeastNamed) {
     Explanation only = Explain(strokes.WithEffectsIn(odd.strokes), explain);
-    if (!only.set.empty()) {
-      odd.set = only.set;
-      only.warnings.push_back(fmt::format("this holds for strokes {} alone; the other {} are described without it",
-                                          Numbers(odd.strokes), rest.size()));
-      out = std::move(only);
-    }
+    odd.set = only.set;
+    if (!odd.set.empty()) out = std::move(only);
   }
-  if (odd.set.empty()) out.warnings.back() += "; nothing in the library explains how, so they were left out";
   out.odd_strokes.push_back(std::move(odd));
   return out;
 }

@@ -123,6 +123,25 @@ nlohmann::json PlanJson(const SignalExperiment& experiment) {
           {"separation_now", experiment.separation_now}};
 }
 
+nlohmann::json OddStrokesJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const OddStrokes& odd : result.explanation.odd_strokes) {
+    nlohmann::json strokes = nlohmann::json::array(), begin = nlohmann::json::array();
+    for (const std::size_t s : odd.strokes) {
+      strokes.push_back(result.log.strokes[s].summary.index);
+      begin.push_back(result.log.strokes[s].summary.begin);
+    }
+    out.push_back({{"strokes", strokes}, {"begin_s", begin}, {"set", odd.set}});
+  }
+  return out;
+}
+
+/// What could be predicted of an error on strokes left out.
+nlohmann::json PredictableJson(const Predictability& left) {
+  if (!left.tested) return nullptr;
+  return {{"share", left.share}, {"p_value", left.p_value}, {"null_share", left.null_share}, {"about", left.about}};
+}
+
 }  // namespace
 
 nlohmann::json ExplainJson(const ExplainResult& result) {
@@ -145,6 +164,9 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
             {"parameters", ParametersJson(result.base.parameters)},
             {"effects", EffectsJson(result, x.base)}}},
           {"ranking", RankingJson(result)},
+          {"odd_strokes", OddStrokesJson(result)},
+          {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
+          {"noise_scale", x.noise_scale},
           {"steps", StepsJson(result)},
           {"final", FinalJson(result)},
           {"located", LocatedJson(result.location.located, Factor(result))},

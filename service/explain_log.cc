@@ -120,7 +120,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
-  if (!as_is.start.empty()) TakeBase(out);
+  if (!as_is.start.empty() || !out.explanation.odd_strokes.empty()) TakeBase(out);
   if (model->name == "expressions") DoubtWhatIsLeft(options, out.explanation);
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {

@@ -96,9 +96,34 @@ std::string RemainderText(const std::optional<RemainderShape>& shape, const Disp
   return text;
 }
 
+/// "3 (at 12.4 s), 9 (at 40.1 s)".
+std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
+  std::vector<std::string> words;
+  for (const std::size_t s : odd.strokes) {
+    const StrokeSummary& stroke = result.log.strokes[s].summary;
+    words.push_back(fmt::format("{} (at {:.1f} s)", stroke.index, stroke.begin));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Which strokes differ from the rest, and what that means for the verdict.
+std::string OddText(const ExplainResult& result) {
+  std::string text;
+  for (const OddStrokes& odd : result.explanation.odd_strokes)
+    text += odd.set.empty()
+                ? fmt::format("  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
+                              "were left out; look at what happened there.\n",
+                              StrokesText(result, odd))
+                : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
+                              StrokesText(result, odd));
+  return text;
+}
+
 std::string VerdictText(const ExplainResult& result) {
   switch (result.explanation.verdict) {
     case Verdict::kAdequate:
+      if (!result.explanation.odd_strokes.empty())
+        return "ADEQUATE, but for some strokes: the model describes all others.\n";
       return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
     case Verdict::kNamed:
       return NamedText(result) + DoubtText(result.explanation);
@@ -221,6 +246,8 @@ std::string NextText(const ExplainResult& result) {
   std::string text = "\nNext\n";
   const std::optional<std::string> experiment = WhatToRecord(result);
   if (experiment) text += fmt::format("  {}\n", *experiment);
+  if (!x.odd_strokes.empty())
+    return text + "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
@@ -249,7 +276,7 @@ std::string NotFiniteText(const StrokeCounters& totals) {
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
-  std::string text = VerdictText(result) + ErrorSentence(x);
+  std::string text = VerdictText(result) + OddText(result) + ErrorSentence(x);
   text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
