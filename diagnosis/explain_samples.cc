@@ -64,8 +64,7 @@ Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
   auto with_laws = std::make_shared<ModelStructure>(*model);
   AddGenericLaws(*with_laws);
   if (!options.start.empty()) {
-    const CandidateModel start =
-        StartModel(set_of(with_laws), options.start);
+    const CandidateModel start = StartModel(set_of(with_laws), options.start);
     RefineModel(*with_laws, strokes, window, start.choices);
     DropGrid(*with_laws);
   }
@@ -102,8 +101,8 @@ void FindWhatIsLeft(std::span<const StrokeStretches> strokes, const WindowSample
   if (!out.base.solved) return;
   const std::array<const ExtendedFit*, 2> fits = {&out.base, &out.final};
   const bool same = out.final.effects.size() == out.base.effects.size();
-  const auto left =
-      PredictabilityOf(*out.model, strokes, window, std::span(fits).first(same ? 1 : 2), options.predictability);
+  const auto left = PredictabilityOf(*out.model, strokes, window, std::span(fits).first(same ? 1 : 2),
+                                     options.predictability);
   out.base_left = left.front();
   out.final_left = left.back();
 }
@@ -126,8 +125,8 @@ void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
 constexpr int kNoiseRounds = 3;
 /// Change of the noise energy below which another round would say the same.
 constexpr double kNoiseSettled = 0.1;
-/// Predictability::correlation of white sensor noise, for which the thresholds were calibrated: pressure noise
-/// in the valve's flow is integrated and makes neighbouring equations alike (median of healthy logs of
+/// Predictability::correlation of white sensor noise, for which the thresholds were calibrated: pressure
+/// noise in the valve's flow is integrated and makes neighbouring equations alike (median of healthy logs of
 /// `benchmark hidden-effects`).
 constexpr double kWhiteCorrelation = 2.0;
 

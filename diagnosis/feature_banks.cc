@@ -10,12 +10,12 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kKnots = 6;        ///< of the coefficient of a term, over one signal
-constexpr int kRateKnots = 9;    ///< of a rate over one signal
-constexpr int kPairKnots = 5;    ///< of a rate over two signals, each
-constexpr int kPhaseKnots = 4;   ///< of a coefficient over the phase of the stroke
-constexpr int kTrendPowers = 2;  ///< of the time within the log
-constexpr int kPairedAxes = 3;   ///< signals taken two at a time
+constexpr int kKnots = 6;          ///< of the coefficient of a term, over one signal
+constexpr int kRateKnots = 9;      ///< of a rate over one signal
+constexpr int kPairKnots = 5;      ///< of a rate over two signals, each
+constexpr int kPhaseKnots = 4;     ///< of a coefficient over the phase of the stroke
+constexpr int kTrendPowers = 2;    ///< of the time within the log
+constexpr int kPairedAxes = 3;     ///< signals taken two at a time
 constexpr int kMostModulated = 8;  ///< terms of the balance that get coefficients over signals
 constexpr double kTail = 0.01;     ///< quantile at the outer knots
 constexpr std::size_t kQuantileSamples = 20000;
@@ -142,16 +142,16 @@ void FeatureBanks::FillPlaces(const Stretch& stretch, std::size_t stroke) {
     place_[a].resize(stretch.samples);
     const Axis& axis = axes_[a];
     for (int k = 0; k < stretch.samples; ++k) {
-      const double x =
-          axis.channel < 0 ? (done_ + k) / total : (stretch[axis.channel][k] - axis.low) / (axis.high - axis.low);
+      const double x = axis.channel < 0 ? (done_ + k) / total
+                                        : (stretch[axis.channel][k] - axis.low) / (axis.high - axis.low);
       place_[a][k] = std::isfinite(x) ? x : 0.0;
     }
   }
   done_ += stretch.samples;
 }
 
-/// Block means of features: `advance(k, level)` takes the features from sample k to sample k + 1 (in the level
-/// form it sets them at sample k).
+/// Block means of features: `advance(k, level)` takes the features from sample k to sample k + 1 (in the
+/// level form it sets them at sample k).
 template <typename Advance>
 void FeatureBanks::SumBlocks(int features, int blocks, Eigen::MatrixXd& rows, Advance advance) const {
   rows.setZero(blocks, features);

@@ -12,7 +12,7 @@ namespace hydroscope {
 
 /// Functions of the measured signals of one kind.
 struct FeatureBank {
-  std::string about;         ///< what they are functions of, for people: "p_A", "p_A and z", "time in the log"
+  std::string about;  ///< what they are functions of, for people: "p_A", "p_A and z", "time in the log"
   std::vector<int> columns;  ///< base columns they modulate; empty: rates of their own
   std::vector<int> axes;     ///< one or two of the banks' axes; empty: the time within the log
   int count = 0;             ///< features
@@ -26,10 +26,10 @@ struct FeatureRows {
 };
 
 /// Banks of features in which any law that depends on the signals as they are can be written nearly: every
-/// term of the base balance with a coefficient that is a piecewise linear function of one signal, of the phase
-/// of the stroke or of the time within the log (varying-coefficient model, Hastie and Tibshirani 1993), and
-/// rates of their own that are piecewise linear functions of one or two signals. No feature holds a signal that
-/// only the output reads, whose noise is that of the equation.
+/// term of the base balance with a coefficient that is a piecewise linear function of one signal, of the
+/// phase of the stroke or of the time within the log (varying-coefficient model, Hastie and Tibshirani 1993),
+/// and rates of their own that are piecewise linear functions of one or two signals. No feature holds a
+/// signal that only the output reads, whose noise is that of the equation.
 class FeatureBanks {
  public:
   /// `strokes` must outlive the banks. Knots lie between the 1 % and the 99 % quantile of each signal.

@@ -58,8 +58,7 @@ std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<cons
 }
 
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
-                                             const ExplainOptions& explain,
-                                             const OddStrokeOptions& options) {
+                                             const ExplainOptions& explain, const OddStrokeOptions& options) {
   const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
   OddStrokes odd{FindOddStrokes(strokes, start, explain, options), {}};
   if (odd.strokes.empty()) return std::nullopt;

@@ -15,8 +15,8 @@ struct OddStrokeOptions {
   double deviations = 6.0;  ///< ... and in standard deviations of what noise makes of so many equations
 };
 
-/// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until it
-/// does (forward trimming), then those that the rest describes after all are taken back. Empty if the log
+/// Strokes without which the model `start` describes the rest down to the floor: the worst is taken out until
+/// it does (forward trimming), then those that the rest describes after all are taken back. Empty if the log
 /// cannot be parted so, or if all strokes are described.
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options = {});

@@ -200,7 +200,8 @@ class SignFlips {
   /// Energies of a form, the first one with all signs as they are.
   Eigen::VectorXd Energies(const SignForm& form) const {
     Eigen::VectorXd out(static_cast<Eigen::Index>(signs_.size()));
-    for (std::size_t k = 0; k < signs_.size(); ++k) out[static_cast<Eigen::Index>(k)] = signs_[k].dot(form * signs_[k]);
+    for (std::size_t k = 0; k < signs_.size(); ++k)
+      out[static_cast<Eigen::Index>(k)] = signs_[k].dot(form * signs_[k]);
     return out;
   }
 
@@ -219,8 +220,7 @@ Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<Feat
     const BankProblem problem(banks[b], true);
     if (problem.features == 0) continue;
     for (const double penalty : kPenalties) {
-      const Eigen::VectorXd share =
-          1.0 - flips.Energies(problem.HeldOut(penalty)).array() / plain.array();
+      const Eigen::VectorXd share = 1.0 - flips.Energies(problem.HeldOut(penalty)).array() / plain.array();
       if (share[0] > best[0]) out.about = named[b].about;
       best = best.cwiseMax(share);
     }
@@ -231,7 +231,8 @@ Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<Feat
   out.share = best[0];
   out.energy = rows > 0 ? plain[0] / rows : 0.0;
   const auto null = best.tail(best.size() - 1);
-  out.p_value = (1.0 + static_cast<double>((null.array() >= best[0]).count())) / static_cast<double>(best.size());
+  out.p_value =
+      (1.0 + static_cast<double>((null.array() >= best[0]).count())) / static_cast<double>(best.size());
   out.null_share = Quantile(std::vector<double>(null.begin(), null.end()), 0.95, 0.0);
   out.correlation = ScoreScatter(banks);
   return out;
@@ -239,8 +240,10 @@ Predictability Judge(const std::vector<BankGrams>& banks, const std::vector<Feat
 
 }  // namespace
 
-std::vector<Predictability> PredictabilityOf(const ModelStructure& model, std::span<const StrokeStretches> strokes,
-                                             const WindowSamples& window, std::span<const ExtendedFit* const> fits,
+std::vector<Predictability> PredictabilityOf(const ModelStructure& model,
+                                             std::span<const StrokeStretches> strokes,
+                                             const WindowSamples& window,
+                                             std::span<const ExtendedFit* const> fits,
                                              const PredictabilityOptions& options) {
   std::vector<Predictability> out(fits.size());
   const UsedModel used = Used(model, fits);
@@ -258,11 +261,13 @@ std::vector<Predictability> PredictabilityOf(const ModelStructure& model, std::s
         const Eigen::MatrixXd z = rows.model * used.regressors[f];
         if (!z.allFinite()) continue;
         for (std::size_t b = 0; b < rows.banks.size(); ++b)
-          if (rows.banks[b].allFinite()) AddRows(rows.banks[b], z, window.level_form ? 0.0 : 1.0, grams[f][b][group]);
+          if (rows.banks[b].allFinite())
+            AddRows(rows.banks[b], z, window.level_form ? 0.0 : 1.0, grams[f][b][group]);
       }
     }
   for (std::size_t f = 0; f < fits.size(); ++f) {
-    for (BankGrams& groups : grams[f]) std::erase_if(groups, [](const GroupGram& g) { return g.zz.size() == 0; });
+    for (BankGrams& groups : grams[f])
+      std::erase_if(groups, [](const GroupGram& g) { return g.zz.size() == 0; });
     const bool filled = std::all_of(grams[f].begin(), grams[f].end(), [&](const BankGrams& groups) {
       return groups.size() >= kLeastGroups && groups.size() == grams[f].front().size();
     });

@@ -1,0 +1,66 @@
+#include "diagnosis/odd_strokes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnosis/simulated_log.h"
+
+namespace hydroscope {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+SimulatedStrokes LogWith(std::vector<ImperfectionSetting> imperfections) {
+  PressOptions options;
+  options.seconds = 90;
+  options.seed = 3;
+  options.imperfections = std::move(imperfections);
+  return StrokesOfPress(options);
+}
+
+Explanation Explained(const SimulatedStrokes& log) {
+  return ExplainSamples(log.model, log.strokes, log.window, {});
+}
+
+TEST(OddStrokes, AHealthyLogHasNone) {
+  const Explanation x = Explained(LogWith({}));
+  EXPECT_EQ(x.verdict, Verdict::kAdequate);
+  EXPECT_THAT(x.odd_strokes, IsEmpty());
+}
+
+TEST(OddStrokes, ALeakInSomeStrokesIsNamedInThese) {
+  const Explanation x = Explained(LogWith({{"intermittent_leakage", 8e-12, {{"share", 0.3}}, {}}}));
+  ASSERT_THAT(x.odd_strokes, SizeIs(1));
+  EXPECT_THAT(x.odd_strokes.front().set, ElementsAre("internal_leakage"));
+  EXPECT_GE(x.odd_strokes.front().strokes.size(), 3u);
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+}
+
+TEST(OddStrokes, ABadStretchOfASensorSpoilsNoOtherStroke) {
+  const SimulatedStrokes log = LogWith({{"bad_stretch", 10e5, {{"begin", 0.45}, {"length", 0.12}}, {}}});
+  const Explanation x = Explained(log);
+  ASSERT_THAT(x.odd_strokes, SizeIs(1));
+  EXPECT_THAT(x.odd_strokes.front().set, IsEmpty());
+  EXPECT_LE(x.odd_strokes.front().strokes.size(), 3u);
+  EXPECT_EQ(x.verdict, Verdict::kAdequate);
+  const Eigen::Vector4d truth = StrokesOfPress(PressOptions{}).Fit().theta.head(4);
+  EXPECT_NEAR(x.base.theta[0] / truth[0], 1.0, 0.01);
+}
+
+TEST(OddStrokes, ALawThatIsMissingThroughoutMakesNone) {
+  PressOptions options;
+  options.seconds = 90;
+  options.seed = 4;
+  options.effects = {{"relief_valve", 2e-11, {{"crack", 150e5}}}};
+  const SimulatedStrokes log = StrokesOfPress(options);
+  ExplainOptions without;
+  without.exclude = {"relief_valve"};
+  const Explanation x = ExplainSamples(log.model, log.strokes, log.window, without);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.odd_strokes, IsEmpty());
+}
+
+}  // namespace
+}  // namespace hydroscope
