@@ -153,7 +153,30 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
     out.noise_scale = options.noise_scale;
     left = out.final_left;
   }
+  ObjectIfPredictable(options, out);
   return out;
+}
+
+Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
+                             std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                             const ExplainOptions& options) {
+  Explanation out = ExplainRefined(model, strokes, window, options);
+  FindWhatIsLeft(strokes, window, options, out);
+  ObjectIfPredictable(options, out);
+  return out;
+}
+
+/// Noise energy over the floor up to which noise that is but slightly coloured may pass for white: its test
+/// has a tolerance (SignalNoiseOptions), which a block of ten rows multiplies.
+constexpr double kHiddenColour = 2.0;
+/// Share and p-value of what can be predicted below which it is nothing.
+constexpr double kNothingShare = 0.02, kNothingP = 0.05;
+
+/// An error above the floor that nothing predicts, and small enough for colour that the test of the noise
+/// missed.
+bool IsFloorToBlame(const Explanation& x) {
+  return x.final_left.tested && x.final.excess_ratio + 1 < kHiddenColour &&
+         (x.final_left.share < kNothingShare || x.final_left.p_value > kNothingP);
 }
 
 }  // namespace
@@ -161,19 +184,21 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
                            const ExplainOptions& options) {
-  Explanation out;
-  if (options.floor_believable) {
-    out = ExplainRefined(model, strokes, window, options);
-    FindWhatIsLeft(strokes, window, options, out);
-  } else {
-    out = ExplainWithoutFloor(model, strokes, window, options);
-  }
-  ObjectIfPredictable(options, out);
+  Explanation out = options.floor_believable ? ExplainWithFloor(model, strokes, window, options)
+                                             : ExplainWithoutFloor(model, strokes, window, options);
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
   const StrokeSet set(out.model, GramsOf(out.model, strokes, window), window, out.noise_scale);
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;
-  return ExplainOddStrokes(set, out, scaled).value_or(std::move(out));
+  if (auto parted = ExplainOddStrokes(set, out, scaled)) return std::move(*parted);
+  if (!options.floor_believable || !IsFloorToBlame(out)) return out;
+  Explanation without = ExplainWithoutFloor(model, strokes, window, options);
+  if (without.verdict == Verdict::kUnknown) return out;
+  without.warnings.push_back(fmt::format(
+      "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts it: taken as noise "
+      "that is not quite white",
+      100 * (std::sqrt(without.noise_scale) - 1)));
+  return without;
 }
 
 }  // namespace hydroscope

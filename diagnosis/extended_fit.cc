@@ -144,16 +144,23 @@ std::optional<StrokeSet> StrokeSet::Comparable() const {
   return Only(good);
 }
 
-StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes) const {
+StrokeSet StrokeSet::WithEffectsIn(std::span<const std::size_t> strokes,
+                                   std::span<const EffectChoice> everywhere) const {
   StrokeSet out = *this;
-  const int kept = model_->output_column() + 1;
+  std::vector<bool> kept(static_cast<std::size_t>(model_->column_count()), false);
+  std::fill_n(kept.begin(), model_->output_column() + 1, true);
+  for (const EffectChoice& choice : everywhere)
+    for (const int column : model_->effect_shapes[choice.effect][choice.shape].columns) kept[column] = true;
   for (std::size_t s = 0; s < clean_.size(); ++s) {
     if (std::find(strokes.begin(), strokes.end(), s) != strokes.end()) continue;
-    for (Eigen::MatrixXd* matrix : {&out.clean_[s], &out.noise_[s], &out.flow_[s]}) {
-      matrix->bottomRows(matrix->rows() - kept).setZero();
-      matrix->rightCols(matrix->cols() - kept).setZero();
+    for (std::size_t c = 0; c < kept.size(); ++c) {
+      if (kept[c]) continue;
+      out.bad_[s][c] = false;
+      for (Eigen::MatrixXd* matrix : {&out.clean_[s], &out.noise_[s], &out.flow_[s]}) {
+        matrix->row(static_cast<Eigen::Index>(c)).setZero();
+        matrix->col(static_cast<Eigen::Index>(c)).setZero();
+      }
     }
-    std::fill(out.bad_[s].begin() + kept, out.bad_[s].end(), false);
   }
   return out;
 }

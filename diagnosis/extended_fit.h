@@ -87,8 +87,9 @@ class StrokeSet {
   std::optional<StrokeSet> Comparable() const;
   /// The strokes of these indices alone.
   StrokeSet Only(std::span<const std::size_t> strokes) const;
-  /// All strokes, with the library's effects at work in those of these indices alone.
-  StrokeSet WithEffectsIn(std::span<const std::size_t> strokes) const;
+  /// All strokes, with the library's effects, but for `everywhere`, at work in those of these indices alone.
+  StrokeSet WithEffectsIn(std::span<const std::size_t> strokes,
+                          std::span<const EffectChoice> everywhere) const;
   /// Error energy per noise energy of a stroke under `fit`, as excess_ratio is of all.
   double ExcessRatio(const ExtendedFit& fit, std::size_t stroke) const;
   /// Strokes in which every signal the effects need was good.

@@ -8,7 +8,9 @@ namespace hydroscope {
 namespace {
 
 /// Odd strokes that an effect must be seen in, each left out in turn.
-constexpr std::size_t kLeastNamed = 3;
+constexpr std::size_t kLeastNamed = 2;
+/// Effects that gain most, each tried as what the rest misses.
+constexpr std::size_t kTried = 4;
 
 std::size_t Worst(const StrokeSet& strokes, const ExtendedFit& fit) {
   std::size_t worst = 0;
@@ -57,23 +59,54 @@ std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<cons
   return odd;
 }
 
-std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
-                                             const ExplainOptions& explain, const OddStrokeOptions& options) {
-  const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
-  OddStrokes odd{FindOddStrokes(strokes, start, explain, options), {}};
-  if (odd.strokes.empty()) return std::nullopt;
+namespace {
+
+/// The strokes that are not in `odd`, which is sorted.
+std::vector<std::size_t> RestOf(const StrokeSet& strokes, const std::vector<std::size_t>& odd) {
   std::vector<std::size_t> rest;
   for (std::size_t s = 0; s < static_cast<std::size_t>(strokes.strokes()); ++s)
-    if (!std::binary_search(odd.strokes.begin(), odd.strokes.end(), s)) rest.push_back(s);
-  Explanation out = Explain(strokes.Only(rest), explain);
-  if (out.verdict != Verdict::kAdequate) return std::nullopt;
+    if (!std::binary_search(odd.begin(), odd.end(), s)) rest.push_back(s);
+  return rest;
+}
+
+/// What explains the odd strokes against the rest, whose explanation is `rest`.
+Explanation ExplainAgainst(const StrokeSet& strokes, const std::vector<std::size_t>& odd,
+                           const Explanation& rest, const ExplainOptions& explain) {
+  ExplainOptions beside = explain;
+  beside.start.clear();
+  for (const EffectChoice& choice : rest.chosen)
+    beside.start.push_back(strokes.model().effects[choice.effect]->id);
+  return Explain(strokes.WithEffectsIn(odd, rest.chosen), beside);
+}
+
+std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const EffectChoice> by,
+                                  const ExplainOptions& explain, const OddStrokeOptions& options) {
+  OddStrokes odd{FindOddStrokes(strokes, by, explain, options), {}};
+  if (odd.strokes.empty()) return std::nullopt;
+  Explanation out = Explain(strokes.Only(RestOf(strokes, odd.strokes)), explain);
+  if (out.verdict == Verdict::kUnknown) return std::nullopt;
   if (odd.strokes.size() >= kLeastNamed) {
-    Explanation only = Explain(strokes.WithEffectsIn(odd.strokes), explain);
+    Explanation only = ExplainAgainst(strokes, odd.strokes, out, explain);
     odd.set = only.set;
-    if (!odd.set.empty()) out = std::move(only);
+    if (!odd.set.empty() && out.verdict == Verdict::kAdequate) out = std::move(only);
   }
   out.odd_strokes.push_back(std::move(odd));
   return out;
+}
+
+}  // namespace
+
+std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
+                                             const ExplainOptions& explain, const OddStrokeOptions& options) {
+  const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
+  if (auto parted = Parted(strokes, start, explain, options)) return parted;
+  for (std::size_t k = 0; k < std::min(kTried, whole.ranking.size()); ++k) {
+    if (!whole.ranking[k].fit.solved || whole.ranking[k].gain < explain.min_gain) continue;
+    std::vector<EffectChoice> by = start;
+    by.push_back(whole.ranking[k].fit.effects.back().choice);
+    if (auto parted = Parted(strokes, by, explain, options)) return parted;
+  }
+  return std::nullopt;
 }
 
 }  // namespace hydroscope

@@ -21,9 +21,10 @@ struct OddStrokeOptions {
 std::vector<std::size_t> FindOddStrokes(const StrokeSet& strokes, std::span<const EffectChoice> start,
                                         const ExplainOptions& explain, const OddStrokeOptions& options = {});
 
-/// An explanation in place of `whole`, of verdict unknown, if a few strokes are to blame: of the rest as
-/// it is, and of the odd strokes against it (an effect at work in these alone). `strokes` has the model
-/// of `whole`. nullopt if none are odd, or the rest is not described either.
+/// An explanation in place of `whole`, of verdict unknown, if a few strokes are to blame: that of the rest, and of
+/// the odd strokes against it (an effect at work in these alone). Strokes are parted by the model as it is, then
+/// by it and one of the effects that gain most. If the rest misses nothing, verdict and set are those of the odd
+/// strokes. `strokes` has the model of `whole`. nullopt if none are odd, or the rest is not described either.
 std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Explanation& whole,
                                              const ExplainOptions& explain,
                                              const OddStrokeOptions& options = {});
