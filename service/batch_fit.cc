@@ -121,13 +121,14 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
 }
 
 Result<FitResult> FitLog(const std::string& log, const std::string& machine_file) {
-  const auto machine = LoadMachine(machine_file);
+  auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto strokes = ReadStrokes(log, *machine);
+  const std::vector<AssumedTolerance> assumed = AssumeTolerances(*machine);
+  auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
   auto fit = FitBaseModel(*strokes->model, strokes->Grams(), strokes->window);
   if (!fit) return tl::unexpected(fit.error());
-  return FitResult{std::move(*strokes), std::move(*fit)};
+  return FitResult{std::move(*strokes), std::move(*fit), assumed};
 }
 
 }  // namespace hydroscope

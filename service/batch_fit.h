@@ -9,6 +9,7 @@
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
 #include "replay/log_reader.h"
+#include "service/geometry_tolerance.h"
 #include "service/pipeline.h"
 
 namespace hydroscope {
@@ -57,8 +58,9 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
                                KeepSamples keep = KeepSamples::kNo);
 
 struct FitResult {
-  LogStrokes log;
+  LogStrokes log;  ///< with the samples kept
   GramFit fit;
+  std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
 };
 
 /// `hydroscope fit`: every equation of the log weighs the same.

@@ -38,10 +38,7 @@ std::string FitText(const FitResult& result) {
       "{} strokes, {} of {} rows used\n",
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
       result.fit.strokes, result.log.totals.used, result.log.totals.samples);
-  if (result.fit.rms_holdout > 1.15 * result.fit.noise_floor)
-    text +=
-        "The error is above the noise: the model misses something, and the parameters above absorb part of "
-        "it.\n";
+  for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
   return text;
 }
 
@@ -60,13 +57,17 @@ nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
 
 nlohmann::json FitJson(const FitResult& result) {
   const DisplayUnit unit = OutputUnit(result.log.model.get());
+  nlohmann::json assumed = nlohmann::json::array();
+  for (const AssumedTolerance& tolerance : result.assumed)
+    assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
   return {{"parameters", ParametersJson(result.fit.parameters)},
           {"strokes", result.fit.strokes},
           {"samples", result.log.totals.used},
           {"rows", result.log.totals.samples},
           {"rms_holdout", result.fit.rms_holdout * unit.factor},
           {"noise_floor", result.fit.noise_floor * unit.factor},
-          {"unit", unit.name}};
+          {"unit", unit.name},
+          {"assumed_tolerances", assumed}};
 }
 
 }  // namespace hydroscope

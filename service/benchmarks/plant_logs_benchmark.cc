@@ -13,6 +13,8 @@
 #include "service/benchmarks/random_effect.h"
 #include "service/benchmarks/simulated_strokes.h"
 #include "service/explain_log.h"
+#include "service/fit_suspicion.h"
+#include "service/geometry_tolerance.h"
 #include "service/output.h"
 #include "simulator/press.h"
 
@@ -29,7 +31,9 @@ struct PlantOutcome {
 };
 
 Result<LogStrokes> StrokesOfPlant(const PressOptions& options, KeepSamples keep) {
-  return StrokesOf(SimulatePress(options), MachineFor(options), keep);
+  Machine machine = MachineFor(options);
+  AssumeTolerances(machine);
+  return StrokesOf(SimulatePress(options), machine, keep);
 }
 
 /// Held-out error of the base model on a simulated log, nullopt if it cannot be fitted.
@@ -50,19 +54,18 @@ double ExcessOf(const PlantCase& c) {
 }
 
 void FitPlant(const LogStrokes& strokes, PlantOutcome& out) {
-  constexpr double kSaidAbove = 1.15;  // error over the floor from which `fit` says that something is missing
   const auto fit = FitBaseModel(*strokes.model, strokes.Grams(), strokes.window);
   if (!fit) return;
   out.fitted = true;
   out.fit_off = ParametersOff(out.drawn, fit->parameters);
-  out.fit_warned = fit->rms_holdout > kSaidAbove * fit->noise_floor ||
-                   std::any_of(fit->parameters.begin(), fit->parameters.end(),
+  out.fit_warned = std::any_of(fit->parameters.begin(), fit->parameters.end(),
                                [](const Estimate& e) { return e.reason != EstimateReason::kUpdated; });
 }
 
 void ExplainPlant(LogStrokes strokes, PlantOutcome& out) {
   const auto explained = ExplainStrokes(std::move(strokes));
   out.answer.refused = !explained;
+  out.fit_warned = out.fit_warned || !explained || !SuspicionOf(*explained).warnings.empty();
   if (!explained) {
     out.said = explained.error().text;
     return;

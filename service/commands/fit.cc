@@ -5,6 +5,7 @@
 #include "service/batch_fit.h"
 #include "service/commands.h"
 #include "service/fit_output.h"
+#include "service/fit_suspicion.h"
 #include "service/output.h"
 
 namespace hydroscope {
@@ -29,10 +30,13 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
       exit_code = ReportError(result.error());
       return;
     }
-    if (options->json != "-") std::cout << FitText(*result);
-    if (!options->json.empty())
-      if (const Status written = WriteJson(options->json, FitJson(*result)); !written)
-        exit_code = ReportError(written.error());
+    const FitSuspicion suspicion = SuspectFit(result->log);
+    if (options->json != "-") std::cout << FitText(*result) << SuspicionText(suspicion);
+    if (options->json.empty()) return;
+    nlohmann::json json = FitJson(*result);
+    AddSuspicion(suspicion, json);
+    if (const Status written = WriteJson(options->json, json); !written)
+      exit_code = ReportError(written.error());
   });
 }
 

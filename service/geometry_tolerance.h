@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/machine.h"
+
+namespace hydroscope {
+
+/// Standard uncertainty of an area whose tolerance the machine file does not state, as a share of it: bores
+/// and rods of cylinders are made to H8/f7 and wear; 0.1 mm on a diameter of 100 mm is 0.2 % of the area, two
+/// such diameters and their rounding in a data sheet 0.5 %.
+inline constexpr double kAreaTolerance = 0.005;
+
+/// A tolerance that was assumed for want of a stated one.
+struct AssumedTolerance {
+  std::string name;  ///< of [geometry]
+  double std = 0;    ///< SI
+};
+
+/// Gives areas of the model without `std` (or with 0, which no area has) the standard uncertainty
+/// kAreaTolerance and says which. For commands that print intervals of one fit: what all strokes share is no
+/// change, so trends and the drift watch leave it out.
+std::vector<AssumedTolerance> AssumeTolerances(Machine& machine);
+
+/// "A_A has no tolerance in the machine file: 0.5 % assumed (V0 and Q_vn are in proportion to it)".
+std::string AssumedText(const AssumedTolerance& assumed);
+
+}  // namespace hydroscope
