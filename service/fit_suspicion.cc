@@ -23,6 +23,13 @@ std::string GroupText(const ExplainResult& explained, const std::vector<std::str
   return fmt::format("{}", fmt::join(titles, " or "));
 }
 
+std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
+  std::vector<std::int64_t> numbers;
+  for (const std::size_t s : odd.strokes) numbers.push_back(explained.log.strokes[s].summary.index);
+  return fmt::format("strokes {} differ from the rest, and the parameters are of all strokes",
+                     fmt::join(numbers, ", "));
+}
+
 std::string Sentence(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
   if (x.verdict == Verdict::kUnknown)
@@ -37,7 +44,9 @@ std::string Sentence(const ExplainResult& explained) {
 
 FitSuspicion SuspicionOf(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
-  FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings};
+  FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false};
+  out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
+  for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
   if (x.verdict != Verdict::kAdequate) out.warnings.push_back(Sentence(explained));
   return out;
 }
@@ -45,14 +54,16 @@ FitSuspicion SuspicionOf(const ExplainResult& explained) {
 FitSuspicion SuspectFit(const LogStrokes& strokes) {
   const auto explained = ExplainStrokes(strokes);
   if (explained) return SuspicionOf(*explained);
-  return {
-      "", {}, {fmt::format("whether the model misses something was not judged: {}", explained.error().text)}};
+  return {"",
+          {},
+          {fmt::format("whether the model misses something was not judged: {}", explained.error().text)},
+          true};
 }
 
 std::string SuspicionText(const FitSuspicion& suspicion) {
   std::string text;
   for (const std::string& warning : suspicion.warnings) text += "WARNING: " + warning + ".\n";
-  if (!suspicion.warnings.empty()) text += "'hydroscope explain' says more.\n";
+  if (suspicion.suspected) text += "'hydroscope explain' says more.\n";
   return text;
 }
 

@@ -13,7 +13,8 @@ namespace hydroscope {
 struct FitSuspicion {
   std::string verdict;                ///< of `explain`, "" if it gave none
   std::vector<std::string> suspects;  ///< ids of the effects that may be missing, best first
-  std::vector<std::string> warnings;  ///< a sentence each; empty: nothing is suspected
+  std::vector<std::string> warnings;  ///< a sentence each, those of `explain` first
+  bool suspected = false;             ///< the parameters may lie outside their intervals
 };
 
 /// The suspicion that an explanation of the same strokes carries.

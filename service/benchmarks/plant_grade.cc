@@ -52,9 +52,17 @@ bool HasTrueName(const PlantCase& c, const std::vector<std::string>& group) {
   });
 }
 
+/// Everything that was named: effects of all strokes, and of those that differ.
+std::vector<std::vector<std::string>> Names(const PlantAnswer& answer) {
+  std::vector<std::vector<std::string>> names = answer.groups;
+  for (const auto& set : answer.odd)
+    if (!set.empty()) names.push_back(set);
+  return names;
+}
+
 bool AnyTrueName(const PlantCase& c, const PlantAnswer& answer) {
-  return std::any_of(answer.groups.begin(), answer.groups.end(),
-                     [&](const auto& group) { return HasTrueName(c, group); });
+  const auto names = Names(answer);
+  return std::any_of(names.begin(), names.end(), [&](const auto& group) { return HasTrueName(c, group); });
 }
 
 }  // namespace
@@ -84,18 +92,17 @@ bool Identifiable(const PlantCase& c, double excess) {
 PlantGrade GradeAnswer(const PlantCase& c, const PlantAnswer& answer) {
   const bool refuse = c.kind->nature == PlantNature::kRefused;
   if (answer.refused) return refuse ? PlantGrade::kRight : PlantGrade::kUnknown;
-  if (answer.verdict == Verdict::kUnknown) return PlantGrade::kUnknown;
-  if (refuse) return PlantGrade::kWrong;
-  if (answer.verdict == Verdict::kAdequate)
-    return answer.excess > kStrongError ? PlantGrade::kMissed : PlantGrade::kRight;
+  if (refuse && answer.verdict != Verdict::kUnknown) return PlantGrade::kWrong;
   if (AnyTrueName(c, answer)) return PlantGrade::kRight;
-  return answer.flagged ? PlantGrade::kFlagged : PlantGrade::kWrong;
+  if (!Names(answer).empty()) return answer.flagged ? PlantGrade::kFlagged : PlantGrade::kWrong;
+  if (answer.verdict != Verdict::kAdequate || !answer.odd.empty()) return PlantGrade::kUnknown;
+  return answer.excess > kStrongError ? PlantGrade::kMissed : PlantGrade::kRight;
 }
 
 bool ExtraName(const PlantCase& c, const PlantAnswer& answer) {
   if (answer.refused || !AnyTrueName(c, answer)) return false;
-  return std::any_of(answer.groups.begin(), answer.groups.end(),
-                     [&](const auto& group) { return !HasTrueName(c, group); });
+  const auto names = Names(answer);
+  return std::any_of(names.begin(), names.end(), [&](const auto& group) { return !HasTrueName(c, group); });
 }
 
 std::string ParametersOff(const PlantCase& c, const std::vector<Estimate>& parameters) {

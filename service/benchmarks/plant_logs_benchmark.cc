@@ -65,7 +65,7 @@ void FitPlant(const LogStrokes& strokes, PlantOutcome& out) {
 void ExplainPlant(LogStrokes strokes, PlantOutcome& out) {
   const auto explained = ExplainStrokes(std::move(strokes));
   out.answer.refused = !explained;
-  out.fit_warned = out.fit_warned || !explained || !SuspicionOf(*explained).warnings.empty();
+  out.fit_warned = out.fit_warned || !explained || SuspicionOf(*explained).suspected;
   if (!explained) {
     out.said = explained.error().text;
     return;
@@ -74,8 +74,10 @@ void ExplainPlant(LogStrokes strokes, PlantOutcome& out) {
   out.answer.verdict = x.verdict;
   out.answer.flagged = x.partial || !x.doubt.empty();
   out.answer.groups = x.groups;
+  for (const OddStrokes& odd : x.odd_strokes) out.answer.odd.push_back(odd.set);
   std::vector<std::string> groups;
   for (const auto& group : x.groups) groups.push_back(fmt::format("{}", fmt::join(group, "|")));
+  for (const auto& set : out.answer.odd) groups.push_back(fmt::format("odd: {}", fmt::join(set, "|")));
   out.said = fmt::format("{} {} {} {}", VerdictName(x.verdict), fmt::join(groups, " + "), x.doubt,
                          fmt::join(x.warnings, "; "));
 }

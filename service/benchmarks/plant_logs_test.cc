@@ -16,8 +16,12 @@ PlantCase CaseOf(const std::string& kind, std::vector<std::string> right) {
   return c;
 }
 PlantAnswer Named(std::vector<std::vector<std::string>> groups, bool flagged = false, double excess = 1) {
-  return {false, groups.size() == 1 && groups[0].size() == 1 ? Verdict::kNamed : Verdict::kAmbiguous,
-          std::move(groups), flagged, excess};
+  return {false,
+          groups.size() == 1 && groups[0].size() == 1 ? Verdict::kNamed : Verdict::kAmbiguous,
+          std::move(groups),
+          flagged,
+          {},
+          excess};
 }
 
 TEST(PlantKinds, AreAtLeastTwentyFiveOfTheirOwn) {
@@ -53,16 +57,26 @@ TEST(GradeAnswer, ATrueNameInTheSetIsRightAndAFalseOneIsWrongUnlessFlagged) {
 
 TEST(GradeAnswer, AdequateIsRightOnlyWhereNothingNoticeableIsHidden) {
   const PlantCase c = CaseOf("K_drift", {"K_drift"});
-  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, 0.01}), PlantGrade::kRight);
-  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, 0.5}), PlantGrade::kMissed);
-  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kUnknown, {}, false, 0.5}), PlantGrade::kUnknown);
-  EXPECT_EQ(GradeAnswer(c, {true, Verdict::kUnknown, {}, false, 0.5}), PlantGrade::kUnknown);
+  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, {}, 0.01}), PlantGrade::kRight);
+  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, {}, 0.5}), PlantGrade::kMissed);
+  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kUnknown, {}, false, {}, 0.5}), PlantGrade::kUnknown);
+  EXPECT_EQ(GradeAnswer(c, {true, Verdict::kUnknown, {}, false, {}, 0.5}), PlantGrade::kUnknown);
+}
+
+TEST(GradeAnswer, WhatExplainsOddStrokesIsAName) {
+  const PlantCase c = CaseOf("intermittent_leakage", {"internal_leakage"});
+  const auto odd = [](std::vector<std::string> set) {
+    return PlantAnswer{false, Verdict::kAdequate, {}, false, {std::move(set)}, 0.5};
+  };
+  EXPECT_EQ(GradeAnswer(c, odd({"internal_leakage"})), PlantGrade::kRight);
+  EXPECT_EQ(GradeAnswer(c, odd({"entrained_air"})), PlantGrade::kWrong);
+  EXPECT_EQ(GradeAnswer(c, odd({})), PlantGrade::kUnknown);
 }
 
 TEST(GradeAnswer, ALogInAWrongUnitIsToBeRefused) {
   const PlantCase c = CaseOf("wrong_unit", {"internal_leakage"});
-  EXPECT_EQ(GradeAnswer(c, {true, Verdict::kUnknown, {}, false, 0}), PlantGrade::kRight);
-  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, 0}), PlantGrade::kWrong);
+  EXPECT_EQ(GradeAnswer(c, {true, Verdict::kUnknown, {}, false, {}, 0}), PlantGrade::kRight);
+  EXPECT_EQ(GradeAnswer(c, {false, Verdict::kAdequate, {}, false, {}, 0}), PlantGrade::kWrong);
   EXPECT_EQ(GradeAnswer(c, Named({{"internal_leakage"}})), PlantGrade::kWrong);
 }
 
