@@ -7,6 +7,7 @@
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/generic_laws.h"
+#include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/odd_strokes.h"
 
 namespace hydroscope {
@@ -42,13 +43,17 @@ std::vector<Refinement> CloseTo(const Explanation& found, const ExplainOptions& 
   return work;
 }
 
-/// A law with one parameter keeps none but refined shapes: the grid was for finding it.
+bool IsKnownBeforehand(const NonlinearParameter& parameter) { return parameter.std > 0; }
+
+/// A law with one parameter, or one whose values are known beforehand, keeps none but refined shapes: the grid was
+/// for finding it.
 void DropGrid(ModelStructure& model) {
   for (std::size_t e = 0; e < model.effects.size(); ++e) {
     auto& shapes = model.effect_shapes[e];
     const bool any =
         std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.refined && !s.on; });
-    if (any && model.effects[e]->implied)
+    const auto& nonlinear = model.effects[e]->nonlinear;
+    if (any && (model.effects[e]->implied || std::any_of(nonlinear.begin(), nonlinear.end(), IsKnownBeforehand)))
       std::erase_if(shapes, [](const EffectShape& s) { return !s.refined; });
   }
 }
@@ -186,6 +191,11 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            const ExplainOptions& options) {
   Explanation out = options.floor_believable ? ExplainWithFloor(model, strokes, window, options)
                                              : ExplainWithoutFloor(model, strokes, window, options);
+  if (out.base.solved) {
+    const std::span<const EffectChoice> chosen(out.chosen);
+    WidenByNonlinear(out.model, strokes, window, chosen.first(out.started), out.base);
+    WidenByNonlinear(out.model, strokes, window, chosen, out.final);
+  }
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
   const StrokeSet set(out.model, GramsOf(out.model, strokes, window), window, out.noise_scale);
   ExplainOptions scaled = options;

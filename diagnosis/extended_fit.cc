@@ -195,14 +195,18 @@ bool StrokeSet::Measured(const EffectChoice& choice) const {
 EffectChoice StrokeSet::BestShape(int effect, std::span<const EffectChoice> others) const {
   EffectChoice best{effect, -1};
   double least = 0;
+  bool lawful = false;
   std::vector<EffectChoice> choices(others.begin(), others.end());
   choices.push_back({effect, 0});
   for (const int shape : ShapesFor(*model_, effect, others)) {
     choices.back().shape = shape;
     const ExtendedFit fit = Fit(choices);
-    if (!fit.solved || (best.shape >= 0 && fit.excess_ratio >= least)) continue;
+    if (!fit.solved) continue;
+    const bool admissible = fit.effects.back().admissible;
+    if (best.shape >= 0 && (lawful != admissible ? lawful : fit.excess_ratio >= least)) continue;
     best = choices.back();
     least = fit.excess_ratio;
+    lawful = admissible;
   }
   return best;
 }

@@ -38,6 +38,7 @@ struct EffectEstimate {
   double model_std = 0;    ///< what the sensor noise alone promises
   bool admissible = true;  ///< sign and size within Effect::min ... max
   bool consistent = true;  ///< Effect::implied agrees with the shape's nonlinear parameter
+  std::vector<double> nonlinear_std;  ///< of the shape's nonlinear parameters; [] if not found out (WidenByNonlinear)
   double independent = 0;  ///< share of its regressor the base model cannot mimic, 0...1 (1 - R^2)
 };
 
@@ -94,8 +95,8 @@ class StrokeSet {
   double ExcessRatio(const ExtendedFit& fit, std::size_t stroke) const;
   /// Strokes in which every signal the effects need was good.
   std::vector<std::size_t> Usable(std::span<const EffectChoice> choices) const;
-  /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already; shape
-  /// -1 if none can be fitted.
+  /// The shape of `effect` that errs least on strokes left out, in a model that has `others` already, of those
+  /// with a size that physics allows if there are any; shape -1 if none can be fitted.
   EffectChoice BestShape(int effect, std::span<const EffectChoice> others) const;
 
  private:

@@ -11,7 +11,9 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kSweeps = 2;       ///< over the coordinates, if there are several
+constexpr int kPolishSteps = 6;        ///< of Gauss and Newton
+constexpr double kPolishShift = 0.01;  ///< relative, of a value for its slope
+constexpr double kPolished = 1e-4;     ///< relative change of a value that is none
 constexpr int kScan = 6;         ///< points tried across the bracket, since the error may have several minima
 constexpr int kEvaluations = 6;  ///< of Brent's method between the best point's neighbours
 constexpr int kBits = 8;         ///< its relative accuracy, 2^-8
@@ -98,18 +100,34 @@ class ShapeTrial {
 
   const std::optional<Correction>& on() const { return on_; }
 
-  ExtendedFit Fit(const std::vector<double>& nonlinear) const {
+  ExtendedFit Fit(const std::vector<double>& nonlinear) const { return Set(nonlinear).first; }
+  /// Excess ratio on strokes left out, and what is known of the values beforehand weighed as further
+  /// equations.
+  double Error(const std::vector<double>& nonlinear) const {
+    const auto [fit, equations] = Set(nonlinear);
+    if (!fit.solved) return std::numeric_limits<double>::max();
+    const std::vector<NonlinearParameter>& known = fixed_.effects[effect_]->nonlinear;
+    double surprise = 0;
+    for (std::size_t i = 0; i < nonlinear.size() && i < known.size(); ++i)
+      if (known[i].std > 0)
+        surprise += std::pow((nonlinear[i] - 0.5 * (known[i].min + known[i].max)) / known[i].std, 2);
+    return fit.excess_ratio + surprise / equations;
+  }
+
+  /// Least squares over size and values at once, from values close by: with the shapes at shifted values
+  /// beside, sizes ds of these are steps of shift ds / size (Gauss-Newton), taken as far as the error falls.
+  std::vector<double> Polished(std::vector<double> values) const;
+
+ private:
+  /// The fit with these values, and how many equations it has.
+  std::pair<ExtendedFit, double> Set(const std::vector<double>& nonlinear) const {
     auto trial = std::make_shared<ModelStructure>(fixed_);
     std::vector<EffectChoice> all = choices_;
     all.back().shape = AddShape(*trial, effect_, nonlinear, on_);
-    return StrokeSet(trial, GramsOf(trial, strokes_, window_), window_).Fit(all);
-  }
-  double Error(const std::vector<double>& nonlinear) const {
-    const ExtendedFit fit = Fit(nonlinear);
-    return fit.solved ? fit.excess_ratio : std::numeric_limits<double>::max();
+    const StrokeSet set(trial, GramsOf(trial, strokes_, window_), window_);
+    return {set.Fit(all), set.equations()};
   }
 
- private:
   ModelStructure fixed_;
   std::span<const StrokeStretches> strokes_;
   WindowSamples window_;
@@ -117,6 +135,42 @@ class ShapeTrial {
   std::vector<EffectChoice> choices_;  ///< the last one is on trial
   std::optional<Correction> on_;
 };
+
+std::vector<double> ShapeTrial::Polished(std::vector<double> values) const {
+  const std::vector<NonlinearParameter>& limits = fixed_.effects[effect_]->nonlinear;
+  if (std::any_of(limits.begin(), limits.end(), [](const NonlinearParameter& n) { return n.std > 0; }))
+    return values;
+  double error = Error(values);
+  for (int step = 0; step < kPolishSteps; ++step) {
+    auto beside = std::make_shared<ModelStructure>(fixed_);
+    std::vector<EffectChoice> all = choices_;
+    all.back().shape = AddShape(*beside, effect_, values, on_);
+    std::vector<double> shift;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::vector<double> shifted = values;
+      const double by = kPolishShift * values[i];
+      shift.push_back(shifted[i] + by <= limits[i].max ? by : -by);
+      shifted[i] += shift[i];
+      all.push_back({effect_, AddShape(*beside, effect_, shifted, on_)});
+    }
+    const ExtendedFit fit = StrokeSet(beside, GramsOf(beside, strokes_, window_), window_).Fit(all);
+    if (!fit.solved) return values;
+    const Eigen::VectorXd sizes = fit.theta.tail(static_cast<Eigen::Index>(values.size()) + 1);
+    std::vector<double> next = values;
+    double moved = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      next[i] = std::clamp(values[i] + shift[i] * sizes[static_cast<Eigen::Index>(i) + 1] / sizes.sum(),
+                           limits[i].min, limits[i].max);
+      moved = std::max(moved, std::abs(next[i] - values[i]) / std::max(std::abs(values[i]), 1e-300));
+    }
+    const double next_error = Error(next);
+    if (!(next_error < error)) return values;
+    values = std::move(next);
+    error = next_error;
+    if (moved < kPolished) return values;
+  }
+  return values;
+}
 
 /// Within the admissible range, and not so small that it cannot be told from none.
 double WithinLimits(const NonlinearParameter& limits, double x) {
@@ -207,17 +261,16 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
   const ShapeTrial trial(model, strokes, window, others, start.effect);
   std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
   if (effect.implied) best = {SolveImplied(trial, model, effect, best[0])};
-  const int sweeps = effect.implied ? 0 : effect.nonlinear.size() > 1 ? kSweeps : 1;
-  for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (std::size_t i = 0; i < effect.nonlinear.size(); ++i) {
-      const auto [low, high] = Bracket(effect, i, best[i]);
-      const auto along = [&](double x) {
-        std::vector<double> at = best;
-        at[i] = x;
-        return trial.Error(at);
-      };
-      best[i] = Minimise(along, low, high, best[i]);
-    }
+  for (std::size_t i = 0; !effect.implied && i < effect.nonlinear.size(); ++i) {
+    const auto [low, high] = Bracket(effect, i, best[i]);
+    const auto along = [&](double x) {
+      std::vector<double> at = best;
+      at[i] = x;
+      return trial.Error(at);
+    };
+    best[i] = Minimise(along, low, high, best[i]);
+  }
+  if (!effect.implied) best = trial.Polished(best);
   return Keep(model, start.effect, best, trial.on());
 }
 

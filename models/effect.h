@@ -15,6 +15,16 @@ struct NonlinearParameter {
   std::string name;
   std::string unit;       ///< SI
   double min = 0, max = 0;  ///< SI, admissible
+  /// SI, standard deviation of what is known beforehand, about the middle of min ... max: for numbers that no data sheet
+  /// gives and that data may not show (a polytropic exponent). 0: nothing is known but the limits.
+  double std = 0;
+};
+
+/// A number of a law that is taken as given though nobody knows it well: the size's interval holds its share.
+struct UncertainConstant {
+  std::string name;
+  std::string unit;           ///< SI
+  double value = 0, std = 0;  ///< SI
 };
 
 /// The effect at given values of its nonlinear parameters: its regressor is sum_j weight_j * column_j, with weights that
@@ -37,6 +47,8 @@ struct Effect {
   double min = 0, max = 0;   ///< admissible range of the linear parameter, SI
   double typical = 0;        ///< a size that is worth knowing about
   std::vector<NonlinearParameter> nonlinear;
+  std::vector<UncertainConstant> constants;  ///< `variant` takes other values of them after those of `nonlinear`
+  std::string edition;  ///< ends the columns' names: columns stored under an older form of the law are told apart
   /// A law with one parameter that enters in both ways: the value of nonlinear[0] that base parameters and size imply.
   /// Empty: the nonlinear parameters are free.
   std::function<double(const ShapeContext&)> implied;

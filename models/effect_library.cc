@@ -46,6 +46,7 @@ int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlin
     std::string name = effect.id;
     if (!nonlinear.empty()) name += fmt::format("[{:g}]", fmt::join(nonlinear, ","));
     if (variant.columns.size() > 1) name += fmt::format(".{}", j);
+    if (!effect.edition.empty()) name += " " + effect.edition;
     Column::Fill fill = std::move(variant.columns[j]);
     if (on) {
       name += fmt::format(" after {}[{:g}]", model.effects[on->effect]->id, on->value);

@@ -20,7 +20,9 @@ nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& esti
       {effect.parameter, {{"value", estimate.size}, {"std", estimate.std}, {"unit", effect.unit}}}};
   for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i)
     out[effect.nonlinear[i].name] = {
-        {"value", nonlinear[i]}, {"std", nullptr}, {"unit", effect.nonlinear[i].unit}};
+        {"value", nonlinear[i]},
+        {"std", i < estimate.nonlinear_std.size() ? nlohmann::json(estimate.nonlinear_std[i]) : nlohmann::json()},
+        {"unit", effect.nonlinear[i].unit}};
   return out;
 }
 

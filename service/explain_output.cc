@@ -186,7 +186,11 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
   // A law with one parameter has told it already.
   for (std::size_t i = 0; !effect.implied && i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
     const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
-    text += fmt::format(", {} {:.3g} {}", effect.nonlinear[i].name, nonlinear[i] * shown.factor, shown.name);
+    const bool known = i < estimate.nonlinear_std.size() && estimate.nonlinear_std[i] > 0;
+    const std::string value =
+        known ? WithInterval(nonlinear[i] * shown.factor, kNormal95 * estimate.nonlinear_std[i] * shown.factor)
+              : fmt::format("{:.3g}", nonlinear[i] * shown.factor);
+    text += fmt::format(", {} {} {}", effect.nonlinear[i].name, value, shown.name);
   }
   return text;
 }

@@ -21,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(OfTheLibrary, EveryEffect, testing::ValuesIn(AllEffects
 TEST_P(EveryEffect, IsRecoveredWithinThreeStandardDeviationsAndTheBaseParametersToo) {
   const auto values = RecoverEffect(GetParam(), 60, 77);
   ASSERT_TRUE(values) << values.error().text;
-  ASSERT_EQ(values->size(), 5u);
+  ASSERT_GE(values->size(), 5u);
   for (const RecoveredValue& value : *values) {
     EXPECT_TRUE(std::isfinite(value.std) && value.std > 0) << value.name;
     EXPECT_LE(std::abs(value.value - value.truth), 3 * value.std)

@@ -10,6 +10,9 @@
 /// -integral of its flow per unit parameter and its parameter is positive.
 namespace hydroscope::effects {
 
+/// Polytropic exponent of a gas that nobody has measured: isothermal 1.0 to adiabatic 1.4, all alike likely.
+inline constexpr double kPolytropic = 1.2, kPolytropicStd = 0.115;
+
 Effect InternalLeakage(const CushionGeometry&);
 Effect ExternalLeakage(const CushionGeometry&);
 Effect OrificeLeakage(const CushionGeometry&);

@@ -6,14 +6,17 @@
 namespace hydroscope::effects {
 namespace {
 
-/// Share of its volume at 1 atm that free air has given up: 1 - (p_atm / p_abs)^(1/n), slope = -1/n.
-double Compressed(double log_absolute, double slope) { return 1.0 - Exp(log_absolute * slope); }
+/// Share of its volume at 1 bar that free air still has, (1 bar / p_abs)^(1/n), from ln(p_abs / atm); slope = -1/n.
+double Left(double log_absolute, double slope) {
+  constexpr double kLogAtmosphere = 0.012916;  // ln(1.013 bar / 1 bar)
+  return Exp((log_absolute + kLogAtmosphere) * slope);
+}
 
 Column::Fill DeadVolume(double exponent) {
   return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
     const double* p = s[kLogAbsolute];
     wide::Differences(
-        s, [=](int k) { return -Compressed(p[k], slope); }, out);
+        s, [=](int k) { return Left(p[k], slope); }, out);
   };
 }
 
@@ -21,25 +24,27 @@ Column::Fill StrokeVolume(double exponent) {
   return [slope = -1.0 / exponent](const Stretch& s, double&, std::span<double> out) {
     const double *p = s[kLogAbsolute], *z = s[kPosition];
     wide::IntegrateOver(
-        s, [=](int k) { return -z[k]; }, [=](int k) { return Compressed(p[k], slope); }, out);
+        s, [=](int k) { return z[k]; }, [=](int k) { return Left(p[k], slope); }, out);
   };
 }
 
 }  // namespace
 
-/// Free air in the oil column: volume (V0 + A z) a compressed with p, so the bulk modulus falls at low
-/// pressure (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
+/// Free air in the oil column: of a volume V0 + A z of oil and air the share a is air at 1 bar, which p compresses,
+/// so the bulk modulus falls at low pressure (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
+/// At working pressure the air is small and the column is oil, which was the share 1 - a at 1 bar: a / (1 - a) of air.
 Effect EntrainedAir(const CushionGeometry& geometry) {
   Effect e;
   e.id = "entrained_air";
   e.title = "Entrained air in the oil";
-  e.law = "dV/dp = a (V0 + A z) (p_atm/p)^(1/n) / (n p)";
+  e.law = "dV/dp = a/(1-a) (V0 + A z) (1 bar/p)^(1/n) / (n p)";
   e.source = "Nykanen, Esque, Ellman 2000 (free-air model of effective bulk modulus)";
   e.parameter = "a";
   e.unit = "1";
   e.max = 0.5;
   e.typical = 0.01;
-  e.nonlinear = {{"n", "1", 1.0, 1.4}};
+  e.nonlinear = {{"n", "1", 1.0, 1.4, kPolytropicStd}};
+  e.edition = "at 1 bar";
   e.confused_with = {"accumulator"};
   e.hidden_in = "K, V0";
   e.plain =
@@ -49,7 +54,8 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
     const double exponent = nonlinear[0];
     return EffectVariant{{DeadVolume(exponent), StrokeVolume(exponent)}, [area](const ShapeContext& c) {
-                           return std::vector<double>{area * c.theta[1] / c.theta[2], area};
+                           const double oil = 1.0 / (1.0 - std::clamp(c.size, 0.0, 0.5));
+                           return std::vector<double>{oil * area * c.theta[1] / c.theta[2], oil * area};
                          }};
   };
   e.grid = {{1.0}, {1.4}};

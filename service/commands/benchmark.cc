@@ -175,9 +175,11 @@ void AddRecovery(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--effect", o->effect, "Only this one");
+  command->add_flag("--random", o->random, "Machines, sizes and shapes drawn at random, off every grid");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark recovery\n"
+      "  hydroscope benchmark recovery --random --seeds 20\n"
       "  hydroscope benchmark recovery --effect pressure_signal_delay\n"
       "  hydroscope benchmark recovery --seeds 10");
   command->callback([o, &exit_code] { exit_code = RunRecovery(*o); });
