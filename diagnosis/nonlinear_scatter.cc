@@ -115,19 +115,36 @@ std::optional<LeftFree> FitLeftFree(const Shifting& model, const std::vector<Fre
   return out;
 }
 
-/// What a parameter known beforehand to `known` adds to the covariance, and its own standard deviation: that
-/// of the strokes and that known together.
+/// By how much theta moves per unit of a parameter known beforehand, between its value and the end of what is
+/// likely where the effect's size moves most: sizes are no straight lines of exponents.
+std::optional<Eigen::VectorXd> SlopeOver(const Shifting& model, const FreeParameter& parameter, double known,
+                                         const Eigen::VectorXd& theta) {
+  constexpr double kLikely = 1.7;  // standard deviations: the limits of what is evenly likely between them
+  const auto& [k, i] = parameter;
+  const NonlinearParameter& limits = model.EffectOf(k).nonlinear[i];
+  const Eigen::Index own = model.base() + static_cast<int>(k);
+  std::optional<Eigen::VectorXd> steepest;
+  for (const double by : {-kLikely * known, kLikely * known}) {
+    std::vector<double> values = model.Values(k);
+    const double before = values[i];
+    values[i] = std::clamp(before + by, limits.min, limits.max);
+    if (std::abs(values[i] - before) < 0.1 * std::abs(by)) continue;
+    const ExtendedFit fit = model.Fit({{k, values}}, {});
+    if (!fit.solved) continue;
+    const Eigen::VectorXd slope = (fit.theta - theta) / (values[i] - before);
+    if (!steepest || std::abs(slope[own]) > std::abs((*steepest)[own])) steepest = slope;
+  }
+  return steepest;
+}
+
+/// What a parameter known beforehand to `known` adds to the covariance, and its own standard deviation: the
+/// strokes' if that is less.
 double AddKnown(const Shifting& model, const FreeParameter& parameter, double known,
                 const Eigen::VectorXd& theta, Eigen::MatrixXd& covariance) {
-  const auto& [k, i] = parameter;
   const auto free = FitLeftFree(model, {parameter}, theta);
-  const double found = free ? free->std.front() : std::numeric_limits<double>::infinity();
-  const double std = 1 / std::hypot(1 / known, 1 / found);
-  const ExtendedFit shifted = model.Fit({{k, Shifted(model, k, i)}}, {});
-  if (shifted.solved) {
-    const Eigen::VectorXd slope = (shifted.theta - theta) / model.Shift(k, i);
-    covariance += std * std * slope * slope.transpose();
-  }
+  const double std = free ? std::min(known, free->std.front()) : known;
+  if (const auto slope = SlopeOver(model, parameter, known, theta))
+    covariance += std * std * *slope * slope->transpose();
   return std;
 }
 

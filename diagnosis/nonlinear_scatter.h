@@ -17,7 +17,7 @@ namespace hydroscope {
 ///   the fit at given eta, an error e of theta at given eta becomes (I - D g')^-1 e (implicit function
 ///   theorem).
 /// - parameters known beforehand (NonlinearParameter::std) and constants of laws (UncertainConstant): D times what
-///   is known of them, the former together with what the strokes say.
+///   is known of them, the former where the strokes do not know better.
 /// Fills EffectEstimate::nonlinear_std. Leaves `fit` as it is where the strokes do not determine the wider fit.
 void WidenByNonlinear(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                       const WindowSamples& window, std::span<const EffectChoice> choices, ExtendedFit& fit);

@@ -30,14 +30,14 @@ Column::Fill StrokeVolume(double exponent) {
 
 }  // namespace
 
-/// Free air in the oil column: of a volume V0 + A z of oil and air the share a is air at 1 bar, which p compresses,
-/// so the bulk modulus falls at low pressure (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic n = 1.4).
-/// At working pressure the air is small and the column is oil, which was the share 1 - a at 1 bar: a / (1 - a) of air.
+/// Free air in the oil column: a volume V0 + A z of oil holds a times as much air, counted at 1 bar, which p
+/// compresses, so the bulk modulus falls at low pressure (Nykanen, Esque, Ellman 2000; isothermal n = 1 to adiabatic
+/// n = 1.4, which nobody knows).
 Effect EntrainedAir(const CushionGeometry& geometry) {
   Effect e;
   e.id = "entrained_air";
   e.title = "Entrained air in the oil";
-  e.law = "dV/dp = a/(1-a) (V0 + A z) (1 bar/p)^(1/n) / (n p)";
+  e.law = "dV/dp = a (V0 + A z) (1 bar/p)^(1/n) / (n p)";
   e.source = "Nykanen, Esque, Ellman 2000 (free-air model of effective bulk modulus)";
   e.parameter = "a";
   e.unit = "1";
@@ -54,8 +54,7 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
     const double exponent = nonlinear[0];
     return EffectVariant{{DeadVolume(exponent), StrokeVolume(exponent)}, [area](const ShapeContext& c) {
-                           const double oil = 1.0 / (1.0 - std::clamp(c.size, 0.0, 0.5));
-                           return std::vector<double>{oil * area * c.theta[1] / c.theta[2], oil * area};
+                           return std::vector<double>{area * c.theta[1] / c.theta[2], area};
                          }};
   };
   e.grid = {{1.0}, {1.4}};
