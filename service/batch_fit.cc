@@ -61,7 +61,10 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
   return std::move(out_);
 }
 
-Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep) {
+/// Geometry without a tolerance gets the usual one (service/geometry_tolerance.h).
+Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, KeepSamples keep) {
+  Machine machine = stated;
+  AssumeTolerances(machine);
   auto reader = OpenRecording(log, machine);
   if (!reader) return tl::unexpected(reader.error());
   StrokeCollector collector(machine, keep);
@@ -123,12 +126,11 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
 Result<FitResult> FitLog(const std::string& log, const std::string& machine_file) {
   auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  const std::vector<AssumedTolerance> assumed = AssumeTolerances(*machine);
   auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
   auto fit = FitBaseModel(*strokes->model, strokes->Grams(), strokes->window);
   if (!fit) return tl::unexpected(fit.error());
-  return FitResult{std::move(*strokes), std::move(*fit), assumed};
+  return FitResult{std::move(*strokes), std::move(*fit), AssumeTolerances(*machine)};
 }
 
 }  // namespace hydroscope

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "replay/log_reader.h"
+#include "service/geometry_tolerance.h"
 #include "service/identifiability.h"
 #include "service/live/raw_log.h"
 #include "service/pipeline.h"
@@ -81,6 +82,7 @@ bool CheckResult::Clean() const {
 Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
   auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
+  AssumeTolerances(*machine);
   auto reader = OpenRecording(log, *machine);
   if (!reader) return tl::unexpected(reader.error());
   CheckResult check;
