@@ -9,6 +9,7 @@
 
 #include "core/constants.h"
 #include "core/quality.h"
+#include "core/relative_change.h"
 #include "core/units.h"
 #include "service/effect_units.h"
 #include "service/interval_text.h"
@@ -167,9 +168,10 @@ std::string ParametersText(const ExplainResult& result) {
     text += fmt::format("  {:<6} {:>23}", before.parameter, shown(before));
     if (extended) text += fmt::format(" {:>23}", shown(after[i]));
     text += fmt::format("  {}", unit.name == "1" ? "-" : unit.name);
-    const double moved = (after[i].value - before.value) / std::max(std::abs(before.value), 1e-300);
-    if (extended && before.unit != "1" && std::abs(moved) >= 0.01)
-      text += fmt::format("  {:+.0f} %", 100 * moved);
+    const auto moved =
+        extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
+    if (moved && before.unit != "1" && std::abs(*moved) >= 0.01)
+      text += fmt::format("  {:+.0f} %", 100 * *moved);
     if (!extended && before.reason != EstimateReason::kUpdated)
       text += fmt::format("  {}", ReasonText(before.reason));
     text += "\n";

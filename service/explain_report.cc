@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/relative_change.h"
 #include "service/effect_units.h"
 #include "service/explain_plots.h"
 #include "service/interval_text.h"
@@ -189,10 +190,10 @@ std::string Parameters(const ExplainResult& result) {
     out += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(before.parameter),
                        EscapeText(ShownWithInterval(before.value, before.std, before.unit)));
     if (extended) {
-      const double moved = before.unit == "1" ? std::nan("") : 100 * (after[i].value / before.value - 1);
+      const auto moved = RelativeChange(before.value, before.std, after[i].value - before.value);
       out += fmt::format("<td class=\"number\">{}</td><td class=\"number\">{}</td>",
                          EscapeText(ShownWithInterval(after[i].value, after[i].std, before.unit)),
-                         std::isfinite(moved) ? FormatSigned(moved, 1) + " %" : "");
+                         moved && before.unit != "1" ? FormatSigned(100 * *moved, 1) + " %" : "");
     }
     out += "</tr>";
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/relative_change.h"
 #include "service/effect_units.h"
 #include "service/explain_output.h"
 #include "service/fit_output.h"
@@ -61,8 +62,8 @@ std::string ValuesText(const std::string& title, const std::vector<ValueChange>&
     text += fmt::format("{} {:<28} {:>28}  ->  {:<28}", v.significant ? "*" : " ", v.name,
                         ShownWithInterval(v.before, v.before_std, v.unit),
                         ShownWithInterval(v.after, v.after_std, v.unit));
-    if (v.unit != "1" && v.before != 0)
-      text += fmt::format(" {:+.1f} %", 100 * v.change() / std::abs(v.before));
+    if (const auto share = RelativeChange(v.before, v.before_std, v.change()); share && v.unit != "1")
+      text += fmt::format(" {:+.1f} %", 100 * *share);
     text += "\n";
   }
   return text;

@@ -195,13 +195,19 @@ std::string TrendsNote(const Report& report, bool with_oil) {
   return out + "</p>\n";
 }
 
+/// What the card says of the same values.
+std::string PlotCaption(const ParameterWords& words) {
+  return words.change.empty() ? "" : "Over the record: " + words.change + ".";
+}
+
 /// With oil temperatures a pair of plots per parameter, else the trends in two columns.
 std::string Trends(const Report& report) {
   std::string pairs, trends;
   for (std::size_t i = 0; i < report.infos.size(); ++i) {
     const ParameterAnalysis& analysis = report.analysis.parameters[i];
     if (analysis.samples.empty()) continue;
-    const std::string trend = Figure(TrendPlot(report.input, analysis, report.infos[i]), "");
+    const std::string trend =
+        Figure(TrendPlot(report.input, analysis, report.infos[i]), PlotCaption(report.words[i]));
     const std::string oil = OilPlot(report.input, analysis, report.infos[i]);
     if (oil.empty())
       trends += trend;

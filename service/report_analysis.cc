@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kLeastBlocksForOil = 6;
 constexpr double kLeastOilRange = 1.5;  // K
 constexpr double kMostShared = 0.9, kMostCurved = 0.25;
+constexpr std::size_t kFewestEstimates = 6;
+constexpr double kHintAtMost = 0.01;  ///< p of what is no clear change
+constexpr double kManyDegrees = 1e4;  ///< the estimator states its std from many samples
 
 TrendSample ToSample(const TrendPoint& point) {
   TrendSample sample;
@@ -243,8 +246,22 @@ void Analyse(ParameterAnalysis& analysis, const ReportInput& input, bool oil_mea
   analysis.why_not = WhyNot(analysis);
 }
 
+/// What the plot shows is not denied on the strength of blocks that see less.
+void HearEstimates(ParameterAnalysis& analysis) {
+  ThirdsComparison estimates = CompareEstimates(analysis.samples);
+  if (!estimates.change.Known()) return;
+  const bool blocks_tell = analysis.change.change.Known();
+  if (blocks_tell && (SignificanceOf(analysis.change.change) != Significance::kNone ||
+                      SignificanceOf(estimates.change) == Significance::kNone))
+    return;
+  if (blocks_tell) estimates.change.p = std::max(estimates.change.p, kHintAtMost);
+  analysis.change = std::move(estimates);
+  analysis.by_estimates = true;
+}
+
 /// What the family-wise p say.
 void Conclude(ParameterAnalysis& analysis) {
+  HearEstimates(analysis);
   if (analysis.oil.slope.Known()) analysis.oil.outcome = OutcomeOf(analysis.oil);
   analysis.unexplained = Unexplained(analysis);
 }
@@ -278,7 +295,37 @@ double Duration(const ReportInput& input) {
   return duration;
 }
 
+/// Weighted mean of a third, with the std of a typical one of its estimates.
+struct CautiousMean {
+  double value = 0, std = 0;
+};
+CautiousMean MeanOfThird(const TrendSample* first, std::size_t count) {
+  double weights = 0, sum = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double weight = 1 / (first[k].std * first[k].std);
+    weights += weight;
+    sum += weight * first[k].value;
+  }
+  return {sum / weights, std::sqrt(static_cast<double>(count) / weights)};
+}
+
 }  // namespace
+
+ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples) {
+  std::vector<TrendSample> updated;
+  for (const TrendSample& sample : samples)
+    if (sample.updated && std::isfinite(sample.value) && sample.std > 0) updated.push_back(sample);
+  ThirdsComparison result;
+  if (updated.size() < kFewestEstimates) return result;
+  result.count = updated.size() / 3;
+  const CautiousMean early = MeanOfThird(updated.data(), result.count);
+  const CautiousMean late = MeanOfThird(updated.data() + updated.size() - result.count, result.count);
+  result.first = early.value;
+  result.last = late.value;
+  result.first_std = early.std;
+  result.change = TestedValue(late.value - early.value, std::hypot(early.std, late.std), kManyDegrees);
+  return result;
+}
 
 ReportAnalysis AnalyseReport(const ReportInput& input) {
   ReportAnalysis analysis;

@@ -71,7 +71,11 @@ struct ParameterAnalysis {
   std::optional<TrendSample> latest;      ///< last updated sample
   std::optional<EstimateReason> why_not;  ///< most frequent reason if the parameter was never identified, or
                                           ///< the reason of the last stroke if that did not update it
+  /// The one judgement of change that card, plot caption and `trends` tell. It rests on the independent
+  /// blocks; where these cannot tell, or deny what the estimates plotted show beyond their own uncertainty,
+  /// on the estimates (`by_estimates`), in the latter case as a hint at most.
   ThirdsComparison change;
+  bool by_estimates = false;
   OilDependence oil;
   LimitCheck limits;
   /// A change that oil temperature does not explain: clear, and clear at equal oil temperature where that can
@@ -90,6 +94,11 @@ struct ReportAnalysis {
   double duration = 0;              ///< s from the first to the last stroke of every run, added up
   double coldest = 0, warmest = 0;  ///< K, NaN if not measured
 };
+
+/// Compares the last third of the updated estimates with the first. Those of neighbouring strokes share data,
+/// so averaging is not credited: the std of a mean is that of a typical stroke, (mean of 1 / std^2)^(-1/2).
+/// Cautious on purpose. Unknown below 6 updated estimates.
+ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples);
 
 /// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
 /// dozen questions one that shows something by chance alone is the rule, not the exception.

@@ -236,6 +236,7 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   const double effective = EffectiveCount(result.count, result.correlation);
   const double degrees = Degrees(2 * static_cast<double>(result.count), 2 * effective, 2,
                                  result.correlation > least_correlation);
+  result.first_std = std::sqrt(variance_of(0));
   result.change =
       TestedValue(result.last - result.first, std::sqrt(variance_of(0) + variance_of(last)), degrees);
   return result;

@@ -52,6 +52,7 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
 /// Means of the first and the last third of a series and their difference.
 struct ThirdsComparison {
   double first = 0, last = 0;  ///< weighted means
+  double first_std = 0;        ///< of `first`
   TestedValue change;          ///< last minus first
   double correlation = 0;      ///< of successive values, used for the error
   std::size_t count = 0;       ///< values per third

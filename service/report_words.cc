@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
+#include "core/relative_change.h"
 #include "service/svg_text.h"
 
 namespace hydroscope {
@@ -21,9 +22,13 @@ struct Scale {
   double factor = 1;
   std::string unit;
 };
-Scale ScaleOf(const ParameterInfo& info, double base) {
-  if (info.relative && base != 0 && std::isfinite(base)) return {100 / std::abs(base), "%"};
+Scale ScaleOf(const ParameterInfo& info, double base, double base_std, double change) {
+  if (info.relative && RelativeChange(base, base_std, change)) return {100 / std::abs(base), "%"};
   return {info.factor, info.unit};
+}
+Scale ScaleOf(const ParameterInfo& info, const OilDependence& oil) {
+  const double std = oil.line.coefficients.empty() ? 0 : oil.line.coefficients[0].std;
+  return ScaleOf(info, oil.value_at_mean, std, oil.explained);
 }
 
 /// "+3.6 ± 0.3 %".
@@ -47,15 +52,21 @@ std::string WithUnit(const std::string& number, const ParameterInfo& info) {
   return info.unit.empty() ? number : number + " " + EscapeText(info.unit);
 }
 
-std::string ChangeText(const ThirdsComparison& change, const ParameterInfo& info) {
+std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  const ThirdsComparison& change = analysis.change;
   if (!change.change.Known()) return "too few strokes to compare the ends of the record";
-  const Scale scale = ScaleOf(info, change.first);
+  const Scale scale = ScaleOf(info, change.first, change.first_std, change.change.value);
   const std::string numbers = Signed(change.change, scale);
   switch (SignificanceOf(change.change)) {
     case Significance::kNone:
       return fmt::format("{}: none that stands out ({})", numbers, PText(change.change));
     case Significance::kHint:
-      return fmt::format("{}: a hint, not conclusive ({})", numbers, PText(change.change));
+      return analysis.by_estimates
+                 ? fmt::format(
+                       "{} in the estimates plotted: a hint, which blocks of strokes by themselves do not "
+                       "confirm",
+                       numbers)
+                 : fmt::format("{}: a hint, not conclusive ({})", numbers, PText(change.change));
     case Significance::kClear:
       break;
   }
@@ -85,7 +96,7 @@ std::string BeyondText(const OilDependence& oil, const Scale& scale) {
 }
 
 std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
-  const Scale scale = ScaleOf(info, oil.value_at_mean);
+  const Scale scale = ScaleOf(info, oil);
   switch (oil.outcome) {
     case OilOutcome::kNotMeasured:
       return "oil temperature not measured";
@@ -197,7 +208,7 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
       break;
   }
   return fmt::format("It changed by {} beyond what the oil temperature accounts for.",
-                     Signed(oil.beyond, ScaleOf(info, oil.value_at_mean)));
+                     Signed(oil.beyond, ScaleOf(info, oil)));
 }
 
 std::string OilReading(const ParameterAnalysis& analysis) {
@@ -262,7 +273,7 @@ void AddOilSentence(std::vector<std::string>& out, const ReportAnalysis& analysi
     const OilDependence& oil = analysis.parameters[i].oil;
     if (oil.outcome != OilOutcome::kFollows) continue;
     follow.push_back(fmt::format("<b>{}</b> ({})", HtmlSymbol(infos[i].symbol),
-                                 Signed(oil.slope, ScaleOf(infos[i], oil.value_at_mean), "/K")));
+                                 Signed(oil.slope, ScaleOf(infos[i], oil), "/K")));
   }
   const auto not_seen = NamesWhere(
       infos, [&](std::size_t i) { return analysis.parameters[i].oil.outcome == OilOutcome::kNotSeen; });
@@ -362,7 +373,7 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
   words.reading = Reading(words.standing, analysis, info);
   words.limits = LimitText(analysis.limits, info);
   if (analysis.updated == 0) return words;
-  words.change = ChangeText(analysis.change, info);
+  words.change = ChangeText(analysis, info);
   words.oil = OilText(analysis.oil, info);
   return words;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/relative_change.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_monitor.h"
 
@@ -16,13 +17,16 @@ std::string PartText(const FindingPart& part) {
     return fmt::format("{} {:+.2f} ± {:.2f} l/min at 200 bar", part.quantity, part.size * factor,
                        1.96 * part.std * factor);
   }
-  if (part.unit == "1" || std::abs(part.reference) < 1e-300)
+  if (part.unit == "1")
     return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
   const DisplayUnit unit = DisplayUnitFor(part.unit);
-  return fmt::format("{} {:+.1f} ± {:.1f} % ({:.4g} -> {:.4g} {})", part.quantity,
-                     100 * part.size / part.reference, 196 * part.std / std::abs(part.reference),
-                     part.reference * unit.factor + unit.offset,
-                     (part.reference + part.size) * unit.factor + unit.offset, unit.name);
+  const std::string values = fmt::format("{:.4g} -> {:.4g} {}", part.reference * unit.factor + unit.offset,
+                                         (part.reference + part.size) * unit.factor + unit.offset, unit.name);
+  if (const auto share = RelativeChange(part.reference, part.std, part.size))
+    return fmt::format("{} {:+.1f} ± {:.1f} % ({})", part.quantity, 100 * *share,
+                       196 * part.std / std::abs(part.reference), values);
+  return fmt::format("{} {:+.3g} ± {:.2g} {} ({})", part.quantity, part.size * unit.factor,
+                     1.96 * part.std * unit.factor, unit.name, values);
 }
 
 }  // namespace

@@ -49,8 +49,11 @@ std::string ChangeText(const TrendSummary& s) {
   const double value = percent ? *percent : s.change->value * unit.factor;
   const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
   const std::string name = percent ? " %" : unit.name == "1" ? "" : fmt::format(" {}", unit.name);
-  return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name,
-                     s.change->significant ? "significant" : "within noise");
+  const char* judged = s.change->with_oil      ? "significant, with the oil"
+                       : s.change->significant ? "significant"
+                       : s.change->hint        ? "a hint"
+                                               : "within noise";
+  return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name, judged);
 }
 
 std::string TableRow(std::size_t name_width, const std::array<std::string, 7>& cells) {
@@ -141,7 +144,8 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
                         {"change", nullptr}};
   if (!s.change) return out;
   out["change"] = {
-      {"value", s.change->value}, {"std", s.change->std}, {"significant", s.change->significant}};
+      {"value", s.change->value}, {"std", s.change->std},           {"significant", s.change->significant},
+      {"hint", s.change->hint},   {"with_oil", s.change->with_oil}, {"p", s.change->p}};
   if (const auto percent = s.change->Percent()) {
     out["change"]["percent"] = *percent;
     out["change"]["percent_std"] = *s.change->PercentStd();
@@ -152,14 +156,15 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
 nlohmann::json MachineJson(const MachineTrends& trends) {
   nlohmann::json points = nlohmann::json::array(), summary = nlohmann::json::array();
   for (const TrendPoint& point : trends.points) points.push_back(PointJson(point));
-  for (const TrendSummary& s : SummariseTrends(trends.points)) summary.push_back(SummaryJson(s));
+  for (const TrendSummary& s : SummariseTrends(trends.points, trends.blocks, trends.strokes))
+    summary.push_back(SummaryJson(s));
   return {{"machine", trends.machine}, {"points", std::move(points)}, {"summary", std::move(summary)}};
 }
 
 }  // namespace
 
 std::string TrendText(const MachineTrends& trends) {
-  const std::vector<TrendSummary> summaries = SummariseTrends(trends.points);
+  const std::vector<TrendSummary> summaries = SummariseTrends(trends.points, trends.blocks, trends.strokes);
   std::string text = Header(trends);
   std::size_t name_width = 9;
   for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "service/block_estimates.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -14,6 +15,8 @@ struct MachineTrends {
   std::string machine;
   std::vector<RunInfo> runs;
   std::vector<TrendPoint> points;  ///< in order of sequence
+  std::vector<BlockEstimates> blocks;  ///< of the same strokes; empty if they could not be fitted
+  std::vector<StrokeSummary> strokes;  ///< of some of them, `index` being the sequence
 };
 
 /// Table for people: latest value with 95 % interval in the units of the shop floor, strokes, last excited,

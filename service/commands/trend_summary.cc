@@ -4,45 +4,30 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "core/constants.h"
 #include "core/quantile.h"
+#include "core/relative_change.h"
+#include "service/report_analysis.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kFewestStrokes = 6;
-
-struct Mean {
-  double value = 0, std = 0;
-};
-
-Mean CautiousMean(std::span<const Estimate> estimates) {
-  double weights = 0, sum = 0;
-  for (const Estimate& e : estimates) {
-    const double weight = 1 / (e.std * e.std);
-    weights += weight;
-    sum += weight * e.value;
-  }
-  return {sum / weights, std::sqrt(static_cast<double>(estimates.size()) / weights)};
-}
-
-std::optional<TrendChange> ChangeOf(const std::vector<Estimate>& updated) {
-  if (updated.size() < kFewestStrokes) return std::nullopt;
-  const std::size_t third = updated.size() / 3;
-  const Mean early = CautiousMean(std::span(updated).first(third));
-  const Mean late = CautiousMean(std::span(updated).last(third));
+std::optional<TrendChange> ChangeOf(const ParameterAnalysis& analysis) {
+  const TestedValue& tested = analysis.change.change;
+  if (!tested.Known()) return std::nullopt;
+  const Significance significance = SignificanceOf(tested);
   TrendChange change;
-  change.value = late.value - early.value;
-  change.std = std::hypot(early.std, late.std);
-  change.from = early.value;
-  change.from_std = early.std;
-  change.significant = std::abs(change.value) > kNormal95 * change.std;
+  change.value = tested.value;
+  change.std = tested.HalfWidth() / kNormal95;
+  change.from = analysis.change.first;
+  change.from_std = analysis.change.first_std;
+  change.p = tested.p;
+  change.significant = significance == Significance::kClear;
+  change.hint = significance == Significance::kHint;
+  change.with_oil = change.significant && analysis.unexplained == Significance::kNone;
   return change;
 }
-
-bool Known(const Estimate& e) { return std::isfinite(e.value) && std::isfinite(e.std) && e.std > 0; }
 
 TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
   TrendSummary summary;
@@ -50,7 +35,6 @@ TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
   summary.parameter = summary.latest.parameter;
   summary.unit = summary.latest.unit;
   summary.strokes = static_cast<std::int64_t>(points.size());
-  std::vector<Estimate> updated;
   for (const TrendPoint* point : points) {
     const Estimate& e = point->estimate;
     summary.values.push_back(e.value);
@@ -58,9 +42,7 @@ TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
     if (e.reason != EstimateReason::kUpdated) continue;
     ++summary.updated;
     summary.since = points.back()->sequence - point->sequence;
-    if (Known(e)) updated.push_back(e);
   }
-  summary.change = ChangeOf(updated);
   return summary;
 }
 
@@ -83,16 +65,18 @@ std::vector<double> PieceMeans(const std::vector<double>& values, std::size_t wi
 }  // namespace
 
 std::optional<double> TrendChange::Percent() const {
-  if (std::abs(from) < 2 * from_std) return std::nullopt;
-  return 100 * value / std::abs(from);
+  const auto share = RelativeChange(from, from_std, value);
+  return share ? std::optional(100 * *share) : std::nullopt;
 }
 
 std::optional<double> TrendChange::PercentStd() const {
-  if (std::abs(from) < 2 * from_std) return std::nullopt;
+  if (!Percent()) return std::nullopt;
   return 100 * std / std::abs(from);
 }
 
-std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points) {
+std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
+                                          const std::vector<BlockEstimates>& blocks,
+                                          const std::vector<StrokeSummary>& strokes) {
   std::vector<std::string> order;
   std::vector<std::vector<const TrendPoint*>> groups;
   for (const TrendPoint& point : points) {
@@ -106,6 +90,13 @@ std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points)
   }
   std::vector<TrendSummary> summaries;
   for (const auto& group : groups) summaries.push_back(Summarise(group));
+  ReportInput input;
+  input.trends = points;
+  input.blocks = blocks;
+  input.strokes = strokes;
+  for (const ParameterAnalysis& analysis : AnalyseReport(input).parameters)
+    for (TrendSummary& summary : summaries)
+      if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
   return summaries;
 }
 

@@ -5,24 +5,25 @@
 #include <string>
 #include <vector>
 
+#include "service/block_estimates.h"
 #include "storage/database.h"
 
 namespace hydroscope {
 
-/// How far a parameter moved over the strokes looked at: mean of the last third of its updated strokes
-/// against the first third, each mean weighted with 1 / std^2. The estimates of neighbouring strokes share
-/// data, so averaging is not credited: the std of a mean is that of a typical stroke, (mean of 1 /
-/// std^2)^(-1/2). Cautious on purpose.
+/// How far a parameter moved over the strokes looked at, last third against first: the judgement of the
+/// report's card (ParameterAnalysis::change).
 struct TrendChange {
   double value = 0;          ///< SI, last third minus first third
   double std = 0;            ///< SI
   double from = 0;           ///< SI, mean of the first third
-  bool significant = false;  ///< |value| > 1.96 std
-  /// % of `from`; nullopt if `from` itself is not clear of zero.
+  double from_std = 0;       ///< SI
+  double p = 1;              ///< of no change
+  bool significant = false;  ///< clear
+  bool hint = false;         ///< more than chance, less than clear
+  bool with_oil = false;     ///< oil temperature accounts for it
+  /// % of `from`; nullopt where that says nothing (core/relative_change.h).
   std::optional<double> Percent() const;
   std::optional<double> PercentStd() const;
-
-  double from_std = 0;  ///< SI
 };
 
 /// What the table says about one parameter.
@@ -32,13 +33,16 @@ struct TrendSummary {
   std::int64_t strokes = 0;           ///< strokes looked at
   std::int64_t updated = 0;           ///< of these, strokes that told something about the parameter
   std::optional<std::int64_t> since;  ///< strokes since the last such; nullopt if there was none
-  std::optional<TrendChange> change;  ///< nullopt with fewer than 6 updated strokes
+  std::optional<TrendChange> change;  ///< nullopt with too few strokes to tell
   std::vector<double> values;         ///< SI, one per stroke, NaN where nothing is known
   std::vector<double> stds;           ///< SI
 };
 
-/// One summary per parameter, in the order of the points; `points` in order of sequence.
-std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points);
+/// One summary per parameter, in the order of the points; `points` in order of sequence. `blocks` of the same
+/// strokes and their summaries, if they are known: the judgement rests on them, as in the report.
+std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
+                                          const std::vector<BlockEstimates>& blocks = {},
+                                          const std::vector<StrokeSummary>& strokes = {});
 
 /// The values as a row of `width` block characters (UTF-8), mean per piece, a space where nothing is known.
 /// The height spans the values, but at least four typical std, so that noise does not look like a trend.

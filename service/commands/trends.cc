@@ -10,10 +10,13 @@
 #include "service/commands.h"
 #include "service/commands/trend_output.h"
 #include "service/output.h"
+#include "service/stroke_history.h"
 #include "storage/database.h"
 
 namespace hydroscope {
 namespace {
+
+constexpr std::int64_t kMostSummaries = 5000;  ///< strokes whose oil temperature is read
 
 struct TrendsArguments {
   std::string db, machine, parameter, csv, json;
@@ -55,8 +58,20 @@ std::vector<std::string> ParameterNames(const std::vector<TrendPoint>& points) {
   return {names.begin(), names.end()};
 }
 
+/// What the report judges changes by; without it (strokes of several models, say) the estimates alone are
+/// judged.
+void AddBlocks(const TrendsArguments& a, Database& database, const HistoryPart& part, MachineTrends& trends) {
+  if (part.strokes() <= 0) return;
+  const auto machine = StoredMachine(database, a.db, part);
+  auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);
+  if (!machine || !strokes) return;
+  if (auto blocks = EstimateBlocks(database, part.id, *machine, *strokes); blocks)
+    trends.blocks = std::move(*blocks);
+  trends.strokes = std::move(*strokes);
+}
+
 Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {
-  MachineTrends trends{machine, {}, {}};
+  MachineTrends trends{machine, {}, {}, {}, {}};
   const auto id = database.MachineId(machine);
   if (!id) return tl::unexpected(id.error());
   auto runs = database.Runs(*id);
@@ -68,6 +83,7 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   auto points = database.Trend(*id, a.parameter, first);
   if (!points) return tl::unexpected(points.error());
   trends.points = std::move(*points);
+  AddBlocks(a, database, {machine, *id, first, strokes}, trends);
   if (!trends.points.empty() || a.parameter.empty() || strokes == 0) return trends;
 
   const auto all = database.Trend(*id, "", first);
@@ -127,10 +143,11 @@ void AddTrendsCommand(CLI::App& app, int& exit_code) {
   command->add_option("--csv", a->csv, "Write all points as CSV, SI units; - is stdout, .gz is compressed");
   command->add_option("--json", a->json, "Write all points as JSON, SI units; - is stdout");
   command->footer(
-      "The change compares the last third of the strokes with the first third. Neighbouring estimates share "
-      "data, so\n"
-      "their average counts no more than one of them: a change called significant is one with 95 % "
-      "confidence.\n"
+      "The change compares the last third of the strokes with the first third, by the judgement of the "
+      "report's\n"
+      "cards: on independent blocks of strokes, significant if chance alone would show as much in less than "
+      "1 % of\n"
+      "records; \"with the oil\": the oil temperature accounts for it.\n"
       "Examples:\n"
       "  hydroscope trends --db press.db\n"
       "  hydroscope trends --db press.db --parameter V0 --last 200\n"
