@@ -1,5 +1,8 @@
 #include "core/alarm_records.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <array>
 
 namespace hydroscope {
@@ -15,6 +18,21 @@ std::optional<AlarmSeverity> SeverityFromName(const std::string& name) {
   for (std::size_t i = 0; i < kSeverities.size(); ++i)
     if (name == kSeverities[i]) return static_cast<AlarmSeverity>(i);
   return std::nullopt;
+}
+
+std::string CauseText(const AlarmCause& cause) {
+  const auto listed = fmt::format("{}", fmt::join(cause.effects, ", "));
+  switch (cause.kind) {
+    case CauseKind::kNotSought:
+      return "";
+    case CauseKind::kNamed:
+      return listed;
+    case CauseKind::kSeveral:
+      return "one of " + listed;
+    case CauseKind::kNotKnown:
+      break;
+  }
+  return "not known";
 }
 
 const char* StateName(const AlarmState& alarm) {

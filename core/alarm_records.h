@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace hydroscope {
 
@@ -11,6 +12,22 @@ namespace hydroscope {
 enum class AlarmSeverity { kAdvisory, kWarning, kAlarm, kSignalLoss };
 const char* SeverityName(AlarmSeverity severity);
 std::optional<AlarmSeverity> SeverityFromName(const std::string& name);
+
+/// How far comparing the strokes before and after a change carries its cause; the number is the code of the
+/// register map.
+enum class CauseKind {
+  kNotSought,  ///< nothing was compared (yet), or the alarm is not about the machine
+  kNamed,      ///< these effects of the library appeared
+  kSeveral,    ///< one of them did, and the strokes cannot tell which
+  kNotKnown,   ///< no effect of the library explains the change
+};
+struct AlarmCause {
+  CauseKind kind = CauseKind::kNotSought;
+  std::vector<std::string> effects;  ///< ids, best first; kNamed, kSeveral
+  bool operator==(const AlarmCause&) const = default;
+};
+/// "", "not known", "internal_leakage", "one of internal_leakage, external_leakage".
+std::string CauseText(const AlarmCause& cause);
 
 /// Why an alarm is suppressed by design; several may hold at once.
 enum Suppression : std::uint8_t {
@@ -36,6 +53,7 @@ struct AlarmState {
   double limit = std::numeric_limits<double>::quiet_NaN();  ///< SI
   std::string unit;            ///< SI
   std::string text;            ///< finding and guidance
+  AlarmCause cause;            ///< of what was found
   double raised_time = 0;      ///< s, machine time
   double raised_wall = 0;      ///< s since 1970
   std::int64_t raised_stroke = 0;
@@ -62,6 +80,7 @@ struct AlarmEvent {
   double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K
   int model_version = 0, reference_version = 0;
   std::string user, comment, text;
+  std::string cause;                                 ///< CauseText
   std::int64_t first_stroke = -1, last_stroke = -1;  ///< evidence
 };
 

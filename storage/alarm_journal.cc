@@ -1,8 +1,12 @@
 #include "storage/alarm_journal.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
+#include <sstream>
 
 #include "storage/connection.h"
 
@@ -80,10 +84,22 @@ CREATE TABLE reference(
 ) STRICT;
 )sql";
 
+/// Causes of alarms, and the database the journal belongs to.
+constexpr const char* kJournalVersion2 = R"sql(
+ALTER TABLE journal ADD COLUMN cause TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN cause_kind INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE alarm ADD COLUMN cause_effects TEXT NOT NULL DEFAULT '';
+CREATE TABLE pairing(database TEXT NOT NULL) STRICT;
+)sql";
+
+/// Element i brings version i to version i + 1; version 0 is an empty file.
+constexpr std::array<const char*, kJournalFormat> kJournalMigrations = {kJournalTables, kJournalVersion2};
+
 constexpr const char* kRowColumns =
     "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, "
     "limit_value, unit, "
-    "oil_temperature_K, model_version, reference_version, user, comment, text, first_stroke, last_stroke";
+    "oil_temperature_K, model_version, reference_version, user, comment, text, first_stroke, last_stroke, "
+    "cause";
 
 Status CheckKind(SQLite::Database& db, const std::string& path) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
@@ -91,10 +107,10 @@ Status CheckKind(SQLite::Database& db, const std::string& path) {
   if (application != kJournalApplicationId)
     return BadInput("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is",
                     path, static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId));
-  if (version != kJournalFormat)
+  if (version > kJournalFormat)
     return BadInput(
-        "{} has journal format {}, this program knows format {}; use the hydroscope that wrote it", path,
-        version, kJournalFormat);
+        "{} has journal format {}, this program knows formats up to {}; use the hydroscope that wrote it",
+        path, version, kJournalFormat);
   return {};
 }
 
@@ -105,14 +121,13 @@ Status Prepare(SQLite::Database& db, const std::string& path) {
     if (const Status ours = CheckKind(db, path); !ours) return ours;
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = FULL");
-  if (!fresh) return {};
+  const auto version = [&] { return db.execAndGet("PRAGMA user_version").getInt(); };
+  if (version() == kJournalFormat) return {};
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
-  if (db.execAndGet("PRAGMA application_id").getInt() !=
-      kJournalApplicationId) {  // another process may have been faster
-    db.exec(kJournalTables);
-    db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
-    db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
-  }
+  for (int from = version(); from < kJournalFormat; ++from)  // another process may have been faster
+    db.exec(kJournalMigrations[static_cast<std::size_t>(from)]);
+  db.exec(fmt::format("PRAGMA application_id = {}", kJournalApplicationId));
+  db.exec(fmt::format("PRAGMA user_version = {}", kJournalFormat));
   transaction.commit();
   return {};
 }
@@ -125,13 +140,20 @@ AlarmSeverity Severity(const std::string& name) {
   return SeverityFromName(name).value_or(AlarmSeverity::kWarning);
 }
 
+std::vector<std::string> Split(const std::string& listed) {
+  std::vector<std::string> names;
+  std::istringstream stream(listed);
+  for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
+  return names;
+}
+
 std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& machine) {
   Query query(connection,
               "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
               "shelved_until_s, on_count, "
               "off_count, value, std, limit_value, unit, text, raised_time_s, raised_wall_s, raised_stroke, "
               "first_stroke, "
-              "last_stroke FROM alarm WHERE machine = ? ORDER BY id",
+              "last_stroke, cause_kind, cause_effects FROM alarm WHERE machine = ? ORDER BY id",
               machine);
   std::vector<AlarmState> alarms;
   while (query.Step()) {
@@ -156,6 +178,7 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     a.raised_stroke = query.Int(17);
     a.first_stroke = query.Int(18);
     a.last_stroke = query.Int(19);
+    a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)), Split(query.Text(21))};
     alarms.push_back(std::move(a));
   }
   return alarms;
@@ -163,12 +186,15 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
 
 void StoreAlarm(Connection& connection, const std::string& machine, const AlarmState& a) {
   const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
-  Query(connection,
-        "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
-        static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
-        shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
-        a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke)
+  Query(
+      connection,
+      "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+      "?)",
+      machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
+      static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
+      shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time, a.raised_wall,
+      a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
+      fmt::format("{}", fmt::join(a.cause.effects, ",")))
       .Run();
 }
 
@@ -188,10 +214,10 @@ std::int64_t NewestSequence(Connection& connection) {
 void AppendRow(Connection& connection, std::int64_t sequence, const std::string& machine, double wall,
                const AlarmEvent& e) {
   Query(connection,
-        "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "INSERT INTO journal VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         sequence, machine, wall, e.time, e.stroke, e.alarm, e.event, e.state_before, e.state,
         SeverityName(e.severity), e.value, e.std, e.limit, e.unit, e.oil_temperature, e.model_version,
-        e.reference_version, e.user, e.comment, e.text, e.first_stroke, e.last_stroke)
+        e.reference_version, e.user, e.comment, e.text, e.first_stroke, e.last_stroke, e.cause)
       .Run();
 }
 
@@ -217,6 +243,7 @@ JournalRow ReadRow(const Query& q) {
   e.text = q.Text(19);
   e.first_stroke = q.Int(20);
   e.last_stroke = q.Int(21);
+  e.cause = q.Text(22);
   return row;
 }
 
@@ -267,6 +294,23 @@ Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {
         "database D",
         path);
   return Open(path);
+}
+
+Result<std::string> AlarmJournal::DatabaseIdentity() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {
+    Query query(*impl_, "SELECT database FROM pairing");
+    return query.Step() ? query.Text(0) : std::string();
+  });
+}
+
+Status AlarmJournal::SetDatabaseIdentity(const std::string& identity) {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Status {
+    SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
+    Query(*impl_, "DELETE FROM pairing").Run();
+    Query(*impl_, "INSERT INTO pairing VALUES(?)", identity).Run();
+    transaction.commit();
+    return {};
+  });
 }
 
 Status AlarmJournal::Change(const std::string& machine, double wall,

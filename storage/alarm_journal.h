@@ -13,7 +13,7 @@
 namespace hydroscope {
 
 /// Version of the journal's tables, in `PRAGMA user_version`; docs/alarms.md describes them.
-inline constexpr int kJournalFormat = 1;
+inline constexpr int kJournalFormat = 2;
 /// "HYDJ", in `PRAGMA application_id`.
 inline constexpr int kJournalApplicationId = 0x4859444a;
 
@@ -28,7 +28,12 @@ struct StoredReference {
 struct StoredMonitor {
   std::int64_t next_stroke = 0;  ///< machine-wide number of the first stroke not judged yet
   int model_version = 0;
-  std::vector<std::uint8_t> state;  ///< opaque; empty before a reference was learned
+  /// Opaque but for its first byte: 0 while the healthy machine is being learned. Empty before anything was
+  /// stored of the axis.
+  std::vector<std::uint8_t> state;
+
+  /// There is a reference strokes are judged against.
+  bool judges() const { return !state.empty() && state.front() != 0; }
 };
 
 /// Everything of one axis that changes together.
@@ -56,6 +61,10 @@ class AlarmJournal {
   AlarmJournal(AlarmJournal&&) noexcept;
   AlarmJournal& operator=(AlarmJournal&&) noexcept;
   ~AlarmJournal();
+
+  /// Identity of the database it was paired with; "" if it was paired with none yet.
+  Result<std::string> DatabaseIdentity() const;
+  Status SetDatabaseIdentity(const std::string& identity);
 
   /// Reads the axis, lets `change` work on it and stores everything in one transaction that no other process
   /// interleaves; if `change` fails nothing is stored. `wall`: s since 1970, written with the rows.

@@ -109,6 +109,14 @@ Result<Database> Database::OpenReadOnly(const std::string& path) {
   return Database(std::move(*impl));
 }
 
+Result<std::string> Database::Identity() const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {
+    Query query(*impl_, "SELECT id FROM identity");
+    if (!query.Step()) return BadInput("{} is damaged: table identity is empty", impl_->path);
+    return query.Text(0);
+  });
+}
+
 Result<std::int64_t> Database::MachineId(const std::string& name) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::int64_t> {
     if (const std::int64_t id = FindMachine(*impl_, name); id != 0) return id;

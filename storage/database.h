@@ -94,10 +94,11 @@ struct ValveCheckRecord {
 
 /// The trend database, docs/database.md. WAL, synchronous=NORMAL, one transaction per batch.
 /// A stroke is identified by (run, index) and is stored once, whatever is killed when. The same calls give
-/// the same content to the byte: no clock, no random number enters the file. Errors: kBadInput for a file of
-/// another program, a newer version or damage, and for content that contradicts what is stored; kInternal for
-/// a full disk or a lock that is not released; a failed call leaves the file as it was before the call and
-/// may be repeated. One object belongs to one thread; several processes may read while one writes.
+/// the same content to the byte: no clock, and no random number but Identity(), enters the file. Errors:
+/// kBadInput for a file of another program, a newer version or damage, and for content that contradicts what
+/// is stored; kInternal for a full disk or a lock that is not released; a failed call leaves the file as it
+/// was before the call and may be repeated. One object belongs to one thread; several processes may read
+/// while one writes.
 class Database {
  public:
   /// Creates the file or opens it; an older schema is migrated, a newer one is an error that says so.
@@ -108,6 +109,8 @@ class Database {
   Database& operator=(Database&&) noexcept;
   ~Database();
 
+  /// 32 hex digits that no other database has; copies of the file keep them.
+  Result<std::string> Identity() const;
   /// Id of the machine of this name, created if new.
   Result<std::int64_t> MachineId(const std::string& name);
   Result<std::vector<std::string>> MachineNames() const;
@@ -188,8 +191,8 @@ class Database {
   /// In order of adding.
   Result<std::vector<ValveCheckRecord>> ValveChecks(std::int64_t machine) const;
 
-  /// FNV-1a hash (16 hex digits) over every value of every table in order of keys: equal content, equal
-  /// digest.
+  /// FNV-1a hash (16 hex digits) over every value of every table but `identity` in order of keys: equal
+  /// content, equal digest.
   Result<std::string> ContentDigest() const;
   /// Checks pages and indices (SQLite's integrity_check), stroke counts, holes and Gram checksums of the
   /// whole file.

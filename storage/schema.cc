@@ -177,8 +177,15 @@ CREATE VIEW trend AS
   JOIN machine m ON m.id = r.machine JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke;
 )sql";
 
+/// Tells this database from every other one, so that it and its alarm journal know each other.
+constexpr const char* kVersion5 = R"sql(
+CREATE TABLE identity(id TEXT NOT NULL) STRICT;
+INSERT INTO identity VALUES(lower(hex(randomblob(16))));
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
+                                                                 kVersion5};
 
 struct FileKind {
   int application = 0;

@@ -66,12 +66,12 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
     Press press(folder.File());
     EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 3)));
   }
-  Execute(
-      folder.File(),
-      "DROP VIEW trend; ALTER TABLE estimate DROP COLUMN oil_temperature_K; CREATE VIEW trend AS SELECT 1; "
-      "DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER TABLE run DROP COLUMN "
-      "rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; "
-      "ALTER TABLE model_version DROP COLUMN promoted; PRAGMA user_version = 1");
+  Execute(folder.File(),
+          "DROP TABLE identity; DROP VIEW trend; ALTER TABLE estimate DROP COLUMN oil_temperature_K; CREATE "
+          "VIEW trend AS SELECT 1; "
+          "DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER TABLE run DROP COLUMN "
+          "rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; "
+          "ALTER TABLE model_version DROP COLUMN promoted; PRAGMA user_version = 1");
   EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("older database format 1"));
   Press press(folder.File());
   EXPECT_EQ(press.version, 1);

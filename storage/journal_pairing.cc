@@ -1,0 +1,145 @@
+#include "storage/journal_pairing.h"
+
+#include <fmt/chrono.h>
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+
+#include "storage/outbox.h"
+
+namespace hydroscope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "press.alarms.db" -> "press.alarms.20261122T101500Z.db", with a number behind if that is taken.
+std::string DatedName(const std::string& path, double wall) {
+  const fs::path file(path);
+  const std::string date = fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(wall)));
+  for (int number = 1;; ++number) {
+    const std::string stem = fmt::format("{}.{}{}", file.stem().string(), date,
+                                         number > 1 ? fmt::format("-{}", number) : std::string());
+    const fs::path dated = file.parent_path() / (stem + file.extension().string());
+    std::error_code ignored;
+    if (!fs::exists(dated, ignored)) return dated.string();
+  }
+}
+
+/// The file with what lies beside it while it is open.
+Status Rename(const std::string& from, const std::string& to) {
+  for (const char* part : {"-wal", "-shm", ""}) {
+    std::error_code error;
+    if (!fs::exists(from + part, error)) continue;
+    fs::rename(from + part, to + part, error);
+    if (error) return BadInput("{}{} cannot be renamed to {}{}: {}", from, part, to, part, error.message());
+  }
+  return {};
+}
+
+/// It has judged strokes, or learned from strokes, that the database does not hold.
+Result<bool> IsAhead(const AlarmJournal& journal, Database& database) {
+  const auto known = database.MachineNames();
+  if (!known) return tl::unexpected(known.error());
+  const auto machines = journal.Machines();
+  if (!machines) return tl::unexpected(machines.error());
+  for (const std::string& machine : *machines) {
+    const auto axis = journal.Axis(machine);
+    if (!axis) return tl::unexpected(axis.error());
+    if (axis->monitor.next_stroke == 0) continue;
+    std::int64_t end = 0;
+    if (std::find(known->begin(), known->end(), machine) != known->end()) {
+      const auto id = database.MachineId(machine);
+      const auto stored = id ? database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error()));
+      if (!stored) return tl::unexpected(stored.error());
+      end = *stored;
+    }
+    if (axis->monitor.next_stroke > end) return true;
+  }
+  return false;
+}
+
+Result<SetAsideJournal> Counted(const AlarmJournal& journal) {
+  SetAsideJournal counted;
+  const auto rows = journal.LastSequence();
+  if (!rows) return tl::unexpected(rows.error());
+  counted.rows = *rows;
+  const auto machines = journal.Machines();
+  if (!machines) return tl::unexpected(machines.error());
+  for (const std::string& machine : *machines) {
+    const auto axis = journal.Axis(machine);
+    if (!axis) return tl::unexpected(axis.error());
+    counted.standing += std::count_if(axis->alarms.begin(), axis->alarms.end(), [](const AlarmState& a) {
+      return std::string(StateName(a)) != "NORM";
+    });
+  }
+  return counted;
+}
+
+/// nullopt: the journal is the database's own from now on.
+Result<std::optional<SetAsideJournal>> TakeOverOrCount(Database& database, AlarmJournal& journal,
+                                                       const std::string& identity) {
+  const auto known = journal.DatabaseIdentity();
+  if (!known) return tl::unexpected(known.error());
+  if (*known == identity) return std::nullopt;
+  if (known->empty()) {
+    const auto ahead = IsAhead(journal, database);
+    if (!ahead) return tl::unexpected(ahead.error());
+    if (!*ahead) {
+      if (const Status set = journal.SetDatabaseIdentity(identity); !set) return tl::unexpected(set.error());
+      return std::nullopt;
+    }
+  }
+  auto counted = Counted(journal);
+  if (!counted) return tl::unexpected(counted.error());
+  return std::move(*counted);
+}
+
+/// A journal of `identity` that tells what was set aside.
+Status Begin(const std::string& path, const std::string& identity, const std::string& press,
+             const SetAsideJournal& aside, double wall) {
+  auto journal = AlarmJournal::Open(path);
+  if (!journal) return tl::unexpected(journal.error());
+  if (const Status set = journal->SetDatabaseIdentity(identity); !set) return set;
+  return journal->Change(press, wall, [&](AxisContent& content) -> Status {
+    AlarmEvent event;
+    event.event = "journal_set_aside";
+    event.text = SetAsideText(aside);
+    content.events.push_back(std::move(event));
+    return {};
+  });
+}
+
+}  // namespace
+
+std::string SetAsideText(const SetAsideJournal& journal) {
+  return fmt::format(
+      "the alarm journal beside the database belonged to another database; it is kept as {} ({} row{}, {} "
+      "alarm{} stood), and a new one is begun: nothing is inherited from it",
+      journal.path, journal.rows, journal.rows == 1 ? "" : "s", journal.standing,
+      journal.standing == 1 ? "" : "s");
+}
+
+Result<std::optional<SetAsideJournal>> PairJournal(Database& database, const std::string& path,
+                                                   const std::string& press, double wall) {
+  const auto identity = database.Identity();
+  if (!identity) return tl::unexpected(identity.error());
+  const std::string journal_path = AlarmJournal::PathFor(path), outbox_path = Outbox::PathFor(path);
+  std::optional<SetAsideJournal> aside;
+  {
+    auto journal = AlarmJournal::Open(journal_path);
+    if (!journal) return tl::unexpected(journal.error());
+    auto counted = TakeOverOrCount(database, *journal, *identity);
+    if (!counted || !*counted) return counted;
+    aside = std::move(*counted);
+  }
+  aside->path = DatedName(journal_path, wall);
+  if (const Status moved = Rename(journal_path, aside->path); !moved) return tl::unexpected(moved.error());
+  if (const Status moved = Rename(outbox_path, DatedName(outbox_path, wall)); !moved)
+    return tl::unexpected(moved.error());
+  if (const Status begun = Begin(journal_path, *identity, press, *aside, wall); !begun)
+    return tl::unexpected(begun.error());
+  return aside;
+}
+
+}  // namespace hydroscope
