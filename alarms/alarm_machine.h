@@ -22,6 +22,7 @@ struct AlarmCondition {
   AlarmSeverity severity = AlarmSeverity::kWarning;
   std::string text;
   std::int64_t first_stroke = -1, last_stroke = -1;
+  AlarmCause cause = {};
 };
 
 /// Where and when: machine time and stroke, wall clock, oil temperature.
@@ -67,10 +68,5 @@ Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now);
 /// Nothing to show to anybody: not active, nothing to acknowledge or reset, not shelved, in service. A suppressed alarm
 /// without cause is at rest too.
 bool AtRest(const AlarmState& alarm);
-
-/// Health of an axis after NAMUR NE 107: 'F' failure, 'C' function check, 'S' out of specification, 'M'
-/// maintenance required, '-' good; the most urgent of its alarms in this order. Shelved alarms count,
-/// suppressed ones do not. `checking`: commissioning or a valve check is under way.
-char NamurStatus(const std::vector<AlarmState>& alarms, bool checking);
 
 }  // namespace hydroscope

@@ -66,6 +66,35 @@ std::string Sentence(const ChangeResult& result) {
   return "";
 }
 
+/// Effects that were in the model and grew or shrank.
+std::vector<std::string> ChangedEffects(const ChangeResult& result) {
+  std::vector<std::string> changed;
+  for (const ValueChange& effect : result.effects)
+    if (effect.significant) changed.push_back(effect.name);
+  return changed;
+}
+
+/// A parameter that moved is what was measured, not why: only effects are causes.
+AlarmCause CauseOf(const ChangeResult& result) {
+  switch (result.after.explanation.verdict) {
+    case Verdict::kNamed: {
+      std::vector<std::string> effects = result.appeared;
+      if (effects.empty()) effects = ChangedEffects(result);
+      if (!effects.empty()) return {CauseKind::kNamed, std::move(effects)};
+      break;
+    }
+    case Verdict::kAmbiguous:
+      return {CauseKind::kSeveral, result.after.explanation.set};
+    case Verdict::kAdequate:
+      if (auto effects = ChangedEffects(result); !effects.empty())
+        return {CauseKind::kNamed, std::move(effects)};
+      break;
+    case Verdict::kUnknown:
+      break;
+  }
+  return {CauseKind::kNotKnown, {}};
+}
+
 }  // namespace
 
 FindingExplanation ExplainFinding(const Database& database, const std::string& path,
@@ -81,10 +110,10 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
   const std::string strokes = fmt::format("Strokes {} to {} against {} to {}", after.first, after.last - 1,
                                           before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);
-  if (!result) return {fmt::format("{} could not be compared: {}.", strokes, result.error().text), false};
+  if (!result) return {fmt::format("{} could not be compared: {}.", strokes, result.error().text), false, {}};
   const Verdict verdict = result->after.explanation.verdict;
   return {fmt::format("{}: {}.", strokes, Sentence(*result)),
-          verdict == Verdict::kNamed || verdict == Verdict::kAdequate};
+          verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
 }
 
 }  // namespace hydroscope

@@ -16,6 +16,7 @@ inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
 struct FindingExplanation {
   std::string text;
   bool settled = false;  ///< named or adequate: more strokes would say the same
+  AlarmCause cause = {};  ///< not sought if the strokes could not be compared
 };
 
 /// Compares the strokes before and after a finding by the engine of `hydroscope explain --since`, from stored

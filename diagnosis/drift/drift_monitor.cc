@@ -96,13 +96,14 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   new_classes_.erase(index);
 }
 
-void DriftMonitor::TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes,
-                                   bool settled) {
+void DriftMonitor::TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled,
+                                   AlarmCause cause) {
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
     f.explanation = text;
     f.explained = strokes;
     f.settled = settled;
+    f.cause = std::move(cause);
   }
 }
 
@@ -257,7 +258,7 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
   } else {
     finding.rule.clear();
     finding.name = finding.state == FindingState::kNamed ? "Change that no rule names"
-                                                         : "Change with more than one possible cause";
+                                                         : "Change that the strokes do not tell apart";
     finding.guidance =
         "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure. If the oil "
         "is warmer or "

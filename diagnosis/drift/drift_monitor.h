@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/alarm_records.h"
 #include "core/bytes.h"
 #include "diagnosis/drift/change_analysis.h"
 #include "diagnosis/drift/cumulative_sum.h"
@@ -72,10 +73,11 @@ struct DriftFinding {
   std::string explanation;          ///< what comparing strokes before and after said; "" before that was done
   std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
   bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
+  AlarmCause cause;                 ///< as far as that comparison carries it
 };
 
-/// One sentence: "since stroke 48210: Internal leakage past the piston seal; internal_leakage +1.2 +- 0.2
-/// l/min at 200 bar". `counted`: what its numbers count.
+/// What was measured, in one sentence: "since stroke 48210: Oil column softer; K -10.0 +- 0.6 % (12000 ->
+/// 10800 bar)". `counted`: what its numbers count.
 std::string FindingText(const DriftFinding& finding, const char* counted = "stroke");
 
 /// Slow drift of one quantity towards a limit.
@@ -92,7 +94,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 3;
+  static constexpr std::uint32_t kFormat = 4;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
   static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
   static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided
@@ -102,7 +104,8 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
-  void TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled);
+  void TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled,
+                       AlarmCause cause);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

@@ -29,6 +29,9 @@ void PutFinding(ByteWriter& out, const DriftFinding& f) {
   }
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.rivals.size()));
   for (const std::string& rival : f.rivals) PutText(out, rival);
+  out.Put(f.cause.kind);
+  out.Put<std::uint32_t>(static_cast<std::uint32_t>(f.cause.effects.size()));
+  for (const std::string& effect : f.cause.effects) PutText(out, effect);
 }
 
 DriftFinding GetFinding(ByteReader& in) {
@@ -54,6 +57,9 @@ DriftFinding GetFinding(ByteReader& in) {
     f.parts.push_back(std::move(part));
   }
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) f.rivals.push_back(GetText(in));
+  f.cause.kind = in.Get<CauseKind>();
+  for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left)
+    f.cause.effects.push_back(GetText(in));
   return f;
 }
 

@@ -31,10 +31,11 @@ struct WatchSpec {
 
 enum class RuleSeverity { kAdvisory, kWarning, kAlarm };
 
-/// A pattern of movements with a name and what to do about it.
+/// A pattern of movements, what it is called and what to do about it. The name says what was measured; a
+/// cause is told by comparing strokes alone (AlarmCause).
 struct Rule {
   std::string id;                        ///< "entrained_air"
-  std::string name;                      ///< "Air in the oil"
+  std::string name;                      ///< "Oil column softer"
   std::string guidance;                  ///< for the person at the machine
   std::map<std::string, Movement> when;  ///< all of these have moved so ...
   std::vector<std::string> may;          ///< ... these may have moved, others not
