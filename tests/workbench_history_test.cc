@@ -8,6 +8,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 class WorkbenchHistory : public CommandLine {
  protected:
@@ -117,7 +118,71 @@ TEST_F(WorkbenchHistory, TheDatabaseAloneSaysWhatAppearedHalfWay) {
   const nlohmann::json after = Good({"explain", "--db", Db(), "--from", "run:3", "--json", "-"}).Json();
   EXPECT_THAT(after["set"], Contains("internal_leakage"));
   EXPECT_EQ(before["strokes"].get<int>() + after["strokes"].get<int>(),
-            Good({"explain", "--db", Db(), "--json", "-"}).Json()["strokes"].get<int>());
+            Good({"explain", "--db", Db(), "--whole", "--json", "-"}).Json()["strokes"].get<int>());
+}
+
+TEST_F(WorkbenchHistory, StrokesThatHoldAChangeAreNotExplainedAsOneUnasked) {
+  Replay({Healthy(1), Healthy(2), Leaking(3), Leaking(4)});
+  const Ran whole = Good({"explain", "--db", Db(), "--whole", "--json", "-"});
+  EXPECT_TRUE(whole.Json()["change_found"].is_null());
+  const nlohmann::json found = Good({"explain", "--db", Db(), "--json", "-"}).Json();
+  ASSERT_TRUE(found["change_found"].is_object()) << found.dump(1);
+  const auto change = Good({"explain", "--db", Db(), "--since", "run:3", "--json", "-"}).Json()["change"];
+  EXPECT_NEAR(found["change_found"]["since"].get<double>(), change["since"].get<double>(), 6);
+  EXPECT_THAT(found["change"]["appeared"], Contains("internal_leakage"));
+  const std::string text = Good({"explain", "--db", Db()}).out;
+  EXPECT_THAT(text, AllOf(HasSubstr("These strokes hold a change"), HasSubstr("--whole")));
+
+  const nlohmann::json after = Good({"explain", "--db", Db(), "--from", "run:3", "--json", "-"}).Json();
+  EXPECT_TRUE(after["change_found"].is_null()) << "all of them leak";
+}
+
+TEST_F(WorkbenchHistory, ALeakingMachineIsNotLearnedAsTheHealthyOne) {
+  Replay({Leaking(1), Leaking(2)});
+  const Ran leaking = Run({"learn", "--db", Db(), "-m", machine_, "--json", File("learned.json")});
+  EXPECT_EQ(leaking.exit_code, 3);
+  EXPECT_THAT(leaking.err, AllOf(HasSubstr("internal_leakage"), HasSubstr("--force")));
+  const auto refused = nlohmann::json::parse(ReadText(File("learned.json")))["refused"];
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0]["doubts"][0]["kind"], "effect");
+  const Ran forced = Good({"learn", "--db", Db(), "-m", machine_, "--force", "--json", "-"});
+  EXPECT_EQ(forced.Json()["learned"][0]["doubts"][0]["kind"], "effect");
+  const Ran alarms = Good({"alarms", "--db", Db(), "list", "--json", "-"});
+  EXPECT_THAT(alarms.out, HasSubstr("doubtful_reference"));
+}
+
+TEST_F(WorkbenchHistory, StrokesOfTwoModelsOrWithAChangeAreNotLearned) {
+  Replay({Healthy(1), Healthy(2), Leaking(3), Leaking(4)});
+  const Ran changed = Run({"learn", "--db", Db(), "-m", machine_});
+  EXPECT_EQ(changed.exit_code, 3);
+  EXPECT_THAT(changed.err, HasSubstr("they hold a change"));
+  Good({"learn", "--db", Db(), "-m", machine_, "--to", "run:3"});
+  Good({"model", "add", "relief_valve", "-m", machine_});
+  Replay({Healthy(5)});
+  const Ran versions = Run({"learn", "--db", Db(), "-m", machine_, "--from", "run:5", "--force"});
+  EXPECT_THAT(versions.err, Not(HasSubstr("versions")));
+  const Ran two = Run({"learn", "--db", Db(), "-m", machine_});
+  EXPECT_THAT(two.err, HasSubstr("versions 1, 2 of the model"));
+}
+
+TEST_F(WorkbenchHistory, AJournalOfADeletedDatabaseIsSetAside) {
+  Replay({Healthy(1), Healthy(2)});
+  Good({"learn", "--db", Db(), "-m", machine_});
+  const std::string journal = File("press.alarms.db");
+  for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(Db() + end);
+  const Ran again = Run({"replay", File("1.csv"), "-m", machine_, "--db", Db()});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("belonged to another database"));
+  EXPECT_THAT(again.out, HasSubstr("learning the healthy machine")) << "nothing is inherited";
+  int dated = 0;
+  for (const auto& file : std::filesystem::directory_iterator(std::filesystem::path(journal).parent_path()))
+    dated += file.path().filename().string().starts_with("press.alarms.2");
+  EXPECT_EQ(dated, 1);
+  std::filesystem::create_directory(File("moved"));
+  for (const char* name : {"press.db", "press.alarms.db"})
+    std::filesystem::rename(File(name), File("moved") + "/" + name);
+  const Ran moved = Good({"replay", File("2.csv"), "-m", machine_, "--db", File("moved") + "/press.db"});
+  EXPECT_THAT(moved.out, Not(HasSubstr("belonged to another database"))) << "they moved together";
 }
 
 TEST_F(WorkbenchHistory, TheModelOfADatabaseIsExtendedOnItsOwnStrokes) {
