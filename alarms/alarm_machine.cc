@@ -45,6 +45,7 @@ class Step {
     e.text = alarm_.text;
     e.first_stroke = alarm_.first_stroke;
     e.last_stroke = alarm_.last_stroke;
+    e.cause = CauseText(alarm_.cause);
     return {e};
   }
 
@@ -62,6 +63,7 @@ void Take(AlarmState& alarm, const AlarmCondition& condition) {
   alarm.text = condition.text;
   alarm.first_stroke = condition.first_stroke;
   alarm.last_stroke = condition.last_stroke;
+  alarm.cause = condition.cause;
 }
 
 }  // namespace
@@ -159,32 +161,6 @@ Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now) {
 bool AtRest(const AlarmState& alarm) {
   return !alarm.active && alarm.acknowledged && !alarm.latched && !alarm.shelved_until &&
          !alarm.out_of_service;
-}
-
-char NamurStatus(const std::vector<AlarmState>& alarms, bool checking) {
-  char status = '-';
-  constexpr const char* kOrder = "-MSCF";
-  const auto worsen = [&](char to) {
-    if (std::string(kOrder).find(to) > std::string(kOrder).find(status)) status = to;
-  };
-  if (checking) worsen('C');
-  for (const AlarmState& alarm : alarms) {
-    if (alarm.out_of_service) worsen('C');
-    if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
-    switch (alarm.severity) {
-      case AlarmSeverity::kSignalLoss:
-        worsen('F');
-        break;
-      case AlarmSeverity::kAlarm:
-        worsen('S');
-        break;
-      case AlarmSeverity::kWarning:
-      case AlarmSeverity::kAdvisory:
-        worsen('M');
-        break;
-    }
-  }
-  return status;
 }
 
 }  // namespace hydroscope

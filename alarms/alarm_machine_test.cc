@@ -140,19 +140,5 @@ TEST_F(AlarmMachine, EventCarriesWhatTheJournalNeeds) {
   EXPECT_EQ(Name(Acknowledge(alarm, user, now)), "acknowledged");
 }
 
-TEST(Namur, TakesTheMostUrgentAlarmThatIsNotSuppressed) {
-  AlarmState warning, alarm, loss;
-  warning.active = alarm.active = loss.active = true;
-  alarm.severity = AlarmSeverity::kAlarm;
-  loss.severity = AlarmSeverity::kSignalLoss;
-  EXPECT_EQ(NamurStatus({}, false), '-');
-  EXPECT_EQ(NamurStatus({warning}, false), 'M');
-  EXPECT_EQ(NamurStatus({warning, alarm}, false), 'S');
-  EXPECT_EQ(NamurStatus({warning, alarm}, true), 'C');
-  EXPECT_EQ(NamurStatus({warning, alarm, loss}, true), 'F');
-  loss.suppressed = kSuppressedIdle;
-  EXPECT_EQ(NamurStatus({loss}, false), '-');
-}
-
 }  // namespace
 }  // namespace hydroscope

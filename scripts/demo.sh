@@ -20,13 +20,13 @@ step() { printf '\n\033[1m%s\033[0m\n' "$*"; }
 show() { printf '$ hydroscope %s\n' "${*//$out\//}"; "$hydroscope" "$@"; }
 
 # --- A machine file of its own, press and service -----------------------------------------------------------------
-sed -e "s/^port = 1502 /port = $press_port /" -e "s/^domain = 0 */domain = 92 /" machines/press_live.toml >"$out/press.toml"
+sed -e "s/^port = 1502\b/port = $press_port/" -e "s/^domain = 0\b/domain = 92/" machines/press_live.toml >"$out/press.toml"
 cat >>"$out/press.toml" <<END
 
 [feeds.modbus]
 port = $scada_port
 END
-sed -e "s/^commissioning = 1500 /commissioning = $commissioning /" machines/die_cushion_rules.toml >"$out/press_rules.toml"
+sed -e "s/^commissioning = 1500\b/commissioning = $commissioning/" machines/die_cushion_rules.toml >"$out/press_rules.toml"
 
 stop() {
   exec 3>&- || true

@@ -34,6 +34,8 @@ bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
 std::string FindingWords(const drift::DriftFinding& finding, const char* counted) {
   std::string text = drift::FindingText(finding, counted) + ". ";
   if (!finding.explanation.empty()) text += finding.explanation + " ";
+  if (finding.cause.kind != CauseKind::kNotSought)
+    text += fmt::format("Cause: {}. ", CauseText(finding.cause));
   return text + finding.guidance;
 }
 
@@ -74,7 +76,8 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              static_cast<AlarmSeverity>(finding.severity),
                              FindingWords(finding),
                              finding.since.last_before + 1,
-                             finding.last};
+                             finding.last,
+                             finding.cause};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
   }
@@ -161,6 +164,24 @@ void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisConten
       "log tells which signal",
       100 * used);
   content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
+}
+
+void JudgeReference(int version, const std::vector<LearningDoubt>& doubts, const AlarmMoment& now,
+                    AxisContent& content) {
+  const std::string against = DoubtText(doubts, true);
+  if (against.empty()) return;  // learning cleared the one of the reference before
+  AlarmCondition condition;
+  condition.value = condition.limit = 1;
+  condition.unit = "1";
+  condition.severity = AlarmSeverity::kWarning;
+  condition.first_stroke = condition.last_stroke = now.stroke;
+  condition.text = fmt::format(
+      "reference {} may not be that of a healthy machine; of the strokes it was learned from: {}. Drift is "
+      "judged "
+      "against it. Learn again from other strokes: `hydroscope learn --from --to`",
+      version, against);
+  content.Append(
+      alarm_machine::Observe(content.Alarm("doubtful_reference"), {1, 1, 0, false}, condition, now));
 }
 
 void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& rules, const AlarmMoment& now,

@@ -7,6 +7,7 @@
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/rules.h"
 #include "models/machine.h"
+#include "service/learning_check.h"
 #include "storage/alarm_journal.h"
 
 namespace hydroscope {
@@ -21,7 +22,8 @@ std::string AlarmIdOf(const drift::DriftFinding& finding);
 /// the same quantities only corrects their size.
 bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings);
 
-/// What was found, what comparing strokes before and after said, what to do: the alarm's text.
+/// What was measured, what comparing strokes before and after said, the cause as far as that carries it, what
+/// to do: the alarm's text.
 std::string FindingWords(const drift::DriftFinding& finding, const char* counted = "stroke");
 
 /// The stroke a judgement is about, as far as alarms need it.
@@ -46,6 +48,9 @@ void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook
                  const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
 /// Strokes of which less than half of the rows could be used.
 void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
+/// `doubtful_reference`: the strokes just learned do not look like those of a healthy machine.
+void JudgeReference(int version, const std::vector<LearningDoubt>& doubts, const AlarmMoment& now,
+                    AxisContent& content);
 /// What a valve check found; one that found nothing clears what the last one raised.
 void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& rules, const AlarmMoment& now,
                      AxisContent& content);

@@ -9,11 +9,14 @@
 #include "core/constants.h"
 #include "service/axis_alarms.h"
 #include "service/finding_explanation.h"
+#include "service/learning_check.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
+/// Strokes in a row without a judgement after which health says so: a minute or two of a press at work.
+constexpr int kStrokesUntilNotJudged = 10;
 constexpr std::int64_t kSlowDriftEvery = 50;     ///< strokes
 
 std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
@@ -64,6 +67,16 @@ AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStru
       columns_(model->column_count()),
       valve_(rules) {
   last_.time = last_.oil_temperature = kNaN;
+}
+
+hydroscope::Health AxisMonitor::JudgedHealth() const {
+  const bool judged = not_judged_ < kStrokesUntilNotJudged;
+  return JudgeHealth({.alarms = alarms_,
+                      .has_reference = monitor_.has_value(),
+                      .learned = commissioning_strokes(),
+                      .needed = rules_.commissioning,
+                      .not_judged = judged ? "" : drift::JudgementText(why_not_judged_),
+                      .trouble = {}});
 }
 
 /// Strokes first ... first + count - 1 as far as they are stored, with estimates.
@@ -234,10 +247,15 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
   const drift::StrokeEvidence& newest = strokes.back();
   last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
   unreadable_ = false;
+  const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
+      database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
+      {});
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms)
       axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
     AppendReference(*reference, strokes, user, axis);
+    if (!doubts.empty()) axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false);
+    axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
     monitor_.emplace(*model_, rules_, std::move(*reference));
     history_.EndAll(last_.stroke, last_.time);
     next_ = next;
@@ -310,7 +328,8 @@ Status AxisMonitor::SetCommonCause(std::set<std::string> alarms, double wall) {
 /// Brings the flags of every alarm, new ones too, to what SetSuppression() and SetCommonCause() said last.
 void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
   for (AlarmState& alarm : content.alarms) {
-    const bool idle = (suppressed_ & kSuppressedIdle) != 0;
+    // A link that is lost while the press rests is lost all the same.
+    const bool idle = (suppressed_ & kSuppressedIdle) != 0 && alarm.severity != AlarmSeverity::kSignalLoss;
     if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
     content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
                                            (suppressed_ & kSuppressedValveCheck) != 0, now));
@@ -328,7 +347,8 @@ Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& setti
   if (!condition && (known == alarms_.end() || !known->active)) return {};
   return Change(wall, [&](AxisContent& axis) {
     const AlarmMoment now = Moment(wall);
-    axis.Alarm(alarm);
+    if (AlarmState& state = axis.Alarm(alarm); condition && !state.active)
+      state.severity = condition->severity;
     Suppress(axis, now);
     AlarmState& state = axis.Alarm(alarm);
     axis.Append(condition ? alarm_machine::Observe(state, settings, *condition, now)
@@ -355,6 +375,8 @@ drift::Judgement AxisMonitor::JudgeInSilence(const Stored& stroke, double wall) 
            stroke.sequence,      evidence.oil_temperature,
            stroke.model_version, monitor_->reference().version()};
   history_.Follow(monitor_->findings(), stroke.sequence, evidence.time);
+  not_judged_ = judgement.reason == drift::JudgementReason::kJudged ? 0 : not_judged_ + 1;
+  why_not_judged_ = judgement.reason;
   return judgement;
 }
 
@@ -410,7 +432,8 @@ Status AxisMonitor::ExplainFindings(double wall) {
     const FindingExplanation explanation = ExplainFinding(
         database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
     const Status stored = Change(wall, [&](AxisContent& axis) {
-      monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled);
+      monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled,
+                                explanation.cause);
       AlarmEvent event;
       event.alarm = AlarmIdOf(finding);
       event.event = "explained";
@@ -421,12 +444,15 @@ Status AxisMonitor::ExplainFindings(double wall) {
       event.model_version = last_.model_version;
       event.reference_version = monitor_->reference().version();
       event.text = explanation.text;
+      event.cause = CauseText(explanation.cause);
       event.first_stroke = changed;
       event.last_stroke = next_ - 1;
       AlarmState& alarm = axis.Alarm(event.alarm);
       drift::DriftFinding explained = finding;
       explained.explanation = explanation.text;
+      explained.cause = explanation.cause;
       alarm.text = FindingWords(explained);
+      alarm.cause = explanation.cause;
       event.state_before = event.state = StateName(alarm);
       axis.events.push_back(std::move(event));
     });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "alarms/alarm_machine.h"
+#include "alarms/health.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine.h"
@@ -75,8 +76,10 @@ class AxisMonitor {
   };
   /// Of stored strokes first ... first + count - 1; empty while commissioning.
   Result<std::vector<JudgedValue>> JudgedValues(std::int64_t first, std::int64_t count) const;
+  /// By its alarms and by what can be judged; troubles of the service are not known here.
+  hydroscope::Health JudgedHealth() const;
   /// NAMUR NE 107.
-  char Health() const { return NamurStatus(alarms_, !monitor_); }
+  char Health() const { return JudgedHealth().letter(); }
 
  private:
   struct Stored {
@@ -129,6 +132,8 @@ class AxisMonitor {
   std::optional<std::vector<std::uint8_t>> saved_;  ///< state in the journal that memory stands for
   bool unreadable_ = false;                         ///< that state could not be read
   AlarmMoment last_;                                ///< of the last stroke judged
+  int not_judged_ = 0;  ///< strokes in a row that could not be judged, up to the last
+  drift::JudgementReason why_not_judged_ = drift::JudgementReason::kJudged;
   std::vector<drift::StrokeEvidence> collected_;    ///< by commissioning
   std::int64_t collected_to_ = 0;                   ///< first stroke not looked at by commissioning
   std::uint8_t suppressed_ = 0;                     ///< by SetSuppression()

@@ -31,6 +31,7 @@ void AxisMonitor::Restore(const AxisContent& content) {
   collected_.clear();
   collected_to_ = next_;
   unreadable_ = false;
+  not_judged_ = 0;
   Forget();
   if (saved_->empty() || RestoreState()) return;
   unreadable_ = true;

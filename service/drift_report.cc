@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "service/effect_units.h"
 #include "service/report_parameters.h"
+#include "service/stored_change.h"
 #include "service/svg_plot.h"
 #include "service/svg_text.h"
 
@@ -171,11 +172,13 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
 
 std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press) {
   std::string sentences;
+  bool changed = false;
   AlarmSeverity worst = AlarmSeverity::kAdvisory;
   for (const auto* alarms : {&press, &axis.alarms()})
     for (const AlarmState& alarm : *alarms) {
       if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
       worst = std::max(worst, alarm.severity);
+      changed = changed || TellsAChange(alarm);
       sentences +=
           fmt::format("<li><b>{}</b>, {}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
                       alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
@@ -184,7 +187,7 @@ std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmStat
   const bool alarmed = worst >= AlarmSeverity::kAlarm;
   return fmt::format("<section class=\"verdict {}\"><h2>{} {}</h2><ul>{}</ul></section>\n",
                      alarmed ? "alarmed" : "warned", alarmed ? "■" : "▲",
-                     "The machine has changed since it was learned", sentences);
+                     changed ? "The machine has changed since it was learned" : "Alarms stand", sentences);
 }
 
 Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning) {

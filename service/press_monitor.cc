@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "service/live/real_clock.h"
+#include "storage/journal_pairing.h"
 
 namespace hydroscope {
 namespace {
@@ -45,14 +47,17 @@ AlarmMoment MomentOf(std::int64_t stroke, double time, double wall) {
 Result<std::unique_ptr<PressMonitor>> PressMonitor::Create(const std::string& machine_file,
                                                            const std::string& name, std::vector<Machine> axes,
                                                            const std::string& database) {
-  auto rules = RulesFor(machine_file);
-  if (!rules) return tl::unexpected(rules.error());
   auto opened = Database::Open(database);
   if (!opened) return tl::unexpected(opened.error());
+  const auto set_aside = PairJournal(*opened, database, name, WallSeconds());
+  if (!set_aside) return tl::unexpected(set_aside.error());
+  auto rules = RulesFor(machine_file);
+  if (!rules) return tl::unexpected(rules.error());
   auto journal = AlarmJournal::Open(AlarmJournal::PathFor(database));
   if (!journal) return tl::unexpected(journal.error());
   std::unique_ptr<PressMonitor> press(
       new PressMonitor(name, std::move(*rules), std::move(axes), std::move(*opened), std::move(*journal)));
+  if (*set_aside) press->notice_ = SetAsideText(**set_aside);
   if (const Status ready = press->OpenAxes(database); !ready) return tl::unexpected(ready.error());
   return press;
 }

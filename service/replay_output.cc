@@ -151,12 +151,14 @@ std::string AlarmTable(const std::vector<AlarmState>& alarms) {
 /// What watching for drift says, with every alarm that stands.
 std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
   if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
+  const std::string notice = watch.notice.empty() ? "" : "\nNote: " + watch.notice + "\n";
   if (watch.reference_version == 0)
-    return fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n",
-                       watch.commissioning_strokes, watch.commissioning_needed);
-  std::string text = fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {}; {}\n",
-                                 watch.reference_version, watch.health,
-                                 watch.alarms.empty() ? "no alarm stands" : "alarms:");
+    return notice + fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n",
+                                watch.commissioning_strokes, watch.commissioning_needed);
+  std::string text =
+      notice + fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {} ({}); {}\n",
+                           watch.reference_version, watch.health, watch.health_text,
+                           watch.alarms.empty() ? "no alarm stands" : "alarms:");
   text += AlarmTable(watch.alarms);
   if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
   return text;
@@ -169,6 +171,7 @@ nlohmann::json AlarmsJson(const std::vector<AlarmState>& standing) {
                       {"state", StateName(a)},
                       {"severity", SeverityName(a.severity)},
                       {"text", a.text},
+                      {"cause", CauseText(a.cause)},
                       {"raised_stroke", a.raised_stroke},
                       {"first_stroke", a.first_stroke},
                       {"last_stroke", a.last_stroke}});
@@ -181,6 +184,8 @@ nlohmann::json WatchJson(const WatchOutcome& watch) {
           {"commissioning_strokes", watch.commissioning_strokes},
           {"commissioning_needed", watch.commissioning_needed},
           {"health", std::string(1, watch.health)},
+          {"health_text", watch.health_text},
+          {"notice", watch.notice},
           {"alarms", AlarmsJson(watch.alarms)}};
 }
 

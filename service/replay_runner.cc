@@ -372,6 +372,8 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   watch.commissioning_strokes = axis.commissioning_strokes();
   watch.commissioning_needed = press.rules().commissioning;
   watch.health = axis.Health();
+  watch.health_text = axis.JudgedHealth().text;
+  watch.notice = press.notice();
   for (const AlarmState& alarm : axis.alarms())
     if (!AtRest(alarm)) watch.alarms.push_back(alarm);
   if (!for_report) return {};

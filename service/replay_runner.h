@@ -47,6 +47,8 @@ struct WatchOutcome {
   int reference_version = 0;  ///< 0 = commissioning is not over
   std::int64_t commissioning_strokes = 0, commissioning_needed = 0;
   char health = '-';  ///< NAMUR NE 107
+  std::string health_text;  ///< what it comes from
+  std::string notice;       ///< what else should be known of the journal; "" if nothing
   std::vector<AlarmState> alarms;
   std::string verdict_html, section_html;  ///< for the report; "" without one
 };

@@ -1,5 +1,7 @@
 #include "service/scada_client.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <span>
@@ -38,6 +40,20 @@ std::string Text(Registers words, int at, int registers) {
 template <typename Codes>
 auto Coded(const Codes& codes, std::uint16_t code) {
   return codes[code < codes.size() ? code : 0];
+}
+
+/// A code this program does not know counts as nothing known.
+Health HealthOf(std::uint16_t state, Registers detail) {
+  Health health;
+  if (state <= static_cast<std::uint16_t>(HealthState::kFailure))
+    health.state = static_cast<HealthState>(state);
+  if (detail[kReason] <= static_cast<std::uint16_t>(HealthReason::kNotWatched))
+    health.reason = static_cast<HealthReason>(detail[kReason]);
+  health.learned = detail[kLearned];
+  health.needed = detail[kNeeded];
+  health.text = HealthReasonName(health.reason);
+  if (health.needed > 0) health.text += fmt::format(", {} of {} strokes", health.learned, health.needed);
+  return health;
 }
 
 ScadaRow RowOf(Registers record) {
@@ -87,8 +103,10 @@ Result<std::vector<ScadaAxis>> ScadaClient::Axes() {
   for (int a = 0; a < (*head)[kAxes]; ++a) {
     const auto words = Read(kFirstAxis + a * kAxisStride, kAxisStride);
     if (!words) return tl::unexpected(words.error());
-    ScadaAxis axis{Text(*words, kAxisName, 8), Coded(kHealthCodes, (*words)[kHealth]), (*words)[kStrokeAge],
-                   Whole(*words, kStrokes),    Float(*words, kOilTemperature),         {}};
+    const auto detail = Read(kFirstHealth + a * kHealthStride, kHealthStride);
+    if (!detail) return tl::unexpected(detail.error());
+    ScadaAxis axis{Text(*words, kAxisName, 8), HealthOf((*words)[kHealth], *detail), (*words)[kStrokeAge],
+                   Whole(*words, kStrokes),    Float(*words, kOilTemperature),       {}};
     for (int p = 0; p < std::min<int>((*words)[kParameters], kMostParameters); ++p) {
       const int at = kFirstParameter + p * kParameterStride;
       axis.parameters.push_back({Text(*words, at + kParameterName, 8), Float(*words, at + kValue),

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acquisition/modbus/link.h"
+#include "alarms/health.h"
 #include "core/result.h"
 
 namespace hydroscope {
@@ -18,7 +19,7 @@ struct ScadaParameter {
 };
 struct ScadaAxis {
   std::string name;
-  char health = '-';   ///< NAMUR NE 107
+  Health health;       ///< its text made from the codes
   int stroke_age = 0;  ///< s, 65535: long ago or never
   std::int64_t strokes = 0;
   double oil_temperature = 0;  ///< degC

@@ -89,6 +89,13 @@ class FeedTest : public testing::Test {
     });
     ASSERT_TRUE(stored) << stored.error().text;
   }
+  /// An axis whose healthy machine is being learned, as the monitor stores it before there is a reference.
+  void BeginLearning(const std::string& axis) {
+    ASSERT_TRUE(journal().Change("press/" + axis, 1.7e9, [](AxisContent& content) -> Status {
+      content.monitor.state = {0, 1, 2};
+      return {};
+    }));
+  }
   AlarmState StateOf(const std::string& axis, int alarm) {
     auto content = journal().Axis("press/" + axis);
     return content ? content->Alarm(fmt::format("alarm_{}", alarm)) : AlarmState{};

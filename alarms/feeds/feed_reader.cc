@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "alarms/alarm_machine.h"
+#include "alarms/press_health.h"
 
 namespace hydroscope {
 
@@ -34,27 +35,54 @@ Result<std::vector<JournalRow>> FeedReader::Rows(std::int64_t after, std::int64_
 Result<std::vector<AxisPicture>> FeedReader::Axes() {
   std::vector<AxisPicture> axes;
   for (const std::string& machine : machines_) {
-    AxisPicture axis;
-    axis.machine = machine;
-    axis.name = machine.substr(machine.rfind('/') + 1);
-    auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(machine); });
-    if (!content) return tl::unexpected(content.error());
-    axis.health = NamurStatus(content->alarms, content->monitor.state.empty());
-    axis.alarms = std::move(content->alarms);
-    if (const Status read = ReadTrends(axis); !read) {
-      database_.reset();
-      return tl::unexpected(read.error());
-    }
-    axes.push_back(std::move(axis));
+    auto axis = ReadAxis(machine);
+    if (!axis && !board_) return tl::unexpected(axis.error());
+    axes.push_back(axis ? seen_[machine] = std::move(*axis) : seen_[machine]);
+    axes.back().machine = machine;
+    axes.back().name = machine.substr(machine.rfind('/') + 1);
+    if (board_) axes.back().health = board_->Of(machine);
   }
   if (press_.empty()) return axes;
+  auto press = ReadPress();
+  if (!press && !board_) return tl::unexpected(press.error());
+  if (press && *press) seen_[press_] = std::move(**press);
+  const auto known = seen_.find(press_);
+  if (known == seen_.end()) return axes;
+  std::vector<Health> healths;
+  for (const AxisPicture& axis : axes) healths.push_back(axis.health);
+  axes.push_back(known->second);
+  axes.back().health = JudgePressHealth(known->second.alarms, trouble(), healths);
+  return axes;
+}
+
+Result<AxisPicture> FeedReader::ReadAxis(const std::string& machine) {
+  AxisPicture axis;
+  axis.machine = machine;
+  auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(machine); });
+  if (!content) return tl::unexpected(content.error());
+  axis.health = JudgeHealth({.alarms = content->alarms,
+                             .has_reference = content->monitor.judges(),
+                             .not_judged = "",
+                             .trouble = {}});
+  axis.alarms = std::move(content->alarms);
+  if (const Status read = ReadTrends(axis); !read) {
+    database_.reset();
+    if (!board_) return tl::unexpected(read.error());
+    axis.strokes = seen_[machine].strokes;
+    axis.estimates = seen_[machine].estimates;
+  }
+  return axis;
+}
+
+/// nullopt: it never had an alarm.
+Result<std::optional<AxisPicture>> FeedReader::ReadPress() {
   auto content = WithJournal([&](AlarmJournal& journal) { return journal.Axis(press_); });
   if (!content) return tl::unexpected(content.error());
-  if (content->alarms.empty()) return axes;
-  AxisPicture press{.machine = press_, .name = press_, .alarms = std::move(content->alarms), .estimates = {}};
-  press.health = NamurStatus(press.alarms, false);
-  axes.push_back(std::move(press));
-  return axes;
+  if (content->alarms.empty()) return std::nullopt;
+  AxisPicture press;
+  press.machine = press.name = press_;
+  press.alarms = std::move(content->alarms);
+  return press;
 }
 
 /// Estimates of the newest stroke; a database or a machine that is not there yet has none.

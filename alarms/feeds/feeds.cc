@@ -7,13 +7,14 @@
 
 namespace hydroscope {
 
-Feeds Feeds::Start(const Machine& machine, const std::string& database, const Clock& clock) {
+Feeds Feeds::Start(const Machine& machine, const std::string& database, const Clock& clock,
+                   std::shared_ptr<const HealthBoard> board) {
   Feeds started;
   if (!machine.feeds) return started;
   std::vector<std::string> axes;
   for (int axis = 0; axis < AxisCount(machine); ++axis) axes.push_back(AxisMachineName(machine, axis));
   const std::string press = axes.size() > 1 ? machine.name : "";
-  const auto reader = [&] { return FeedReader(axes, press, database); };
+  const auto reader = [&] { return FeedReader(axes, press, database, board); };
   if (const auto& modbus = machine.feeds->modbus)
     started.feeds_.push_back(MakeModbusFeed(*modbus, reader(), clock));
   if (const auto& dds = machine.feeds->dds) started.feeds_.push_back(MakeDdsFeed(*dds, reader(), clock));

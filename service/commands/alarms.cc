@@ -10,6 +10,7 @@
 
 #include "alarms/alarm_machine.h"
 #include "alarms/alarm_metrics.h"
+#include "core/printable.h"
 #include "core/units.h"
 #include "service/commands.h"
 #include "service/commands/alarms_scada.h"
@@ -63,6 +64,7 @@ Json AlarmJson(const std::string& machine, std::size_t number, const AlarmState&
           {"limit", a.limit},
           {"unit", a.unit},
           {"text", a.text},
+          {"cause", CauseText(a.cause)},
           {"raised_stroke", a.raised_stroke},
           {"raised_wall_s", a.raised_wall},
           {"first_stroke", a.first_stroke},
@@ -91,6 +93,7 @@ Json RowJson(const JournalRow& row) {
           {"user", e.user},
           {"comment", e.comment},
           {"text", e.text},
+          {"cause", e.cause},
           {"first_stroke", e.first_stroke},
           {"last_stroke", e.last_stroke}};
 }
@@ -140,7 +143,8 @@ Status List(const AlarmsArguments& a) {
     document["alarms"].push_back(AlarmJson(machine, i + 1, alarm));
     if (a.json != "-")
       std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}\n     {}\n", i + 1, StateName(alarm),
-                               SeverityName(alarm.severity), machine, alarm.id, alarm.text);
+                               SeverityName(alarm.severity), Printable(machine), Printable(alarm.id),
+                               Printable(alarm.text));
   }
   if (a.json != "-" && !alarms->empty())
     std::cout << "acknowledge with `hydroscope alarms --db " << a.db
@@ -216,10 +220,11 @@ Status Journal(const AlarmsArguments& a) {
     document["journal"].push_back(RowJson(row));
     if (a.json != "-")
       std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, UtcText(row.wall),
-                               e.stroke, row.machine, e.alarm.empty() ? "axis" : e.alarm, e.event,
+                               e.stroke, Printable(row.machine),
+                               e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
                                e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-                               e.user.empty() ? "" : " by " + e.user,
-                               e.comment.empty() ? "" : ", \"" + e.comment + "\"");
+                               e.user.empty() ? "" : " by " + Printable(e.user),
+                               e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
   }
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }

@@ -19,28 +19,13 @@ using Json = nlohmann::json;
 constexpr std::size_t kRowsShown = 10;
 constexpr std::int64_t kNoStroke = 0xFFFFFFFF;  ///< of a row that belongs to none
 
-/// What the numbers NE 107 and quality mean for people.
-const char* HealthText(char health) {
-  switch (health) {
-    case 'F':
-      return "failure";
-    case 'C':
-      return "function check";
-    case 'S':
-      return "out of specification";
-    case 'M':
-      return "maintenance required";
-    default:
-      return "good";
-  }
-}
-
 Json AxisJson(const ScadaAxis& axis) {
   Json parameters = Json::object();
   for (const ScadaParameter& p : axis.parameters)
     parameters[p.name] = {{"value", p.value}, {"std", p.std}, {"quality", p.quality}};
   return {{"axis", axis.name},
-          {"health", std::string(1, axis.health)},
+          {"health", std::string(1, axis.health.letter())},
+          {"health_reason", HealthReasonName(axis.health.reason)},
           {"strokes", axis.strokes},
           {"stroke_age_s", axis.stroke_age},
           {"oil_temperature_degC", axis.oil_temperature},
@@ -73,8 +58,8 @@ std::string QualityText(int quality) {
 }
 
 std::string AxisText(const ScadaAxis& axis) {
-  std::string text = fmt::format("{:<16} {} ({}), {} strokes", axis.name, axis.health,
-                                 HealthText(axis.health), axis.strokes);
+  std::string text = fmt::format("{:<16} {} ({}: {}), {} strokes", axis.name, axis.health.letter(),
+                                 HealthName(axis.health.state), axis.health.text, axis.strokes);
   if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
   for (const ScadaParameter& p : axis.parameters)
     text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, 1.96 * p.std,

@@ -7,6 +7,7 @@
 
 #include "acquisition/quality_monitor.h"
 #include "core/constants.h"
+#include "core/printable.h"
 #include "core/units.h"
 #include "service/live/inbox.h"
 
@@ -143,8 +144,9 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
 std::string LiveCheckText(const LiveCheck& check) {
   std::string text = fmt::format("listened for {:g} s\n", check.seconds);
   for (const SourceStatus& source : check.sources)
-    text += fmt::format("{}: {}; {} rows, {} lost, {} malformed, {} timeouts\n", source.name, source.state,
-                        source.rows, source.lost_rows, source.malformed, source.timeouts);
+    text += fmt::format("{}: {}; {} rows, {} lost, {} malformed, {} timeouts\n", Printable(source.name),
+                        Printable(source.state), source.rows, source.lost_rows, source.malformed,
+                        source.timeouts);
   for (const StreamState& stream : check.streams)
     if (stream.has_clock)
       text += fmt::format("sender of {} channels: its clock is {:+.1f} ms from ours\n", stream.channels,

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "alarms/press_health.h"
 #include "core/clock.h"
 #include "service/live/log.h"
 
@@ -111,12 +112,15 @@ Status DriftWatch::LookAtAxis(int index, const LiveStatus& live, HostTime now) {
 Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime now) {
   Axis& axis = axes_[static_cast<std::size_t>(index)];
   std::vector<std::string> silent;
-  for (const ChannelStatus& channel : live.channels)
-    if (channel.axis == index && channel.required && channel.stale &&
-        (std::isfinite(channel.age) || live.uptime > kStart))
-      silent.push_back(channel.name);
+  bool all_there = true;
+  for (const ChannelStatus& channel : live.channels) {
+    if (channel.axis != index || !channel.required || !channel.stale) continue;
+    all_there = false;
+    if (std::isfinite(channel.age) || live.uptime > kStart) silent.push_back(channel.name);
+  }
   if (silent.empty()) {
     axis.silent_since = 0;
+    if (!all_there) return {};  // only samples clear it, a restart of the service does not
     return press_->axis(index).Observe("no_samples", kAtOnce, std::nullopt, Wall(now));
   }
   if (axis.silent_since == 0) axis.silent_since = now.monotonic_ns;
@@ -148,7 +152,7 @@ void DriftWatch::Publish(const Status& done) {
   for (int a = 0; a < press_->axis_count(); ++a) {
     const AxisMonitor& axis = press_->axis(a);
     AxisHealth health{axis.name(),
-                      axis.Health(),
+                      axis.JudgedHealth(),
                       0,
                       axis.commissioning_strokes(),
                       press_->rules().commissioning,
@@ -157,9 +161,14 @@ void DriftWatch::Publish(const Status& done) {
     if (axis.monitor() != nullptr) health.reference = axis.monitor()->reference().version();
     status.axes.push_back(std::move(health));
   }
-  if (!press_->alarms().empty())
-    status.axes.push_back(
-        {press_->name(), NamurStatus(press_->alarms(), false), 0, 0, 0, 0, standing(press_->alarms())});
+  if (!press_->alarms().empty()) {
+    std::vector<Health> axes;
+    for (const AxisHealth& axis : status.axes) axes.push_back(axis.health);
+    status.axes.push_back({press_->name(), JudgePressHealth(press_->alarms(), {}, axes), 0, 0, 0, 0,
+                           standing(press_->alarms())});
+  }
+  if (inputs_.board)
+    for (const AxisHealth& axis : status.axes) inputs_.board->TellAxis(axis.name, axis.health);
   std::lock_guard lock(mutex_);
   if (status.problem != status_.problem) {
     if (status.problem.empty())

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "alarms/health_board.h"
 #include "core/clock.h"
 #include "service/live/live_status.h"
 #include "service/press_monitor.h"
@@ -22,6 +23,7 @@ class DriftWatch {
   struct Inputs {
     std::function<LiveStatus()> status;
     std::function<int()> checked_axis;  ///< -1: none
+    std::shared_ptr<HealthBoard> board = nullptr;  ///< is told the health of each axis
   };
   DriftWatch(std::unique_ptr<PressMonitor> press, Inputs inputs, Clock clock);
   ~DriftWatch() { Stop(); }

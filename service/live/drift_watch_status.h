@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "alarms/health.h"
+
 namespace hydroscope {
 
 /// How one axis stands, for `status`.
 struct AxisHealth {
   std::string name;                 ///< "press/cushion_1"; the press itself: "press"
-  char health = 'C';                ///< NAMUR NE 107
+  Health health;                    ///< the answer of HealthBoard, where there is one
   int reference = 0;                ///< version; 0: commissioning
   std::int64_t learned = 0;         ///< strokes commissioning has ...
   std::int64_t needed = 0;          ///< ... and needs

@@ -199,6 +199,34 @@ TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {
   EXPECT_GT(last_.axes[1].strokes, 3);
 }
 
+TEST_F(LiveServiceTest, ADatabaseThatIsMovedAwayIsToldAndWrittenAgainWhenItIsBack) {
+  PlayedSource::done = false;
+  auto service = LiveService::Create(
+      options_,
+      [&](const Machine&, const Clock&) {
+        std::vector<std::unique_ptr<Source>> sources;
+        sources.push_back(std::make_unique<PlayedSource>(clock_, 5, 0, 25'000, 0));
+        return sources;
+      },
+      [this] { return clock_(); });
+  ASSERT_TRUE(service) << service.error().text;
+  std::filesystem::rename(File("press.db"), File("elsewhere.db"));
+  EXPECT_OK((*service)->Start());
+  const auto wait_for = [&](WriterState state) {
+    for (int k = 0; k < 1000 && (*service)->status().writer.state != state; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return (*service)->status().writer;
+  };
+  const WriterStatus gone = wait_for(WriterState::kGone);
+  EXPECT_EQ(gone.state, WriterState::kGone);
+  EXPECT_THAT(gone.problem, HasSubstr("deleted, moved or replaced"));
+  EXPECT_EQ(gone.steps, 0);
+  std::filesystem::rename(File("elsewhere.db"), File("press.db"));
+  EXPECT_EQ(wait_for(WriterState::kWriting).state, WriterState::kWriting);
+  EXPECT_TRUE((*service)->Stop());
+  EXPECT_GT((*service)->status().writer.rows, 0);
+}
+
 TEST_F(LiveServiceTest, LostBatchesAreFlaggedInTheRawWindowAndReplayIsStillTheSame) {
   Serve(0, 15'000, 100);
   ExpectReplayIsTheSame(2);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/printable.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -154,7 +155,9 @@ json DriftJson(const DriftWatchStatus& drift) {
   json axes = json::array();
   for (const AxisHealth& a : drift.axes)
     axes.push_back({{"name", a.name},
-                    {"health", std::string(1, a.health)},
+                    {"health", std::string(1, a.health.letter())},
+                    {"health_reason", HealthReasonName(a.health.reason)},
+                    {"health_text", a.health.text},
                     {"reference_version", a.reference},
                     {"commissioning_strokes", a.learned},
                     {"commissioning_needed", a.needed},
@@ -169,13 +172,11 @@ std::string DriftText(const json& drift) {
     text += fmt::format("PROBLEM     drift is not watched: {}\n", problem);
   for (const json& a : drift.at("axes")) {
     std::vector<std::string> alarms = a.at("alarms");
-    const auto needed = a.at("commissioning_needed").get<std::int64_t>();
-    const bool learning = needed > 0 && a.at("reference_version").get<int>() == 0;
+    const auto reason = a.at("health_reason").get<std::string>();
+    const bool alarms_say_it = reason == "alarms" || reason == "judged_good";
     text += fmt::format("health {} {}: {}{}\n", a.at("health").get<std::string>(),
                         a.at("name").get<std::string>(),
-                        learning ? fmt::format("learning the healthy machine, {} of {} strokes; ",
-                                               a.at("commissioning_strokes").get<std::int64_t>(), needed)
-                                 : "",
+                        alarms_say_it ? "" : a.at("health_text").get<std::string>() + "; ",
                         alarms.empty() ? "no alarm stands" : fmt::format("{}", fmt::join(alarms, ", ")));
   }
   return text;
@@ -221,10 +222,14 @@ std::string StatusText(const json& s) {
                                  s.at("state").get<std::string>(), Age(s.at("uptime_s")),
                                  s.at("database").get<std::string>());
   const json& w = s.at("writer");
+  const bool timed =
+      w.at("latency_max_s").get<double>() > 0;  // else no stroke, or a sender's clock that is no clock
   text += fmt::format(
-      "writer      {}; {} strokes and {} rows stored, stroke to estimate p50 {:.1f} ms, p99 {:.1f} ms\n",
+      "writer      {}; {} strokes and {} rows stored, stroke to estimate {}\n",
       w.at("state").get<std::string>(), w.at("strokes").get<std::int64_t>(), w.at("rows").get<std::int64_t>(),
-      w.at("latency_p50_s").get<double>() * 1e3, w.at("latency_p99_s").get<double>() * 1e3);
+      timed ? fmt::format("p50 {:.1f} ms, p99 {:.1f} ms", w.at("latency_p50_s").get<double>() * 1e3,
+                          w.at("latency_p99_s").get<double>() * 1e3)
+            : "not known");
   text +=
       fmt::format("disk        {} MB free, database {} MB\n", w.at("free_bytes").get<std::int64_t>() >> 20,
                   w.at("database_bytes").get<std::int64_t>() >> 20);
@@ -248,10 +253,10 @@ std::string StatusText(const json& s) {
   for (const json& source : s.at("sources"))
     text += fmt::format(
         "source {}: {}; last {} ago; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
-        source.at("name").get<std::string>(), source.at("state").get<std::string>(), Age(source.at("age_s")),
-        source.at("rows").get<std::int64_t>(), source.at("lost_rows").get<std::int64_t>(),
-        source.at("reconnects").get<std::int64_t>(), source.at("timeouts").get<std::int64_t>(),
-        source.at("malformed").get<std::int64_t>());
+        Printable(source.at("name").get<std::string>()), Printable(source.at("state").get<std::string>()),
+        Age(source.at("age_s")), source.at("rows").get<std::int64_t>(),
+        source.at("lost_rows").get<std::int64_t>(), source.at("reconnects").get<std::int64_t>(),
+        source.at("timeouts").get<std::int64_t>(), source.at("malformed").get<std::int64_t>());
   for (const json& stream : s.at("streams"))
     if (stream.at("clock_offset_s").is_number())
       text += fmt::format(
@@ -262,9 +267,10 @@ std::string StatusText(const json& s) {
           stream.at("worst_delay_s").get<double>() * 1e3);
   for (const json& feed : s.at("feeds"))
     text += fmt::format("feed {}: {}; {} clients; journal row {}, {} behind; {} errors\n",
-                        feed.at("name").get<std::string>(), feed.at("state").get<std::string>(),
-                        feed.at("clients").get<int>(), feed.at("delivered").get<std::int64_t>(),
-                        feed.at("behind").get<std::int64_t>(), feed.at("errors").get<std::int64_t>());
+                        Printable(feed.at("name").get<std::string>()),
+                        Printable(feed.at("state").get<std::string>()), feed.at("clients").get<int>(),
+                        feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
+                        feed.at("errors").get<std::int64_t>());
   text += DriftText(s.at("drift"));
   text += fmt::format("\n{:<24} {:>9} {:>9} {:>14} {:>14} {:>8}\n", "channel", "rate", "age", "value",
                       "noise", "flagged");
@@ -360,7 +366,10 @@ std::string PrometheusText(const LiveStatus& s) {
   m.Begin("axis_health", "gauge", "NAMUR NE 107: 1 for the state the axis is in.");
   for (const AxisHealth& a : s.drift.axes)
     for (const char state : {'-', 'M', 'S', 'C', 'F'})
-      m.Add(a.health == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
+      m.Add(a.health.letter() == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
+  m.Begin("axis_health_reason", "gauge", "1 for what the health comes from.");
+  for (const AxisHealth& a : s.drift.axes)
+    m.Add(1, fmt::format("axis=\"{}\",reason=\"{}\"", Label(a.name), HealthReasonName(a.health.reason)));
   m.Begin("axis_alarms", "gauge", "Alarms that are not at rest.");
   for (const AxisHealth& a : s.drift.axes)
     m.Add(static_cast<double>(a.alarms.size()), fmt::format("axis=\"{}\"", Label(a.name)));

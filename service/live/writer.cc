@@ -1,5 +1,6 @@
 #include "service/live/writer.h"
 
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -28,12 +29,18 @@ std::int64_t Bytes(const WriteItem& item) {
   return bytes;
 }
 
+/// Device and number of a file; zeros if there is none of this name.
+std::pair<dev_t, ino_t> IdentityOf(const std::string& path) {
+  struct stat now {};
+  return stat(path.c_str(), &now) == 0 ? std::pair(now.st_dev, now.st_ino) : std::pair<dev_t, ino_t>();
+}
+
 bool Has(const Error& error, const char* text) { return error.text.find(text) != std::string::npos; }
 
 /// Passes when somebody frees space, unlocks or repairs the disk; then the same step is tried again.
 bool MayPass(const Error& error) {
-  return Has(error, "disk is full") || Has(error, "another process") || Has(error, "cannot be written") ||
-         Has(error, "cannot open") || Has(error, "SQLite error");
+  return Has(error, "file is gone") || Has(error, "disk is full") || Has(error, "another process") ||
+         Has(error, "cannot be written") || Has(error, "cannot open") || Has(error, "SQLite error");
 }
 
 }  // namespace
@@ -48,6 +55,8 @@ const char* WriterStateName(WriterState state) {
       return "locked";
     case WriterState::kFailing:
       return "failing";
+    case WriterState::kGone:
+      return "gone";
   }
   return "";
 }
@@ -60,6 +69,7 @@ LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::str
       axes_(std::move(axes)),
       options_(options),
       clock_(std::move(clock)),
+      file_(IdentityOf(path_)),
       acknowledged_(std::move(acknowledged)),
       thread_([this] { Run(); }) {}
 
@@ -111,7 +121,7 @@ void LiveWriter::Run() {
       lock.lock();
       continue;
     }
-    const Status done = DiskHasRoom() ? Work() : NoRoom();
+    const Status done = !FileIsThere() ? Gone() : DiskHasRoom() ? Work() : NoRoom();
     lock.lock();
     if (done || !MayPass(done.error())) {
       Settle(done);
@@ -217,7 +227,8 @@ void LiveWriter::Settle(const Status& done) {
 }
 
 void LiveWriter::Fail(const Error& error) {
-  const WriterState state = Has(error, "disk is full")      ? WriterState::kDiskFull
+  const WriterState state = Has(error, "file is gone")      ? WriterState::kGone
+                            : Has(error, "disk is full")    ? WriterState::kDiskFull
                             : Has(error, "another process") ? WriterState::kLocked
                                                             : WriterState::kFailing;
   if (status_.state != state) {
@@ -226,6 +237,18 @@ void LiveWriter::Fail(const Error& error) {
   }
   status_.state = state;
   status_.problem = error.text;
+}
+
+/// The file that was opened still has its name: one that was deleted, moved or replaced would take what is
+/// written with it, unseen.
+bool LiveWriter::FileIsThere() const { return IdentityOf(path_) == file_; }
+
+Status LiveWriter::Gone() const {
+  return InternalError(
+      "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; "
+      "put it "
+      "back, or restart the service to begin a new one",
+      path_);
 }
 
 bool LiveWriter::DiskHasRoom() {
@@ -271,8 +294,10 @@ void LiveWriter::Count(const WriteItem& item) {
   ++status_.steps;
   status_.rows += item.step.rows;
   status_.strokes += static_cast<std::int64_t>(item.step.strokes.size());
-  if (item.sent == 0) return;
   const std::int64_t now = clock_().monotonic_ns;
+  // A sender whose clock runs faster than ours (a simulated press at 15 times its speed) has no latency to
+  // tell.
+  if (item.sent == 0 || item.sent > now) return;
   if (latencies_.size() >= kLatenciesKept) {
     latencies_.erase(latencies_.begin(), latencies_.begin() + kLatenciesKept / 2);
     commits_.erase(commits_.begin(), commits_.begin() + kLatenciesKept / 2);

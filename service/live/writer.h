@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -25,7 +27,7 @@ struct WriterOptions {
   std::size_t queue_strokes = 4096;        ///< strokes that may wait
 };
 
-enum class WriterState { kWriting, kDiskFull, kLocked, kFailing };
+enum class WriterState { kWriting, kDiskFull, kLocked, kFailing, kGone };
 const char* WriterStateName(WriterState state);
 
 struct WriterStatus {
@@ -75,6 +77,8 @@ class LiveWriter {
   Status StoreSteps();
   Status Execute(WriteItem& item);
   Status NoRoom() const;
+  bool FileIsThere() const;
+  Status Gone() const;
   void Settle(const Status& done);
   bool HasCurrent() const { return !current_.empty() || current_check_.has_value(); }
   void Trim();
@@ -88,6 +92,7 @@ class LiveWriter {
   std::vector<Axis> axes_;
   WriterOptions options_;
   Clock clock_;
+  std::pair<dev_t, ino_t> file_;  ///< the database as it was opened
   Acknowledged acknowledged_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -68,7 +68,7 @@ hydroscope_wire::Finding ToWire(const AxisPicture& axis, const AlarmState& a) {
   wire.version(hydroscope_wire::kAlarmVersion);
   Put(wire.state(), StateName(a));
   Put(wire.severity(), SeverityName(a.severity));
-  wire.health(axis.health);
+  wire.health(axis.health.letter());
   wire.active(a.active);
   wire.acknowledged(a.acknowledged);
   wire.raised_wall_time_ns(Nanoseconds(a.raised_wall));
@@ -81,6 +81,13 @@ hydroscope_wire::Finding ToWire(const AxisPicture& axis, const AlarmState& a) {
   wire.first_stroke(a.first_stroke);
   wire.last_stroke(a.last_stroke);
   return wire;
+}
+
+/// The finding without a name that tells the health of an axis, also of one without alarms.
+AlarmState HealthAsAlarm(const Health& health) {
+  AlarmState state;
+  state.text = health.text;
+  return state;
 }
 
 /// Equal, what is not known included.
@@ -172,7 +179,10 @@ class DdsFeed : public Feed {
   Status Round() {
     if (const Status open = Open(); !open) return open;
     const auto rows = reader_.Rows(cursor_, kRowsAtOnce);
-    if (!rows) return tl::unexpected(rows.error());
+    if (!rows) {
+      static_cast<void>(TellFindings(true));  // health is told all the same
+      return tl::unexpected(rows.error());
+    }
     for (const JournalRow& row : *rows) {
       if (const Status told = publication_->Write(row); !told) return told;
       cursor_ = row.sequence;
@@ -208,20 +218,22 @@ class DdsFeed : public Feed {
     const std::int64_t now = clock_().monotonic_ns;
     if (!news && now - pictured_ < kPicturePeriod) return {};
     pictured_ = now;
-    const auto axes = reader_.Axes();
+    auto axes = reader_.Axes();
     if (!axes) return tl::unexpected(axes.error());
-    for (const AxisPicture& axis : *axes)
+    for (AxisPicture& axis : *axes) {
+      axis.alarms.push_back(HealthAsAlarm(axis.health));
       for (const AlarmState& alarm : axis.alarms) {
         Told& told = told_[{axis.machine, alarm.id}];
         if (told.health == axis.health && Same(told.alarm, alarm)) continue;
         if (const Status written = publication_->Write(axis, alarm); !written) return written;
         told = {axis.health, alarm};
       }
+    }
     return {};
   }
 
   struct Told {
-    char health = 0;
+    Health health;
     AlarmState alarm;
   };
 

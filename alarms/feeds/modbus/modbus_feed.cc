@@ -47,14 +47,15 @@ class ModbusFeed : public Feed {
   }
 
  private:
+  /// Health is shown whatever the journal says, and the heartbeat goes on.
   Status Round() {
     if (const Status open = Open(); !open) return open;
-    if (const Status stored = StoreAcknowledgements(); !stored) return stored;
-    const auto rows = reader_.Rows(cursor_, register_map::kRingRecords);
-    if (!rows) return tl::unexpected(rows.error());
+    Status done = StoreAcknowledgements();
+    auto rows = reader_.Rows(cursor_, register_map::kRingRecords);
+    if (!rows) done = tl::unexpected(rows.error());
     const HostTime now = clock_();
     std::vector<AxisPicture> axes;
-    const bool news = !rows->empty() || now.monotonic_ns - pictured_ >= kPicturePeriod;
+    const bool news = !rows || !rows->empty() || now.monotonic_ns - pictured_ >= kPicturePeriod;
     if (news) {
       auto read = reader_.Axes();
       if (!read) return tl::unexpected(read.error());
@@ -62,13 +63,15 @@ class ModbusFeed : public Feed {
       pictured_ = now.monotonic_ns;
     }
     std::lock_guard lock(mutex_);
-    for (const JournalRow& row : *rows) Take(row);
+    if (rows)
+      for (const JournalRow& row : *rows) Take(row);
     last_ = cursor_;
     const double wall = static_cast<double>(now.wall_ns) * 1e-9;
     if (news) Show(axes, wall);
     counts_.waiting = static_cast<int>(waiting_.size());
+    counts_.trouble = reader_.trouble().reason;
     image_.ShowHead(counts_, wall);
-    return {};
+    return done;
   }
 
   /// Once: numbers of the alarms the journal knows, the ring's newest rows, then the port.

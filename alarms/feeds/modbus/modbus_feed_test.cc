@@ -64,12 +64,12 @@ const Bytes kReadMagic = {0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 2};
 
 class ModbusFeedTest : public FeedTest {
  protected:
-  void Start(ModbusFeedSpec spec = {}) {
+  void Start(ModbusFeedSpec spec = {}, std::shared_ptr<const HealthBoard> board = nullptr) {
     spec.port = 0;
     FeedsSpec feeds;
     feeds.modbus = spec;
     feeds_.reset();
-    feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime));
+    feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime, std::move(board)));
     ASSERT_TRUE(WaitUntil([&] { return status().connected; }));
     const std::string name = status().name;
     port_ = std::stoi(name.substr(name.rfind(':') + 1));
@@ -113,6 +113,28 @@ TEST_F(ModbusFeedTest, ShowsAlarmsAndJournalOfBothAxes) {
       2);
   EXPECT_EQ(status().delivered, 2);
   EXPECT_EQ(status().behind, 0);
+}
+
+TEST_F(ModbusFeedTest, AnAxisThatIsBeingLearnedIsNotGood) {
+  BeginLearning("left");
+  Start();
+  EXPECT_EQ(Words(kFirstAxis + kHealth, 1)[0], 3) << "function check";
+  EXPECT_EQ(Words(kFirstHealth, 1)[0], static_cast<int>(HealthReason::kLearning));
+}
+
+TEST_F(ModbusFeedTest, HealthIsThatOfTheServiceAlsoWhereTheJournalCannotBeRead) {
+  const auto board = std::make_shared<HealthBoard>();
+  board->TellAxis("press/left",
+                  JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = "", .trouble = {}}));
+  Start({}, board);
+  ASSERT_TRUE(WaitUntil([&] { return Words(kFirstHealth, 3) == std::vector<std::uint16_t>{2, 19, 100}; }));
+  ASSERT_TRUE(journal().Change("press/left", 1, [](AxisContent&) -> Status { return {}; }));
+  std::filesystem::resize_file(AlarmJournal::PathFor(database()), 100);  // damaged while it is open
+  board->TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, "the disk is full"});
+  ASSERT_TRUE(WaitUntil([&] { return Words(kFirstAxis + kHealth, 1)[0] == 4; })) << "failure";
+  EXPECT_EQ(Words(kTrouble, 1)[0], static_cast<int>(HealthReason::kDiskFull));
+  const auto beat = Words(kHeartbeat, 1);
+  EXPECT_TRUE(WaitUntil([&] { return Words(kHeartbeat, 1) != beat; })) << "the picture is current";
 }
 
 TEST_F(ModbusFeedTest, ThePressItselfStandsBehindItsAxesOnceItHasAnAlarm) {

@@ -68,12 +68,23 @@ void RegisterImage::PutText(int first, int count, const std::string& text) {
         static_cast<std::uint16_t>(character(2 * i) << 8 | character(2 * i + 1));
 }
 
+void RegisterImage::ShowHealth(int axis, const Health& health) {
+  const auto strokes = [](std::int64_t count) {
+    return static_cast<std::uint16_t>(std::clamp<std::int64_t>(count, 0, 65535));
+  };
+  const int detail = kFirstHealth + (axis - 1) * kHealthStride;
+  registers_[kFirstAxis + (axis - 1) * kAxisStride + kHealth] = static_cast<std::uint16_t>(health.state);
+  registers_[detail + kReason] = static_cast<std::uint16_t>(health.reason);
+  registers_[detail + kLearned] = strokes(health.learned);
+  registers_[detail + kNeeded] = strokes(health.needed);
+}
+
 void RegisterImage::ShowAxis(int axis, const AxisPicture& picture, double wall) {
   if (axis < 1 || axis > kMostAxes) return;
   const int first = kFirstAxis + (axis - 1) * kAxisStride;
   const auto shown = std::min<std::size_t>(picture.estimates.size(), kMostParameters);
   const bool stroke = !picture.estimates.empty();
-  registers_[first + kHealth] = CodeOf(kHealthCodes, picture.health);
+  ShowHealth(axis, picture.health);
   registers_[first + kParameters] = static_cast<std::uint16_t>(shown);
   registers_[first + kStrokeAge] =
       stroke ? Seconds16(wall - picture.estimates[0].time) : std::uint16_t{65535};
@@ -110,6 +121,7 @@ void RegisterImage::ShowAlarm(int number, int axis, const AlarmState& alarm, std
   PutFloat(first + kAlarmLimit, alarm.limit);
   Put32(first + kAlarmSequence, static_cast<std::uint64_t>(sequence));
   PutText(first + kAlarmName, 16, alarm.id);
+  registers_[kFirstCause + number - 1] = static_cast<std::uint16_t>(alarm.cause.kind);
 }
 
 void RegisterImage::ShowRow(const JournalRow& row, int number, int axis) {
@@ -143,6 +155,7 @@ void RegisterImage::ShowHead(const Counts& counts, double wall) {
   registers_[kUnacknowledged] = static_cast<std::uint16_t>(counts.unacknowledged);
   Put32(kClock, WholeSeconds(wall));
   registers_[kWaiting] = static_cast<std::uint16_t>(counts.waiting);
+  registers_[kTrouble] = static_cast<std::uint16_t>(counts.trouble);
   constexpr std::array<std::uint16_t, 11> kParts = {
       kFirstAxis,  kAxisStride,  kFirstParameter, kParameterStride, kFirstAlarm, kAlarmStride,
       kMostAlarms, kFirstRecord, kRecordWidth,    kRingRecords,     kAcknowledge};

@@ -42,6 +42,7 @@ class RegisterImage {
   void ShowRow(const JournalRow& row, int number, int axis);
   struct Counts {
     int axes = 0, alarms = 0, standing = 0, unacknowledged = 0, waiting = 0;
+    HealthReason trouble = HealthReason::kJudgedGood;
   };
   /// Completes the picture: counts up the heartbeat. `wall` in s since 1970.
   void ShowHead(const Counts& counts, double wall);
@@ -53,6 +54,7 @@ class RegisterImage {
   std::span<std::uint16_t> At(int first, int count) {
     return std::span(registers_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count));
   }
+  void ShowHealth(int axis, const Health& health);
   void Put32(int first, std::uint64_t value);
   void PutFloat(int first, double value);
   void PutText(int first, int registers, const std::string& text);

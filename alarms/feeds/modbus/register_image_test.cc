@@ -41,7 +41,8 @@ TEST(AlarmNumbers, AreGivenInOrderOfAppearanceAndStay) {
 TEST(RegisterImage, ShowsAnAxisWithItsParameters) {
   AxisPicture axis;
   axis.name = "cushion_1";
-  axis.health = 'S';
+  axis.health.state = HealthState::kOutOfSpecification;
+  axis.health.reason = HealthReason::kAlarms;
   axis.strokes = 70'000;
   TrendPoint point;
   point.time = 990;
@@ -52,6 +53,7 @@ TEST(RegisterImage, ShowsAnAxisWithItsParameters) {
   image.ShowAxis(2, axis, 1000);
   const int first = kFirstAxis + kAxisStride, k = first + kFirstParameter;
   EXPECT_EQ(Word(image, first + kHealth), 2);
+  EXPECT_EQ(Word(image, kFirstHealth + kHealthStride + kReason), 1);
   EXPECT_EQ(Word(image, first + kStrokeAge), 10);
   EXPECT_EQ(Whole(image, first + kStrokes), 70'000u);
   EXPECT_NEAR(Float(image, first + kOilTemperature), 40, 1e-4);
@@ -81,6 +83,7 @@ TEST(RegisterImage, ShowsFlagsAndStateOfAnAlarm) {
   alarm.acknowledged = false;
   alarm.raised_wall = 1.7e9;
   alarm.limit = 3;
+  alarm.cause = {CauseKind::kNotKnown, {}};
   RegisterImage image;
   image.ShowAlarm(3, 1, alarm, 77);
   const int first = kFirstAlarm + 2 * kAlarmStride;
@@ -90,6 +93,7 @@ TEST(RegisterImage, ShowsFlagsAndStateOfAnAlarm) {
   EXPECT_EQ(Whole(image, first + kRaised), 1'700'000'000u);
   EXPECT_EQ(Whole(image, first + kAlarmSequence), 77u);
   EXPECT_EQ(Float(image, first + kAlarmLimit), 3);
+  EXPECT_EQ(Word(image, kFirstCause + 2), 3) << "cause not known";
 }
 
 TEST(RegisterImage, KeepsTheNewestRowsInTheRingUnderTheirNumbers) {

@@ -25,6 +25,7 @@ enum Head {
   kUnacknowledged = 11,
   kClock = 12,    ///< uint32, s since 1970, of this picture
   kWaiting = 14,  ///< acknowledgements not yet in the journal
+  kTrouble = 15,  ///< what keeps the service from storing or judging, a HealthReason; 0: nothing
   kLayout = 16,   ///< eleven registers: where the parts lie
   kHeadSize = 32,
 };
@@ -32,6 +33,17 @@ enum Head {
 inline constexpr int kAcknowledge = 100;
 inline constexpr int kAcknowledgeOutcome = 101;
 enum Outcome : std::uint16_t { kNothingAsked, kAsked, kAcknowledged, kNothingToAcknowledge, kNotStored };
+
+/// Why the health of axis a is what it is, from kFirstHealth + kHealthStride (a - 1).
+inline constexpr int kFirstHealth = 128, kHealthStride = 4;
+enum HealthDetail {
+  kReason = 0,   ///< a HealthReason
+  kLearned = 1,  ///< strokes commissioning has; 65535: more; 0 once there is a reference
+  kNeeded = 2,   ///< strokes it needs
+};
+
+/// How far the cause of alarm n is known, a CauseKind, at kFirstCause + n - 1.
+inline constexpr int kFirstCause = 512;
 
 /// Axes.
 inline constexpr int kFirstAxis = 1024, kAxisStride = 240, kMostAxes = 64;
@@ -98,8 +110,7 @@ enum Record {
   kRecordLimit = 14,  ///< float32, SI
 };
 
-/// Codes are places in these lists.
-inline constexpr std::array<char, 5> kHealthCodes = {'-', 'M', 'S', 'C', 'F'};
+/// Codes are places in these lists; those of health are the numbers of HealthState.
 inline constexpr std::array<std::string_view, 9> kStateCodes = {"NORM",  "UNACK", "ACKED", "RTNUN", "LTUNK",
                                                                 "LTACK", "SHLVD", "DSUPR", "OOSRV"};
 /// Any other event is 0.
@@ -108,7 +119,9 @@ inline constexpr std::array<std::string_view, 14> kEventCodes = {
     "unshelved", "suppressed", "unsuppressed",      "out_of_service", "in_service",
     "reset",     "escalated",  "reference_learned", "explained"};
 
+static_assert(kFirstHealth + kMostAxes * kHealthStride <= kFirstCause);
 static_assert(kFirstAxis + kMostAxes * kAxisStride <= kFirstAlarm);
+static_assert(kFirstCause + kMostAlarms <= kFirstAxis);
 static_assert(kFirstParameter + kMostParameters * kParameterStride <= kAxisStride);
 static_assert(kFirstAlarm + kMostAlarms * kAlarmStride <= kFirstRecord);
 static_assert(kFirstRecord + kRingRecords * kRecordWidth <= kRegisters);

@@ -77,7 +77,9 @@ class Metrics {
 };
 
 void AddAxis(Metrics& metrics, const AxisPicture& axis) {
-  metrics.Text("Health", std::string(1, axis.health));
+  metrics.Text("Health", std::string(1, axis.health.letter()));
+  metrics.Text("Health/Reason", HealthReasonName(axis.health.reason));
+  metrics.Text("Health/Text", axis.health.text);
   metrics.Whole("Strokes", axis.strokes);
   metrics.Number("Oil temperature",
                  axis.estimates.empty() ? std::nan("") : axis.estimates[0].oil_temperature - kZeroCelsius,
@@ -113,6 +115,7 @@ void AddEvent(Metrics& metrics, const JournalRow& row) {
   metrics.Text("Event/User", e.user);
   metrics.Text("Event/Comment", e.comment);
   metrics.Text("Event/Text", e.text);
+  metrics.Text("Event/Cause", e.cause);
 }
 
 }  // namespace
@@ -137,6 +140,7 @@ std::string DeviceBirth(const AxisPicture& axis, double wall) {
   Metrics metrics(wall);
   AddAxis(metrics, axis);
   for (const AlarmState& alarm : axis.alarms) metrics.Text("Alarms/" + alarm.id, StateName(alarm));
+  for (const AlarmState& alarm : axis.alarms) metrics.Text("Causes/" + alarm.id, CauseText(alarm.cause));
   // No event happens now: its metrics are announced without values.
   const int announced = metrics.payload().metrics_size();
   AddEvent(metrics, {});
@@ -157,7 +161,10 @@ std::string DeviceData(const AxisPicture& axis, double wall) {
 std::string Event(const JournalRow& row) {
   Metrics metrics(row.wall);
   AddEvent(metrics, row);
-  if (!row.event.alarm.empty()) metrics.Text("Alarms/" + row.event.alarm, row.event.state);
+  if (!row.event.alarm.empty()) {
+    metrics.Text("Alarms/" + row.event.alarm, row.event.state);
+    metrics.Text("Causes/" + row.event.alarm, row.event.cause);
+  }
   return metrics.Bytes();
 }
 

@@ -35,7 +35,7 @@ Result<std::string> FirstLine(const std::string& path) {
 struct Announced {
   std::set<std::string> alarms, parameters;
   std::int64_t strokes = 0;
-  char health = 0;
+  Health health;
 };
 
 class SparkplugFeed : public Feed {
@@ -72,11 +72,13 @@ class SparkplugFeed : public Feed {
       return done;
     }
     Report(born_);
-    return {};
+    return std::exchange(stored_, {});
   }
 
+  /// Errors of the connection. What journal and outbox refuse is kept for the end of the round: health is
+  /// told all the same.
   Status RoundSteps() {
-    if (const Status filled = Fill(); !filled) return filled;
+    stored_ = Fill();
     if (!connection_ || !connection_->connected())
       if (const Status connected = Connect(); !connected) return connected;
     TakeHostState();
@@ -90,7 +92,8 @@ class SparkplugFeed : public Feed {
       if (const Status born = Births(); !born) return born;
     if (const Status told = TellAxes(); !told) return told;
     if (const Status sent = SendItems(); !sent) return sent;
-    return RemoveAcknowledged();
+    if (const Status removed = RemoveAcknowledged(); !removed) stored_ = removed;
+    return {};
   }
 
   /// Journal -> outbox, with or without a broker.
@@ -120,6 +123,7 @@ class SparkplugFeed : public Feed {
   }
 
   Status Connect() {
+    if (!outbox_) return InternalError("{}: the outbox could not be opened", outbox_path_);
     connection_.reset();
     const auto password = FirstLine(spec_.password_file);
     if (!password) return tl::unexpected(password.error());
@@ -252,9 +256,14 @@ class SparkplugFeed : public Feed {
       taken.swap(acknowledged_);
     }
     if (taken.empty()) return {};
+    if (const Status removed = outbox_->Remove(taken); !removed) {
+      std::lock_guard lock(mutex_);
+      acknowledged_.insert(acknowledged_.begin(), taken.begin(), taken.end());
+      return removed;
+    }
     in_flight_ -= static_cast<std::int64_t>(taken.size());
     loop_.Wake();  // there is room for more
-    return outbox_->Remove(taken);
+    return {};
   }
 
   /// `id` > 0: until the broker acknowledges it.
@@ -329,6 +338,7 @@ class SparkplugFeed : public Feed {
 
   sparkplug::PrimaryHost host_;
   bool born_ = false;  // in this connection
+  Status stored_;      // of this round: what journal or outbox refused
 
   std::atomic<bool> rebirth_ = false;
   mutable std::mutex mutex_;              // guards what follows

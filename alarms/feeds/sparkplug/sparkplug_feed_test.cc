@@ -12,6 +12,16 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+TEST_F(SparkplugFeedTest, AnAxisThatIsBeingLearnedIsNotGood) {
+  StartBroker();
+  BeginLearning("left");
+  StartFeed();
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH/press/left") == 1; })) << status().state;
+  const Json birth = Decoded("DBIRTH/press/left").front();
+  EXPECT_EQ(Metric(birth, "Health"), "C");
+  EXPECT_EQ(Metric(birth, "Health/Reason"), "learning");
+}
+
 TEST_F(SparkplugFeedTest, IsBornWithItsAxesAndTellsEachEventWithAcknowledgement) {
   StartBroker();
   Raise("left", 1);

@@ -1,0 +1,84 @@
+#include "alarms/health.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "alarms/health_board.h"
+#include "alarms/press_health.h"
+
+namespace hydroscope {
+namespace {
+
+using testing::HasSubstr;
+
+AlarmState Active(AlarmSeverity severity) {
+  AlarmState alarm;
+  alarm.id = "internal_leakage";
+  alarm.active = true;
+  alarm.severity = severity;
+  return alarm;
+}
+
+char Judged(const std::vector<AlarmState>& alarms) {
+  return JudgeHealth({.alarms = alarms, .has_reference = true, .not_judged = "", .trouble = {}}).letter();
+}
+
+TEST(Health, TakesTheMostUrgentAlarmThatIsNotSuppressed) {
+  const AlarmState warning = Active(AlarmSeverity::kWarning), alarm = Active(AlarmSeverity::kAlarm);
+  AlarmState loss = Active(AlarmSeverity::kSignalLoss);
+  EXPECT_EQ(Judged({}), '-');
+  EXPECT_EQ(Judged({warning}), 'M');
+  EXPECT_EQ(Judged({warning, alarm}), 'S');
+  EXPECT_EQ(Judged({warning, alarm, loss}), 'F');
+  loss.suppressed = kSuppressedValveCheck;
+  EXPECT_EQ(Judged({loss}), '-');
+  loss.out_of_service = true;
+  EXPECT_EQ(Judged({loss}), 'C');
+}
+
+TEST(Health, IsNeverGoodWhileTheHealthyMachineIsLearned) {
+  const Health health =
+      JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = "", .trouble = {}});
+  EXPECT_EQ(health.letter(), 'C');
+  EXPECT_EQ(health.reason, HealthReason::kLearning);
+  EXPECT_THAT(health.text, HasSubstr("19 of 100"));
+  EXPECT_EQ(health.needed, 100);
+  const Health waits =
+      JudgeHealth({.alarms = {}, .learned = 100, .needed = 100, .not_judged = "", .trouble = {}});
+  EXPECT_EQ(waits.letter(), 'C') << "freeze = \"command\"";
+  EXPECT_THAT(waits.text, HasSubstr("hydroscope learn"));
+}
+
+TEST(Health, IsNotGoodWhileStrokesComeThatCannotBeJudged) {
+  const Health health =
+      JudgeHealth({.alarms = {}, .has_reference = true, .not_judged = "oil too cold", .trouble = {}});
+  EXPECT_EQ(health.letter(), 'C');
+  EXPECT_EQ(health.reason, HealthReason::kStrokesNotJudged);
+}
+
+TEST(Health, ATroubleOfTheServiceIsAFailureOfEveryAxis) {
+  HealthBoard board;
+  EXPECT_EQ(board.Of("press/left").letter(), 'C') << "nobody has spoken of it";
+  board.TellAxis("press/left", {HealthState::kGood, HealthReason::kJudgedGood, "judged", 0, 0});
+  EXPECT_EQ(board.Of("press/left").letter(), '-');
+  board.TellTrouble(HealthBoard::Part::kJudging, {HealthReason::kNotWatched, "no rules"});
+  board.TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, "the disk is full"});
+  EXPECT_EQ(board.Of("press/left").letter(), 'F');
+  EXPECT_EQ(board.Of("press/left").text, "the disk is full");
+  board.TellTrouble(HealthBoard::Part::kStoring, {});
+  EXPECT_EQ(board.Of("press/right").reason, HealthReason::kNotWatched);
+  board.TellTrouble(HealthBoard::Part::kJudging, {});
+  EXPECT_EQ(board.Of("press/left").letter(), '-');
+}
+
+TEST(Health, APressIsNotGoodWhileNoneOfItsAxesIsJudged) {
+  const Health learning =
+      JudgeHealth({.alarms = {}, .learned = 1, .needed = 100, .not_judged = "", .trouble = {}});
+  const Health good = JudgeHealth({.alarms = {}, .has_reference = true, .not_judged = "", .trouble = {}});
+  EXPECT_EQ(JudgePressHealth({}, {}, {learning, learning}).letter(), 'C');
+  EXPECT_EQ(JudgePressHealth({}, {}, {learning, good}).letter(), '-');
+  EXPECT_EQ(JudgePressHealth({Active(AlarmSeverity::kSignalLoss)}, {}, {learning}).letter(), 'F');
+}
+
+}  // namespace
+}  // namespace hydroscope
