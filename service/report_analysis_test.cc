@@ -6,7 +6,9 @@
 #include <cmath>
 #include <random>
 
+#include "service/commands/trend_summary.h"
 #include "service/report_fixture.h"
+#include "service/report_words.h"
 
 namespace hydroscope {
 namespace {
@@ -128,6 +130,39 @@ TEST(AnalyseReport, CallsALossOfFlowUnexplainedAlsoWhileTheOilWarms) {
     EXPECT_EQ(Of(analysis, "Q_vn").unexplained, Significance::kClear) << cools;
     EXPECT_EQ(Of(analysis, "K").unexplained, Significance::kNone) << cools;
     EXPECT_EQ(SignificanceOf(analysis.error.ratio.change), Significance::kClear);
+  }
+}
+
+/// The plot shows the estimates; a card that says "no change seen" below a plot that falls is not believed.
+TEST(AnalyseReport, DoesNotDenyWhatThePlottedEstimatesShow) {
+  ReportFixture fixture;
+  fixture.warm = 26.5;
+  ReportInput input = fixture.Make();
+  for (TrendPoint& point : input.trends)
+    if (point.estimate.parameter == "V0")
+      point.estimate.value -= 12 * point.estimate.std * static_cast<double>(point.sequence) / 300;
+  const ReportAnalysis analysis = AnalyseReport(input);
+  const ParameterAnalysis& volume = Of(analysis, "V0");
+  EXPECT_TRUE(volume.by_estimates) << "the blocks show nothing";
+  EXPECT_LT(volume.change.change.value, 0);
+  EXPECT_EQ(volume.unexplained, Significance::kHint);
+  const ParameterInfo info = InfoFor("V0", "m3", 1e-3);
+  EXPECT_EQ(DescribeParameter(volume, info).standing, Standing::kHint);
+  EXPECT_EQ(Of(AnalyseReport(fixture.Make()), "V0").unexplained, Significance::kNone);
+}
+
+TEST(AnalyseReport, IsTheJudgementThatTrendsTell) {
+  ReportFixture fixture;
+  fixture.wear = 0.06;
+  const ReportInput input = fixture.Make();
+  const ReportAnalysis analysis = AnalyseReport(input);
+  for (const TrendSummary& summary : SummariseTrends(input.trends, input.blocks, input.strokes)) {
+    const ParameterAnalysis& card = Of(analysis, summary.parameter);
+    ASSERT_EQ(summary.change.has_value(), card.change.change.Known()) << summary.parameter;
+    if (!summary.change) continue;
+    EXPECT_EQ(summary.change->value, card.change.change.value) << summary.parameter;
+    EXPECT_EQ(summary.change->significant, SignificanceOf(card.change.change) == Significance::kClear);
+    EXPECT_EQ(summary.change->hint, SignificanceOf(card.change.change) == Significance::kHint);
   }
 }
 
