@@ -115,6 +115,27 @@ TEST(PlantGoals, SayWhichShareIsMissed) {
   EXPECT_NE(PlantGoals().Missed(tally)[0].find("wrong: 1.0 %, allowed 0.5 %"), std::string::npos);
 }
 
+// The campaign in short, over kinds that a plant has every day. With noise, filters, steps, outliers, lost
+// rows and leaks that come and go nothing false may be said.
+TEST(PlantLogs, TwentyEverydayLogsAreAnsweredWithoutAFalseWord) {
+  PlantLogsOptions options;
+  options.cases = 20;
+  options.seed = 5;
+  options.kinds = {"coloured_noise", "heavy_tails",  "plc_filter", "quantisation", "spikes",
+                   "time_jitter",    "dropped_rows", "wrong_area", "stuck",        "intermittent_leakage"};
+  const auto result = RunPlantLogs(options);
+  ASSERT_TRUE(result) << result.error().text;
+  std::string details;
+  for (const std::string& line : result->details) details += line + "\n";
+  const PlantTally& tally = result->all;
+  EXPECT_EQ(tally.cases, 20);
+  EXPECT_EQ(tally.wrong, 0) << details;
+  EXPECT_EQ(tally.fit_off, 0) << details;
+  EXPECT_LE(tally.flagged + tally.extra, 1) << details;
+  EXPECT_LE(tally.identifiable_unknown, 4) << details;
+  EXPECT_GE(tally.right, 15) << details;
+}
+
 TEST(PlantLogs, AnUnknownKindNamesTheNearest) {
   PlantLogsOptions options;
   options.kinds = {"coloured_nois"};

@@ -1,6 +1,7 @@
 #include "service/benchmarks/simulated_strokes.h"
 
 #include "acquisition/quality_monitor.h"
+#include "replay/time_check.h"
 
 namespace hydroscope {
 
@@ -48,6 +49,8 @@ Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, Ke
   if (!pipeline) return tl::unexpected(pipeline.error());
   (*pipeline)->set_tap(keep == KeepSamples::kYes ? collector.Tap() : tap);
   SampleBlock rows = RowsOf(log, machine);
+  LogCounters counters;
+  TimeChecker(period).Check(rows, counters);
   QualityMonitor monitor(machine, period);
   monitor.Inspect(rows);
   (*pipeline)->Process(rows);

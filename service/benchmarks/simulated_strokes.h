@@ -12,7 +12,7 @@ Machine MachineFor(const PressOptions& options);
 /// A simulated log as the pipeline's rows, all good.
 SampleBlock RowsOf(const SimulatedLog& log, const Machine& machine);
 
-/// Sends a simulated log through quality monitor and pipeline, as a log file would go. `tap` is for samples not kept.
+/// Sends a simulated log through time check, quality monitor and pipeline, as a log file would go. `tap` is for samples not kept.
 Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, KeepSamples keep = KeepSamples::kNo,
                              const Pipeline::EquationTap& tap = {});
 
