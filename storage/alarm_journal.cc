@@ -140,7 +140,7 @@ AlarmSeverity Severity(const std::string& name) {
   return SeverityFromName(name).value_or(AlarmSeverity::kWarning);
 }
 
-std::vector<std::string> Split(const std::string& listed) {
+std::vector<std::string> SplitEffects(const std::string& listed) {
   std::vector<std::string> names;
   std::istringstream stream(listed);
   for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
@@ -178,7 +178,8 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     a.raised_stroke = query.Int(17);
     a.first_stroke = query.Int(18);
     a.last_stroke = query.Int(19);
-    a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)), Split(query.Text(21))};
+    a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
+               SplitEffects(query.Text(21))};
     alarms.push_back(std::move(a));
   }
   return alarms;

@@ -95,7 +95,7 @@ void Reload(LiveService& service, DriftWatch* watch, const LiveOptions& options)
 }
 
 /// What is told about the machine and about the service itself; `not_watched`: why there is no drift watch.
-struct Told {
+struct Surveillance {
   std::shared_ptr<HealthBoard> board = std::make_shared<HealthBoard>();
   std::unique_ptr<DriftWatch> watch;
   std::string not_watched;
@@ -114,7 +114,7 @@ struct Told {
 };
 
 /// Until a signal ends it.
-void Wait(LiveService& service, Told& told, const LiveOptions& options, const sigset_t& signals) {
+void Wait(LiveService& service, Surveillance& told, const LiveOptions& options, const sigset_t& signals) {
   const Machine& machine = service.machine();
   ServiceWatch self(AlarmJournal::PathFor(options.database),
                     AxisCount(machine) > 1 ? machine.name : AxisMachineName(machine, 0), *told.board);
@@ -153,7 +153,7 @@ int Run(ServeArguments& a) {
       RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
   if (!created) return ReportError(created.error());
   LiveService& service = **created;
-  Told told;
+  Surveillance told;
   auto press = MakePressMonitor(a.live, service.machine(), told.not_watched);  // pairs journal and database
   if (press && !press->notice().empty()) LogWarning("journal_set_aside", {{"why", press->notice()}});
   const Feeds feeds = Feeds::Start(service.machine(), a.live.database, RealTime, told.board);
