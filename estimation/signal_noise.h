@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "estimation/row_contrasts.h"
+
 namespace hydroscope {
 
 /// What a signal's noise is like, as far as rows next to one another tell.
@@ -20,14 +22,7 @@ enum class NoiseKind {
 /// "white", "coloured", "quantised", "signal", "not as stated", "not known".
 const char* NoiseKindName(NoiseKind kind);
 
-/// Readings of one signal in one stroke: runs of rows without a gap.
-using SignalRuns = std::vector<std::vector<double>>;
-
-/// Noise of one signal. Energies are of contrasts over 4 d rows, four means of d rows each with the signs
-/// + - - +, scaled so that white noise has its variance at every d. Level and slope do not enter; motion x(t)
-/// does with its curvature, sqrt(d) x'' (d T)^2, so that its energy grows 32-fold per octave of d, that of
-/// first-order filtered noise at most fourfold (Walsh functions; contrasts of different d are orthogonal on
-/// the same rows).
+/// Noise of one signal, by contrasts over single rows, pairs and fours of rows (RowContrasts).
 struct SignalNoise {
   std::string name;  ///< of the signal
   std::string unit;  ///< SI
@@ -39,6 +34,7 @@ struct SignalNoise {
   double ratio_low = 1, ratio_high = 1;  ///< ... and its 95 % band, by chunks of time
   double slow_ratio = 1;                 ///< the same over four rows; NaN where motion hides it
   double slope = 0;     ///< d ln energy / d ln d from one to two rows; white 0, first order up to 2, motion 5
+  double range = 0;     ///< SI, from the 5 % to the 95 % quantile of the readings
   double quantum = 0;   ///< SI, smallest step between readings
   double repeated = 0;  ///< share of readings equal to the one before
   double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
@@ -61,6 +57,13 @@ struct SignalNoiseOptions {
   /// Share of repeated readings beyond which the resolution hides the noise: with normal noise of std s
   /// and a resolution q it is 0.28 q / s, here q = 1.4 s.
   double repeated_share = 0.4;
+  /// Growth of what exceeds white noise from pairs to four rows beyond which it is motion (8 for a corner, 32
+  /// for curvature), not filtered noise (first order: up to 4.7).
+  double motion_growth = 6;
+  /// Energy over four rows, in that of single rows, that a trace of motion may have.
+  double motion_trace = 1.5;
+  /// By how much the energy of all rows may exceed that of quiet ones: half of what a floor may be off by.
+  double motion_share = 1.075;
   int chunks = 16;  ///< of time, the independent units
 };
 
