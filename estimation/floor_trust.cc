@@ -89,15 +89,23 @@ double KnownScale(const SignalNoise& noise) {
   switch (noise.kind) {
     case NoiseKind::kUnknown:
     case NoiseKind::kWhite:
+    case NoiseKind::kDisagreesWithStated:  // the readings themselves show their noise
       return 1;
     case NoiseKind::kSignalInContrast:
       if (std::isfinite(noise.stated)) return noise.stated * noise.stated / contrast;
       return noise.seen_at_rest ? noise.quiet_std * noise.quiet_std / contrast : kUnstated;
     case NoiseKind::kColoured:
       return std::isfinite(noise.slow_ratio) ? std::max(noise.ratio, noise.slow_ratio) : noise.ratio;
-    default:
+    case NoiseKind::kQuantised:
       return std::isfinite(noise.stated) ? noise.stated * noise.stated / contrast : kUnstated;
   }
+  return kUnstated;
+}
+
+/// Whether KnownScale is the statement of the machine file. What is stated of filtered noise says nothing of
+/// how much of it a block sees.
+bool FromStatement(const SignalNoise& noise) {
+  return noise.kind != NoiseKind::kColoured && std::isfinite(noise.stated);
 }
 
 /// By how much the signal may change the noise energy of the balance, as a share of it.
@@ -108,17 +116,21 @@ double Leverage(const SignalNoise& noise) {
 
 void Conclude(double floor_excess, FloorTrust& trust) {
   double scale = 0, shares = 0;
+  trust.stated = true;
   for (const SignalNoise& noise : trust.signals) {
     const bool counts = Leverage(noise) > floor_excess;
     scale += noise.share * (counts ? KnownScale(noise) : 1);
     shares += noise.share;
+    if (noise.kind == NoiseKind::kDisagreesWithStated && noise.share > floor_excess)
+      trust.sentences.push_back(noise.sentence);
     if (!counts) continue;
+    if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence;
     trust.believable = false;
+    trust.stated = trust.stated && FromStatement(noise);
     trust.sentences.push_back(noise.sentence);
   }
-  if (trust.believable) return;
-  trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
-  trust.why = "the noise floor is not used: " + trust.sentences.front();
+  trust.stated = trust.stated && !trust.believable;
+  if (!trust.believable) trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
 }
 
 }  // namespace

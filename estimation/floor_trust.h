@@ -21,8 +21,11 @@ struct FloorTrust {
   /// the signals that the contrasts cannot judge, and from what coloured noise has over four rows (a lower
   /// bound). 1 if believable; NaN where a signal that counts is neither stated nor measurable.
   double noise_scale = 1;
+  /// Not believable, but `noise_scale` is what the machine file states of the signals that count, of none of
+  /// which the noise is filtered: a floor as good as the statement.
+  bool stated = false;
   std::string why;                     ///< one sentence; "" if believable
-  std::vector<std::string> sentences;  ///< one per signal that is not white and counts, for `warnings`
+  std::vector<std::string> sentences;  ///< of signals that count, for `warnings`
 };
 
 struct FloorTrustOptions {

@@ -82,8 +82,9 @@ void DescribeMotion(double period, bool beyond_stated, SignalNoise& noise) {
   noise.sentence =
       beyond_stated
           ? fmt::format(
-                "{} scatters by {} from row to row, its stated noise is {}: it moves within the {} over "
-                "which noise is told from motion",
+                "{} scatters by {} from row to row, its stated noise is {}: it moves within {}, or more "
+                "noise "
+                "is there than stated",
                 noise.name, WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit), over)
           : fmt::format(
                 "{} moves within the {} over which noise is told from motion: its noise cannot be seen",

@@ -5,6 +5,7 @@
 
 #include "acquisition/quality_monitor.h"
 #include "service/live/raw_log.h"
+#include "service/log_trust.h"
 #include "service/output.h"
 
 namespace hydroscope {
@@ -130,7 +131,8 @@ Result<FitResult> FitLog(const std::string& log, const std::string& machine_file
   if (!strokes) return tl::unexpected(strokes.error());
   auto fit = FitBaseModel(*strokes->model, strokes->Grams(), strokes->window);
   if (!fit) return tl::unexpected(fit.error());
-  return FitResult{std::move(*strokes), std::move(*fit), AssumeTolerances(*machine)};
+  const LogTrust trust = JudgeLog(*strokes, fit->theta, fit->noise_floor);
+  return FitResult{std::move(*strokes), std::move(*fit), AssumeTolerances(*machine), !trust.rate.fast_enough};
 }
 
 }  // namespace hydroscope

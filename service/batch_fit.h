@@ -61,6 +61,7 @@ struct FitResult {
   LogStrokes log;  ///< with the samples kept
   GramFit fit;
   std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
+  bool too_slow = false;  ///< rows too far apart: no parameter can be trusted (LogTrust)
 };
 
 /// `hydroscope fit`: every equation of the log weighs the same.

@@ -1,5 +1,7 @@
 #include "service/check_log.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -73,6 +75,17 @@ void FitStrokes(const Pipeline& pipeline, const StrokeSample& strokes, CheckResu
   }
 }
 
+/// Rows too far apart tell no parameter.
+void DoubtSlowRows(CheckResult& check) {
+  const SamplingRate& rate = check.trust.rate;
+  if (rate.fast_enough) return;
+  for (CheckedParameter& parameter : check.parameters) {
+    parameter.verdict = Identifiability::kNot;
+    parameter.reason = "sampled too slowly";
+    parameter.advice = fmt::format("record a row every {:.3g} ms or faster", 1e3 * rate.needed_period);
+  }
+}
+
 }  // namespace
 
 bool CheckResult::Clean() const {
@@ -91,12 +104,19 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.sample_period = (*reader)->SamplePeriod();
 
   StrokeSample strokes;
+  FirstStrokes first(*machine);
   std::unique_ptr<Pipeline> pipeline;
   if (machine->model != "valve") {
     auto created = Pipeline::Create(*machine, check.sample_period,
-                                    [&](StrokeRecord&& record) { strokes.Add(std::move(record)); });
+                                    [&](StrokeRecord&& record) {
+                                      first.AddStroke(record);
+                                      strokes.Add(std::move(record));
+                                    });
     if (!created) return tl::unexpected(created.error());
     pipeline = std::move(*created);
+    pipeline->set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
+      first.AddStretch(stretch, equations);
+    });
   }
   SignalSurvey survey(check.machine, check.sample_period);
   LogPassHooks hooks;
@@ -114,6 +134,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.driving = strokes.driving();
     check.driving.too_short = pipeline->discarded_strokes();
     FitStrokes(*pipeline, strokes, check);
+    check.trust = first.Judge(*pipeline);
+    DoubtSlowRows(check);
     check.hints = PlausibilityHints(check);
   }
   return check;

@@ -7,6 +7,7 @@
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
 #include "service/log_pass.h"
+#include "service/log_trust.h"
 #include "service/signal_survey.h"
 
 namespace hydroscope {
@@ -51,6 +52,7 @@ struct CheckResult {
   std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
   double rms_holdout = 0, noise_floor = 0;   ///< m^3/s, 0 = no fit
   std::string no_fit;                        ///< why there is no fit, "" if there is one
+  LogTrust trust;                            ///< of noise and sampling rate
   std::vector<std::string> hints;            ///< what looks wrong in units, signs, gate
 
   /// No row or value had to be left out because of its quality.

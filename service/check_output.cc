@@ -140,6 +140,8 @@ std::string Identification(const CheckResult& check) {
 
 std::string Next(const CheckResult& check, const std::string& machine_file) {
   std::string text;
+  const std::vector<std::string> warnings = check.trust.Warnings();
+  if (!warnings.empty()) text += "\n" + WarningsText(warnings);
   if (!check.hints.empty()) text += "\nlook at this first\n";
   for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
@@ -222,7 +224,11 @@ nlohmann::json CheckJson(const CheckResult& check) {
             {"jitter_std_s", t.jitter},
             {"gaps", t.gaps},
             {"longest_gap_s", t.longest_gap},
-            {"not_forward", t.not_forward}}},
+            {"not_forward", t.not_forward},
+            {"fast_enough", check.trust.rate.fast_enough},
+            {"needed_period_s", check.trust.rate.needed_period}}},
+          {"warnings", check.trust.Warnings()},
+          {"noise", NoiseJson(check.trust.floor)},
           {"signals", signals},
           {"gate", GateJson(check)},
           {"strokes", check.driving.strokes},

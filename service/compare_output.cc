@@ -207,10 +207,12 @@ nlohmann::json MapsJson(const CompareResult& result) {
 }  // namespace
 
 std::string CompareText(const CompareResult& result) {
-  std::string text = HasModelError(result)
+  const LogTrust& trust = result.model.trust;
+  std::string text = !trust.rate.fast_enough ? "This log carries no verdict on the model.\n"
+                     : HasModelError(result)
                          ? "The model misses something: the difference is more than sensor noise.\n"
                          : "The model describes these strokes down to the sensor noise.\n";
-  text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
+  text += WarningsText(trust.Warnings()) + OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
           LocatedText(result.location.located, OutputUnit(result.log.model.get()));
   if (HasModelError(result))
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
@@ -227,6 +229,9 @@ nlohmann::json CompareJson(const CompareResult& result) {
   out["free_run_percent"] =
       result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
   out["model_error_seen"] = HasModelError(result);
+  out["warnings"] = result.model.trust.Warnings();
+  out["noise"] = NoiseJson(result.model.trust.floor);
+  out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());
   out["rms_holdout"] = result.model.fit.rms_holdout * unit.factor;
   out["effects"] = AddedEffects(result);
   out["parameters"] = ParametersJson(

@@ -156,6 +156,8 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"partial", x.partial},
           {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt)},
           {"warnings", x.warnings},
+          {"noise", NoiseJson(result.trust.floor)},
+          {"sampling", SamplingJson(result.trust.rate, result.log.model.get())},
           {"noise_floor", x.final.noise_floor * Factor(result)},
           {"strokes", result.strokes},
           {"strokes_in_log", result.log.strokes.size()},

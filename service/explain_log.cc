@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/floor_trust.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -53,11 +52,24 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
                         100 * x.final.excess_ratio / x.base.excess_ratio);
 }
 
+/// Rows too far apart carry no verdict: what they miss looks like an effect, or hides one.
+void RefuseVerdict(const SamplingRate& rate, Explanation& x) {
+  if (rate.fast_enough) return;
+  x.warnings.insert(x.warnings.begin(), rate.sentence);
+  x.verdict = Verdict::kUnknown;
+  x.set.clear();
+  x.groups.clear();
+  x.odd_strokes.clear();
+  x.partial = false;
+  x.doubt.clear();
+}
+
 /// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
 void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
-  if (trust.believable) return;
   x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
-  if (x.final_left.tested)
+  if (trust.stated)
+    x.warnings.emplace_back("the noise floor is taken from the noise that the machine file states");
+  else if (!trust.believable && x.final_left.tested)
     x.warnings.push_back(
         fmt::format("the noise floor is taken from what no function of the signals predicts; a law that explains "
                     "less than {:.0f} % of the error left would not be seen",
@@ -111,9 +123,10 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
     if (!extended) return tl::unexpected(extended.error());
     model = extended->structure;
   }
-  const FloorTrust trust =
-      JudgeFloor(*out.log.model, out.log.stretches, out.log.window, out.base.theta, out.log.machine);
-  as_is.floor_believable = trust.believable;
+  out.trust = JudgeLog(out.log, out.base.theta, out.base.noise_floor);
+  const FloorTrust& trust = out.trust.floor;
+  as_is.floor_believable = trust.believable || trust.stated;
+  if (trust.stated) as_is.noise_scale = trust.noise_scale;
   out.explanation = ExplainSamples(model, out.log.stretches, out.log.window, as_is);
   WarnOfFloor(trust, out.explanation);
   if (!out.explanation.base.solved)
@@ -122,6 +135,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         "longer");
   if (!as_is.start.empty() || !out.explanation.odd_strokes.empty()) TakeBase(out);
   if (model->name == "expressions") DoubtWhatIsLeft(options, out.explanation);
+  RefuseVerdict(out.trust.rate, out.explanation);
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,

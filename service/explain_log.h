@@ -11,6 +11,7 @@
 #include "diagnosis/remainder_shape.h"
 #include "diagnosis/signal_experiment.h"
 #include "service/batch_fit.h"
+#include "service/log_trust.h"
 
 namespace hydroscope {
 
@@ -33,6 +34,7 @@ struct ExplainResult {
   LogStrokes log;
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
   GramFit base;             ///< the model as it is, of the same strokes; `theta` holds its effects' sizes too
+  LogTrust trust;           ///< of the samples; where rows are too far apart there is no verdict
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
   ErrorLocation location;                   ///< of the error of the model as it is

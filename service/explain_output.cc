@@ -60,6 +60,7 @@ std::string AmbiguousText(const ExplainResult& result) {
 
 std::string UnknownText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
+  if (!result.trust.rate.fast_enough) return "UNKNOWN: this log carries no verdict, see the warning.\n";
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   if (!x.partial || x.steps.size() < 2) return text;
   std::vector<std::string> tried;

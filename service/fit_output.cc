@@ -30,7 +30,9 @@ std::string FitText(const FitResult& result) {
     text += fmt::format("{:<6} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, shown(e.value),
                         shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
                         unit.name == "1" ? "-" : unit.name, Meaning(e.parameter),
-                        trusted ? "" : fmt::format("; NOT IDENTIFIABLE: {}", ReasonText(e.reason)));
+                        result.too_slow ? "; NOT TO BE TRUSTED: sampled too slowly"
+                        : trusted       ? ""
+                                        : fmt::format("; NOT IDENTIFIABLE: {}", ReasonText(e.reason)));
   }
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
@@ -60,7 +62,13 @@ nlohmann::json FitJson(const FitResult& result) {
   nlohmann::json assumed = nlohmann::json::array();
   for (const AssumedTolerance& tolerance : result.assumed)
     assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
-  return {{"parameters", ParametersJson(result.fit.parameters)},
+  nlohmann::json parameters = ParametersJson(result.fit.parameters);
+  if (result.too_slow)
+    for (auto& parameter : parameters) {
+      parameter["identifiable"] = false;
+      parameter["reason"] = "sampled_too_slowly";
+    }
+  return {{"parameters", parameters},
           {"strokes", result.fit.strokes},
           {"samples", result.log.totals.used},
           {"rows", result.log.totals.samples},

@@ -47,7 +47,7 @@ FitSuspicion SuspicionOf(const ExplainResult& explained) {
   FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
-  if (x.verdict != Verdict::kAdequate) out.warnings.push_back(Sentence(explained));
+  if (x.verdict != Verdict::kAdequate && explained.trust.rate.fast_enough) out.warnings.push_back(Sentence(explained));
   return out;
 }
 

@@ -64,6 +64,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
+  out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   return out;
 }

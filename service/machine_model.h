@@ -5,6 +5,7 @@
 
 #include "diagnosis/extended_fit.h"
 #include "service/batch_fit.h"
+#include "service/log_trust.h"
 
 namespace hydroscope {
 
@@ -13,6 +14,7 @@ struct MachineModel {
   std::shared_ptr<const ModelStructure> structure;  ///< has the shapes that `choices` name
   std::vector<EffectChoice> choices;                ///< in order of adding
   ExtendedFit fit;
+  LogTrust trust = {};  ///< what makes conclusions from the log doubtful; nothing without samples
 };
 
 /// Fits it to the kept strokes; nonlinear parameters of added effects come from the best grid value, refined.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "service/log_trust.h"
 #include "service/model_edit.h"
 #include "service/model_history_output.h"
 
@@ -21,6 +22,8 @@ struct Evidence {
 Result<Evidence> OnLog(const std::string& log, const Machine& before, const Machine& next) {
   auto strokes = ReadStrokes(log, before, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
+  if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
+    return BadInput("{}: {}; without the log the model is changed unjudged", log, trust.rate.sentence);
   auto judged_before = JudgeModel(before, *strokes, log);
   if (!judged_before) return tl::unexpected(judged_before.error());
   auto judged_next = JudgeModel(next, std::move(*strokes), log);

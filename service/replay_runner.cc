@@ -13,6 +13,7 @@
 #include "service/live/real_clock.h"
 #include "service/log_fingerprint.h"
 #include "service/log_pass.h"
+#include "service/log_trust.h"
 #include "service/model_edit.h"
 #include "service/press_monitor.h"
 #include "service/replay_report.h"
@@ -41,11 +42,12 @@ std::string StateLayout(const Pipeline& pipeline) {
 /// What the report shows of a log in detail.
 struct ReportCollector {
   ReportCollector(Pipeline& log, const Machine& machine)
-      : pipeline(log), overlays(log), strokes(machine, KeepSamples::kYes) {
-    pipeline.set_tap([this, tap = strokes.Tap()](const Stretch& stretch, const SpanEquations& equations) {
-      overlays.AddFlows(equations);
-      tap(stretch, equations);
-    });
+      : pipeline(log), overlays(log), strokes(machine, KeepSamples::kYes), tap(strokes.Tap()) {
+    pipeline.set_tap([this](const Stretch& s, const SpanEquations& equations) { AddStretch(s, equations); });
+  }
+  void AddStretch(const Stretch& stretch, const SpanEquations& equations) {
+    overlays.AddFlows(equations);
+    tap(stretch, equations);
   }
   void AddStroke(const StrokeRecord& record) {
     overlays.AddStroke(record);
@@ -55,6 +57,7 @@ struct ReportCollector {
   Pipeline& pipeline;
   StrokeOverlays overlays;
   StrokeCollector strokes;
+  Pipeline::EquationTap tap;
 };
 
 /// Takes effects, their values and history of the model promoted last for machine `id` over into `machine`,
@@ -257,13 +260,19 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
   std::optional<ReportCollector> collector;
+  FirstStrokes first(machine_);
   auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
     if (collector) collector->AddStroke(record);
+    first.AddStroke(record);
     batch.push_back(std::move(record));
   });
   if (!created) return tl::unexpected(created.error());
   Pipeline& pipeline = **created;
   if (!report_.empty()) collector.emplace(pipeline, machine_);
+  pipeline.set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
+    first.AddStretch(stretch, equations);
+    if (collector) collector->AddStretch(stretch, equations);
+  });
   const auto state = database_.PipelineStateBefore(replay.run.id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
@@ -284,6 +293,8 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   if (!pass) return tl::unexpected(pass.error());
   if (const Status stored = store(1); !stored) return stored;
   replay.summary = std::move(pass->summary);
+  replay.summary.warnings = first.Judge(pipeline).Warnings();
+  replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
   if (const Status finished =
           database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState());
       !finished)

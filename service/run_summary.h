@@ -21,6 +21,7 @@ struct RunSummary {
   std::map<std::string, std::map<std::string, std::int64_t>> flagged;
   std::vector<std::string> absent;   ///< optional signals the log does not have
   std::vector<LogFinding> findings;  ///< the first few
+  std::vector<std::string> warnings;  ///< what makes conclusions from this log doubtful (LogTrust)
   std::string stopped;               ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;

@@ -1,0 +1,59 @@
+#include "estimation/sampling_rate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "estimation/noisy_log.h"
+
+namespace hydroscope {
+namespace {
+
+using ::testing::HasSubstr;
+
+SamplingRate RateOf(const JudgedLog& log) {
+  const auto fit = FitBaseModel(*log.model, log.grams, log.window);
+  return JudgeSamplingRate(*log.model, log.strokes, log.window, fit->theta, log.Judge(), fit->noise_floor);
+}
+
+TEST(SamplingRate, IsEnoughFor500And250And100HzWhateverTheNoise) {
+  for (const int every : {1, 2, 5})
+    for (const double scale : {0.05, 1.0, 3.0}) {
+      const SamplingRate rate = RateOf(LogWith(1, WhiteNoise, scale, every));
+      EXPECT_TRUE(rate.fast_enough) << every << " " << scale << ": " << rate.sentence;
+      EXPECT_EQ(rate.sentence, "");
+    }
+}
+
+TEST(SamplingRate, IsEnoughAt500HzUnderNoiseThatAFilterHasPassed) {
+  for (const double phi : {0.5, 0.8, 0.95}) {
+    const SamplingRate rate = RateOf(LogWith(2, Filtered(phi), 0.5));
+    EXPECT_TRUE(rate.fast_enough) << phi << ": " << rate.sentence;
+  }
+}
+
+TEST(SamplingRate, IsTooLowAt20And10HzWhateverTheNoise) {
+  for (const int every : {25, 50})
+    for (const double scale : {0.1, 1.0})
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const SamplingRate rate = RateOf(LogWith(seed, WhiteNoise, scale, every));
+        EXPECT_FALSE(rate.fast_enough) << every << " " << scale << " " << rate.error / rate.output;
+        EXPECT_LE(rate.needed_period, 0.02);
+        EXPECT_GE(rate.needed_period, 0.001);
+        EXPECT_NEAR(rate.needed_rate_hz * rate.needed_period, 1, 1e-12);
+      }
+}
+
+TEST(SamplingRate, SaysWhatTheBalanceNeeds) {
+  const SamplingRate rate = RateOf(LogWith(4, WhiteNoise, 1.0, 50));
+  EXPECT_THAT(rate.sentence, HasSubstr("sampled too slowly for this: rows every 100 ms, this balance needs"));
+  EXPECT_THAT(rate.sentence, HasSubstr("l/min"));
+}
+
+TEST(SamplingRate, OfFewRowsIsNotJudged) {
+  JudgedLog log = LogWith(4, WhiteNoise, 1.0, 50);
+  const auto fit = FitBaseModel(*log.model, log.grams, log.window);
+  EXPECT_TRUE(JudgeSamplingRate(*log.model, {}, log.window, fit->theta, FloorTrust{}, 0).fast_enough);
+}
+
+}  // namespace
+}  // namespace hydroscope

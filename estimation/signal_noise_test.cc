@@ -1,0 +1,104 @@
+#include "estimation/signal_noise.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulator/random.h"
+
+namespace hydroscope {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kNoStated = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRowPeriod = 0.002;
+
+/// Twelve strokes of 1.6 s: a slow swing of the signal, with corners, and noise of variance 1 (AR(1), phi).
+std::vector<SignalRuns> Strokes(std::uint64_t seed, double phi, double swing = 300, int rows = 800) {
+  RandomStream random(seed);
+  std::vector<SignalRuns> strokes;
+  for (int s = 0; s < 12; ++s) {
+    std::vector<double> run;
+    double e = random.Normal(), level = 0;
+    const double begin = random.Uniform(0.2, 0.8) * rows, frequency = random.Uniform(1, 3);
+    for (int k = 0; k < rows; ++k) {
+      if (k > begin) level += 0.001 * swing;
+      run.push_back(level + swing * std::sin(frequency * k * kRowPeriod) + e);
+      e = phi * e + std::sqrt(1 - phi * phi) * random.Normal();
+    }
+    strokes.push_back({run});
+  }
+  return strokes;
+}
+
+SignalNoise Judged(const std::vector<SignalRuns>& strokes, double stated = kNoStated) {
+  return JudgeSignalNoise("p", "Pa", strokes, kRowPeriod, stated);
+}
+
+int Accused(double phi, int draws, double swing) {
+  int accused = 0;
+  for (int k = 0; k < draws; ++k)
+    accused += Judged(Strokes(static_cast<std::uint64_t>(k) + 1, phi, swing)).kind != NoiseKind::kWhite;
+  return accused;
+}
+
+TEST(SignalNoise, AccusesAtMostOneOf150WhiteSignals) {
+  for (const double swing : {0.0, 300.0, 3000.0}) EXPECT_LE(Accused(0, 50, swing), 0) << swing;
+}
+
+TEST(SignalNoise, SeesFilteredNoiseFromPhi02OnInNineOfTen) {
+  for (const double phi : {0.2, 0.3, 0.5, 0.8, 0.95}) EXPECT_GE(Accused(phi, 20, 300), 18) << phi;
+}
+
+TEST(SignalNoise, GivesTheNoiseWithItsBand) {
+  const SignalNoise noise = Judged(Strokes(7, 0));
+  EXPECT_NEAR(noise.std, 1, 0.04);
+  EXPECT_LT(noise.ratio_low, 1);
+  EXPECT_GT(noise.ratio_high, 1);
+  EXPECT_NEAR(noise.slope, 0, 0.2);
+  const SignalNoise filtered = Judged(Strokes(7, 0.8));
+  EXPECT_EQ(filtered.kind, NoiseKind::kColoured);
+  EXPECT_GT(filtered.slope, 1);
+  EXPECT_THAT(filtered.sentence, HasSubstr("noise of p is not white"));
+}
+
+TEST(SignalNoise, SeesReadingsThatRepeat) {
+  auto strokes = Strokes(3, 0, 30);
+  for (SignalRuns& stroke : strokes)
+    for (double& x : stroke[0]) x = 3 * std::round(x / 3);
+  const SignalNoise coarse = Judged(strokes);
+  EXPECT_EQ(coarse.kind, NoiseKind::kQuantised);
+  EXPECT_NEAR(coarse.quantum, 3, 1e-9);
+  strokes = Strokes(3, 0, 30);
+  for (SignalRuns& stroke : strokes)
+    for (std::size_t k = 1; k < stroke[0].size(); k += 2) stroke[0][k] = stroke[0][k - 1];
+  const SignalNoise held = Judged(strokes);
+  EXPECT_EQ(held.kind, NoiseKind::kColoured);
+  EXPECT_THAT(held.sentence, HasSubstr("updated less often than every 2 ms"));
+}
+
+TEST(SignalNoise, TellsMotionFromNoise) {
+  RandomStream random(5);
+  auto strokes = Strokes(5, 0, 0);
+  for (SignalRuns& stroke : strokes)
+    for (std::size_t k = 0; k < stroke[0].size(); ++k)
+      stroke[0][k] += 30 * std::sin(0.35 * static_cast<double>(k));
+  EXPECT_EQ(Judged(strokes).kind, NoiseKind::kSignalInContrast);
+}
+
+TEST(SignalNoise, HoldsItselfAgainstWhatIsStated) {
+  const auto strokes = Strokes(6, 0);
+  EXPECT_EQ(Judged(strokes, 1.0).kind, NoiseKind::kWhite);
+  EXPECT_EQ(Judged(strokes, 0.5).kind, NoiseKind::kSignalInContrast);
+  EXPECT_EQ(Judged(strokes, 2.0).kind, NoiseKind::kDisagreesWithStated);
+}
+
+TEST(SignalNoise, OfFewRowsIsNotKnown) {
+  EXPECT_EQ(Judged({}).kind, NoiseKind::kUnknown);
+  EXPECT_EQ(Judged({{{1, 2, 3}}, {{}}}).kind, NoiseKind::kUnknown);
+}
+
+}  // namespace
+}  // namespace hydroscope
