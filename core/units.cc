@@ -8,7 +8,7 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 41> kUnits = {{
+constexpr std::array<Named, 42> kUnits = {{
     {"1", {1, 0, "1"}},
     {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},
@@ -17,6 +17,7 @@ constexpr std::array<Named, 41> kUnits = {{
     {"ns", {1e-9, 0, "s"}},
     {"min", {60, 0, "s"}},
     {"h", {3600, 0, "s"}},
+    {"d", {86400, 0, "s"}},
     {"Pa", {1, 0, "Pa"}},
     {"kPa", {1e3, 0, "Pa"}},
     {"MPa", {1e6, 0, "Pa"}},

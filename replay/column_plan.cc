@@ -79,7 +79,7 @@ Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::str
   const auto unit = FindUnit(format.time_unit);
   if (!unit || unit->si != "s")
     return BadInput(
-        "log.time_unit = \"{}\" is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h'",
+        "log.time_unit = \"{}\" is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h', 'd'",
         format.time_unit);
   plan.time_scale = unit->scale;
   const auto column = layout.Find(format.time_column);

@@ -64,9 +64,40 @@ UnitGuess PressureBySize(double largest) {
   return {"bar", 1, 0, seen + "; taken as bar, it may be MPa or volts", false};
 }
 
-UnitGuess TimeBySize(const LogColumn& column) {
+/// Day numbers of a spreadsheet: 20000 is in 1954, 80000 in 2119; rows are at most minutes apart.
+bool IsDayNumber(const LogColumn& column) {
+  return column.low > 20'000 && column.high < 80'000 && column.step > 0 && column.step < 1e-3 &&
+         column.span() < 400;
+}
+
+/// The unit in which one stroke of the machine takes a plausible time: the nearest to some seconds.
+std::optional<UnitGuess> TimeByCycles(const LogColumn& column, double rows_per_cycle) {
+  constexpr double kShortest = 0.2, kLongest = 300, kUsual = 6;  // s, of a press stroke with its return
+  if (!(rows_per_cycle > 0)) return std::nullopt;
+  std::optional<UnitGuess> best;
+  double least = 0;
+  for (const char* name : {"s", "ms", "us"}) {
+    const double cycle = rows_per_cycle * column.step * FindUnit(name)->scale;
+    if (cycle < kShortest || cycle > kLongest) continue;
+    const double away = std::abs(std::log(cycle / kUsual));
+    if (best && away >= least) continue;
+    least = away;
+    best = UnitGuess{name, 1, 0,
+                     fmt::format("steps of {:.4g}; as {} a stroke with its return takes {:.3g} s",
+                                 column.step, name, cycle),
+                     true};
+  }
+  return best;
+}
+
+UnitGuess TimeBySize(const LogColumn& column, double rows_per_cycle) {
   const std::string seen = fmt::format("steps of {:.4g}", column.step);
   if (column.date) return {"s", 1, 0, "date or time of day"};
+  if (IsDayNumber(column))
+    return {"d", 1, 0,
+            fmt::format("numbers near {:.0f} with steps of {:.3g}: days of a spreadsheet", column.low,
+                        column.step)};
+  if (const auto guess = TimeByCycles(column, rows_per_cycle)) return *guess;
   if (column.step >= 200) return {"us", 1, 0, seen + ", which fits us", false};
   if (column.step >= 0.2) return {"ms", 1, 0, seen + ", which fits ms", column.step < 100};
   return {"s", 1, 0, seen + ", which fits s"};
@@ -95,6 +126,19 @@ UnitGuess CommandBySize(const LogColumn& column, const std::string& header, doub
   if (ratio > 0) return {"V", 10, 0, seen + "taken as -1 ... 1 of 10 V", false};
   if (largest > 15) return {"V", 0.1, 0, Size(column) + " taken as %, 100 % = 10 V", false};
   return {"V", 1, 0, Size(column) + " taken as V", largest > 1.05};
+}
+
+constexpr double kLoopLow = 3.6, kLoopHigh = 20.8;  ///< mA, NAMUR NE 43: a live 4 ... 20 mA signal
+/// Ranges that such transmitters usually have; the plate on the sensor knows.
+constexpr double kLoopPressure = 400, kLoopTravel = 500, kLoopTemperature = 100;  ///< bar, mm, K
+
+/// 4 ... 20 mA as 0 ... `range` of `unit`.
+UnitGuess CurrentLoop(const char* unit, double range, const std::string& seen) {
+  const double scale = range / 16;
+  return {unit, scale, -4 * scale,
+          fmt::format("{}: 4 ... 20 mA, taken as 0 ... {:g} {}, a guess: write the range of the sensor", seen,
+                      range, unit),
+          false};
 }
 
 UnitGuess PositionBySize(const LogColumn& column) {
@@ -205,16 +249,176 @@ void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>
     roles.push_back({*smoothest, Role::kPosition, "the smoothest of the remaining columns", false});
 }
 
+/// A column's change over some rows, for its motion apart from noise.
+std::vector<double> Motion(const LogColumn& column, std::size_t lag) {
+  std::vector<double> out(column.value.size(), std::nan(""));
+  for (std::size_t i = lag; i + lag < column.value.size(); ++i)
+    out[i] = column.value[i + lag] - column.value[i - lag];
+  return out;
+}
+
+double CorrelationOf(const std::vector<double>& a, const std::vector<double>& b) {
+  double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+    n += 1, sa += a[i], sb += b[i], saa += a[i] * a[i], sbb += b[i] * b[i], sab += a[i] * b[i];
+  }
+  const double variance = (n * saa - sa * sa) * (n * sbb - sb * sb);
+  return variance > 0 ? (n * sab - sa * sb) / std::sqrt(variance) : 0;
+}
+
+/// Columns whose names say nothing ("AI_0"), in a machine that has not been recognised by names: the position
+/// is the smooth one that goes to and fro, the spool follows its speed with both signs, the command runs with
+/// the spool, the pressure of chamber A is the one without negative readings that goes with the stroke. All
+/// are guesses.
+class Anonymous {
+ public:
+  Anonymous(const LogColumns& head, std::vector<ColumnRole>& roles) : head_(head), roles_(roles) {}
+
+  void Guess() {
+    if (Taken(roles_, Role::kPressureA) && Taken(roles_, Role::kPosition) && Taken(roles_, Role::kSpool))
+      return;
+    if (!GuessPosition()) return;
+    GuessSpool();
+    GuessPressure();
+    GuessRest();
+  }
+
+ private:
+  static constexpr std::size_t kLag = 5;  ///< rows each way over which a motion is taken
+  static constexpr double kSmooth = 0.12, kGoesWith = 0.35, kRunsWith = 0.9;
+
+  bool Free(std::size_t i) const {
+    const LogColumn& c = head_.columns[i];
+    return !Used(roles_, i) && c.numeric() && c.span() > 0 && !c.rising && !c.date;
+  }
+  void Give(std::size_t column, Role role, const std::string& why) {
+    if (!Taken(roles_, role)) roles_.push_back({column, role, "guessed: " + why, false});
+  }
+  /// Number of times the column comes back to the middle of its range: a drift does not.
+  static bool GoesToAndFro(const LogColumn& column) {
+    int crossings = 0;
+    bool above = false, first = true;
+    const double low = column.low + 0.3 * column.span(), high = column.low + 0.7 * column.span();
+    for (const double x : column.value) {
+      if (!(x < low) && !(x > high)) continue;
+      crossings += !first && above != (x > high);
+      above = x > high;
+      first = false;
+    }
+    return crossings >= 4;
+  }
+
+  bool GuessPosition() {
+    std::optional<std::size_t> best;
+    for (const ColumnRole& role : roles_)
+      if (role.role == Role::kPosition) best = role.column;
+    for (std::size_t i = 0; !Taken(roles_, Role::kPosition) && i < head_.columns.size(); ++i)
+      if (Free(i) && head_.columns[i].roughness < kSmooth && GoesToAndFro(head_.columns[i]) &&
+          (!best || head_.columns[i].roughness < head_.columns[*best].roughness))
+        best = i;
+    if (!best) return false;
+    Give(*best, Role::kPosition, "the smoothest column that goes to and fro");
+    speed_ = Motion(head_.columns[*best], kLag);
+    return true;
+  }
+  void GuessSpool() {
+    if (Taken(roles_, Role::kSpool)) return;
+    std::optional<std::size_t> best;
+    double most = kGoesWith;
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      const LogColumn& c = head_.columns[i];
+      const bool both_signs = c.low < -0.02 * c.span() && c.high > 0.02 * c.span();
+      const double with = Free(i) && both_signs ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+      if (with <= most) continue;
+      most = with;
+      best = i;
+    }
+    if (!best) return;
+    std::size_t spool = *best;
+    // Spool and command run together; the command is in volts, ten times the spool's numbers.
+    for (std::size_t k = 0; k < head_.columns.size(); ++k) {
+      if (k == *best || !Free(k) || std::abs(Correlation(head_.columns[*best], head_.columns[k])) < kRunsWith)
+        continue;
+      const bool larger = head_.columns[k].span() > head_.columns[*best].span();
+      spool = larger ? *best : k;
+      Give(larger ? k : *best, Role::kValveCommand, fmt::format("runs with {}", head_.columns[spool].name));
+      break;
+    }
+    Give(spool, Role::kSpool, "both signs, goes with the speed of the position");
+  }
+  void GuessPressure() {
+    if (Taken(roles_, Role::kPressureA)) return;
+    std::optional<std::size_t> best;
+    double most = kGoesWith;
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      const LogColumn& c = head_.columns[i];
+      const double with = Free(i) && c.low > -0.05 * c.high ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+      if (with <= most) continue;
+      most = with;
+      best = i;
+    }
+    if (best) Give(*best, Role::kPressureA, "never negative, goes with the stroke");
+  }
+  /// Of what is left, drifting slowly within 12 ... 95: oil temperature; the highest that stands: supply.
+  void GuessRest() {
+    if (!Taken(roles_, Role::kPressureA)) return;
+    std::optional<std::size_t> highest, other;
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      if (!Free(i)) continue;
+      const LogColumn& c = head_.columns[i];
+      if (c.roughness < 0.5 && c.low > 12 && c.high < 95 && c.span() < 25) {
+        Give(i, Role::kOilTemperature, "drifts slowly within 12 ... 95");
+        continue;
+      }
+      if (c.low <= 0) continue;
+      if (!highest || c.low > head_.columns[*highest].low) {
+        other = highest ? highest : other;
+        highest = i;
+      } else {
+        other = i;
+      }
+    }
+    const LogColumn* pressure = ColumnWith(Role::kPressureA);
+    if (highest && pressure != nullptr && head_.columns[*highest].high > 0.8 * pressure->high)
+      Give(*highest, Role::kSupplyPressure, "high and steady, of the size of the pressure in A");
+    else
+      other = highest;
+    if (other && pressure != nullptr && head_.columns[*other].high < 1.5 * pressure->high)
+      Give(*other, Role::kPressureB, "positive, of the size of the pressure in A");
+  }
+  const LogColumn* ColumnWith(Role role) const {
+    for (const ColumnRole& found : roles_)
+      if (found.role == role) return &head_.columns[found.column];
+    return nullptr;
+  }
+
+  const LogColumns& head_;
+  std::vector<ColumnRole>& roles_;
+  std::vector<double> speed_;
+};
+
 }  // namespace
 
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
-  const std::string header = KnownSpelling(column.unit);
+  const bool named = column.unit.empty() && !UnitInName(column.name).empty();
+  const std::string header = named ? UnitInName(column.name) : KnownSpelling(column.unit);
   if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date)
-    return {header, 1, 0, "unit in the header", true};
+    return {header, 1, 0, named ? "unit in the name" : "unit in the header", true};
+  const bool milliamperes = header == "mA";
+  const std::string current = milliamperes ? "mA in the header or name" : Size(column);
+  const bool loop = milliamperes || (header.empty() && sizes.current_loop && column.low >= kLoopLow &&
+                                     column.high <= kLoopHigh);
+  if (IsPressure(role) && loop) return CurrentLoop("bar", kLoopPressure, current);
+  if ((role == Role::kPosition || role == Role::kPositionCommand) && loop)
+    return CurrentLoop("mm", kLoopTravel, current);
+  if (role == Role::kOilTemperature && loop) return CurrentLoop("degC", kLoopTemperature, current);
+  if (role == Role::kSpool && loop) return SpoolBySize(column, "mA");
+  if (role == Role::kValveCommand && loop) return CommandBySize(column, "mA", sizes.spool_span);
   if (IsPressure(role)) return PressureBySize(sizes.largest_pressure);
   switch (role) {
     case Role::kTime:
-      return TimeBySize(column);
+      return TimeBySize(column, sizes.rows_per_cycle);
     case Role::kSpool:
       return SpoolBySize(column, header);
     case Role::kValveCommand:
@@ -230,8 +434,44 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
   }
 }
 
+namespace {
+
+/// Rows from one rise through the middle of a column's range to the next, after it was low in between; 0 if
+/// there are fewer than three.
+double RowsPerCycle(const LogColumn& column) {
+  const double low = column.low + 0.25 * column.span(), high = column.low + 0.75 * column.span();
+  std::vector<double> rises;
+  bool was_low = false;
+  for (std::size_t i = 0; i < column.value.size(); ++i) {
+    if (column.value[i] < low) was_low = true;
+    if (!was_low || !(column.value[i] > high)) continue;
+    rises.push_back(static_cast<double>(i));
+    was_low = false;
+  }
+  if (rises.size() < 3) return 0;
+  return (rises.back() - rises.front()) / static_cast<double>(rises.size() - 1);
+}
+
+const LogColumn* ColumnOf(const LogColumns& head, const std::vector<ColumnRole>& roles, Role role) {
+  for (const ColumnRole& found : roles)
+    if (found.role == role) return &head.columns[found.column];
+  return nullptr;
+}
+
+}  // namespace
+
 SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles) {
   SharedSizes sizes;
+  const LogColumn* pressure = ColumnOf(head, roles, Role::kPressureA);
+  const LogColumn* position = ColumnOf(head, roles, Role::kPosition);
+  if (pressure != nullptr && position != nullptr) sizes.rows_per_cycle = RowsPerCycle(*position);
+  // A cushion is relieved between strokes: 4 mA and a little. Pressures in MPa fall below that.
+  sizes.current_loop =
+      pressure != nullptr && pressure->low >= kLoopLow && pressure->low < 8 && pressure->high > 8;
+  for (const ColumnRole& found : roles)
+    if (IsPressure(found.role))
+      sizes.current_loop = sizes.current_loop && head.columns[found.column].low >= kLoopLow &&
+                           head.columns[found.column].high <= kLoopHigh;
   for (const ColumnRole& found : roles) {
     const LogColumn& column = head.columns[found.column];
     if (IsPressure(found.role)) sizes.largest_pressure = std::max(sizes.largest_pressure, column.high);
@@ -248,6 +488,7 @@ std::vector<ColumnRole> AssignRoles(const LogColumns& head) {
   TimeByBehaviour(head, roles);
   PressuresByBehaviour(head, roles);
   ValveAndPositionByBehaviour(head, roles);
+  Anonymous(head, roles).Guess();
   return roles;
 }
 

@@ -30,6 +30,10 @@ const char* SignalNameOf(Role role);
 /// the name says nothing.
 std::optional<Role> RoleByName(const std::string& name);
 
+/// Unit at the end of a column's name, as the machine file writes it: "bar" of "pA_bar", "mm" of "s_mm", "ms" of "t_ms";
+/// "" if there is none. Single letters only where the rest of the name says what they are: "y_v" is no volt.
+std::string UnitInName(const std::string& name);
+
 /// How raw numbers become SI, with the reason.
 struct UnitGuess {
   std::string unit;
@@ -42,6 +46,8 @@ struct UnitGuess {
 struct SharedSizes {
   double largest_pressure = 0;  ///< largest raw reading of all pressure columns: they share one unit
   double spool_span = 0;        ///< how far the spool moves, 1 = from null to fully open; 0 = no spool
+  bool current_loop = false;    ///< all pressures lie within 4 ... 20: mA of transmitters, not pressures
+  double rows_per_cycle = 0;    ///< of the machine's strokes, by the pressure or the position; 0 = not seen
 };
 /// Unit of a column in its role, from the header or by the size of its numbers.
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);

@@ -118,9 +118,50 @@ std::optional<Role> PressureRole(const std::string& text, const std::string& squ
   return Role::kPressure;
 }
 
+/// "mm" for "mm", "Bar" for "bar", "degC" for "C"; "" for what is no unit at the end of a name.
+std::string UnitWord(const std::string& word) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kWords = {
+      {{"bar", "bar"},      {"mbar", "mbar"}, {"pa", "Pa"},     {"kpa", "kPa"},   {"mpa", "MPa"},
+       {"psi", "psi"},      {"mm", "mm"},     {"cm", "cm"},     {"um", "um"},     {"ms", "ms"},
+       {"us", "us"},        {"sec", "s"},     {"sek", "s"},     {"ma", "mA"},     {"mv", "mV"},
+       {"volt", "V"},       {"pct", "%"},     {"percent", "%"}, {"degc", "degC"}, {"kn", "kN"},
+       {"celsius", "degC"}, {"proz", "%"}}};
+  for (const auto& [spelling, unit] : kWords)
+    if (word == spelling) return std::string(unit);
+  return "";
+}
+
+/// The name without its last word.
+std::string Stem(const std::string& text) {
+  const std::string last = LastWord(text);
+  if (last.empty()) return text;
+  return text.substr(0, text.rfind(last));
+}
+
 }  // namespace
 
+std::string UnitInName(const std::string& name) {
+  const std::string text = Plain(name), last = LastWord(text);
+  if (last.empty()) return name.size() > 1 && name.back() == '%' ? "%" : "";
+  if (const std::string unit = UnitWord(last); !unit.empty()) {
+    // "p_pa" is the pressure of a chamber as often as a pressure in Pa: only after a name of its own.
+    const std::string stem = Squeezed(Stem(text));
+    return unit == "Pa" && stem.size() < 2 ? "" : unit;
+  }
+  const std::string stem = Squeezed(Stem(text));
+  const bool time = stem == "t" || Has(stem, {"zeit", "time"});
+  if (last == "s" && time) return "s";
+  if (last == "d" && time) return "d";
+  if (last == "c" && Has(stem, {"temp", "oil", "oel"})) return "degC";
+  if (last == "k" && Has(stem, {"temp", "oil", "oel"})) return "K";
+  if (last == "n" && (stem == "f" || Has(stem, {"kraft", "force"}))) return "N";
+  if (last == "m" && (stem == "z" || stem == "x" || Has(stem, {"pos", "weg", "hub"}))) return "m";
+  return "";
+}
+
 std::optional<Role> RoleByName(const std::string& name) {
+  if (!UnitInName(name).empty() && name.back() != '%')
+    if (const auto role = RoleByName(name.substr(0, name.find_last_of(" _-.")))) return role;
   const std::string text = Plain(name);
   const std::string squeezed = Squeezed(text);
   for (const ExactName& exact : kExactNames)

@@ -58,7 +58,7 @@ class Proposer {
       return;
     }
     const LogColumn& column = head_.columns[time->column];
-    const UnitGuess guess = GuessUnit(Role::kTime, column, {});
+    const UnitGuess guess = GuessUnit(Role::kTime, column, FindSharedSizes(head_, roles_));
     machine().log.time_column = column.reference;
     machine().log.time_unit = guess.unit;
     seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
@@ -202,8 +202,24 @@ class Proposer {
            std::find(others_.begin(), others_.end(), column) != others_.end();
   }
   void ListUnused() {
-    for (std::size_t i = 0; i < head_.columns.size(); ++i)
-      if (!IsUsed(i)) result_.unused.push_back(head_.columns[i].name);
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      if (IsUsed(i)) continue;
+      const LogColumn& column = head_.columns[i];
+      result_.unused.push_back(column.name);
+      if (column.numeric() && !column.date && !RoleByName(column.name))
+        result_.decided.push_back(
+            fmt::format("column {} is not used; it looks like: {}", column.name, Look(column)));
+    }
+  }
+  /// What a column looks like, for a person to recognise it.
+  static std::string Look(const LogColumn& column) {
+    std::string text = fmt::format("{:.4g} ... {:.4g}", column.low, column.high);
+    if (!(column.span() > 0)) return text + ", never changes";
+    if (column.rising) return text + fmt::format(", rises in every row by {:.4g}", column.step);
+    text += column.roughness < 0.12 ? ", smooth"
+            : column.roughness > 1  ? ", noise about a level"
+                                    : ", moves and is noisy";
+    return text + (column.repeated > kRepeating ? ", often repeats a reading" : "");
   }
 
   void WriteNotes() {

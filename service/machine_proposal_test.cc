@@ -259,6 +259,72 @@ TEST(MachineProposal, SaysWhenTheLogIsTooSlow) {
   EXPECT_THAT(Propose(text).open, Contains(HasSubstr("10 rows per second")));
 }
 
+TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {
+  const MachineProposal proposal = Propose(PressLog("Zeit,p_A,z,y_v\n", [](const PressRow& r) {
+    return fmt::format("{:.11f},{:.0f},{:.6f},{:.6f}", 45123.5 + r.t / 86400, r.p_A, r.z, r.y_v);
+  }));
+  EXPECT_EQ(proposal.machine.log.time_unit, "d");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TakesUnitsFromTheEndOfNames) {
+  const MachineProposal proposal =
+      Propose(PressLog("t_ms,pA_bar,pB_bar,p0_bar,s_mm,y_v,U_v,T_oil_C\n", [](const PressRow& r) {
+        return fmt::format("{:.0f},{:.3f},{:.3f},{:.3f},{:.4f},{:.6f},{:.5f},{:.2f}", r.t * 1e3, r.p_A / 1e5,
+                           r.p_B / 1e5, r.p_0 / 1e5, r.z * 1e3, r.y_v, r.U_v, r.T_oil - 273.15);
+      }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "t_ms ms");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "pA_bar bar");
+  EXPECT_EQ(ColumnOf(m, "p_B"), "pB_bar bar");
+  EXPECT_EQ(ColumnOf(m, "z"), "s_mm mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "y_v 1") << "no volt";
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "T_oil_C degC");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TakesCurrentLoopsForAGuess) {
+  const auto loop = [](double share) { return 4 + 16 * share; };
+  const MachineProposal proposal = Propose(PressLog("t,p_A [mA],z [mA],y_v\n", [&](const PressRow& r) {
+    return fmt::format("{:.4f},{:.5f},{:.6f},{:.6f}", r.t, loop(r.p_A / 400e5), loop(r.z / 0.5), r.y_v);
+  }));
+  EXPECT_EQ(proposal.machine.model, "die_cushion");
+  for (const ProposedColumn& column : proposal.columns) {
+    if (column.signal != "p_A" && column.signal != "z") continue;
+    EXPECT_FALSE(column.sure) << column.signal;
+    EXPECT_THAT(column.why, HasSubstr("4 ... 20 mA")) << column.signal;
+  }
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, GuessesColumnsWithoutTellingNamesAndSaysSo) {
+  const MachineProposal proposal = Propose(PressLog("Time,AI_0,AI_1,AI_2,AI_3,AI_4\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.3f},{:.4f},{:.5f},{:.3f},{:.4f}", r.t, r.p_0 / 1e5, r.z * 1e3, r.y_v,
+                       r.p_A / 1e5, r.U_v);
+  }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.model, "die_cushion");
+  EXPECT_EQ(ColumnOf(m, "z"), "AI_1 mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "AI_2 1");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "AI_3 bar");
+  for (const ProposedColumn& column : proposal.columns) {
+    const bool guessed = column.signal == "z" || column.signal == "y_v" || column.signal == "p_A";
+    EXPECT_FALSE(guessed && column.sure) << column.signal;
+  }
+}
+
+TEST(MachineProposal, TellsSlowRowsInSecondsFromFastOnesInMilliseconds) {
+  for (const int rate : {5, 1}) {
+    std::string text = "t,p_A,z,y_v\n";
+    for (int i = 0; i < 600; ++i) {
+      const double t = i / static_cast<double>(rate), phase = std::fmod(t, 12.0);
+      text += fmt::format("{:.2f},{:.0f},{:.5f},{:.3f}\n", t, phase < 6 ? 180e5 : 20e5,
+                          phase < 6 ? 0.2 - 0.02 * phase : 0.08 + 0.02 * (phase - 6), phase < 6 ? 0.3 : -0.3);
+    }
+    EXPECT_EQ(Propose(text).machine.log.time_unit, "s") << rate;
+  }
+}
+
 TEST(ColumnNames, AreUnderstoodInEnglishAndGerman) {
   const std::vector<std::pair<std::string, Role>> names = {{"Time", Role::kTime},
                                                            {"Zeit [s]", Role::kTime},
