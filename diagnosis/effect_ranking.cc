@@ -30,11 +30,12 @@ bool Uses(const CandidateModel& model, int effect) {
                      [&](const auto& c) { return c.effect == effect; });
 }
 
+/// Best first; of gains that are the same but for less than a noise variance the library's order decides.
 void BestFirst(std::vector<RankedEffect>& ranking) {
   std::stable_sort(ranking.begin(), ranking.end(), [](const RankedEffect& a, const RankedEffect& b) {
     if (a.fit.solved != b.fit.solved) return a.fit.solved;
     if (a.lawful != b.lawful) return a.lawful;
-    return a.gain > b.gain;
+    return std::round(a.gain) > std::round(b.gain);
   });
 }
 
@@ -87,6 +88,10 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
   ranked.effect = index;
   ranked.id = effect.id;
   ranked.why_not = "the signals it needs have no usable samples in these strokes";
+  if (const auto why = options_.untestable.find(effect.id); why != options_.untestable.end()) {
+    ranked.why_not = why->second;
+    return ranked;
+  }
   const double degrees = strokes_.strokes() - 1.0;
   bool forbidden = false, separable = false;
   for (const int shape : ShapesFor(strokes_.model(), index, on.choices)) {
@@ -120,6 +125,8 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
             ? "it would fit only with a sign or size that physics forbids, and even a large one would hide "
               "in the other parameters"
             : "these strokes excite it too little: even a large one would hide in the other parameters";
+  else if (strokes_.model().effect_shapes[index].empty())
+    ranked.why_not = "nothing like it was found in what the model leaves";
   else if (strokes_.Measured({index, 0}))
     ranked.why_not = "these strokes cannot tell it from the parameters of the model";
   return ranked;

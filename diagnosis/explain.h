@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct ExplainOptions {
   int max_effects = 2;      ///< effects hidden at once that are looked for
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
+  std::map<std::string, std::string> untestable;  ///< ids that these strokes cannot test, and why
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
   /// function of the measured signals can predict on strokes left out (diagnosis/predictability.h).

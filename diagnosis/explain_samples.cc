@@ -9,6 +9,9 @@
 #include "diagnosis/generic_laws.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/odd_strokes.h"
+#include "diagnosis/residuals.h"
+#include "diagnosis/testability.h"
+#include "diagnosis/tone_search.h"
 
 namespace hydroscope {
 namespace {
@@ -58,15 +61,28 @@ void DropGrid(ModelStructure& model) {
   }
 }
 
+/// The model with effects that no grid holds, if what an explanation leaves shows one; else nothing.
+std::shared_ptr<const ModelStructure> WithSearchedEffects(const Explanation& found,
+                                                          std::span<const StrokeStretches> strokes,
+                                                          const ExplainOptions& options) {
+  const bool open = found.verdict == Verdict::kUnknown || found.partial || !options.floor_believable;
+  if (!open || !found.final.solved) return nullptr;
+  auto wider = std::make_shared<ModelStructure>(*found.model);
+  const bool any = AddSearchedShapes(*wider, strokes, ColumnWeights(*wider, found.final));
+  return any ? wider : nullptr;
+}
+
 /// The chain with shapes refined on the samples, its noise as ExplainOptions::noise_scale says.
 Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                           const ExplainOptions& options) {
+                           const ExplainOptions& asked) {
+  ExplainOptions options = asked;
   const auto set_of = [&](std::shared_ptr<const ModelStructure> of) {
     auto grams = GramsOf(of, strokes, window);
     return StrokeSet(std::move(of), grams, window, options.noise_scale);
   };
   auto with_laws = std::make_shared<ModelStructure>(*model);
+  AddSampleEffects(*with_laws);
   AddGenericLaws(*with_laws);
   if (!options.start.empty()) {
     const CandidateModel start = StartModel(set_of(with_laws), options.start);
@@ -74,9 +90,14 @@ Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
     DropGrid(*with_laws);
   }
   model = with_laws;
+  AddUntestable(*with_laws, strokes, options.untestable);
   ExplainOptions first_look = options;
   first_look.second_t = kFirstLookT;
   Explanation out = Explain(set_of(model), first_look);
+  if (const auto wider = WithSearchedEffects(out, strokes, options)) {
+    model = wider;
+    out = Explain(set_of(model), first_look);
+  }
   for (int round = 0; round < kRounds; ++round) {
     auto refined = std::make_shared<ModelStructure>(*model);
     const int columns = refined->column_count();

@@ -62,7 +62,7 @@ class SampleBalance {
   double Evaluate(const Stretch& measured, int k, double next, bool keep) {
     pair_.channel[kPressureA][1] = next;
     model_.derive_channels(pair_);
-    for (int channel : {kSpeed, kAcceleration, kPressureRate})
+    for (int channel : {kSpeed, kAcceleration, kPressureRate, kTime})
       for (int i = 0; i < 2; ++i) pair_.channel[channel][i] = measured[channel][k + i];
     double sum = 0;
     for (Term& term : terms_) {

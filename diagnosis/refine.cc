@@ -258,6 +258,7 @@ EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> s
                        const WindowSamples& window, std::span<const EffectChoice> others,
                        const EffectChoice& start) {
   const Effect& effect = *model.effects[start.effect];
+  if (effect.grid.empty()) return start;  // its values were searched for, not a grid's
   const ShapeTrial trial(model, strokes, window, others, start.effect);
   std::vector<double> best = model.effect_shapes[start.effect][start.shape].nonlinear;
   if (effect.implied) best = {SolveImplied(trial, model, effect, best[0])};

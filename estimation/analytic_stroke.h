@@ -78,6 +78,7 @@ inline Stretch SampleStroke(const ModelStructure& model, AnalyticStroke& stroke,
   Stretch s;
   s.samples = samples;
   s.period = period;
+  s.begin = stroke.time();
   s.channel.assign(model.channel_names.size(), std::vector<double>(samples));
   for (int k = 0; k < samples; ++k) {
     if (k > 0) stroke.Advance(period);
@@ -97,6 +98,7 @@ inline Stretch PartOf(const Stretch& whole, int from, int count, bool continues)
   Stretch part = whole;
   part.samples = count;
   part.continues = continues;
+  part.begin = whole.begin + from * whole.period;
   for (std::size_t c = 0; c < whole.channel.size(); ++c)
     part.channel[c].assign(whole.channel[c].begin() + from, whole.channel[c].begin() + from + count);
   return part;

@@ -245,6 +245,8 @@ void StrokeSegmenter::Emit() {
   const int blocks_after = std::clamp(pending_ - next_block_, 0, kBeyond);
   CopyBlocks(next_block_, blocks_after, stretch_.samples);
   stretch_.after = blocks_after * window_.block;
+  if (!first_begin_) first_begin_ = stretch_begin_;
+  stretch_.begin = stretch_begin_ - *first_begin_ - (stretch_.continues ? window_.period : 0.0);
   sink_.on_stretch(stretch_, stretch_begin_);
   // The next one begins with the last sample of this one.
   const int last = stretch_.before + stretch_.samples - 1;

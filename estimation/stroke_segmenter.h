@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -98,6 +99,7 @@ class StrokeSegmenter {
   int stretch_blocks_ = 0;
   int next_block_ = 0;  ///< block of the ring that follows the stretch, while there is one
   double stretch_begin_ = 0;
+  std::optional<double> first_begin_;  ///< s, of the first stretch: the origin of Stretch::begin
   bool in_stroke_ = false;
   std::uint32_t direction_ = 0, stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
   double last_gated_ = 0, closed_for_ = 0;

@@ -59,6 +59,7 @@ void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
   rate(kSpeed, Ends::kHold, kAcceleration);
   // A regressor of the signal delays: smeared pressure steps would make them come out large, noise small.
   SharpRate(s[kPressureA] - s.before, known, half, s.period, s[kPressureRate] - s.before);
+  for (int k = -s.before; k < s.samples + s.after; ++k) s[kTime][k] = s.begin + k * s.period;
   FillLogarithms(s);
 }
 
@@ -158,7 +159,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   model->output_unit = "m3/s";
   model->channel_names = {"p_A",     "z",           "y_v",    "p_B",          "p_0",
                           "T_oil",   "flow_root",   "speed",  "acceleration", "pressure_rate",
-                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|"};
+                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|",      "time"};
   for (int c = 0; c < kMeasuredChannels; ++c)
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
@@ -174,7 +175,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   geometry.piston_area = area->value;
   geometry.tank_pressure = machine.Geometry("p_t").value_or(KnownValue{}).value;
   geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{0.2, 0}).value;
-  static_assert(kDieCushionChannels == 13);
+  static_assert(kDieCushionChannels == 14);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
     DeriveChannels(tank, has_supply, s);
@@ -184,7 +185,11 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
   };
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
-  AddLibrary(DieCushionEffects(geometry), *model);
+  std::vector<std::shared_ptr<const Effect>> stored;
+  for (auto& effect : DieCushionEffects(geometry))
+    (effect->needs_samples ? model->sample_effects : stored).push_back(std::move(effect));
+  AddLibrary(std::move(stored), *model);
+  if (!machine.added_effects.empty()) AddSampleEffects(*model, machine.added_effects);
   // Own effects are flows out of chamber A, as leaks are.
   if (const Status added = AddUserEffects(machine, -1.0, *model); !added)
     return tl::unexpected(added.error());

@@ -24,6 +24,7 @@ enum DieCushionChannel {
   kLogPressure,     ///< ln of p_A in Pa, at least 1 Pa
   kLogAbsolute,     ///< ln of p_A above vacuum in atm, at least 1 atm
   kLogOpening,      ///< ln |y_v|, openings below 0.1 % counting as 0.1 %
+  kTime,            ///< s, as Stretch::begin counts it
   kDieCushionChannels
 };
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,12 +60,27 @@ struct Effect {
   std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
   std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
   std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
+  /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
+  /// can, see ProposeExperiment.
+  std::string told_apart_by;
+  /// What it lets move over time, "K" or "the zero of the sensor": its size is then a rate, of `drifts_by` (SI) per second,
+  /// or relative if that is "". Empty: nothing.
+  std::string drifting, drifts_by;
   std::vector<int> channels; ///< DieCushionChannel needed beyond the base model's
   bool walks = false;        ///< Column::walks of its columns
   /// The effect at values of `nonlinear`, in their order.
   std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
   /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.
   std::vector<std::vector<double>> grid = {{}};
+  /// Its columns are in no stored Gram: it is tried where samples are at hand (AddSampleEffects).
+  bool needs_samples = false;
+  /// Its law lives on a signal that must move: below this span over the strokes, in SI of the channel, even a size of several
+  /// times the typical one would change less than what drifts by itself. Such strokes cannot test it.
+  struct LeastSpan {
+    int channel = 0;
+    double span = 0;
+  };
+  std::optional<LeastSpan> least_span;
 };
 
 /// Geometry the effects need.
@@ -81,6 +97,10 @@ int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlin
 
 /// Appends every effect whose channels the machine measures, with the shapes of its grid.
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model);
+
+/// Appends the effects of ModelStructure::sample_effects that the model does not have yet, with the shapes of their grids.
+/// Only those of `ids`, if it is not empty.
+void AddSampleEffects(ModelStructure& model, const std::vector<std::string>& ids = {});
 
 /// All effects of the die cushion, built for one machine, in fixed order.
 std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry);

@@ -19,6 +19,14 @@ std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeomet
                     OilViscosity, PressureOffset, SpoolSignalDelay, PressureSignalDelay, PositionSignalDelay,
                     PositionDependentLeakage, LineInertance})
     library.push_back(std::make_shared<const Effect>(make(geometry)));
+  for (auto make :
+       {ReturnLineResistance, TankPressure, LaminarEdge, PressureDependentBulkModulus, LeakageTemperature,
+        PressureGain, PressureOffsetDrift, PressureSignalLag, SpoolSignalLag, PositionSignalLag, SignalLag,
+        PeriodicDisturbance, BulkModulusDrift, DeadVolumeDrift, FlowGainDrift, SpoolNullDrift}) {
+    Effect effect = make(geometry);
+    effect.needs_samples = true;
+    library.push_back(std::make_shared<const Effect>(std::move(effect)));
+  }
   return library;
 }
 
@@ -69,6 +77,16 @@ void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructu
     for (const std::vector<double>& nonlinear : model.effects.back()->grid)
       AddShape(model, static_cast<int>(model.effects.size()) - 1, nonlinear);
   }
+}
+
+void AddSampleEffects(ModelStructure& model, const std::vector<std::string>& ids) {
+  std::vector<std::shared_ptr<const Effect>> missing;
+  for (const auto& effect : model.sample_effects) {
+    const auto same = [&](const auto& other) { return other->id == effect->id; };
+    if (std::any_of(model.effects.begin(), model.effects.end(), same)) continue;
+    if (ids.empty() || std::find(ids.begin(), ids.end(), effect->id) != ids.end()) missing.push_back(effect);
+  }
+  AddLibrary(std::move(missing), model);
 }
 
 }  // namespace hydroscope

@@ -77,6 +77,7 @@ struct ModelStructure {
   std::vector<int> channel_source;        ///< machine signal index of each measured channel, -1 = not measured; or kDerivedChannel
   std::vector<std::shared_ptr<const Effect>> effects;  ///< library effects whose columns are in `columns`
   std::vector<std::vector<EffectShape>> effect_shapes;     ///< shapes of each of `effects`
+  std::vector<std::shared_ptr<const Effect>> sample_effects;  ///< Effect::needs_samples: see AddSampleEffects
   double piston_area = 0.0;               ///< m^2, die cushion
   std::string output_unit;                ///< SI unit of the flow form, "m3/s"
   /// The balance has no derivative with respect to time: columns fill values (one per sample) in place of increments,

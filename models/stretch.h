@@ -14,6 +14,7 @@ struct Stretch {
   int samples = 0;
   int before = 0, after = 0;                  ///< samples known beyond the ends, good or not gated but contiguous
   double period = 0.0;                        ///< s between samples
+  double begin = 0.0;                         ///< s, time of sample 0, from an origin that all stretches of a recording share
   bool continues = false;                     ///< sample 0 is the last sample of the stretch before
   bool scattered = false;                     ///< samples from here and there, for their noise: nothing moves between them
   std::vector<std::vector<double>> channel;   ///< [channel][before + sample]

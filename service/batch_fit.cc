@@ -22,6 +22,23 @@ void Add(const StrokeCounters& more, StrokeCounters& sum) {
 
 }  // namespace
 
+namespace {
+
+/// s, from the origin of Stretch::begin to the end of the last stretch.
+double LastTime(const LogStrokes& log) {
+  double last = 0;
+  for (const StrokeStretches& stroke : log.stretches)
+    for (const Stretch& s : stroke) last = std::max(last, s.begin + s.samples * s.period);
+  return last;
+}
+
+void MoveTime(LogStrokes& log, double by) {
+  for (StrokeStretches& stroke : log.stretches)
+    for (Stretch& s : stroke) s.begin += by;
+}
+
+}  // namespace
+
 std::vector<StrokeGram> LogStrokes::Grams() const {
   std::vector<StrokeGram> grams;
   for (const StrokeRecord& stroke : strokes) grams.push_back(stroke.gram);
@@ -109,6 +126,7 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
           period, logs.front(), first);
     // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
     if (all->stretches.size() < all->strokes.size()) next->stretches.clear();
+    MoveTime(*next, LastTime(*all));
     const auto offset = static_cast<std::int64_t>(all->strokes.size());
     for (StrokeRecord& stroke : next->strokes) {
       stroke.summary.index += offset;

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
+#include "diagnosis/testability.h"
+#include "models/die_cushion.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -53,7 +56,25 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
   return options;
 }
 
-Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& options) {
+namespace {
+
+/// Effects whose law lives on an oil temperature that hardly moved.
+void AddUntestable(const StrokeHistory& history, std::map<std::string, std::string>& untestable) {
+  std::vector<double> oil;
+  for (const StrokeSummary& summary : history.sample)
+    if (std::isfinite(summary.oil_temperature)) oil.push_back(summary.oil_temperature);
+  for (const auto& effect : history.model->effects) {
+    if (!effect->least_span || effect->least_span->channel != kOilTemperature) continue;
+    const std::string why = WhyUntestable(*effect, oil);
+    if (!why.empty()) untestable.emplace(effect->id, why);
+  }
+}
+
+}  // namespace
+
+Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& asked) {
+  ExplainOptions options = asked;
+  AddUntestable(history, options.untestable);
   if (history.units.size() < kMinExplainStrokes)
     return BadInput(
         "{}: {} strokes in the chosen part of the history, expected at least {}: the error is judged on "
@@ -89,6 +110,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
               units,
               0};
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
+  for (UnmeasuredEffect& effect : NotStoredEffects(*history.model)) out.unmeasured.push_back(std::move(effect));
   return out;
 }
 

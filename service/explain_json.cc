@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "service/drift_text.h"
 #include "service/effect_units.h"
 #include "service/explain_output.h"
 #include "service/fit_output.h"
@@ -76,13 +77,23 @@ nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) 
   return effects;
 }
 
+/// In words, what moved during the log.
+nlohmann::json DriftsJson(const ExplainResult& result, const ExtendedFit& fit) {
+  nlohmann::json drifts = nlohmann::json::object();
+  for (const EffectEstimate& estimate : fit.effects)
+    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+      drifts[result.effect(estimate.choice.effect).id] = drift;
+  return drifts;
+}
+
 nlohmann::json FinalJson(const ExplainResult& result) {
   const ExtendedFit& fit = result.explanation.final;
   return {{"rms_holdout", fit.rms_holdout * Factor(result)},
           {"excess_ratio", fit.excess_ratio},
           {"parameters",
            ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
-          {"effects", EffectsJson(result, fit)}};
+          {"effects", EffectsJson(result, fit)},
+          {"drifts", DriftsJson(result, fit)}};
 }
 
 nlohmann::json RemainderJson(const ExplainResult& result) {

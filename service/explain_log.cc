@@ -23,6 +23,17 @@ std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const Mo
   return out;
 }
 
+std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model) {
+  std::vector<UnmeasuredEffect> out;
+  for (const auto& effect : model.sample_effects) {
+    const auto same = [&](const auto& other) { return other->id == effect->id; };
+    const bool measured = std::all_of(effect->channels.begin(), effect->channels.end(),
+                                      [&](int channel) { return model.channel_source[channel] >= 0; });
+    if (measured && std::none_of(model.effects.begin(), model.effects.end(), same)) out.push_back({effect, {}});
+  }
+  return out;
+}
+
 namespace {
 
 /// PredictabilityOptions::min_share: less counts as nothing.
@@ -79,6 +90,7 @@ void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
 }  // namespace
 
 std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
+  if (unmeasured.missing.empty()) return "it is tried on a log only: stored strokes keep no columns of it";
   return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
 }
 
@@ -159,7 +171,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
 }
 
 const Effect* ExplainResult::FindEffect(const std::string& id) const {
-  for (const auto& effect : log.model->effects)
+  for (const auto& effect : explanation.model->effects)
     if (effect->id == id) return effect.get();
   return nullptr;
 }

@@ -18,7 +18,7 @@ namespace hydroscope {
 /// An effect of the library that needs a signal the machine does not measure.
 struct UnmeasuredEffect {
   std::shared_ptr<const Effect> effect;
-  std::vector<std::string> missing;  ///< signals it needs
+  std::vector<std::string> missing;  ///< signals it needs; none: it needs samples, not stored strokes
 };
 
 /// "signal p_B is not in the machine file".
@@ -26,6 +26,8 @@ std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured);
 
 /// Effects of the library that cannot be tried for want of a signal.
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model);
+/// Effects of the library whose columns stored strokes do not have (Effect::needs_samples).
+std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model);
 
 /// Everything `hydroscope explain` knows of one log.
 struct ExplainResult {
@@ -43,7 +45,7 @@ struct ExplainResult {
   Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
   SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
 
-  const Effect& effect(int index) const { return *log.model->effects[static_cast<std::size_t>(index)]; }
+  const Effect& effect(int index) const { return *explanation.model->effects[static_cast<std::size_t>(index)]; }
   /// nullptr if the library has no effect of this name.
   const Effect* FindEffect(const std::string& id) const;
   /// Nonlinear parameters of an effect of the explanation, SI.

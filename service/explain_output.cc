@@ -11,6 +11,7 @@
 #include "core/quality.h"
 #include "core/relative_change.h"
 #include "core/units.h"
+#include "service/drift_text.h"
 #include "service/effect_units.h"
 #include "service/interval_text.h"
 #include "service/located_output.h"
@@ -38,13 +39,22 @@ std::string ErrorSentence(const Explanation& x) {
   return text + "\n";
 }
 
+/// What moved during the log, as a verdict says it first.
+std::string DriftsText(const ExplainResult& result) {
+  std::string text;
+  for (const EffectEstimate& estimate : result.explanation.final.effects)
+    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+      text += fmt::format("  {}.\n", drift);
+  return text;
+}
+
 std::string NamedText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::string text = x.set.size() == 1
                          ? "NAMED: the model misses one effect.\n"
                          : fmt::format("NAMED: the model misses {} effects at once.\n", x.set.size());
   for (const std::string& id : x.set) text += Described(result, id);
-  return text;
+  return text + DriftsText(result);
 }
 
 std::string AmbiguousText(const ExplainResult& result) {
@@ -55,7 +65,7 @@ std::string AmbiguousText(const ExplainResult& result) {
     text += group.size() > 1 ? "One of these, best first:\n" : "Certain:\n";
     for (const std::string& id : group) text += Described(result, id);
   }
-  return text;
+  return text + DriftsText(result);
 }
 
 std::string UnknownText(const ExplainResult& result) {
@@ -187,7 +197,9 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
       "{} = {} {}", effect.parameter,
       WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), unit.name);
   // A law with one parameter has told it already.
-  for (std::size_t i = 0; !effect.implied && i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
+  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
+    const bool square = effect.unit == effect.nonlinear[i].unit + "2";
+    if (effect.implied && !square) continue;
     const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
     const bool known = i < estimate.nonlinear_std.size() && estimate.nonlinear_std[i] > 0;
     const std::string value =

@@ -98,7 +98,9 @@ Result<Machine> WithEffect(const Machine& machine, const std::string& id, int ve
     return BadInput("effect '{}' is already part of the model of {}", id, machine.name);
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
-  if (const auto effect = FindEffect(**model, id); !effect) return tl::unexpected(effect.error());
+  ModelStructure library = **model;
+  AddSampleEffects(library, {id});
+  if (const auto effect = FindEffect(library, id); !effect) return tl::unexpected(effect.error());
   Machine next = machine;
   next.added_effects.push_back(id);
   next.model_version = version;

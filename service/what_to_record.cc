@@ -80,9 +80,17 @@ constexpr std::array<Driver, 18> kDrivers = {{
     {"line_inertance", kSteps},
 }};
 
-std::string_view MoveFor(const std::string& a, const std::string& b) {
+/// Effect::told_apart_by, where the library says so.
+std::string_view ToldApartBy(const ExplainResult& result, const std::string& id) {
+  const Effect* effect = result.FindEffect(id);
+  return effect == nullptr ? std::string_view{} : std::string_view(effect->told_apart_by);
+}
+
+std::string_view MoveFor(const ExplainResult& result, const std::string& a, const std::string& b) {
   for (const Separation& s : kSeparations)
     if ((s.a == a && s.b == b) || (s.a == b && s.b == a)) return s.move;
+  for (const std::string& id : {b, a})
+    if (const std::string_view move = ToldApartBy(result, id); !move.empty()) return move;
   for (const std::string& id : {b, a})
     for (const Driver& driver : kDrivers)
       if (driver.id == id) return driver.move;
@@ -114,13 +122,13 @@ std::optional<std::string> OneSpeed(const ExplainResult& result) {
       mm_s, 0.5 * mm_s, mm_s, 1.5 * mm_s);
 }
 
-std::string Separating(const std::vector<std::vector<std::string>>& groups) {
+std::string Separating(const ExplainResult& result) {
   std::string text;
-  for (const auto& group : groups) {
+  for (const auto& group : result.explanation.groups) {
     if (group.size() < 2) continue;
     std::vector<std::string_view> moves;
     for (std::size_t k = 1; k < group.size(); ++k) {
-      const std::string_view move = MoveFor(group.front(), group[k]);
+      const std::string_view move = MoveFor(result, group.front(), group[k]);
       if (std::find(moves.begin(), moves.end(), move) != moves.end()) continue;
       moves.push_back(move);
       text += fmt::format("{}To tell {} from {}, record {}.", text.empty() ? "" : " ", group.front(),
@@ -161,7 +169,7 @@ std::optional<std::string> WhatToRecord(const ExplainResult& result) {
     if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment);
     const std::string separating =
         "No series of strokes within [experiment] of the machine file would settle it. " +
-        Separating(x.groups);
+        Separating(result);
     return one_speed ? *one_speed + " " + separating : separating;
   }
   if (one_speed) return one_speed;

@@ -31,5 +31,22 @@ Effect PressureSignalDelay(const CushionGeometry&);
 Effect PositionSignalDelay(const CushionGeometry&);
 Effect PositionDependentLeakage(const CushionGeometry&);
 Effect LineInertance(const CushionGeometry&);
+// Tried where samples are at hand (Effect::needs_samples).
+Effect ReturnLineResistance(const CushionGeometry&);
+Effect TankPressure(const CushionGeometry&);
+Effect LaminarEdge(const CushionGeometry&);
+Effect PressureDependentBulkModulus(const CushionGeometry&);
+Effect LeakageTemperature(const CushionGeometry&);
+Effect PressureGain(const CushionGeometry&);
+Effect PressureOffsetDrift(const CushionGeometry&);
+Effect PressureSignalLag(const CushionGeometry&);
+Effect SpoolSignalLag(const CushionGeometry&);
+Effect PositionSignalLag(const CushionGeometry&);
+Effect SignalLag(const CushionGeometry&);
+Effect PeriodicDisturbance(const CushionGeometry&);
+Effect BulkModulusDrift(const CushionGeometry&);
+Effect DeadVolumeDrift(const CushionGeometry&);
+Effect FlowGainDrift(const CushionGeometry&);
+Effect SpoolNullDrift(const CushionGeometry&);
 
 }  // namespace hydroscope::effects

@@ -5,6 +5,8 @@ namespace hydroscope::effects {
 namespace {
 
 constexpr double kReferenceTemperature = 313.15;  // K, 40 degC
+// K; over less, 1 % per K (five times the typical size) would not stand out of what drifts by itself.
+constexpr double kLeastWarming = 2.0;
 
 }  // namespace
 
@@ -18,15 +20,20 @@ Effect OilViscosity(const CushionGeometry&) {
   e.source = "press paper, fig. 18";
   e.parameter = "c";
   e.unit = "1/K";
-  e.min = -0.05;
-  e.max = 0.05;
+  e.min = -0.02;
+  e.max = 0.02;
   e.typical = 0.002;
+  e.confused_with = {"Q_vn_drift"};
   e.hidden_in = "Q_vn";
   e.plain =
       "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
       "of order, the "
       "wrong oil grade.";
+  e.told_apart_by =
+      "strokes with cold and with warm oil, then the same again in the other order: what follows the "
+      "temperature comes back, what drifts does not";
   e.channels = {kOilTemperature};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming};
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {

@@ -1,21 +1,12 @@
-#include <algorithm>
-#include <cmath>
-
 #include "models/effects/effects.h"
+#include "models/effects/pressure_root.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
 namespace {
 
-constexpr double kLeast = 2e5;                     // Pa; below it the root of the pressure is taken as linear
-constexpr double kLeastRoot = 447.21359549995793;  // its root
-
-/// Change of the flow root with a zero error b, per b: (root(dp - b) - root(dp)) / b to tank, (root(dp + b) -
-/// root(dp)) / b from the supply.
-double RootChange(double root, double y, double b) {
-  const double present = std::max(std::abs(root), kLeastRoot), dp = present * present;
-  return (std::sqrt(std::max(y >= 0 ? dp - b : dp + b, 0.25 * kLeast)) - present) * (1.0 / b);
-}
+/// Change of the flow root with a zero error b, per b.
+double RootChange(double root, double y, double b) { return RootShift(root, y, b) * (1.0 / b); }
 
 }  // namespace
 
@@ -34,12 +25,15 @@ Effect PressureOffset(const CushionGeometry&) {
   e.typical = 2e5;
   e.nonlinear = {{"offset", "Pa", -100e5, 100e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.confused_with = {"orifice_leakage", "external_leakage"};
+  e.confused_with = {"orifice_leakage", "external_leakage", "tank_pressure"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in "
       "the "
       "controller. Check it with the cushion relieved.";
+  e.told_apart_by =
+      "the pressure sensor with chamber A relieved to tank: it must read zero; a check valve or a preload in "
+      "the tank line reads as its own pressure, a gauge on the tank line decides";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "diagnosis/refine.h"
+
+namespace hydroscope {
+
+/// Why an effect cannot be tested if the means over strokes of the signal that its law lives on, SI, span
+/// less than Effect::least_span; "" if they span enough or the law asks for none.
+std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_means);
+
+/// Adds to `untestable` the effects of the model that WhyUntestable objects to, by id.
+void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
+                   std::map<std::string, std::string>& untestable);
+
+}  // namespace hydroscope

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "models/effects/effects.h"
+#include "models/effects/pressure_root.h"
+#include "models/smooth_rate.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+namespace {
+
+/// s, half width of the windows of the rate: a lag acts on fast changes, which wider windows smear.
+constexpr double kLagHalfWidth = 0.008;
+
+/// dp_A/dt from sample 0 on; keeps its memory until the next call in the same thread.
+const double* QuickRate(const Stretch& s) {
+  thread_local std::vector<double> rate;
+  const int known = s.before + s.samples + s.after;
+  rate.resize(std::max(rate.size(), static_cast<std::size_t>(known)));
+  const int half = std::max(1, static_cast<int>(std::lround(kLagHalfWidth / s.period)));
+  SharpRate(s[kPressureA] - s.before, known, half, s.period, rate.data());
+  return rate.data() + s.before;
+}
+
+}  // namespace
+
+/// The pressure reading follows the pressure as a first-order lag: p_A = p + tau dp/dt of what was measured,
+/// in the flow through the valve and in the compressed volume alike.
+Effect PressureSignalLag(const CushionGeometry&) {
+  Effect e;
+  e.id = "pressure_signal_lag";
+  e.title = "Pressure signal lags (first-order filter)";
+  e.law = "p_A = p_measured + tau dp_measured/dt";
+  e.source = "eq. 1-2 of the press paper with the signal filtered";
+  e.parameter = "tau";
+  e.unit = "s";
+  e.max = 0.1;
+  e.typical = 0.002;
+  e.nonlinear = {{"lag", "s", 0.0002, 0.1}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"pressure_signal_delay", "spool_signal_delay", "line_inertance"};
+  e.hidden_in = "V0, K";
+  e.plain =
+      "The pressure is smoothed before it is recorded; look for: a filter in the amplifier or the "
+      "controller, "
+      "a long thin sensor line.";
+  e.told_apart_by = "the filter setting of the pressure input, or a step of pressure recorded at rest";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double lag = nonlinear[0];
+    const auto flow = [lag](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = QuickRate(s);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] * RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
+    };
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* rate = s[kPressureRate];
+      wide::Differences(
+          s, [=](int k) { return rate[k]; }, out);
+    };
+    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double *z = s[kPosition], *rate = QuickRate(s);
+      wide::IntegrateOver(
+          s, [=](int k) { return z[k]; }, [=](int k) { return rate[k]; }, out);
+    };
+    const auto null = [lag](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = QuickRate(s);
+      wide::IntegrateOverTime(
+          s, [=](int k) { return RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double lag, double&, Stretch& s) {
+    double *p = s[kPressureA], *root = s[kFlowRoot];
+    const double *y = s[kSpool], *rate = QuickRate(s);
+    for (int k = -s.before; k < s.samples + s.after; ++k) {
+      root[k] += RootShift(root[k], y[k], -lag * rate[k]);
+      p[k] += lag * rate[k];
+    }
+    FillLogarithms(s);
+  };
+  e.grid = {{0.006}};
+  return e;
+}
+
+}  // namespace hydroscope::effects
