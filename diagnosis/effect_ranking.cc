@@ -1,8 +1,11 @@
 #include "diagnosis/effect_ranking.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "diagnosis/generic_laws.h"
 
@@ -11,6 +14,21 @@ namespace {
 
 /// An effect this many times its typical size must stand out, else these strokes cannot test it.
 constexpr double kMattersTimes = 5.0;
+
+/// A late signal and a filtered one are the same to first order. What tells them apart is of second order,
+/// and beside it stand the errors of sampled signals and their rates: a twin that gains this share of what
+/// the best does stays in the set.
+constexpr double kTwinShare = 0.9;
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTwins = {
+    {{"spool_signal_delay", "spool_signal_lag"},
+     {"pressure_signal_delay", "pressure_signal_lag"},
+     {"position_signal_delay", "position_signal_lag"}}};
+
+bool AreTwins(std::string_view a, std::string_view b) {
+  return std::any_of(kTwins.begin(), kTwins.end(), [&](const auto& pair) {
+    return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+  });
+}
 
 double TwoSidedP(double t, double degrees) {
   if (!(degrees >= 1) || !std::isfinite(t)) return 1.0;
@@ -163,8 +181,11 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
 
 std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
   std::vector<std::string> set;
-  for (const RankedEffect& candidate : ranking)
-    if (candidate.significant && IsRival(candidate.fit, ranking.front().fit)) set.push_back(candidate.id);
+  const RankedEffect& best = ranking.front();
+  for (const RankedEffect& candidate : ranking) {
+    const bool twin = AreTwins(candidate.id, best.id) && candidate.gain > kTwinShare * best.gain;
+    if (candidate.significant && (twin || IsRival(candidate.fit, best.fit))) set.push_back(candidate.id);
+  }
   return set;
 }
 

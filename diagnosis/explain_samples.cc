@@ -75,8 +75,7 @@ std::shared_ptr<const ModelStructure> WithSearchedEffects(const Explanation& fou
 /// The chain with shapes refined on the samples, its noise as ExplainOptions::noise_scale says.
 Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                           const ExplainOptions& asked) {
-  ExplainOptions options = asked;
+                           const ExplainOptions& options) {
   const auto set_of = [&](std::shared_ptr<const ModelStructure> of) {
     auto grams = GramsOf(of, strokes, window);
     return StrokeSet(std::move(of), grams, window, options.noise_scale);
@@ -90,7 +89,6 @@ Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
     DropGrid(*with_laws);
   }
   model = with_laws;
-  AddUntestable(*with_laws, strokes, options.untestable);
   ExplainOptions first_look = options;
   first_look.second_t = kFirstLookT;
   Explanation out = Explain(set_of(model), first_look);
@@ -209,7 +207,9 @@ bool IsFloorToBlame(const Explanation& x) {
 
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                           const ExplainOptions& options) {
+                           const ExplainOptions& asked) {
+  ExplainOptions options = asked;
+  AddUntestable(*model, strokes, options.untestable);
   Explanation out = options.floor_believable ? ExplainWithFloor(model, strokes, window, options)
                                              : ExplainWithoutFloor(model, strokes, window, options);
   if (out.base.solved) {

@@ -40,11 +40,12 @@ std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_m
 
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                    std::map<std::string, std::string>& untestable) {
-  for (const auto& effect : model.effects) {
-    if (!effect->least_span) continue;
-    const std::string why = WhyUntestable(*effect, StrokeMeans(strokes, effect->least_span->channel));
-    if (!why.empty()) untestable.emplace(effect->id, why);
-  }
+  for (const auto* effects : {&model.effects, &model.sample_effects})
+    for (const auto& effect : *effects) {
+      if (!effect->least_span) continue;
+      const std::string why = WhyUntestable(*effect, StrokeMeans(strokes, effect->least_span->channel));
+      if (!why.empty()) untestable.emplace(effect->id, why);
+    }
 }
 
 }  // namespace hydroscope

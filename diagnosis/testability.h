@@ -13,7 +13,8 @@ namespace hydroscope {
 /// less than Effect::least_span; "" if they span enough or the law asks for none.
 std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_means);
 
-/// Adds to `untestable` the effects of the model that WhyUntestable objects to, by id.
+/// Adds to `untestable` the effects of the model's library, with those that need samples, that WhyUntestable
+/// objects to, by id.
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                    std::map<std::string, std::string>& untestable);
 

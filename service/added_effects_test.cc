@@ -82,6 +82,40 @@ TEST(AddedEffects, AValueOfTheMachineFileNeedsNoFurtherColumnInTheRecord) {
   EXPECT_EQ(records[0].gram.flow, plain[0].gram.flow);
 }
 
+TEST(AddedEffects, ThatStoredStrokesHaveNoColumnsOfAreIdentifiedWithTheirOwn) {
+  PressOptions press;
+  press.seconds = 90;
+  press.seed = 9;
+  press.imperfections = {{"return_line_resistance", 1e9, {}, ""}};
+  Machine machine = MachineFor(press);
+  const auto plain = Replay(machine, RowsOf(SimulatePress(press), machine));
+  machine.added_effects = {"return_line_resistance"};
+  machine.effect_values["return_line_resistance"]["x"] =
+      1e9 * press.machine.Q_vn / std::sqrt(press.machine.dp_nom);
+  const auto records = Replay(machine, RowsOf(SimulatePress(press), machine));
+  ASSERT_EQ(records.size(), plain.size());
+  const Estimate* size = Find(records.back(), "return_line_resistance.R_1");
+  ASSERT_NE(size, nullptr);
+  EXPECT_NEAR(size->value, 1e9, 4 * size->std);
+  EXPECT_LT(size->std, 1e8);
+  EXPECT_LT(records.back().summary.rms_error, plain.back().summary.rms_error);
+  EXPECT_GT(records[0].gram.flow.dimension(), plain[0].gram.flow.dimension());
+}
+
+TEST(AddedEffects, ADriftRunsWithTheTimeSinceTheBeginning) {
+  PressOptions press;
+  press.seconds = 120;
+  press.seed = 10;
+  press.imperfections = {{"Q_vn_drift", 0.06, {}, ""}};
+  Machine machine = MachineFor(press);
+  machine.added_effects = {"Q_vn_drift"};
+  const auto records = Replay(machine, RowsOf(SimulatePress(press), machine));
+  const Estimate* rate = Find(records.back(), "Q_vn_drift.d");
+  ASSERT_NE(rate, nullptr);
+  EXPECT_NEAR(rate->value, 0.06 / 120, 4 * rate->std + 2e-5);
+  EXPECT_LT(rate->std, 1e-4);
+}
+
 TEST(AddedEffects, TheNextLogStartsFromTheStateOfTheOneBefore) {
   const PressOptions press = Leaking();
   const Machine machine = WithLeak(press);

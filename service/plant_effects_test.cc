@@ -22,8 +22,8 @@ struct PlantCase {
   std::uint64_t seed = 11;
 };
 
-/// Relative rate at the middle of the log of what moves by the share `change` of its beginning.
-double RateOf(double change) { return change / kSeconds / (1 + 0.5 * change); }
+/// Rate at which a reciprocal falls that ends at 1 / (1 + change) of its beginning.
+double RateOfReciprocal(double change) { return change / (1 + change) / kSeconds; }
 
 std::vector<PlantCase> PlantCases() {
   return {{"return_line_resistance", 1e9, 1e9},
@@ -32,9 +32,9 @@ std::vector<PlantCase> PlantCases() {
           {"pressure_dependent_bulk_modulus", 11, 11},
           {"leakage_temperature", 4e-12, 4e-12},
           {"periodic_disturbance", 2e-5, 2e-5},
-          {"K_drift", -0.20, RateOf(-0.20)},
-          {"V0_drift", 0.30, RateOf(0.30)},
-          {"Q_vn_drift", 0.04, RateOf(0.04)},
+          {"K_drift", -0.20, RateOfReciprocal(-0.20)},
+          {"V0_drift", 0.30, 0.30 / kSeconds},
+          {"Q_vn_drift", 0.04, 0.04 / kSeconds},
           {"y_0_drift", 0.004, 0.004 / kSeconds},
           {"pressure_offset_drift", 8e5, 8e5 / kSeconds},
           {"pressure_signal_lag", 0.005, 0.005},
@@ -85,6 +85,75 @@ TEST_P(PlantEffect, IsNamedOrOneOfTheClassThatStrokesCannotTellApart) {
       << result->explanation.remainder_law
       << ", first in the ranking: " << result->explanation.ranking.front().id;
   if (result->explanation.verdict == Verdict::kAmbiguous) EXPECT_TRUE(WhatToRecord(*result));
+}
+
+/// Explains the example press with one imperfection, its oil from `cold` to `warm` K.
+ExplainResult Explained(const std::string& id, double size, double cold = 313.15, double warm = 313.15,
+                        std::uint64_t seed = 11) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = seed;
+  options.oil_start = cold;
+  options.oil_end = warm;
+  options.imperfections = {{id, size, {}, ""}};
+  const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  return *ExplainStrokes(*strokes);
+}
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
+  for (const double warming : {0.0, 1.0}) {
+    const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
+    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift"));
+    const auto& drift = x.explanation.final.effects.front();
+    EXPECT_THAT(DriftText(x, drift), HasSubstr("Q_vn rose by 2 % during this log"));
+  }
+}
+
+TEST(PlantEffects, ADriftThatRunsWithTheOilTemperatureIsAClassWithIt) {
+  const ExplainResult x = Explained("Q_vn_drift", 0.02, 308.15, 318.15);
+  EXPECT_EQ(x.explanation.verdict, Verdict::kAmbiguous);
+  EXPECT_THAT(x.explanation.set, Contains("Q_vn_drift"));
+  EXPECT_TRUE(WhatToRecord(x));
+}
+
+TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {
+  const ExplainResult x = Explained("K_drift", -0.2);
+  ASSERT_THAT(x.explanation.set, Contains("K_drift"));
+  EXPECT_THAT(DriftText(x, x.explanation.final.effects.front()), HasSubstr("K fell by "));
+}
+
+TEST(PlantEffects, SensorZeroAndTankPressureAreOneClassWithTheReadingThatDecides) {
+  for (const char* id : {"pressure_zero", "tank_pressure", "check_valve"}) {
+    const ExplainResult x = Explained(id, 5e5);
+    EXPECT_EQ(x.explanation.verdict, Verdict::kAmbiguous) << id;
+    EXPECT_THAT(x.explanation.set, Contains("tank_pressure")) << id;
+    EXPECT_THAT(x.explanation.set, Contains("pressure_offset")) << id;
+    const auto next = WhatToRecord(x);
+    ASSERT_TRUE(next) << id;
+    EXPECT_THAT(*next, HasSubstr("relieved")) << id;
+  }
+}
+
+TEST(PlantEffects, AScaleErrorOfThePressureSensorIsNeverClaimed) {
+  const ExplainResult x = Explained("pressure_gain", 0.05);
+  EXPECT_EQ(x.explanation.verdict, Verdict::kAdequate);
+  for (const RankedEffect& ranked : x.explanation.ranking)
+    if (ranked.id == "pressure_gain") EXPECT_FALSE(ranked.testable);
+}
+
+TEST(PlantEffects, AHealthyLogHasNoneOfThem) {
+  for (const std::uint64_t seed : {21u, 22u, 23u}) {
+    PressOptions options;
+    options.seconds = kSeconds;
+    options.seed = seed;
+    const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+    EXPECT_EQ(ExplainStrokes(*strokes)->explanation.verdict, Verdict::kAdequate);
+  }
 }
 
 }  // namespace

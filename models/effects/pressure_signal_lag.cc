@@ -1,30 +1,8 @@
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "models/effects/effects.h"
 #include "models/effects/pressure_root.h"
-#include "models/smooth_rate.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
-namespace {
-
-/// s, half width of the windows of the rate: a lag acts on fast changes, which wider windows smear.
-constexpr double kLagHalfWidth = 0.008;
-
-/// dp_A/dt from sample 0 on; keeps its memory until the next call in the same thread.
-const double* QuickRate(const Stretch& s) {
-  thread_local std::vector<double> rate;
-  const int known = s.before + s.samples + s.after;
-  rate.resize(std::max(rate.size(), static_cast<std::size_t>(known)));
-  const int half = std::max(1, static_cast<int>(std::lround(kLagHalfWidth / s.period)));
-  SharpRate(s[kPressureA] - s.before, known, half, s.period, rate.data());
-  return rate.data() + s.before;
-}
-
-}  // namespace
-
 /// The pressure reading follows the pressure as a first-order lag: p_A = p + tau dp/dt of what was measured,
 /// in the flow through the valve and in the compressed volume alike.
 Effect PressureSignalLag(const CushionGeometry&) {
@@ -49,7 +27,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
   e.variant = [](const std::vector<double>& nonlinear) {
     const double lag = nonlinear[0];
     const auto flow = [lag](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = QuickRate(s);
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
       wide::IntegrateOverTime(
           s, [=](int k) { return y[k] * RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
     };
@@ -59,12 +37,12 @@ Effect PressureSignalLag(const CushionGeometry&) {
           s, [=](int k) { return rate[k]; }, out);
     };
     const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
-      const double *z = s[kPosition], *rate = QuickRate(s);
+      const double *z = s[kPosition], *rate = s[kPressureRate];
       wide::IntegrateOver(
           s, [=](int k) { return z[k]; }, [=](int k) { return rate[k]; }, out);
     };
     const auto null = [lag](const Stretch& s, double&, std::span<double> out) {
-      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = QuickRate(s);
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
       wide::IntegrateOverTime(
           s, [=](int k) { return RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
     };
@@ -74,7 +52,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
   };
   e.correct = [](double lag, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];
-    const double *y = s[kSpool], *rate = QuickRate(s);
+    const double *y = s[kSpool], *rate = s[kPressureRate];
     for (int k = -s.before; k < s.samples + s.after; ++k) {
       root[k] += RootShift(root[k], y[k], -lag * rate[k]);
       p[k] += lag * rate[k];
