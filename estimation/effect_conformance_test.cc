@@ -83,10 +83,10 @@ TEST(Effects, EveryColumnStaysFiniteWithoutPressureWithoutOpeningAndAtTheStop) {
 
 /// A late signal is read ahead of its time, the others behind theirs, and a column of oil needs its time to
 /// move: beside the border of a stretch what lies beyond it is not known.
-bool LooksBeyond(const Column& column) {
-  return column.name.find("_signal_delay") != std::string::npos ||
-         column.name.find("line_inertance") != std::string::npos ||
-         column.name.find("position_signal_lag") != std::string::npos;
+int SamplesBeyond(const Column& column) {
+  const auto is = [&](const char* effect) { return column.name.find(effect) != std::string::npos; };
+  if (is("position_signal_lag")) return 80;  // 27 times the lag: a filter forgets its start slowly
+  return is("_signal_delay") || is("line_inertance") ? 5 : 0;
 }
 
 TEST(Effects, ColumnsGoOnOverTheBorderOfAStretch) {
@@ -100,9 +100,9 @@ TEST(Effects, ColumnsGoOnOverTheBorderOfAStretch) {
     state = 0;
     column.fill(left, state, std::span(parts).first(99));
     column.fill(right, state, std::span(parts).last(100));
-    constexpr int kBeyond = 60;  // samples
+    const int beyond = SamplesBeyond(column);
     for (int k = 0; k < 199; ++k) {
-      if (LooksBeyond(column) && std::abs(k - 99) <= kBeyond) continue;
+      if (beyond > 0 && std::abs(k - 99) <= beyond) continue;
       ASSERT_NEAR(whole[k], parts[k], 1e-12 * (std::abs(whole[k]) + 1e-3)) << column.name << " " << k;
     }
   }

@@ -64,6 +64,7 @@ std::string EffectText(const Effect& e) {
                         n.min * shown.factor, n.max * shown.factor, shown.name);
   }
   text += fmt::format("  confused with  {}\n  hidden in      {}\n", OrDash(e.confused_with), e.hidden_in);
+  if (!e.told_apart_by.empty()) text += fmt::format("  told apart by  {}\n", e.told_apart_by);
   if (!e.channels.empty()) text += fmt::format("  needs signal   {}\n", fmt::join(NeededSignals(e), ", "));
   return text;
 }
@@ -85,6 +86,7 @@ nlohmann::json EffectJson(const Effect& e) {
           {"confused_with", e.confused_with},
           {"hidden_in", e.hidden_in},
           {"plain", e.plain},
+          {"told_apart_by", e.told_apart_by},
           {"signals", NeededSignals(e)}};
 }
 

@@ -40,8 +40,19 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [=](int k) { return RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
     };
-    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[3]};
+    // A zero that moves looks like a pressure that does: small, and yet part of the balance.
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* t = s[kTime];
+      Differences(
+          s, [=](int k) { return -t[k]; }, out);
+    };
+    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* z = s[kPosition];
+      IntegrateOverTime(
+          s, [=](int k) { return -z[k]; }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
                          }};
   };
   e.correct = [](double rate, double&, Stretch& s) {
