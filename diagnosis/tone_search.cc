@@ -19,7 +19,7 @@ constexpr double kHighestTone = 0.8;  ///< of the Nyquist frequency
 constexpr double kLocal = 1.0;        ///< Hz, half width of the neighbourhood a line must stand out of
 constexpr double kChance = 1e-3;      ///< of a line by chance in a whole log
 constexpr double kOfStrokes = 0.5;    ///< share of a line's power beyond which it is the strokes' own
-constexpr std::size_t kMostPoints = 1 << 18;  ///< of the transform; longer logs are thinned
+constexpr std::size_t kMostGridPoints = 1 << 18;  ///< of the transform; longer logs are thinned
 
 /// What the model leaves of one stretch as a level, samples 0 ... without mean and slope.
 struct LevelRest {
@@ -100,7 +100,7 @@ std::vector<double> Periodogram(const std::vector<LevelRest>& rests, double peri
   const double seconds = rests.back().begin - first + period * static_cast<double>(rests.back().level.size());
   int thin = 1;  // samples per point
   std::size_t points = 64;
-  for (; static_cast<double>(kMostPoints) * period * thin < seconds; ++thin) {
+  for (; static_cast<double>(kMostGridPoints) * period * thin < seconds; ++thin) {
   }
   while (static_cast<double>(points) * period * thin < seconds) points *= 2;
   std::vector<double> grid(points, 0.0);

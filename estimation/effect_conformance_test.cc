@@ -85,7 +85,7 @@ TEST(Effects, EveryColumnStaysFiniteWithoutPressureWithoutOpeningAndAtTheStop) {
 /// move: beside the border of a stretch what lies beyond it is not known.
 int SamplesBeyond(const Column& column) {
   const auto is = [&](const char* effect) { return column.name.find(effect) != std::string::npos; };
-  if (is("position_signal_lag")) return 80;  // 27 times the lag: a filter forgets its start slowly
+  if (is("position_signal_lag")) return 90;  // 30 times the lag: a filter forgets its start slowly
   return is("_signal_delay") || is("line_inertance") ? 5 : 0;
 }
 

@@ -34,7 +34,7 @@ std::vector<PlantCase> PlantCases() {
           {"periodic_disturbance", 2e-5, 2e-5},
           {"K_drift", -0.20, RateOfReciprocal(-0.20)},
           {"V0_drift", 0.30, 0.30 / kSeconds},
-          {"Q_vn_drift", 0.04, 0.04 / kSeconds},
+          {"Q_vn_drift", 0.02, 0.02 / kSeconds},
           {"y_0_drift", 0.004, 0.004 / kSeconds},
           {"pressure_offset_drift", 8e5, 8e5 / kSeconds},
           {"pressure_signal_lag", 0.005, 0.005},
@@ -84,7 +84,9 @@ TEST_P(PlantEffect, IsNamedOrOneOfTheClassThatStrokesCannotTellApart) {
       << VerdictName(result->explanation.verdict) << " " << result->explanation.doubt << " "
       << result->explanation.remainder_law
       << ", first in the ranking: " << result->explanation.ranking.front().id;
-  if (result->explanation.verdict == Verdict::kAmbiguous) EXPECT_TRUE(WhatToRecord(*result));
+  if (result->explanation.verdict == Verdict::kAmbiguous) {
+    EXPECT_TRUE(WhatToRecord(*result));
+  }
 }
 
 /// Explains the example press with one imperfection, its oil from `cold` to `warm` K.
@@ -143,7 +145,7 @@ TEST(PlantEffects, AScaleErrorOfThePressureSensorIsNeverClaimed) {
   const ExplainResult x = Explained("pressure_gain", 0.05);
   EXPECT_EQ(x.explanation.verdict, Verdict::kAdequate);
   for (const RankedEffect& ranked : x.explanation.ranking)
-    if (ranked.id == "pressure_gain") EXPECT_FALSE(ranked.testable);
+    EXPECT_TRUE(ranked.id != "pressure_gain" || !ranked.testable);
 }
 
 TEST(PlantEffects, AHealthyLogHasNoneOfThem) {
