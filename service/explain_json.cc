@@ -149,6 +149,14 @@ nlohmann::json OddStrokesJson(const ExplainResult& result) {
   return out;
 }
 
+/// With `unknown`: effects that lower the error, though not to the floor.
+std::vector<std::string> NearestEffects(const Explanation& x) {
+  std::vector<std::string> ids;
+  for (std::size_t k = 1; x.verdict == Verdict::kUnknown && x.partial && k < x.steps.size(); ++k)
+    ids.push_back(x.steps[k].added);
+  return ids;
+}
+
 /// What could be predicted of an error on strokes left out.
 nlohmann::json PredictableJson(const Predictability& left) {
   if (!left.tested) return nullptr;
@@ -179,6 +187,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
             {"parameters", ParametersJson(result.base.parameters)},
             {"effects", EffectsJson(result, x.base)}}},
           {"ranking", RankingJson(result)},
+          {"nearest", NearestEffects(x)},
           {"odd_strokes", OddStrokesJson(result)},
           {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
           {"noise_scale", x.noise_scale},

@@ -68,10 +68,24 @@ std::string AmbiguousText(const ExplainResult& result) {
   return text + DriftsText(result);
 }
 
+/// What the error of the model as it is goes with, and where most of it lies.
+std::string WhereItLies(const ExplainResult& result) {
+  const Predictability& left = result.explanation.base_left;
+  if (!left.IsStructured({})) return "";
+  std::string text =
+      fmt::format("  What is missing goes with {}: {:.0f} % of the error's energy", left.about, 100 * left.share);
+  if (!result.location.located.empty()) {
+    const Located& most = result.location.located.front();
+    text += fmt::format(", most of it at {} {:.3g} ... {:.3g} {}", most.signal, most.from, most.to, most.unit);
+  }
+  return text + ".\n";
+}
+
 std::string UnknownText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   if (!result.trust.rate.fast_enough) return "UNKNOWN: this log carries no verdict, see the warning.\n";
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
+  text += WhereItLies(result);
   if (!x.partial || x.steps.size() < 2) return text;
   std::vector<std::string> tried;
   for (std::size_t k = 1; k < x.steps.size(); ++k) tried.push_back(x.steps[k].added);
