@@ -24,6 +24,12 @@ constexpr double kReversalsOfNoise = 0.3;
 constexpr double kLongestMeanRun = 1.5;
 constexpr double kRunsToBeStuck = 25.0;
 
+// Noise about a limit: half of its readings are cut off if the level lies at the limit. Of a whole channel, only a few
+// of all readings are the very highest, however coarse its resolution.
+constexpr std::int64_t kReadingsAtLimit = 30;
+constexpr double kShareAtLimit = 0.25;
+constexpr double kNearExtreme = 2.0;  // standard deviations of the noise
+
 constexpr Quality kBreaks =
     quality::kMissing | quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
@@ -41,12 +47,15 @@ struct Counts {
   std::int64_t changes = 0;     ///< readings different from the one before
   std::int64_t reversals = 0;   ///< changes of direction
   std::int64_t outside = 0;     ///< readings beyond the limits
+  std::int64_t near_high = 0, near_low = 0;         ///< readings beyond Thresholds::near_high, near_low
+  double highest = -kInfinity, lowest = kInfinity;  ///< readings
 };
 
 struct Thresholds {
   double scale = 0;          ///< of third differences
   double far = 0;            ///< of twice the distance to the mean of both neighbours
   double low = 0, high = 0;  ///< of readings
+  double near_low = -kInfinity, near_high = kInfinity;  ///< of readings near the ends of the range seen
 };
 
 /// What lies beyond `rows` is NaN.
@@ -64,6 +73,9 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
   const Doubles square_of_far = Doubles{} + thresholds.far * thresholds.far;
   const Doubles low = Doubles{} + thresholds.low, high = Doubles{} + thresholds.high, zero{};
   Integers different{}, above{}, candidates{}, equal{}, changes{}, reversals{}, outside{};
+  const Doubles from_high = zero + thresholds.near_high, from_low = zero + thresholds.near_low;
+  Doubles highest = zero - kInfinity, lowest = zero + kInfinity;
+  Integers near_high{}, near_low{};
   const auto add = [&](const double* from, std::size_t count) {
     Doubles second_before, before, at, after;
     Load(from - 2, count, second_before);
@@ -81,12 +93,19 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
     changes -= step * step > zero;
     reversals -= step * (before - second_before) < zero;
     outside -= (at < low) | (at > high);
+    highest = at > highest ? at : highest;
+    lowest = at < lowest ? at : lowest;
+    near_high -= at > from_high;
+    near_low -= at < from_low;
   };
   std::size_t i = 0;
   for (; i + kLanes <= rows; i += kLanes) add(x + i, kLanes);
   if (i < rows) add(x + i, rows - i);
   return {Sum(different), Sum(above),     Sum(candidates), Sum(equal),
-          Sum(changes),   Sum(reversals), Sum(outside)};
+          Sum(changes),   Sum(reversals), Sum(outside),
+          Sum(near_high), Sum(near_low),
+          std::max(std::max(highest[0], highest[1]), std::max(highest[2], highest[3])),
+          std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]))};
 }
 
 }  // namespace
@@ -102,23 +121,42 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
       track.stuck_rows =
           std::max<std::int64_t>(2, std::llround(std::ceil(spec.stuck_time / sample_period - 1e-9)) + 1);
     track.before.fill(kNaN);
+    track.extremes.fill({-kInfinity, 0, 0, false});
+    track.can_saturate = spec.name != "U_v" && spec.name != machine.valve.input;
+    if (track.stuck_rows > 0)
+      hold_ = std::max({hold_, static_cast<std::size_t>(track.stuck_rows) + kAhead,
+                        static_cast<std::size_t>(kRunsToBeStuck * kLongestMeanRun) + 1 + kAhead});
     tracks_.push_back(track);
     ChannelQuality channel;
     channel.name = spec.name;
     channels_.push_back(channel);
   }
+  hold_ = std::min(hold_, kMostHeld);
+  for (Track& track : tracks_) {
+    track.held.resize(hold_);
+    track.held_quality.resize(hold_);
+  }
+  held_time_.resize(hold_);
+  tail_.resize(2 * hold_);
+  standstill_ = Standstill::For(machine, sample_period);
 }
 
 void QualityMonitor::Inspect(SampleBlock& block) {
   const std::size_t coming = block.rows();
   if (coming == 0) return;
-  const std::size_t kept = std::min(held_ + coming, kHeld);
-  const std::size_t rows = held_ + coming - kept;
+  if (standstill_)
+    standstill_->Judge(block, [&](std::size_t channel, std::size_t back) {
+      const std::size_t reach = std::min(back, held_);
+      for (std::size_t k = held_ - reach; k < held_; ++k) tracks_[channel].held_quality[k] |= quality::kStuck;
+    });
+  const std::size_t total = held_ + coming, kept = std::min(total, hold_);
+  const std::size_t rows = total - kept;
+  const std::size_t judged = held_ - std::min(held_, kAhead), last = total - std::min(total, kAhead);
   const std::size_t first_frame_row = frame_row_;
   for (std::size_t channel = 0; channel < tracks_.size(); ++channel) {
     LineUp(block, channel);
     frame_row_ = first_frame_row;
-    Judge(rows, tracks_[channel]);
+    Judge(judged, last, tracks_[channel]);
     GiveOut(rows, kept, channel, block);
   }
   DelayTimes(rows, kept, block);
@@ -133,14 +171,14 @@ void QualityMonitor::Flush(SampleBlock& block) {
   const std::size_t first_frame_row = frame_row_;
   for (std::size_t channel = 0; channel < tracks_.size(); ++channel) {
     Track& track = tracks_[channel];
-    Reserve(kHeld);
+    Reserve(kAhead);
     std::copy(track.before.begin(), track.before.end(), column_.begin());
-    std::fill_n(column_.begin() + kHistory, 2 * kHeld, kNaN);  // what would follow is not known
+    std::fill_n(column_.begin() + kHistory, rows + kAhead, kNaN);  // what would follow is not known
     std::copy_n(track.held.begin(), rows, column_.begin() + kHistory);
-    std::fill_n(flags_.begin(), 2 * kHeld, quality::kMissing);
+    std::fill_n(flags_.begin(), rows + kAhead, quality::kMissing);
     std::copy_n(track.held_quality.begin(), rows, flags_.begin());
     frame_row_ = first_frame_row;
-    Judge(rows, track);
+    Judge(rows - std::min(rows, kAhead), rows, track);
     GiveOut(rows, 0, channel, block);
   }
   std::copy_n(held_time_.begin(), rows, block.time.begin());
@@ -150,7 +188,7 @@ void QualityMonitor::Flush(SampleBlock& block) {
 }
 
 void QualityMonitor::Reserve(std::size_t rows) {
-  const std::size_t size = kHistory + kHeld + rows;
+  const std::size_t size = kHistory + hold_ + kAhead + rows;
   if (column_.size() >= size) return;
   column_.resize(size);
   flags_.resize(size);
@@ -168,15 +206,17 @@ void QualityMonitor::LineUp(const SampleBlock& block, std::size_t channel) {
   std::copy(block.quality[channel].begin(), block.quality[channel].end(), flag);
 }
 
-/// Judges the first `rows` rows lined up, in pieces that do not cross the frames of the noise scale.
-void QualityMonitor::Judge(std::size_t rows, Track& track) {
-  for (std::size_t row = 0; row < rows;) {
-    const std::size_t piece = std::min(rows - row, kFrame - frame_row_);
+/// Judges rows `begin` to `end` of those lined up, in pieces that do not cross the frames of the noise scale.
+void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
+  for (std::size_t row = begin; row < end;) {
+    const std::size_t piece = std::min(end - row, kFrame - frame_row_);
     const double* x = column_.data() + kHistory + row;
     Quality* flags = flags_.data() + row;
     const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
     const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
-    const Counts counts = Count(x, piece, {track.scale, far, track.low, track.high});
+    const double near = kNearExtreme * sigma;
+    const Counts counts = Count(x, piece, {track.scale, far, track.low, track.high,
+                                           -track.extremes[1].value + near, track.extremes[0].value - near});
     track.readings += counts.equal + counts.changes;
     track.changes += counts.changes;
     track.reversals += counts.reversals;
@@ -188,6 +228,15 @@ void QualityMonitor::Judge(std::size_t rows, Track& track) {
       FlagStuck(x, piece, track, flags);
     } else {
       track.run = 1;
+    }
+    if (track.can_saturate && track.stuck_limit > 0) {
+      const std::array<std::pair<double, std::int64_t>, 2> ends = {
+          {{counts.highest, counts.near_high}, {-counts.lowest, counts.near_low}}};
+      for (std::size_t side = 0; side < ends.size(); ++side)
+        if (ends[side].first >= track.extremes[side].value)
+          WatchExtreme(side, x, piece, track, flags);
+        else
+          track.extremes[side].near += ends[side].second;
     }
     if (track.first_count < kFrame) CollectFirst(x, piece, track);
     row += piece;
@@ -214,18 +263,18 @@ void QualityMonitor::GiveOut(std::size_t rows, std::size_t kept, std::size_t cha
 void QualityMonitor::DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block) {
   std::vector<double>& time = block.time;
   const std::size_t coming = time.size();
-  std::array<double, 2 * kHeld> tail{};  // the rows held before, then the last new ones
-  std::copy_n(held_time_.begin(), held_, tail.begin());
-  const std::size_t taken = std::min(coming, kHeld);
+  // The rows held before, then the last new ones.
+  std::copy_n(held_time_.begin(), held_, tail_.begin());
+  const std::size_t taken = std::min(coming, hold_);
   std::copy(time.end() - static_cast<std::ptrdiff_t>(taken), time.end(),
-            tail.begin() + static_cast<std::ptrdiff_t>(held_));
+            tail_.begin() + static_cast<std::ptrdiff_t>(held_));
   if (rows > 0) {
     const std::size_t from_held = std::min(rows, held_);
     std::copy_backward(time.begin(), time.begin() + static_cast<std::ptrdiff_t>(rows - from_held),
                        time.begin() + static_cast<std::ptrdiff_t>(rows));
     std::copy_n(held_time_.begin(), from_held, time.begin());
   }
-  std::copy_n(tail.begin() + static_cast<std::ptrdiff_t>(held_ + taken - kept), kept, held_time_.begin());
+  std::copy_n(tail_.begin() + static_cast<std::ptrdiff_t>(held_ + taken - kept), kept, held_time_.begin());
   held_ = kept;
 }
 
@@ -247,8 +296,37 @@ void QualityMonitor::FlagStuck(const double* x, std::size_t rows, Track& track, 
   for (std::size_t i = 0; i < rows; ++i) {
     track.run = x[i] == x[i - 1] ? track.run + 1 : 1;
     if (track.stuck_limit == 0 || track.run <= track.stuck_limit) continue;
+    if (track.run == track.stuck_limit + 1) FlagBack(flags + i, track.run - 1, quality::kStuck);
     flags[i] |= quality::kStuck;
     --track.readings;  // a stuck reading says nothing about how long readings normally stay
+  }
+}
+
+/// Flags the `rows` rows before `at` as far as they are held back.
+void QualityMonitor::FlagBack(Quality* at, std::int64_t rows, Quality flag) {
+  const auto reach = std::min<std::int64_t>(rows, at - flags_.data());
+  for (std::int64_t k = 1; k <= reach; ++k) at[-k] |= flag;
+}
+
+/// Counts readings exactly at one end of the range seen, and those within the noise of it; all with the sign turned on
+/// side 1.
+void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags) {
+  Extreme& extreme = track.extremes[side];
+  const double near = kNearExtreme * std::max(track.scale / kMedianThirdDifference, track.known_noise);
+  const double sign = side == 0 ? 1.0 : -1.0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double reading = sign * x[i];
+    if (reading > extreme.value) {
+      extreme = {reading, 1, 0, false};
+    } else if (reading == extreme.value) {
+      ++extreme.at;
+      // A reading of exactly 0 is what a relieved sensor shows.
+      extreme.cut = reading != 0 && extreme.at >= kReadingsAtLimit &&
+                    static_cast<double>(extreme.at) > kShareAtLimit * static_cast<double>(extreme.at + extreme.near);
+      if (extreme.cut) flags[i] |= quality::kOutOfRange;
+    } else if (reading > extreme.value - near) {
+      ++extreme.near;
+    }
   }
 }
 

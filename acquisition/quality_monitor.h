@@ -3,9 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "acquisition/standstill.h"
 #include "core/sample_block.h"
 #include "models/expression_guard.h"
 #include "models/machine.h"
@@ -28,11 +31,14 @@ struct ChannelQuality {
 ///
 ///   kOutOfRange  outside min/max of the machine file.
 ///   kStuck       the very same reading for longer than `stuck_time` (and 25 times longer than on average),
-///   from that
-///                moment on. Only on a channel whose noise its resolution does not hide: at least 100 changes
+///                all of them as far as rows are still held back, else from that moment on. Only on a
+///                channel whose noise its resolution does not hide: at least 100 changes
 ///                of reading seen, two in three readings different from the one before, and three in ten
 ///                changes back in the direction they came from (white noise: two in three; smooth motion:
 ///                none). A command that rests at one value between noisy phases needs `stuck_time = 0`.
+///                Also a signal that stands still while what drives it moves (acquisition/standstill.h).
+///   kOutOfRange  as well: a reading exactly at the highest or lowest one seen, where so many pile up that the
+///                noise is cut off there: a sensor or converter at its limit. On channels whose noise shows.
 ///   kExpression  an expression of the machine file is no finite number on this row (models/expression_guard.h).
 ///   kSpike       one value off the mean of its neighbours by more than 12 standard deviations of that
 ///   distance and by
@@ -43,18 +49,21 @@ struct ChannelQuality {
 /// Noise scale: median of the third differences other than zero (they cancel parabolic motion), followed in
 /// frames of 64 rows; sigma = median / (0.6745 sqrt(20)) for white noise.
 ///
-/// A spike can only be told two rows later, so the monitor holds back two rows: Inspect gives out the rows it
-/// held back and all new rows but the last two. At the end of a log, Flush gives out the last ones.
+/// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
+/// rows back so that the first ones of such a run are flagged as well, Delay() of them, at most kMostHeld. Inspect gives
+/// out the rows it held back and all new rows but the last ones. At the end of a log, Flush gives out the last ones.
 class QualityMonitor {
  public:
   /// `sample_period` in s.
   QualityMonitor(const Machine& machine, double sample_period);
 
   /// Adds flags to `block.quality`. Afterwards `block` holds the rows to be processed: those of this block
-  /// delayed by two rows, two less at the beginning (perhaps none).
+  /// delayed by Delay() rows, so many less at the beginning (perhaps none).
   void Inspect(SampleBlock& block);
-  /// Fills `block` with the rows held back, at most two.
+  /// Fills `block` with the rows held back, at most Delay().
   void Flush(SampleBlock& block);
+  /// Rows between a row's coming and its being given out.
+  std::size_t Delay() const { return hold_; }
 
   /// One per signal of the machine, over the rows given out so far.
   const std::vector<ChannelQuality>& channels() const { return channels_; }
@@ -62,7 +71,15 @@ class QualityMonitor {
  private:
   static constexpr std::size_t kFrame = 64;   ///< rows between two updates of the noise scale
   static constexpr std::size_t kHistory = 2;  ///< rows remembered before the first one to be given out
-  static constexpr std::size_t kHeld = 2;     ///< rows held back
+  static constexpr std::size_t kAhead = 2;    ///< rows to be seen after one before it can be judged
+  static constexpr std::size_t kMostHeld = 1024;
+
+  /// One end of a channel's range.
+  struct Extreme {
+    double value = 0;              ///< SI, the farthest reading seen
+    std::int64_t at = 0, near = 0; ///< readings exactly there, and within the noise of it
+    bool cut = false;              ///< the noise is cut off there
+  };
 
   /// What is remembered of a channel.
   struct Track {
@@ -70,8 +87,10 @@ class QualityMonitor {
     double known_noise = 0;                 ///< SI, std from the machine file; 0 if not given
     std::int64_t stuck_rows = 0;            ///< identical readings allowed; 0: any number
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first
-    std::array<double, kHeld> held{};
-    std::array<Quality, kHeld> held_quality{};
+    std::vector<double> held;
+    std::vector<Quality> held_quality;
+    std::array<Extreme, 2> extremes{};  ///< highest, lowest with its sign turned
+    bool can_saturate = true;           ///< a measurement, not a command that rests at its limit
     std::int64_t run = 0;  ///< identical readings up to the last row given out
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
@@ -86,12 +105,14 @@ class QualityMonitor {
 
   void Reserve(std::size_t rows);
   void LineUp(const SampleBlock& block, std::size_t channel);
-  void Judge(std::size_t rows, Track& track);
+  void Judge(std::size_t begin, std::size_t end, Track& track);
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
   void DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block);
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags);
+  void FlagBack(Quality* at, std::int64_t rows, Quality flag);
+  void WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags);
   void FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void BeginFrame(Track& track);
   void CountFlags(const SampleBlock& block, std::size_t rows);
@@ -102,8 +123,10 @@ class QualityMonitor {
   std::vector<double> column_;             ///< history, rows held back, new rows of the channel being judged
   std::vector<Quality> flags_;             ///< of the same rows without history
   std::size_t frame_row_ = 0;              ///< rows given out in the present frame
-  std::size_t held_ = 0;                   ///< rows held back at present
-  std::array<double, kHeld> held_time_{};  ///< s
+  std::size_t held_ = 0;                   ///< rows held back at present, the last kAhead of them not judged yet
+  std::size_t hold_ = kAhead;              ///< rows held back once they are there
+  std::vector<double> held_time_, tail_;   ///< s
+  std::optional<Standstill> standstill_;   ///< nothing: no signal of this machine is known to follow another
 };
 
 }  // namespace hydroscope

@@ -135,12 +135,13 @@ TEST_F(QualityMonitorTest, JudgesNoSpikeBesideMissingReadings) {
   EXPECT_EQ(Count(Run(), quality::kSpike), 0);
 }
 
-TEST_F(QualityMonitorTest, FlagsAStuckSensorFromTheLimitOn) {
+TEST_F(QualityMonitorTest, FlagsAStuckSensorFromItsFirstReadingOn) {
   AddNoise(1000);
   AddSame(200);
   AddNoise(100);
   const auto flags = Run();
-  EXPECT_EQ(flags[999 + 50], quality::kGood);
+  EXPECT_EQ(flags[998], quality::kGood);
+  EXPECT_EQ(flags[999], quality::kStuck);
   EXPECT_EQ(flags[999 + 51], quality::kStuck);
   EXPECT_EQ(flags[999 + 200], quality::kStuck);
   EXPECT_EQ(flags[999 + 201], quality::kGood);
@@ -196,7 +197,29 @@ TEST_F(QualityMonitorTest, CopiesGoOnAlike) {
   monitor.Flush(a);
   copy.Flush(b);
   EXPECT_EQ(a.signal, b.signal);
-  EXPECT_EQ(a.rows(), 2u);
+  EXPECT_EQ(a.rows(), monitor.Delay());
+}
+
+TEST_F(QualityMonitorTest, FlagsReadingsCutOffAtARoundLimit) {
+  for (const double limit : {200.0, -200.0}) {
+    readings_.clear();
+    AddNoise(2000, 0.5 * limit, 2);
+    AddNoise(2000, limit, 2);
+    for (double& x : readings_) x = limit > 0 ? std::min(x, limit) : std::max(x, limit);
+    const auto at = std::count(readings_.begin(), readings_.end(), limit);
+    const int flagged = Count(Run(), quality::kOutOfRange);
+    EXPECT_GT(flagged, 0.9 * static_cast<double>(at)) << limit;
+    EXPECT_LE(flagged, at) << limit;
+  }
+}
+
+TEST_F(QualityMonitorTest, TakesTheHighestReadingsOfACoarseSensorForNoLimit) {
+  for (const double quantum : {0.1, 0.5, 1.0}) {
+    readings_.clear();
+    AddNoise(100000, 50, 1);
+    for (double& x : readings_) x = quantum * std::round(x / quantum);
+    EXPECT_EQ(Count(Run(), quality::kOutOfRange), 0) << quantum;
+  }
 }
 
 }  // namespace
