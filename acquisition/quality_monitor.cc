@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "core/constants.h"
 #include "core/wide.h"
@@ -137,19 +138,14 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
     track.held_quality.resize(hold_);
   }
   held_time_.resize(hold_);
-  tail_.resize(2 * hold_);
   standstill_ = Standstill::For(machine, sample_period);
 }
 
 void QualityMonitor::Inspect(SampleBlock& block) {
   const std::size_t coming = block.rows();
   if (coming == 0) return;
-  if (standstill_)
-    standstill_->Judge(block, [&](std::size_t channel, std::size_t back) {
-      const std::size_t reach = std::min(back, held_);
-      for (std::size_t k = held_ - reach; k < held_; ++k) tracks_[channel].held_quality[k] |= quality::kStuck;
-    });
-  const std::size_t total = held_ + coming, kept = std::min(total, hold_);
+  if (standstill_) standstill_->Judge(block);
+  const std::size_t total = held_ + coming, kept = std::min({total, hold_, kAhead + RunUnderWay(block)});
   const std::size_t rows = total - kept;
   const std::size_t judged = held_ - std::min(held_, kAhead), last = total - std::min(total, kAhead);
   const std::size_t first_frame_row = frame_row_;
@@ -159,10 +155,33 @@ void QualityMonitor::Inspect(SampleBlock& block) {
     Judge(judged, last, tracks_[channel]);
     GiveOut(rows, kept, channel, block);
   }
-  DelayTimes(rows, kept, block);
+  DelayTimes(rows, kept, block.time);
   block.Resize(tracks_.size(), rows);
   if (guard_) guard_->Flag(block, rows);
   CountFlags(block, rows);
+}
+
+/// Rows at the end of `block` and before that may yet turn out to be stuck: those of the longest run of one reading up
+/// to a row that is not judged yet, and what came after it.
+std::size_t QualityMonitor::RunUnderWay(const SampleBlock& block) {
+  std::size_t longest = 0;
+  for (std::size_t channel = 0; channel < tracks_.size(); ++channel) {
+    Track& track = tracks_[channel];
+    const std::vector<double>& x = block.signal[channel];
+    const std::size_t first = x.size() - std::min(x.size(), track.runs.size());
+    std::size_t begin = first;
+    while (begin > 0 && x[begin - 1] == x[first]) --begin;
+    std::size_t run = first - begin + 1 + (begin == 0 && x[0] == track.last ? track.runs.back() : 0);
+    for (std::size_t k = first; k < x.size(); ++k) {
+      if (k > first) run = x[k] == x[k - 1] ? run + 1 : 1;
+      std::rotate(track.runs.begin(), track.runs.begin() + 1, track.runs.end());
+      track.runs.back() = run;
+    }
+    track.last = x.back();
+    for (std::size_t k = 0; track.stuck_rows > 0 && k < track.runs.size(); ++k)
+      if (track.runs[k] > 1) longest = std::max(longest, track.runs[k] + track.runs.size() - 1 - k);
+  }
+  return longest;
 }
 
 void QualityMonitor::Flush(SampleBlock& block) {
@@ -174,14 +193,14 @@ void QualityMonitor::Flush(SampleBlock& block) {
     Reserve(kAhead);
     std::copy(track.before.begin(), track.before.end(), column_.begin());
     std::fill_n(column_.begin() + kHistory, rows + kAhead, kNaN);  // what would follow is not known
-    std::copy_n(track.held.begin(), rows, column_.begin() + kHistory);
+    for (std::size_t k = 0; k < rows; ++k) column_[kHistory + k] = track.held[k];
     std::fill_n(flags_.begin(), rows + kAhead, quality::kMissing);
-    std::copy_n(track.held_quality.begin(), rows, flags_.begin());
+    for (std::size_t k = 0; k < rows; ++k) flags_[k] = track.held_quality[k];
     frame_row_ = first_frame_row;
     Judge(rows - std::min(rows, kAhead), rows, track);
     GiveOut(rows, 0, channel, block);
   }
-  std::copy_n(held_time_.begin(), rows, block.time.begin());
+  for (std::size_t k = 0; k < rows; ++k) block.time[k] = held_time_[k];
   held_ = 0;
   if (guard_) guard_->Flag(block, rows);
   CountFlags(block, rows);
@@ -252,6 +271,8 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
 void QualityMonitor::GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block) {
   Track& track = tracks_[channel];
   const auto given = static_cast<std::ptrdiff_t>(rows);
+  block.signal[channel].resize(rows);
+  block.quality[channel].resize(rows);
   std::copy_n(column_.begin() + kHistory, rows, block.signal[channel].begin());
   std::copy_n(flags_.begin(), rows, block.quality[channel].begin());
   std::copy_n(column_.begin() + given, kHistory, track.before.begin());
@@ -260,21 +281,11 @@ void QualityMonitor::GiveOut(std::size_t rows, std::size_t kept, std::size_t cha
   channels_[channel].noise_std = track.scale > 0 ? track.scale / kMedianThirdDifference : kNaN;
 }
 
-void QualityMonitor::DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block) {
-  std::vector<double>& time = block.time;
-  const std::size_t coming = time.size();
-  // The rows held before, then the last new ones.
-  std::copy_n(held_time_.begin(), held_, tail_.begin());
-  const std::size_t taken = std::min(coming, hold_);
-  std::copy(time.end() - static_cast<std::ptrdiff_t>(taken), time.end(),
-            tail_.begin() + static_cast<std::ptrdiff_t>(held_));
-  if (rows > 0) {
-    const std::size_t from_held = std::min(rows, held_);
-    std::copy_backward(time.begin(), time.begin() + static_cast<std::ptrdiff_t>(rows - from_held),
-                       time.begin() + static_cast<std::ptrdiff_t>(rows));
-    std::copy_n(held_time_.begin(), from_held, time.begin());
-  }
-  std::copy_n(tail_.begin() + static_cast<std::ptrdiff_t>(held_ + taken - kept), kept, held_time_.begin());
+void QualityMonitor::DelayTimes(std::size_t rows, std::size_t kept, std::vector<double>& time) {
+  times_.assign(held_time_.begin(), held_time_.begin() + static_cast<std::ptrdiff_t>(held_));
+  times_.insert(times_.end(), time.begin(), time.end());
+  time.assign(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(rows));
+  std::copy_n(times_.begin() + static_cast<std::ptrdiff_t>(rows), kept, held_time_.begin());
   held_ = kept;
 }
 

@@ -50,20 +50,21 @@ struct ChannelQuality {
 /// frames of 64 rows; sigma = median / (0.6745 sqrt(20)) for white noise.
 ///
 /// A spike can only be told two rows later, and a signal that stands still only after `stuck_time`: the monitor holds
-/// rows back so that the first ones of such a run are flagged as well, Delay() of them, at most kMostHeld. Inspect gives
-/// out the rows it held back and all new rows but the last ones. At the end of a log, Flush gives out the last ones.
+/// back two rows, and the rows of a run of one reading as long as it may turn out to be stuck, so that the first ones
+/// are flagged as well; MostDelay() rows at most. Inspect gives out what need not be held any longer. At the end of a
+/// log, Flush gives out the last rows.
 class QualityMonitor {
  public:
   /// `sample_period` in s.
   QualityMonitor(const Machine& machine, double sample_period);
 
-  /// Adds flags to `block.quality`. Afterwards `block` holds the rows to be processed: those of this block
-  /// delayed by Delay() rows, so many less at the beginning (perhaps none).
+  /// Adds flags to `block.quality`. Afterwards `block` holds the rows to be processed, delayed: fewer than came
+  /// (perhaps none), or more where a run has ended.
   void Inspect(SampleBlock& block);
-  /// Fills `block` with the rows held back, at most Delay().
+  /// Fills `block` with the rows held back, at most MostDelay().
   void Flush(SampleBlock& block);
-  /// Rows between a row's coming and its being given out.
-  std::size_t Delay() const { return hold_; }
+  /// Rows between a row's coming and its being given out, at most.
+  std::size_t MostDelay() const { return hold_; }
 
   /// One per signal of the machine, over the rows given out so far.
   const std::vector<ChannelQuality>& channels() const { return channels_; }
@@ -91,6 +92,8 @@ class QualityMonitor {
     std::vector<Quality> held_quality;
     std::array<Extreme, 2> extremes{};  ///< highest, lowest with its sign turned
     bool can_saturate = true;           ///< a measurement, not a command that rests at its limit
+    std::array<std::size_t, kAhead + 1> runs{};  ///< identical readings up to each of the last rows that came
+    double last = 0;                             ///< of these
     std::int64_t run = 0;  ///< identical readings up to the last row given out
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
@@ -107,7 +110,8 @@ class QualityMonitor {
   void LineUp(const SampleBlock& block, std::size_t channel);
   void Judge(std::size_t begin, std::size_t end, Track& track);
   void GiveOut(std::size_t rows, std::size_t kept, std::size_t channel, SampleBlock& block);
-  void DelayTimes(std::size_t rows, std::size_t kept, SampleBlock& block);
+  void DelayTimes(std::size_t rows, std::size_t kept, std::vector<double>& time);
+  std::size_t RunUnderWay(const SampleBlock& block);
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags);
@@ -125,7 +129,7 @@ class QualityMonitor {
   std::size_t frame_row_ = 0;              ///< rows given out in the present frame
   std::size_t held_ = 0;                   ///< rows held back at present, the last kAhead of them not judged yet
   std::size_t hold_ = kAhead;              ///< rows held back once they are there
-  std::vector<double> held_time_, tail_;   ///< s
+  std::vector<double> held_time_, times_;  ///< s; of rows held back, and with those that came
   std::optional<Standstill> standstill_;   ///< nothing: no signal of this machine is known to follow another
 };
 

@@ -197,7 +197,7 @@ TEST_F(QualityMonitorTest, CopiesGoOnAlike) {
   monitor.Flush(a);
   copy.Flush(b);
   EXPECT_EQ(a.signal, b.signal);
-  EXPECT_EQ(a.rows(), monitor.Delay());
+  EXPECT_EQ(a.rows(), 2u);  // nothing stands still: what spikes need
 }
 
 TEST_F(QualityMonitorTest, FlagsReadingsCutOffAtARoundLimit) {

@@ -15,7 +15,9 @@ constexpr int kFewestRows = 4;       // in a piece
 constexpr double kRangeOfNoise = 8.0;
 // The noise is that of the quieter pieces: steps between rows hold the motion as well.
 constexpr double kNoiseFalls = 0.2, kNoiseRises = 1.02;  // share of a quieter piece; factor at most per piece
-constexpr double kCommandMoves = 1.0;  // V, a tenth of full command
+constexpr double kFullCommand = 10.0;  // V
+constexpr double kCommandMoves = 0.1;  // of full command
+constexpr double kIgnores = 0.1;       // share of the movement it is told to make
 constexpr double kFullyOpen = 0.97;    // of the spool: it may rest at its stop
 constexpr double kOpen = 0.05;         // of the spool, either way: beyond any overlap
 constexpr double kGoes = 0.01;         // m/s
@@ -38,7 +40,7 @@ std::optional<Standstill> Standstill::For(const Machine& machine, double sample_
   return out;
 }
 
-void Standstill::Judge(SampleBlock& block, const FlagBack& back) {
+void Standstill::Judge(SampleBlock& block) {
   const std::size_t rows = block.rows();
   for (std::size_t row = 0; row < rows;) {
     const std::size_t count = std::min<std::size_t>(rows - row, static_cast<std::size_t>(rows_ - filled_));
@@ -57,14 +59,15 @@ void Standstill::Judge(SampleBlock& block, const FlagBack& back) {
       piece.sum += sum;
       piece.steps += steps;
     }
+    Flag(kSpool, spool_, row, row + count, block);
+    Flag(kPressure, pressure_, row, row + count, block);
     row += count;
     filled_ += static_cast<int>(count);
-    if (filled_ == rows_) EndPiece(block, row, back);
+    if (filled_ == rows_) EndPiece();
   }
 }
 
-/// A piece ended before `row` of the block.
-void Standstill::EndPiece(SampleBlock& block, std::size_t row, const FlagBack& back) {
+void Standstill::EndPiece() {
   filled_ = 0;
   for (Piece& piece : piece_) {
     piece.mean = piece.sum / rows_;
@@ -76,11 +79,8 @@ void Standstill::EndPiece(SampleBlock& block, std::size_t row, const FlagBack& b
                                              : std::min(variance, kNoiseRises * piece.noise);
     piece.sum = piece.steps = 0;
   }
-  const bool spool_stood = spool_.stands, pressure_stood = pressure_.stands;
   JudgeSpool();
   JudgePressure();
-  Flag(kSpool, spool_, spool_stood, block, row, back);
-  Flag(kPressure, pressure_, pressure_stood, block, row, back);
 }
 
 /// False if the signal moved: a new run begins with this piece.
@@ -102,8 +102,9 @@ void Standstill::JudgeSpool() {
   if (channel_[kCommand] < 0) return;
   const bool stays = Extend(piece_[kSpool], spool_);
   const double command = commands_.front();  // the spool had time to follow it
-  if (!stays) {
-    command_low_ = command_high_ = command;
+  // Commands from before it stood say nothing: it followed them.
+  if (!stays || spool_.rows <= (kLag + 1) * rows_) {
+    command_low_ = command_high_ = kNaN;
   } else if (std::isfinite(command)) {
     command_low_ = std::isfinite(command_low_) ? std::min(command_low_, command) : command;
     command_high_ = std::isfinite(command_high_) ? std::max(command_high_, command) : command;
@@ -111,7 +112,10 @@ void Standstill::JudgeSpool() {
   std::rotate(commands_.begin(), commands_.begin() + 1, commands_.end());
   commands_.back() = piece_[kCommand].whole ? piece_[kCommand].mean : kNaN;
   const bool at_stop = std::abs(piece_[kSpool].mean) >= kFullyOpen;
-  if (stays && !at_stop && command_high_ - command_low_ >= kCommandMoves) spool_.stands = true;
+  // Beside a noise that is overrated after fast motion: it moves by a small share of what it is told to.
+  const double told = (command_high_ - command_low_) / kFullCommand;
+  const bool ignores = spool_.high - spool_.low < kIgnores * told;
+  if (stays && !at_stop && ignores && told >= kCommandMoves) spool_.stands = true;
 }
 
 void Standstill::JudgePressure() {
@@ -126,14 +130,10 @@ void Standstill::JudgePressure() {
   if (std::min({opening_, closing_, down_, up_}) >= kPiecesToProve) pressure_.stands = true;
 }
 
-void Standstill::Flag(Signal signal, Run& run, bool stood, SampleBlock& block, std::size_t row,
-                      const FlagBack& back) const {
+void Standstill::Flag(Signal signal, const Run& run, std::size_t begin, std::size_t end, SampleBlock& block) const {
   if (!run.stands) return;
-  const auto channel = static_cast<std::size_t>(channel_[signal]);
-  const auto rows = static_cast<std::size_t>(stood ? rows_ : run.rows);
-  const std::size_t here = std::min(rows, row);
-  for (std::size_t k = row - here; k < row; ++k) block.quality[channel][k] |= quality::kStuck;
-  if (rows > here) back(channel, rows - here);
+  std::vector<Quality>& quality = block.quality[static_cast<std::size_t>(channel_[signal])];
+  for (std::size_t k = begin; k < end; ++k) quality[k] |= quality::kStuck;
 }
 
 }  // namespace hydroscope

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 
 #include "core/sample_block.h"
@@ -18,19 +17,15 @@ namespace hydroscope {
 ///   it.
 ///
 /// Works on means of pieces of 20 ms: a signal stands as long as all of them lie within what white noise of
-/// its size (from the steps between rows) explains. From the first proof on, and back to where it began to
-/// stand, its values are flagged quality::kStuck until it moves again. Neither allocates per row nor depends
-/// on how rows are cut into blocks, save for how far back flags can reach.
+/// its size (from the steps between rows) explains. From the first proof on its values are flagged
+/// quality::kStuck until it moves again. Neither allocates per row nor depends on how rows are cut into blocks.
 class Standstill {
  public:
-  /// Flags the `back` rows of a channel before the present block.
-  using FlagBack = std::function<void(std::size_t channel, std::size_t back)>;
-
   /// Nothing if the machine has no pair of signals to judge. `sample_period` in s.
   static std::optional<Standstill> For(const Machine& machine, double sample_period);
 
   /// Adds flags to the rows of `block`, the rows that came next.
-  void Judge(SampleBlock& block, const FlagBack& back);
+  void Judge(SampleBlock& block);
 
  private:
   static constexpr int kSignals = 4;  ///< y_v, U_v, p_A, z
@@ -53,12 +48,11 @@ class Standstill {
   };
 
   explicit Standstill(int rows) : rows_(rows) {}
-  void EndPiece(SampleBlock& block, std::size_t row, const FlagBack& back);
+  void EndPiece();
   bool Extend(const Piece& piece, Run& run) const;
   void JudgeSpool();
   void JudgePressure();
-  void Flag(Signal signal, Run& run, bool stood, SampleBlock& block, std::size_t row,
-            const FlagBack& back) const;
+  void Flag(Signal signal, const Run& run, std::size_t begin, std::size_t end, SampleBlock& block) const;
 
   int rows_;  ///< in a piece
   int filled_ = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "acquisition/quality_monitor.h"
 #include "simulator/press.h"
@@ -84,10 +85,9 @@ TEST(Standstill, ASpoolThatIsFrozenButForItsNoiseIsFlagged) {
 TEST(Standstill, APressureThatIsFrozenButForItsNoiseIsFlaggedFromItsFirstStrokeOn) {
   SampleBlock rows = Press(3, 60);
   std::vector<double>& p = rows.signal[kPressure];
-  const std::vector<double> healthy = p;
-  const double level = 120e5, mean = healthy[5000];
-  for (std::size_t k = 10000; k < 30000; ++k)
-    p[k] = level + 2e5 * std::sin(1e4 * static_cast<double>(k) * mean);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> frozen(120e5, 2.2e5);
+  for (std::size_t k = 10000; k < 30000; ++k) p[k] = frozen(random);
   const auto flags = Flags(rows, kPressure);
   EXPECT_EQ(Stuck(flags, 0, 9900), 0);
   EXPECT_GT(Stuck(flags, 10000, 30000), 10000);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 namespace {
 
@@ -38,6 +40,23 @@ double Energy(const Eigen::MatrixXd& augmented, const Eigen::VectorXd& theta) {
 NormalEquations AsEquations(const Eigen::MatrixXd& augmented, double count) {
   const int n = static_cast<int>(augmented.rows()) - 1;
   return {augmented.topLeftCorner(n, n), augmented.col(n).head(n), augmented(n, n), count};
+}
+
+/// Sizes of output, model and difference in the flow form; `strokes` are of StrokeSet::Reduced.
+template <typename Strokes>
+void JudgeFlows(const Strokes& strokes, ExtendedFit& fit) {
+  const auto n = fit.theta.size();
+  double measured = 0, modelled = 0, common = 0, windows = 0;
+  for (const auto& s : strokes) {
+    measured += s.flow(n, n);
+    common += fit.theta.dot(s.flow.col(n).head(n));
+    modelled += fit.theta.dot(s.flow.topLeftCorner(n, n) * fit.theta);
+    windows += s.windows;
+  }
+  if (windows <= 0) return;
+  fit.rms_measured = std::sqrt(measured / windows);
+  fit.rms_modelled = std::sqrt(NonNegative(modelled / windows));
+  fit.rms_residual = std::sqrt(NonNegative((measured - 2 * common + modelled) / windows));
 }
 
 }  // namespace
@@ -267,6 +286,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const int n = static_cast<int>(fit.theta.size());
   NormalEquations total;
   for (const Reduced& s : strokes) total += AsEquations(s.clean, s.count());
+  JudgeFlows(strokes, fit);
 
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
   Eigen::MatrixXd replicas(n, strokes.size());
@@ -281,7 +301,11 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     NormalEquations rest = total;
     rest -= AsEquations(strokes[s].clean, strokes[s].count());
     Eigen::VectorXd theta = SolveNormalEquations(rest);
-    if (theta.size() == 0) theta = fit.theta;
+    const bool indispensable = theta.size() == 0;  // not judged: no model without it
+    if (indispensable) {
+      ++fit.indispensable_strokes;
+      theta = fit.theta;
+    }
     replicas.col(s) = theta;
     const double error = Energy(strokes[s].clean, theta);
     fit.excess[static_cast<Eigen::Index>(strokes[s].stroke)] = error;
@@ -289,6 +313,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
     floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].blocks, strokes[s].spans);
+    if (indispensable) continue;
     flow_error += Energy(strokes[s].flow, theta);
     windows += strokes[s].windows;
   }
@@ -298,7 +323,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   fit.excess_ratio = (excess - further_noise) / noise;
   fit.noise_variance = noise / total.equations;
   fit.fit_excess_ratio = (fit_excess - further_noise) / noise;
-  fit.rms_holdout = windows > 0 ? std::sqrt(std::max(0.0, flow_error / windows)) : 0.0;
+  fit.rms_holdout = windows > 0 ? std::sqrt(NonNegative(flow_error / windows)) : 0.0;
   // Coloured noise reaches flows by a way that is not known: as much of the error as in the integral form.
   fit.noise_floor =
       noise_scale_ == 1.0 ? floor.Rms() : fit.rms_holdout / std::sqrt(1 + std::max(0.0, fit.excess_ratio));
@@ -317,7 +342,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     estimate.choice = choices[k];
     estimate.size = fit.theta[i];
     estimate.std = std::sqrt(fit.covariance(i, i)) * student;
-    estimate.model_std = std::sqrt(std::max(0.0, inverse(i, i)) * fit.noise_variance);
+    estimate.model_std = std::sqrt(NonNegative(inverse(i, i)) * fit.noise_variance);
     estimate.independent = std::clamp(1.0 / (inverse(i, i) * total.h(i, i)), 0.0, 1.0);
     const EffectShape& shape = model_->effect_shapes[choices[k].effect][choices[k].shape];
     if (effect.implied) {

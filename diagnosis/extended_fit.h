@@ -54,6 +54,8 @@ struct ExtendedFit {
   double noise_variance = 0;    ///< of one equation, integrated output unit squared
   double excess_ratio = 0;      ///< mean held-out model error energy over noise energy; 0 = perfect model
   double fit_excess_ratio = 0;  ///< the same on the strokes it was fitted to
+  double rms_measured = 0, rms_modelled = 0, rms_residual = 0;  ///< as in GramFit
+  int indispensable_strokes = 0;  ///< as in GramFit; they do not enter `rms_holdout`
   double rms_holdout = 0;       ///< m^3/s, flow form
   double noise_floor = 0;       ///< m^3/s, flow form, sensor noise alone
 };

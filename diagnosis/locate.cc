@@ -4,6 +4,8 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 namespace {
 
@@ -207,7 +209,7 @@ Located Describe(const Residuals& residuals, const Binned& binned, std::size_t f
   out.unit = signal.unit;
   out.from = binned.edges[0][first] * signal.factor + signal.offset;
   out.to = binned.edges[0][last + 1] * signal.factor + signal.offset;
-  out.rms = std::sqrt(std::max(0.0, in.excess / in.windows));
+  out.rms = std::sqrt(NonNegative(in.excess / in.windows));
   out.mean = in.residual / in.windows;
   out.share_windows = in.windows / total.windows;
   out.share_error = std::clamp(total.excess > 0 ? in.excess / total.excess : 0.0, 0.0, 1.0);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 namespace {
 
@@ -79,7 +81,7 @@ Curves CurvesOf(const std::vector<Sums>& strokes, const Sums& total, double smoo
     out.without.push_back(c);
   }
   const double n = static_cast<double>(strokes.size());
-  out.std = std::sqrt(std::max(0.0, (squares - out.removed * out.removed / n) * n / (n - 1)));
+  out.std = std::sqrt(NonNegative((squares - out.removed * out.removed / n) * n / (n - 1)));
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/non_negative.h"
 #include "estimation/frequency_response_figures.h"
 
 namespace hydroscope {
@@ -290,7 +291,7 @@ ValveModel Describe(const Problem& problem, const Vector4& p, Matrix4 covariance
       down(i) -= h;
       slope(i) = (figure(up) - figure(down)) / (2 * h);
     }
-    return ValueWithStd{figure(p), std::sqrt(std::max(0.0, slope.dot(covariance * slope)))};
+    return ValueWithStd{figure(p), std::sqrt(NonNegative(slope.dot(covariance * slope)))};
   };
   const auto f0 = [](const Vector4& q) { return std::exp(q(kLogOmega)) / kTwoPi; };
   const auto damping = [](const Vector4& q) { return std::exp(q(kLogDamping)); };

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 namespace {
 
@@ -44,14 +46,14 @@ Eigen::MatrixXd NoiseShare(const StrokeGram& gram, std::span<const int> columns,
   return share;
 }
 
-/// Why a physical parameter with this value and std should not be trusted, if so.
-EstimateReason Judge(const DerivedParameter& parameter, double std) {
-  if (!parameter.admissible) return EstimateReason::kOutsidePhysics;
-  const double scale = parameter.unit == "1" ? 0.05 : 0.3 * std::abs(parameter.value);
-  return std > scale ? EstimateReason::kConfounded : EstimateReason::kUpdated;
-}
-
 }  // namespace
+
+EstimateReason TrustOf(const DerivedParameter& parameter, double std) {
+  constexpr double kWidest = 0.3, kWidestNumber = 0.05;
+  if (!parameter.admissible) return EstimateReason::kOutsidePhysics;
+  const double scale = parameter.unit == "1" ? kWidestNumber : kWidest * std::abs(parameter.value);
+  return std <= scale ? EstimateReason::kUpdated : EstimateReason::kConfounded;
+}
 
 NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   if (h.size() == 0) return *this = other;
@@ -146,11 +148,12 @@ std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, con
 void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
                         std::int64_t blocks, std::int64_t spans) {
   const auto n = theta.size();
+  Eigen::VectorXd residual(n + 1);
+  residual << theta, -1.0;
   double walking = 0;
   for (const int i : walk)
-    for (const int j : walk) walking += theta[i] * noise(i, j) * theta[j];
-  white_ += theta.dot(noise.topLeftCorner(n, n) * theta) - 2 * theta.dot(noise.col(n).head(n)) + noise(n, n) -
-            walking;
+    for (const int j : walk) walking += residual[i] * noise(i, j) * residual[j];
+  white_ += residual.dot(noise * residual) - walking;
   walk_ += walking;
   equations_ += static_cast<double>(blocks - spans);
   walk_gain_ += WalkGain(blocks, window_.span);
@@ -159,7 +162,7 @@ void NoiseFloorSum::Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& the
 double NoiseFloorSum::Rms() const {
   if (equations_ <= 0) return 0.0;
   const double walk = walk_gain_ > 0 ? walk_ / walk_gain_ : 0.0;
-  return std::sqrt(std::max(0.0, window_.FlowNoiseVariance(white_ / equations_, walk)));
+  return std::sqrt(NonNegative(window_.FlowNoiseVariance(white_ / equations_, walk)));
 }
 
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
@@ -199,8 +202,10 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   Eigen::MatrixXd replicas(fit.theta.size(), fit.strokes);
   Eigen::MatrixXd derived_replicas(derived.size(), fit.strokes);
   double squared_error = 0, judged = 0;
+  NormalEquations total_flow;
   for (int s = 0; s < fit.strokes; ++s) {
     fit.windows += strokes[s].windows;
+    total_flow += flow[s];
     NormalEquations rest = total;
     rest -= integral[s];
     Eigen::VectorXd theta = SolveNormalEquations(rest);
@@ -215,7 +220,12 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
     const std::vector<DerivedParameter> values = model.derive(theta);
     for (std::size_t i = 0; i < values.size(); ++i) derived_replicas(i, s) = values[i].value;
   }
-  fit.rms_holdout = judged > 0 ? std::sqrt(std::max(0.0, squared_error / judged)) : 0.0;
+  fit.rms_holdout = judged > 0 ? std::sqrt(NonNegative(squared_error / judged)) : 0.0;
+  if (total_flow.equations > 0) {
+    fit.rms_measured = std::sqrt(total_flow.yy / total_flow.equations);
+    fit.rms_modelled = std::sqrt(NonNegative(fit.theta.dot(total_flow.h * fit.theta) / total_flow.equations));
+    fit.rms_residual = std::sqrt(NonNegative(MeanSquaredError(total_flow, fit.theta)));
+  }
   fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.WalkingParameters());
 
   const double jackknife = (count - 1) / count;
@@ -235,7 +245,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
     estimate.unit = derived[i].unit;
     estimate.std = std::hypot(random, derived[i].geometry_std);
     estimate.excitation = excitation[own[i]];
-    estimate.reason = Judge(derived[i], estimate.std);
+    estimate.reason = TrustOf(derived[i], estimate.std);
     fit.parameters.push_back(estimate);
   }
   return fit;

@@ -44,6 +44,9 @@ struct GramFit {
   Eigen::VectorXd theta;             ///< regression parameters, SI
   Eigen::MatrixXd covariance;        ///< clustered by stroke (delete-one jackknife), SI
   std::vector<Estimate> parameters;  ///< physical parameters; value +- 1.96 std is the 95 % interval
+  double rms_measured = 0;           ///< m^3/s, output (flow form) of these strokes
+  double rms_modelled = 0;           ///< m^3/s
+  double rms_residual = 0;           ///< m^3/s, of their difference, on the strokes of the fit
   double rms_holdout = 0;            ///< m^3/s, flow error on strokes the fit did not see
   double noise_floor = 0;            ///< m^3/s, flow error that sensor noise alone would cause
   int strokes = 0;
@@ -60,6 +63,10 @@ struct GramFit {
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
                              const WindowSamples& window);
 
+/// Whether a physical parameter with this value and std can be trusted: kOutsidePhysics, kConfounded if the std
+/// is above 0.3 of the value (0.05 of a number without unit) or unknown, else kUpdated.
+EstimateReason TrustOf(const DerivedParameter& parameter, double std);
+
 /// The regression parameter that each physical parameter has to itself: the one left over once those of the
 /// simpler ones are taken away (K' is theta3, so V0 = A theta2 / theta3 is theta2).
 std::vector<int> OwnParameters(const std::vector<DerivedParameter>& derived, const Eigen::VectorXd& theta);
@@ -72,8 +79,8 @@ class NoiseFloorSum {
   explicit NoiseFloorSum(const WindowSamples& window) : window_(window) {}
 
   /// `noise`: share of a stroke's integral form that is noise, regressors first, output last; `theta` goes
-  /// with the regressors, `walk` are the entries of it whose noise is integrated; `blocks`, `spans` of the
-  /// stroke.
+  /// with the regressors, `walk` are the entries of it whose noise is integrated, theta.size() being the
+  /// output; `blocks`, `spans` of the stroke.
   void Add(const Eigen::MatrixXd& noise, const Eigen::VectorXd& theta, std::span<const int> walk,
            std::int64_t blocks, std::int64_t spans);
   /// Output units rms (m^3/s of a volume balance); 0 without any stroke.
@@ -84,7 +91,8 @@ class NoiseFloorSum {
   double white_ = 0, equations_ = 0, walk_ = 0, walk_gain_ = 0;
 };
 
-/// The same of stored strokes, with regressors `columns` against `output`; `walk` are entries of `columns`.
+/// The same of stored strokes, with regressors `columns` against `output`; `walk` are entries of `columns`,
+/// columns.size() being the output.
 double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> columns, int output,
                   const Eigen::VectorXd& theta, const WindowSamples& window, std::span<const int> walk);
 

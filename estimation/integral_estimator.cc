@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 namespace {
 
@@ -251,18 +253,18 @@ double IntegralEstimator::OwnStd(const DerivedParameter& parameter, int own_regr
   const Eigen::VectorXd ridge = stroke.raw.h.diagonal().cwiseMax(1e-300) * (1e-9 / equations);
   const Eigen::MatrixXd own = stroke.raw.h + Eigen::MatrixXd(ridge.asDiagonal());
   const double promised = parameter.gradient.dot(own.ldlt().solve(parameter.gradient)) * variance_;
-  return std::sqrt(std::max(0.0, promised)) * noise_ / signal_share;
+  return std::sqrt(NonNegative(promised)) * noise_ / signal_share;
 }
 
 Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const Weighted& recent,
                                      const Eigen::MatrixXd& covariance, double own_std) const {
   const Eigen::VectorXd& gradient = parameter.gradient;
-  const double promised = std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
+  const double promised = std::sqrt(NonNegative(gradient.dot(covariance * gradient)));
   double scattered = 0;
   if (recent.strokes > 2) {
     const Eigen::VectorXd bread = recent.h.ldlt().solve(gradient);
     const double small_sample = recent.strokes / (recent.strokes - 1);
-    scattered = std::sqrt(std::max(0.0, bread.dot(recent.meat * bread)) * small_sample) *
+    scattered = std::sqrt(NonNegative(bread.dot(recent.meat * bread)) * small_sample) *
                 StudentFactor(recent.strokes - 1);
   } else {
     scattered = 2.0 * promised;  // one or two strokes do not show how strokes scatter

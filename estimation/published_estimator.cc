@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/non_negative.h"
 #include "models/die_cushion.h"
 
 namespace hydroscope {
@@ -92,7 +93,7 @@ std::vector<Estimate> PublishedEstimator::EndStroke(const StrokeSummary& stroke,
     e.parameter = parameter.name;
     e.value = parameter.value;
     e.unit = parameter.unit;
-    e.std = std::hypot(std::sqrt(std::max(0.0, parameter.gradient.dot(covariance * parameter.gradient))),
+    e.std = std::hypot(std::sqrt(NonNegative(parameter.gradient.dot(covariance * parameter.gradient))),
                        parameter.geometry_std);
     e.excitation = 1.0;
     e.last_excited = stroke.end;

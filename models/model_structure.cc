@@ -18,6 +18,8 @@ std::vector<int> ModelStructure::WalkingParameters(const std::vector<int>& added
     if (columns[c].walks) entries.push_back(c);
   for (std::size_t k = 0; k < added.size(); ++k)
     if (effects[added[k]]->walks) entries.push_back(base_count + static_cast<int>(k));
+  // The entry after the last parameter stands for the output.
+  if (columns[output_column()].walks) entries.push_back(base_count + static_cast<int>(added.size()));
   return entries;
 }
 

@@ -7,6 +7,7 @@
 #include "service/live/raw_log.h"
 #include "service/log_trust.h"
 #include "service/output.h"
+#include "service/physical_sizes.h"
 
 namespace hydroscope {
 namespace {
@@ -83,6 +84,8 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
 Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, KeepSamples keep) {
   Machine machine = stated;
   AssumeTolerances(machine);
+  if (const Status plausible = JudgeSizes(log, machine); !plausible)
+    return tl::unexpected(plausible.error());
   auto reader = OpenRecording(log, machine);
   if (!reader) return tl::unexpected(reader.error());
   StrokeCollector collector(machine, keep);
@@ -140,17 +143,6 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
   }
   if (!all) return UsageError("no log given");
   return std::move(*all);
-}
-
-Result<FitResult> FitLog(const std::string& log, const std::string& machine_file) {
-  auto machine = LoadMachine(machine_file);
-  if (!machine) return tl::unexpected(machine.error());
-  auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
-  if (!strokes) return tl::unexpected(strokes.error());
-  auto fit = FitBaseModel(*strokes->model, strokes->Grams(), strokes->window);
-  if (!fit) return tl::unexpected(fit.error());
-  const LogTrust trust = JudgeLog(*strokes, fit->theta, fit->noise_floor);
-  return FitResult{std::move(*strokes), std::move(*fit), AssumeTolerances(*machine), !trust.rate.fast_enough};
 }
 
 }  // namespace hydroscope

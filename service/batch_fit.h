@@ -57,14 +57,4 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, K
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep = KeepSamples::kNo);
 
-struct FitResult {
-  LogStrokes log;  ///< with the samples kept
-  GramFit fit;
-  std::vector<AssumedTolerance> assumed;  ///< tolerances of the geometry that the intervals rest on
-  bool too_slow = false;  ///< rows too far apart: no parameter can be trusted (LogTrust)
-};
-
-/// `hydroscope fit`: every equation of the log weighs the same.
-Result<FitResult> FitLog(const std::string& log, const std::string& machine_file);
-
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/non_negative.h"
 #include "diagnosis/extended_fit.h"
 #include "service/model_record.h"
 #include "service/stroke_history.h"
@@ -52,7 +53,7 @@ Result<Shapes> ChooseShapes(const Machine& machine, const StrokeHistory& history
 }
 
 double RandomStd(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& gradient, double factor) {
-  return factor * std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
+  return factor * std::sqrt(NonNegative(gradient.dot(covariance * gradient)));
 }
 
 std::vector<Estimate> Parameters(const ModelStructure& model, const ExtendedFit& fit, std::size_t units) {

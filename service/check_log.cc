@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "replay/log_reader.h"
+#include "service/confounding.h"
 #include "service/geometry_tolerance.h"
 #include "service/identifiability.h"
 #include "service/live/raw_log.h"
+#include "service/machine_model.h"
 #include "service/pipeline.h"
 #include "service/plausibility.h"
 
@@ -62,16 +64,15 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   }
 }
 
-void FitStrokes(const Pipeline& pipeline, const StrokeSample& strokes, CheckResult& check) {
-  const std::vector<StrokeGram> grams = strokes.Grams();
-  const auto fit = FitBaseModel(pipeline.model(), grams, pipeline.window());
+void TakeFit(const Result<GramFit>& fit, const ModelStructure& model, CheckResult& check) {
   if (fit) {
     check.rms_holdout = fit->rms_holdout;
     check.noise_floor = fit->noise_floor;
+    check.figures = *fit;
     check.parameters = JudgeParameters(fit->parameters, check.driving);
   } else {
     check.no_fit = fit.error().text;
-    check.parameters = ParametersWithoutFit(pipeline.model(), check.no_fit, check.driving);
+    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
   }
 }
 
@@ -85,6 +86,52 @@ void DoubtSlowRows(CheckResult& check) {
     parameter.advice = fmt::format("record a row every {:.3g} ms or faster", 1e3 * rate.needed_period);
   }
 }
+
+void TakeConfoundings(const Pipeline& pipeline, const StrokeSample& strokes, CheckResult& check) {
+  const std::vector<double> speeds = {check.driving.speed_min, check.driving.speed_max};
+  const auto confounded = ConfoundingsOf(check.machine, pipeline.shared_model(), strokes.Grams(), pipeline.window(),
+                                         speeds, check.figures);
+  for (CheckedParameter& p : check.parameters) {
+    const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
+    if (confounding == nullptr || p.estimate.reason != EstimateReason::kUpdated) continue;
+    p.estimate.reason = EstimateReason::kConfounded;
+    p.verdict = Identifiability::kNot;
+    p.reason = confounding->reason;
+    p.advice = confounding->advice;
+    p.confounded_with = confounding->effects;
+    p.confounded_bias = confounding->bias;
+  }
+}
+
+/// The strokes of a log as a check needs them: a sample of their Grams, and where effects were added to the model, the
+/// samples as well.
+class CheckedStrokes {
+ public:
+  explicit CheckedStrokes(const Machine& machine)
+      : extended_(!machine.added_effects.empty()),
+        collector_(machine, extended_ ? KeepSamples::kYes : KeepSamples::kNo),
+        collect_(collector_.Sink()) {}
+
+  Pipeline::RecordSink Sink() {
+    return [this](StrokeRecord&& record) {
+      if (extended_) collect_(StrokeRecord(record));
+      sample_.Add(std::move(record));
+    };
+  }
+  Pipeline::EquationTap Tap() { return collector_.Tap(); }
+  const Driving& driving() const { return sample_.driving(); }
+  const StrokeSample& sample() const { return sample_; }
+  Result<GramFit> Fit(const Pipeline& pipeline) {
+    if (extended_) return FitFigures(collector_.Finish(pipeline));
+    return FitBaseModel(pipeline.model(), sample_.Grams(), pipeline.window());
+  }
+
+ private:
+  bool extended_;
+  StrokeSample sample_;
+  StrokeCollector collector_;
+  Pipeline::RecordSink collect_;
+};
 
 }  // namespace
 
@@ -103,19 +150,20 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.machine = *machine;
   check.sample_period = (*reader)->SamplePeriod();
 
-  StrokeSample strokes;
+  CheckedStrokes strokes(check.machine);
   FirstStrokes first(*machine);
   std::unique_ptr<Pipeline> pipeline;
   if (machine->model != "valve") {
     auto created = Pipeline::Create(*machine, check.sample_period,
-                                    [&](StrokeRecord&& record) {
+                                    [&first, keep = strokes.Sink()](StrokeRecord&& record) {
                                       first.AddStroke(record);
-                                      strokes.Add(std::move(record));
+                                      keep(std::move(record));
                                     });
     if (!created) return tl::unexpected(created.error());
     pipeline = std::move(*created);
-    pipeline->set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
+    pipeline->set_tap([&first, keep = strokes.Tap()](const Stretch& stretch, const SpanEquations& equations) {
       first.AddStretch(stretch, equations);
+      if (keep) keep(stretch, equations);
     });
   }
   SignalSurvey survey(check.machine, check.sample_period);
@@ -133,7 +181,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.conditions = survey.conditions();
     check.driving = strokes.driving();
     check.driving.too_short = pipeline->discarded_strokes();
-    FitStrokes(*pipeline, strokes, check);
+    TakeFit(strokes.Fit(*pipeline), pipeline->model(), check);
+    if (check.no_fit.empty()) TakeConfoundings(*pipeline, strokes.sample(), check);
     check.trust = first.Judge(*pipeline);
     DoubtSlowRows(check);
     check.hints = PlausibilityHints(check);

@@ -29,6 +29,8 @@ struct CheckedParameter {
   Identifiability verdict = Identifiability::kNot;
   std::string reason;  ///< why it is not good, "" if it is
   std::string advice;  ///< what to record to get it, "" if it is good
+  std::vector<std::string> confounded_with;  ///< Confounding::effects
+  double confounded_bias = 0;                ///< SI
 };
 
 /// How the machine was driven inside the gate.
@@ -51,6 +53,7 @@ struct CheckResult {
   Driving driving;
   std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
   double rms_holdout = 0, noise_floor = 0;   ///< m^3/s, 0 = no fit
+  GramFit figures;                           ///< MachineModel::figures; as it is if there is no fit
   std::string no_fit;                        ///< why there is no fit, "" if there is one
   LogTrust trust;                            ///< of noise and sampling rate
   std::vector<std::string> hints;            ///< what looks wrong in units, signs, gate

@@ -8,8 +8,11 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "service/effect_units.h"
 #include "service/fit_output.h"
+#include "service/headline.h"
 #include "service/identifiability.h"
+#include "service/model_record.h"
 
 namespace hydroscope {
 namespace {
@@ -113,14 +116,19 @@ std::string Gate(const CheckResult& check) {
 std::string Identification(const CheckResult& check) {
   if (check.machine.model == "valve")
     return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
-  std::string text = "\nwhat this log can tell\n";
+  std::string text = "\nwhat this log can tell";
+  if (!check.machine.added_effects.empty())
+    text += fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
+  text += "\n";
+  std::size_t width = 8;
+  for (const CheckedParameter& p : check.parameters) width = std::max(width, p.estimate.parameter.size());
   for (const CheckedParameter& p : check.parameters) {
     const DisplayUnit unit = DisplayUnitFor(p.estimate.unit);
     const double half = kNormal95 * p.estimate.std * unit.factor;
     const char* mark = p.verdict == Identifiability::kGood   ? "yes"
                        : p.verdict == Identifiability::kWeak ? "weak"
                                                              : "NO";
-    text += fmt::format("  {:<8} {:<5}", p.estimate.parameter, mark);
+    text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
     if (std::isfinite(half))
       text += fmt::format("{:>10.4g} +- {:<9.3g} {:<6}", p.estimate.value * unit.factor + unit.offset, half,
                           Dash(unit.name));
@@ -131,9 +139,11 @@ std::string Identification(const CheckResult& check) {
     if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice);
   }
   if (check.noise_floor > 0) {
-    text += fmt::format(
-        "  model error on strokes left out {:.3g} l/min, sensor noise alone would cause {:.3g} l/min\n",
-        check.rms_holdout * kLitresPerMinute, check.noise_floor * kLitresPerMinute);
+    const DisplayUnit unit = OutputUnit(check.machine);
+    text += fmt::format("  model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n",
+                        check.rms_holdout * unit.factor, unit.name, check.noise_floor * unit.factor, unit.name);
+    if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+      text += fmt::format("  {}\n", impossible);
   }
   return text;
 }
@@ -188,9 +198,19 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
     one["half_width"] = HalfWidth(p.estimate);
     one["why"] = p.reason;
     one["advice"] = p.advice;
+    if (!p.confounded_with.empty()) {
+      one["confounded_with"] = p.confounded_with;
+      one["confounded_bias"] = p.confounded_bias;
+    }
     out[p.estimate.parameter] = one;
   }
   return out;
+}
+
+std::vector<std::string> Warnings(const CheckResult& check) {
+  if (!(check.noise_floor > 0)) return {};
+  const std::string impossible = ImpossibleFigures(check.figures);
+  return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
 }
 
 }  // namespace
@@ -204,6 +224,7 @@ std::string CheckText(const CheckResult& check, const std::string& machine_file)
 nlohmann::json CheckJson(const CheckResult& check) {
   const TimeSurvey& t = check.time;
   const RunSummary& s = check.pass.summary;
+  const DisplayUnit unit = OutputUnit(check.machine);
   nlohmann::json signals = nlohmann::json::array(), findings = nlohmann::json::array();
   for (const CheckedSignal& signal : check.signals) signals.push_back(SignalJson(signal));
   for (const LogFinding& f : s.findings)
@@ -233,9 +254,12 @@ nlohmann::json CheckJson(const CheckResult& check) {
           {"gate", GateJson(check)},
           {"strokes", check.driving.strokes},
           {"parameters", ParametersCheckJson(check)},
-          {"rms_holdout", check.rms_holdout * kLitresPerMinute},
-          {"noise_floor", check.noise_floor * kLitresPerMinute},
-          {"unit", "l/min"},
+          {"rms_holdout", check.rms_holdout * unit.factor},
+          {"noise_floor", check.noise_floor * unit.factor},
+          {"unit", unit.name},
+          {"model_version", check.machine.model_version},
+          {"effects", check.machine.added_effects},
+          {"warnings", Warnings(check)},
           {"hints", check.hints}};
 }
 

@@ -1,6 +1,9 @@
 #include <cmath>
 
+#include "core/non_negative.h"
 #include "service/compare_log.h"
+#include "service/explain_history.h"
+#include "service/explain_log.h"
 #include "service/model_record.h"
 
 namespace hydroscope {
@@ -10,12 +13,13 @@ double QuadraticForm(const SymmetricMatrix& gram, const Eigen::VectorXd& weights
   double sum = 0;
   for (int i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) continue;
-    for (int j = 0; j < weights.size(); ++j) sum += weights[i] * weights[j] * gram(i, j);
+    for (int j = 0; j < weights.size(); ++j)  // of what does not count, a signal may have been bad
+      if (weights[j] != 0) sum += weights[i] * weights[j] * gram(i, j);
   }
-  return std::max(0.0, sum);
+  return NonNegative(sum);
 }
 
-/// Errors of one group of strokes; `modelled` are the model's column weights.
+/// Errors of one group of strokes, NaN where a signal that an effect needs was bad; `modelled` are the model's column weights.
 StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled, const ModelStructure& model,
                          const WindowSamples& window) {
   StrokeComparison out;
@@ -34,6 +38,7 @@ StrokeComparison Compare(const StrokeGram& gram, const Eigen::VectorXd& modelled
     if (model.columns[c].walks) walking.push_back(static_cast<int>(columns.size()));
     columns.push_back(c);
   }
+  if (model.columns[output].walks) walking.push_back(static_cast<int>(columns.size()));
   out.noise_floor = NoiseFloor({&gram, 1}, columns, output, modelled(columns).eval(), window, walking);
   return out;
 }
@@ -57,24 +62,18 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   out.log.window = history.window;
   out.strokes = static_cast<std::size_t>(history.strokes());
   const Eigen::VectorXd weights = ColumnWeights(*out.model.structure, out.model.fit);
-  StrokeGram total;
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
     out.per_stroke.push_back(Compare(unit, weights, *history.model, history.window));
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
-    if (total.windows == 0) {
-      total = unit;
-      continue;
-    }
-    total.blocks += unit.blocks;
-    total.spans += unit.spans;
-    total.windows += unit.windows;
-    total.integral += unit.integral;
-    total.noise += unit.noise;
-    total.flow += unit.flow;
   }
-  out.overall = Compare(total, weights, *history.model, history.window);
+  out.overall = OverallOf(out.model.figures);
+  for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
+  if (history.units.size() >= kMinExplainStrokes) {
+    const auto explained = ExplainHistory(history);
+    if (explained) out.verdict = explained->explanation.verdict;
+  }
   return out;
 }
 

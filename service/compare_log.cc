@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/free_run.h"
+#include "service/explain_log.h"
 
 namespace hydroscope {
 namespace {
@@ -51,15 +53,33 @@ void AddFreeRun(CompareResult& out) {
   out.rms_pressure = std::sqrt(pressure / blocks);
 }
 
+void TakeVerdict(CompareResult& out) {
+  const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
+  if (!judged.explanation.base.solved) return;
+  out.verdict = judged.explanation.verdict;
+  out.warnings = judged.explanation.warnings;
+  if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.base.noise_floor, out.residuals);
+}
+
 }  // namespace
 
 std::size_t CompareResult::WorstStroke() const {
   const auto excess = [](const StrokeComparison& s) {
-    return s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor;
+    const double above = s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor;
+    return std::isnan(above) ? -std::numeric_limits<double>::infinity() : above;
   };
   const auto worst = std::max_element(per_stroke.begin(), per_stroke.end(),
                                       [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
   return static_cast<std::size_t>(worst - per_stroke.begin());
+}
+
+StrokeComparison OverallOf(const GramFit& figures) {
+  StrokeComparison out;
+  out.rms_measured = figures.rms_measured;
+  out.rms_modelled = figures.rms_modelled;
+  out.rms_residual = figures.rms_residual;
+  out.noise_floor = figures.noise_floor;
+  return out;
 }
 
 Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file) {
@@ -80,16 +100,16 @@ Result<CompareResult> CompareLog(const std::string& log, const std::string& mach
   out.model = std::move(*model);
   out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
                               ColumnWeights(*out.model.structure, out.model.fit));
-  Energy overall;
+  if (out.strokes >= kMinExplainStrokes) TakeVerdict(out);
   for (std::size_t s = 0; s < out.strokes; ++s) {
     Energy stroke;
     stroke.Add(out.residuals.strokes[s]);
-    overall.Add(out.residuals.strokes[s]);
     out.per_stroke.push_back(stroke.Comparison());
     out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
     out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
   }
-  out.overall = overall.Comparison();
+  out.overall = OverallOf(out.model.figures);
+  for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
   AddFreeRun(out);
   out.whiteness = WhitenessOf(out.residuals);
   out.correlations = CorrelationsOf(out.residuals);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
 #include "diagnosis/whiteness.h"
 #include "service/machine_model.h"
@@ -28,12 +29,14 @@ struct CompareResult {
   std::string described;    ///< which strokes these are, a line; "" = all of a log
   MachineModel model;
   Residuals residuals;
-  StrokeComparison overall;
+  StrokeComparison overall;  ///< MachineModel::figures
   double rms_pressure = 0;  ///< Pa, measured, beside overall.free_run
   std::vector<StrokeComparison> per_stroke;
   Whiteness whiteness;
   std::vector<SignalCorrelation> correlations;
   ErrorLocation location;
+  std::vector<std::string> warnings;  ///< what makes the result doubtful, a sentence each
+  std::optional<Verdict> verdict;  ///< that `explain` gives on these strokes; nothing if they are too few for it
 
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;
@@ -42,6 +45,9 @@ struct CompareResult {
 /// Fits the machine file's model (base and added effects) to the log and compares it with the measurement.
 /// Errors: log or machine file are wrong, fewer than two strokes, or strokes that do not excite the model.
 Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file);
+
+/// MachineModel::figures as a comparison of all strokes.
+StrokeComparison OverallOf(const GramFit& figures);
 
 /// Compares the stored model of a history with its strokes, from their sums alone: errors per group of
 /// strokes, without what needs samples (whiteness, correlations, maps, free run). `per_stroke` holds a group

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/non_negative.h"
 #include "service/effect_units.h"
 #include "service/explain_log.h"
 #include "service/fit_output.h"
+#include "service/headline.h"
 #include "service/located_output.h"
 
 namespace hydroscope {
@@ -42,7 +44,7 @@ double PercentOfPressure(const CompareResult& result) {
 
 /// rms of what is above the noise.
 double ModelError(const StrokeComparison& s) {
-  return std::sqrt(std::max(0.0, s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor));
+  return std::sqrt(NonNegative(s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor));
 }
 
 std::vector<std::string> AddedEffects(const CompareResult& result) {
@@ -74,7 +76,7 @@ std::string OverallText(const CompareResult& result) {
       "  model error            {:>8.3g}   what is above the noise\n",
       unit.name == "l/min" ? "Flow" : "Output", unit.name, o.rms_measured * unit.factor,
       o.rms_modelled * unit.factor, o.rms_residual * unit.factor, PercentOfSignal(o),
-      unit.name == "l/min" ? "flow" : "output", result.model.fit.rms_holdout * unit.factor,
+      unit.name == "l/min" ? "flow" : "output", result.model.figures.rms_holdout * unit.factor,
       o.noise_floor * unit.factor, ModelError(o) * unit.factor);
   if (o.free_run)
     text += fmt::format(
@@ -153,11 +155,24 @@ std::string CorrelationsText(const CompareResult& result) {
   return text;
 }
 
-/// Whether there is more than noise: an error far above 0, one that is located, or a pattern in time.
+/// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is located, or a
+/// pattern in time.
 bool HasModelError(const CompareResult& result) {
+  if (result.verdict) return *result.verdict != Verdict::kAdequate;
   return !result.location.located.empty() || result.location.excess > 4 * result.location.excess_std ||
          result.overall.rms_residual > kVisible * result.overall.noise_floor ||
          (!result.whiteness.autocorrelation.empty() && result.whiteness.p_value < kPatternP);
+}
+
+ModelHeadline HeadlineOf(const CompareResult& result) {
+  return HeadlineOf(result.model.figures, HasModelError(result));
+}
+
+std::vector<std::string> Warnings(const CompareResult& result) {
+  std::vector<std::string> warnings = result.warnings;
+  if (const std::string impossible = ImpossibleFigures(result.model.figures); !impossible.empty())
+    warnings.insert(warnings.begin(), impossible);
+  return warnings;
 }
 
 nlohmann::json StrokeJson(const StrokeComparison& s, double factor) {
@@ -207,14 +222,11 @@ nlohmann::json MapsJson(const CompareResult& result) {
 }  // namespace
 
 std::string CompareText(const CompareResult& result) {
-  const LogTrust& trust = result.model.trust;
-  std::string text = !trust.rate.fast_enough ? "This log carries no verdict on the model.\n"
-                     : HasModelError(result)
-                         ? "The model misses something: the difference is more than sensor noise.\n"
-                         : "The model describes these strokes down to the sensor noise.\n";
-  text += WarningsText(trust.Warnings()) + OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
+  const ModelHeadline headline = HeadlineOf(result);
+  std::string text = headline.text + "\n" + WarningsText(Warnings(result));
+  text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
           LocatedText(result.location.located, OutputUnit(result.log.model.get()));
-  if (HasModelError(result))
+  if (headline.standing == Standing::kMisses)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
   return text;
 }
@@ -228,14 +240,17 @@ nlohmann::json CompareJson(const CompareResult& result) {
   out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
   out["free_run_percent"] =
       result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
-  out["model_error_seen"] = HasModelError(result);
-  out["warnings"] = result.model.trust.Warnings();
+  const Standing standing = HeadlineOf(result).standing;
+  out["model_error_seen"] =
+      standing == Standing::kNotJudged ? nlohmann::json() : nlohmann::json(standing == Standing::kMisses);
+  out["verdict"] = result.verdict ? nlohmann::json(VerdictName(*result.verdict)) : nlohmann::json();
+  out["warnings"] = Warnings(result);
   out["noise"] = NoiseJson(result.model.trust.floor);
   out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());
-  out["rms_holdout"] = result.model.fit.rms_holdout * unit.factor;
+  out["model_version"] = result.log.machine.model_version;
+  out["rms_holdout"] = result.model.figures.rms_holdout * unit.factor;
   out["effects"] = AddedEffects(result);
-  out["parameters"] = ParametersJson(
-      BaseParameters(*result.model.structure, result.model.fit, static_cast<int>(result.strokes)));
+  out["parameters"] = ParametersJson(result.model.figures.parameters);
   out["per_stroke"] = StrokesJson(result);
   out["worst_stroke"] = result.per_stroke[result.WorstStroke()].stroke;
   if (w.autocorrelation.empty())

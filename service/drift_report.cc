@@ -15,7 +15,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostStrokes = 6000;  ///< judged strokes shown, the newest
+constexpr std::int64_t kMostStrokesShown = 6000;  ///< judged strokes shown, the newest
 constexpr std::size_t kMostBlocks = 150;
 constexpr int kCurvePoints = 60;
 constexpr double kNarrow = 350, kWide = 920;  ///< px
@@ -199,7 +199,7 @@ Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning) {
                axis.commissioning_strokes(), commissioning);
   const drift::DriftMonitor& monitor = *axis.monitor();
   const drift::Reference& reference = monitor.reference();
-  const std::int64_t first = std::max(reference.last_sequence() + 1, axis.next_stroke() - kMostStrokes);
+  const std::int64_t first = std::max(reference.last_sequence() + 1, axis.next_stroke() - kMostStrokesShown);
   const auto values = axis.JudgedValues(first, axis.next_stroke() - first);
   if (!values) return tl::unexpected(values.error());
   out += LearnedFrom(reference, values->size());

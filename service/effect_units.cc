@@ -31,4 +31,10 @@ DisplayUnit OutputUnit(const ModelStructure* model) {
   return unit;
 }
 
+DisplayUnit OutputUnit(const Machine& machine) {
+  DisplayUnit unit = DisplayUnitFor(machine.model == "expressions" ? machine.balance.unit : "m3/s");
+  unit.offset = 0;
+  return unit;
+}
+
 }  // namespace hydroscope

@@ -18,5 +18,7 @@ EffectUnit EffectUnitFor(std::string_view si);
 /// The unit in which people read the output of a model and its errors: l/min for the flows of a die cushion (and if
 /// there is no model), N for a force balance.
 DisplayUnit OutputUnit(const ModelStructure* model);
+/// The same of the model that a machine file describes.
+DisplayUnit OutputUnit(const Machine& machine);
 
 }  // namespace hydroscope

@@ -100,15 +100,8 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.log.window = history.window;
   for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
   out.strokes = static_cast<std::size_t>(history.strokes());
-  const ExtendedFit& fit = out.explanation.base;
-  const int units = static_cast<int>(history.units.size());
-  out.base = {fit.theta,
-              fit.covariance,
-              BaseParameters(*history.model, fit, units),
-              fit.rms_holdout,
-              fit.noise_floor,
-              units,
-              0};
+  out.base =
+      FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
   for (UnmeasuredEffect& effect : NotStoredEffects(*history.model)) out.unmeasured.push_back(std::move(effect));
   return out;

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/machine_model.h"
-
 namespace hydroscope {
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
   std::vector<UnmeasuredEffect> out;
@@ -39,14 +37,19 @@ namespace {
 /// PredictabilityOptions::min_share: less counts as nothing.
 constexpr double kLeastSeen = PredictabilityOptions{}.min_share;
 
-/// The model as it is in place of the base balance alone.
-void TakeBase(ExplainResult& result) {
-  const ExtendedFit& fit = result.explanation.base;
-  result.base.theta = fit.theta;
-  result.base.covariance = fit.covariance;
-  result.base.parameters = BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes));
-  result.base.rms_holdout = fit.rms_holdout;
-  result.base.noise_floor = fit.noise_floor;
+/// Fits the model of the machine file; `model` then has the shapes of its effects.
+Status TakeModelAsItIs(std::shared_ptr<const ModelStructure>& model, ExplainResult& result) {
+  if (result.log.machine.added_effects.empty()) {
+    auto figures = FitFigures(result.log);
+    if (!figures) return tl::unexpected(figures.error());
+    result.base = std::move(*figures);
+    return {};
+  }
+  auto fitted = FitMachineModel(result.log);
+  if (!fitted) return tl::unexpected(fitted.error());
+  model = fitted->structure;
+  result.base = std::move(fitted->figures);
+  return {};
 }
 
 /// A balance of the user's own rarely describes a machine down to the sensor noise, and its library holds
@@ -94,20 +97,26 @@ std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
   return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
 }
 
-std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
-  std::vector<Estimate> out;
-  const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(model.base_count, model.base_count);
-  const double student = StudentFactor(strokes - 1.0);
-  for (const DerivedParameter& derived : model.derive(fit.theta.head(model.base_count))) {
-    Estimate estimate;
-    estimate.parameter = derived.name;
-    estimate.unit = derived.unit;
-    estimate.value = derived.value;
-    const double variance = derived.gradient.dot(covariance * derived.gradient);
-    estimate.std = std::hypot(student * std::sqrt(std::max(0.0, variance)), derived.geometry_std);
-    estimate.reason = derived.admissible ? EstimateReason::kUpdated : EstimateReason::kOutsidePhysics;
-    out.push_back(std::move(estimate));
-  }
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model, GramFit& figures,
+                           const ExplainOptions& options) {
+  const bool own_balance = model->name == "expressions";
+  JudgedModel out;
+  out.trust = JudgeLog(log, figures.theta, figures.noise_floor);
+  const FloorTrust& floor = out.trust.floor;
+  ExplainOptions as_is = options;
+  as_is.start = log.machine.added_effects;
+  if (own_balance) as_is.left_share = std::max(as_is.left_share, kOwnBalanceLeft);
+  as_is.floor_believable = floor.believable || floor.stated;
+  if (floor.stated) as_is.noise_scale = floor.noise_scale;
+  out.explanation = ExplainSamples(std::move(model), log.stretches, log.window, as_is);
+  const Explanation& x = out.explanation;
+  if (!x.base.solved) return out;
+  WarnOfFloor(floor, out.explanation);
+  if (own_balance) DoubtWhatIsLeft(options, out.explanation);
+  // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
+  if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
+  if (!floor.believable) figures.noise_floor = x.base.noise_floor;
+  RefuseVerdict(out.trust.rate, out.explanation);
   return out;
 }
 
@@ -122,32 +131,15 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
         "what the gate lets through with 'hydroscope check'",
         out.strokes, kMinExplainStrokes);
   std::shared_ptr<const ModelStructure> model = out.log.model;
-  std::vector<StrokeGram> grams = out.log.Grams();
-  grams.resize(out.strokes);
-  auto base = FitBaseModel(*model, grams, out.log.window);
-  if (!base) return tl::unexpected(base.error());
-  out.base = std::move(*base);
-  ExplainOptions as_is = options;
-  as_is.start = out.log.machine.added_effects;
-  if (model->name == "expressions") as_is.left_share = std::max(as_is.left_share, kOwnBalanceLeft);
-  if (!as_is.start.empty()) {
-    auto extended = FitMachineModel(out.log);
-    if (!extended) return tl::unexpected(extended.error());
-    model = extended->structure;
-  }
-  out.trust = JudgeLog(out.log, out.base.theta, out.base.noise_floor);
+  if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
+  JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
+  out.explanation = std::move(judged.explanation);
+  out.trust = std::move(judged.trust);
   const FloorTrust& trust = out.trust.floor;
-  as_is.floor_believable = trust.believable || trust.stated;
-  if (trust.stated) as_is.noise_scale = trust.noise_scale;
-  out.explanation = ExplainSamples(model, out.log.stretches, out.log.window, as_is);
-  WarnOfFloor(trust, out.explanation);
   if (!out.explanation.base.solved)
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
-  if (!as_is.start.empty() || !out.explanation.odd_strokes.empty()) TakeBase(out);
-  if (model->name == "expressions") DoubtWhatIsLeft(options, out.explanation);
-  RefuseVerdict(out.trust.rate, out.explanation);
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,

@@ -10,8 +10,8 @@
 #include "diagnosis/locate.h"
 #include "diagnosis/remainder_shape.h"
 #include "diagnosis/signal_experiment.h"
-#include "service/batch_fit.h"
 #include "service/log_trust.h"
+#include "service/machine_model.h"
 
 namespace hydroscope {
 
@@ -35,7 +35,7 @@ struct ExplainResult {
   std::string described;  ///< which strokes these are, a line; "" = all of the log
   LogStrokes log;
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
-  GramFit base;             ///< the model as it is, of the same strokes; `theta` holds its effects' sizes too
+  GramFit base;             ///< MachineModel::figures: the model as it is, of the same strokes
   LogTrust trust;           ///< of the samples; where rows are too far apart there is no verdict
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
@@ -54,6 +54,18 @@ struct ExplainResult {
   }
 };
 
+/// What `explain` and `compare` alike find on kept strokes.
+struct JudgedModel {
+  Explanation explanation;
+  LogTrust trust;
+};
+
+/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and `figures`
+/// MachineModel::figures: these come back without the strokes that differ from the rest, and with the noise floor that
+/// the verdict rests on. `base.solved` is false if the strokes cannot separate its parameters.
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model, GramFit& figures,
+                           const ExplainOptions& options = {});
+
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;
 
@@ -69,8 +81,5 @@ Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const st
 
 /// The same for strokes already read with their samples; ExplainResult::target stays empty.
 Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options = {});
-
-/// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.
-std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes);
 
 }  // namespace hydroscope

@@ -184,7 +184,7 @@ std::string ParametersText(const ExplainResult& result) {
   std::string text =
       fmt::format("\nParameters, ± 95 % interval\n  {:<6} {:>22}", "", extended ? "model as it is" : "");
   text += extended ? fmt::format(" {:>22}\n", "extended") : "\n";
-  for (std::size_t i = 0; i < result.base.parameters.size(); ++i) {
+  for (std::size_t i = 0; i < after.size(); ++i) {  // sizes of effects come below
     const Estimate& before = result.base.parameters[i];
     const DisplayUnit unit = DisplayUnitFor(before.unit);
     const auto shown = [&](const Estimate& e) {

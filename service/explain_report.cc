@@ -185,7 +185,7 @@ std::string Parameters(const ExplainResult& result) {
       "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it "
       "is</th>";
   out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
-  for (std::size_t i = 0; i < result.base.parameters.size(); ++i) {
+  for (std::size_t i = 0; i < after.size(); ++i) {
     const Estimate& before = result.base.parameters[i];
     out += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(before.parameter),
                        EscapeText(ShownWithInterval(before.value, before.std, before.unit)));

@@ -12,7 +12,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostStrokes = 300;  ///< on either side
+constexpr std::int64_t kMostStrokesCompared = 300;  ///< on either side
 
 std::vector<std::string> SizesThatAppeared(const ChangeResult& result) {
   const Explanation& after = result.after.explanation;
@@ -104,9 +104,9 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
   // Strokes in the interval of the change belong to neither side.
   const std::int64_t healthy_end = std::min(finding.since.low, finding.since.last_before) + 1;
   const std::int64_t changed = std::max(finding.since.high, finding.since.last_before) + 1;
-  const HistoryPart before{machine, machine_id, std::max(first_healthy, healthy_end - kMostStrokes),
+  const HistoryPart before{machine, machine_id, std::max(first_healthy, healthy_end - kMostStrokesCompared),
                            healthy_end};
-  const HistoryPart after{machine, machine_id, changed, std::min(end, changed + kMostStrokes)};
+  const HistoryPart after{machine, machine_id, changed, std::min(end, changed + kMostStrokesCompared)};
   const std::string strokes = fmt::format("Strokes {} to {} against {} to {}", after.first, after.last - 1,
                                           before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);

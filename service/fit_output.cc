@@ -2,37 +2,68 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "models/effect.h"
 #include "service/effect_units.h"
+#include "service/headline.h"
+#include "service/model_record.h"
 
 namespace hydroscope {
 namespace {
 
-const char* Meaning(const std::string& parameter) {
+std::string Meaning(const FitResult& result, const std::string& parameter) {
   if (parameter == "K") return "effective bulk modulus";
   if (parameter == "V0") return "dead volume";
   if (parameter == "Q_vn") return "nominal valve flow";
   if (parameter == "y_0") return "spool null";
+  for (const auto& effect : result.log.model->effects)
+    if (parameter == effect->id + "." + effect->parameter) return effect->title;
   return "";
+}
+
+std::string WhyNot(const FitResult& result, const Estimate& e) {
+  const Confounding* confounding = FindConfounding(result.confounded, e.parameter);
+  if (confounding == nullptr || e.reason != EstimateReason::kConfounded) return ReasonText(e.reason);
+  return confounding->reason + "; " + confounding->advice;
+}
+
+/// Error over noise floor from which parameters of some weight have absorbed what the model misses.
+constexpr double kAboveNoise = 1.15;
+
+ModelHeadline FitHeadline(const FitResult& result) {
+  return HeadlineOf(result.fit, result.fit.rms_holdout > kAboveNoise * result.fit.noise_floor);
+}
+
+std::vector<std::string> Warnings(const FitResult& result) {
+  const std::string impossible = ImpossibleFigures(result.fit);
+  return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
 }
 
 }  // namespace
 
 std::string FitText(const FitResult& result) {
-  std::string text = fmt::format("{:<6} {:>12} {:>26}  {:<6} {}\n", "", "value", "95 % interval", "unit", "");
+  const Machine& machine = result.log.machine;
+  std::size_t width = 6;
+  for (const Estimate& e : result.fit.parameters) width = std::max(width, e.parameter.size());
+  std::string text =
+      machine.model_version > 1 || !machine.added_effects.empty()
+          ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version, ModelName(machine))
+          : "";
+  text += fmt::format("{:<{}} {:>12} {:>26}  {:<6} {}\n", "", width, "value", "95 % interval", "unit", "");
   for (const Estimate& e : result.fit.parameters) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     const bool trusted = e.reason == EstimateReason::kUpdated;
-    text += fmt::format("{:<6} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, shown(e.value),
+    text += fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width, shown(e.value),
                         shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
-                        unit.name == "1" ? "-" : unit.name, Meaning(e.parameter),
+                        unit.name == "1" ? "-" : unit.name, Meaning(result, e.parameter),
                         result.too_slow ? "; NOT TO BE TRUSTED: sampled too slowly"
                         : trusted       ? ""
-                                        : fmt::format("; NOT IDENTIFIABLE: {}", ReasonText(e.reason)));
+                                        : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
@@ -41,6 +72,8 @@ std::string FitText(const FitResult& result) {
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
       result.fit.strokes, result.log.totals.used, result.log.totals.samples);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
+  const ModelHeadline headline = FitHeadline(result);
+  if (headline.standing == Standing::kNotJudged) text += headline.text + "\n";
   return text;
 }
 
@@ -68,6 +101,13 @@ nlohmann::json FitJson(const FitResult& result) {
       parameter["identifiable"] = false;
       parameter["reason"] = "sampled_too_slowly";
     }
+  for (const Confounding& c : result.confounded) {
+    nlohmann::json& parameter = parameters[c.parameter];
+    parameter["confounded_with"] = c.effects;
+    parameter["confounded_bias"] = c.bias;
+    parameter["why"] = c.reason;
+    parameter["advice"] = c.advice;
+  }
   return {{"parameters", parameters},
           {"strokes", result.fit.strokes},
           {"samples", result.log.totals.used},
@@ -75,7 +115,10 @@ nlohmann::json FitJson(const FitResult& result) {
           {"rms_holdout", result.fit.rms_holdout * unit.factor},
           {"noise_floor", result.fit.noise_floor * unit.factor},
           {"unit", unit.name},
-          {"assumed_tolerances", assumed}};
+          {"model_version", result.log.machine.model_version},
+          {"effects", result.log.machine.added_effects},
+          {"assumed_tolerances", assumed},
+          {"warnings", Warnings(result)}};
 }
 
 }  // namespace hydroscope

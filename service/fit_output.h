@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "service/batch_fit.h"
+#include "service/fit_log.h"
 
 namespace hydroscope {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/non_negative.h"
+
 namespace hydroscope {
 std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit) {
   constexpr std::size_t kShown = 6;
@@ -50,7 +52,7 @@ nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& s
     }
     cells.push_back({{"from", from},
                      {"to", to},
-                     {"rms", std::sqrt(std::max(0.0, cell.excess)) * factor},
+                     {"rms", std::sqrt(NonNegative(cell.excess)) * factor},
                      {"excess", cell.excess * factor * factor},
                      {"excess_std", cell.excess_std * factor * factor},
                      {"mean", cell.mean * factor},

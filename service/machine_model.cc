@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/non_negative.h"
 #include "core/units.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/residuals.h"
@@ -35,7 +37,73 @@ bool SearchShape(const LogStrokes& log, const StrokeSet& strokes, const std::vec
   return fit.solved && AddSearchedShapes(structure, log.stretches, ColumnWeights(strokes.model(), fit));
 }
 
+/// Grams of the strokes whose samples are kept; of all strokes if none were to be kept.
+std::vector<StrokeGram> UsedGrams(const LogStrokes& log) {
+  std::vector<StrokeGram> grams = log.Grams();
+  if (!log.stretches.empty()) grams.resize(log.stretches.size());
+  return grams;
+}
+
+/// Sizes of the added effects as parameters of the model.
+std::vector<Estimate> SizesOf(const ModelStructure& model, const ExtendedFit& fit) {
+  std::vector<Estimate> out;
+  for (const EffectEstimate& effect : fit.effects) {
+    const Effect& law = *model.effects[effect.choice.effect];
+    Estimate estimate;
+    estimate.parameter = law.id + "." + law.parameter;
+    estimate.unit = law.unit;
+    estimate.value = effect.size;
+    estimate.std = effect.std;
+    estimate.excitation = effect.independent;
+    estimate.reason = !effect.admissible            ? EstimateReason::kOutsidePhysics
+                      : std::isfinite(effect.std) ? EstimateReason::kUpdated
+                                                    : EstimateReason::kConfounded;
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
+  std::vector<Estimate> out;
+  const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(model.base_count, model.base_count);
+  const double student = StudentFactor(strokes - 1.0);
+  for (const DerivedParameter& derived : model.derive(fit.theta.head(model.base_count))) {
+    Estimate estimate;
+    estimate.parameter = derived.name;
+    estimate.unit = derived.unit;
+    estimate.value = derived.value;
+    const double variance = derived.gradient.dot(covariance * derived.gradient);
+    estimate.std = std::hypot(student * std::sqrt(NonNegative(variance)), derived.geometry_std);
+    estimate.reason = TrustOf(derived, estimate.std);
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
+GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
+  GramFit figures;
+  figures.theta = fit.theta;
+  figures.covariance = fit.covariance;
+  figures.parameters = BaseParameters(model, fit, strokes);
+  for (Estimate& size : SizesOf(model, fit)) figures.parameters.push_back(std::move(size));
+  figures.rms_measured = fit.rms_measured;
+  figures.rms_modelled = fit.rms_modelled;
+  figures.rms_residual = fit.rms_residual;
+  figures.rms_holdout = fit.rms_holdout;
+  figures.noise_floor = fit.noise_floor;
+  figures.strokes = strokes;
+  figures.indispensable_strokes = fit.indispensable_strokes;
+  return figures;
+}
+
+Result<GramFit> FitFigures(const LogStrokes& log) {
+  if (log.machine.added_effects.empty()) return FitBaseModel(*log.model, UsedGrams(log), log.window);
+  auto model = FitMachineModel(log);
+  if (!model) return tl::unexpected(model.error());
+  return std::move(model->figures);
+}
 
 Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
   for (std::size_t e = 0; e < model.effects.size(); ++e)
@@ -85,14 +153,21 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
     for (int pass = 0; pass < kPasses; ++pass)
       choices = RefineModel(*structure, log.stretches, log.window, choices);
   }
-  MachineModel out{structure, choices, {}};
-  out.fit = StrokeSet(structure, GramsOf(structure, log.stretches, log.window), log.window).Fit(choices);
+  MachineModel out{structure, choices, {}, {}, {}};
+  out.fit = StrokeSet(structure, choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window), log.window).Fit(choices);
   if (!out.fit.solved)
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
+  if (!choices.empty()) {
+    out.figures = FiguresOf(*structure, out.fit, static_cast<int>(log.stretches.size()));
+    return out;
+  }
+  auto figures = FitFigures(log);
+  if (!figures) return tl::unexpected(figures.error());
+  out.figures = std::move(*figures);
   return out;
 }
 

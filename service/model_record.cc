@@ -9,8 +9,8 @@
 namespace hydroscope {
 namespace {
 
-ModelEvidence Evidence(const Machine& machine, const ModelStructure& model, const ExtendedFit& fit, int units,
-                       const std::string& source, std::int64_t strokes) {
+ModelEvidence Evidence(const Machine& machine, const MachineModel& model, const std::string& source,
+                       std::int64_t strokes) {
   ModelEvidence out;
   ModelRecord& record = out.record;
   record.version = machine.model_version;
@@ -18,15 +18,15 @@ ModelEvidence Evidence(const Machine& machine, const ModelStructure& model, cons
   record.effects = machine.added_effects;
   record.source = source;
   record.strokes = static_cast<int>(strokes);
-  record.rms_holdout = fit.rms_holdout;
-  record.noise_floor = fit.noise_floor;
-  record.unit = model.output_unit;
-  for (const Estimate& e : BaseParameters(model, fit, units))
+  record.rms_holdout = model.figures.rms_holdout;
+  record.noise_floor = model.figures.noise_floor;
+  record.unit = model.structure->output_unit;
+  for (const Estimate& e : model.figures.parameters)
     record.parameters.push_back({e.parameter, e.value, e.std, e.unit});
-  for (const EffectEstimate& e : fit.effects) {
-    const Effect& effect = *model.effects[e.choice.effect];
-    record.parameters.push_back({effect.id + "." + effect.parameter, e.size, e.std, effect.unit});
-    const std::vector<double>& nonlinear = model.effect_shapes[e.choice.effect][e.choice.shape].nonlinear;
+  for (const EffectChoice& choice : model.choices) {
+    const Effect& effect = *model.structure->effects[choice.effect];
+    const std::vector<double>& nonlinear =
+        model.structure->effect_shapes[choice.effect][choice.shape].nonlinear;
     for (std::size_t i = 0; i < nonlinear.size(); ++i)
       out.effect_values[effect.id][effect.nonlinear[i].name] = nonlinear[i];
   }
@@ -48,8 +48,7 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, con
                     strokes.stretches.size(), kMinExplainStrokes);
   const auto model = FitMachineModel(strokes);
   if (!model) return tl::unexpected(model.error());
-  const auto count = static_cast<int>(strokes.stretches.size());
-  return Evidence(machine, *model->structure, model->fit, count, source, count);
+  return Evidence(machine, *model, source, static_cast<std::int64_t>(strokes.stretches.size()));
 }
 
 Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory& history) {
@@ -72,9 +71,10 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
       return BadInput("{}: the stored strokes cannot tell effect '{}' from the rest of the model",
                       history.database, structure->effects[effect]->id);
   }
-  MachineModel out{structure, choices, strokes.Fit(choices)};
+  MachineModel out{structure, choices, strokes.Fit(choices), {}, {}};
   if (!out.fit.solved)
     return BadInput("{}: the strokes do not excite all parameters of the model", history.database);
+  out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
   return out;
 }
 
@@ -84,8 +84,7 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, const StrokeHistory& hi
                     history.units.size(), kMinExplainStrokes);
   const auto model = FitHistoryModel(machine, history);
   if (!model) return tl::unexpected(model.error());
-  return Evidence(machine, *model->structure, model->fit, static_cast<int>(history.units.size()),
-                  history.database, history.strokes());
+  return Evidence(machine, *model, history.database, history.strokes());
 }
 
 }  // namespace hydroscope

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/bytes.h"
+#include "core/non_negative.h"
 #include "estimation/gram_fit.h"
 
 namespace hydroscope {
@@ -103,7 +104,7 @@ void Pipeline::Judge(const StrokeGram& gram, StrokeSummary& summary) {
   std::iota(regressors.begin(), regressors.end(), 0);
   const int output = added_ != nullptr ? added_->regressors() : model_->output_column();
   summary.rms_error =
-      std::sqrt(std::max(0.0, MeanSquaredError(FlowEquations(reduced, regressors, output), theta)));
+      std::sqrt(NonNegative(MeanSquaredError(FlowEquations(reduced, regressors, output), theta)));
   const std::vector<int> walking =
       model_->WalkingParameters(added_ != nullptr ? added_->effects() : std::vector<int>{});
   summary.noise_floor = NoiseFloor({&reduced, 1}, regressors, output, theta, window_, walking);

@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "service/effect_units.h"
 #include "service/fit_output.h"
 
 namespace hydroscope {
@@ -90,11 +91,11 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                         unit.name == "1" ? "-" : unit.name,
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
+  const DisplayUnit unit = OutputUnit(outcome.machine);
   if (outcome.noise_floor > 0)
     text += fmt::format(
-        "model error on strokes left out {:.3g} l/min, sensor noise alone would cause {:.3g} l/min (last "
-        "run)\n",
-        outcome.rms_holdout * kLitresPerMinute, outcome.noise_floor * kLitresPerMinute);
+        "model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
+        outcome.rms_holdout * unit.factor, unit.name, outcome.noise_floor * unit.factor, unit.name);
   return text;
 }
 
@@ -205,6 +206,7 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
   for (const LogReplay& log : outcome.logs) logs.push_back(LogJson(log));
   for (const SkippedItem& item : outcome.skipped)
     skipped.push_back({{"what", item.what}, {"rows", item.rows}, {"why", item.why}});
+  const DisplayUnit unit = OutputUnit(outcome.machine);
   return {{"machine", outcome.machine.name},
           {"database", options.database},
           {"report", outcome.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(outcome.report)},
@@ -214,9 +216,9 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"strokes", outcome.strokes},
           {"parameters", ParametersJson(outcome.latest)},
           {"watch", WatchJson(outcome.watch)},
-          {"rms_holdout", outcome.rms_holdout * kLitresPerMinute},
-          {"noise_floor", outcome.noise_floor * kLitresPerMinute},
-          {"unit", "l/min"},
+          {"rms_holdout", outcome.rms_holdout * unit.factor},
+          {"noise_floor", outcome.noise_floor * unit.factor},
+          {"unit", unit.name},
           {"skipped", skipped}};
 }
 

@@ -109,13 +109,6 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   if (!(period > 0) || grams->empty() || grams->front().flow.dimension() != model.column_count()) return {};
   WindowSamples window = WindowSamples::From(outcome.machine.window, period);
   window.level_form = model.level_form;
-  if (outcome.machine.added_effects.empty()) {
-    if (const auto fit = FitBaseModel(model, *grams, window); fit) {
-      outcome.noise_floor = fit->noise_floor;
-      outcome.rms_holdout = fit->rms_holdout;
-    }
-    return {};
-  }
   StrokeHistory history;
   auto structure = BuildModel(outcome.machine);
   if (!structure) return tl::unexpected(structure.error());
@@ -125,8 +118,8 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   history.units = std::move(*grams);
   const auto fitted = FitHistoryModel(outcome.machine, history);
   if (!fitted) return {};  // too little excitation is told parameter by parameter
-  outcome.noise_floor = fitted->fit.noise_floor;
-  outcome.rms_holdout = fitted->fit.rms_holdout;
+  outcome.noise_floor = fitted->figures.noise_floor;
+  outcome.rms_holdout = fitted->figures.rms_holdout;
   return {};
 }
 

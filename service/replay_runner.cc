@@ -15,6 +15,7 @@
 #include "service/log_pass.h"
 #include "service/log_trust.h"
 #include "service/model_edit.h"
+#include "service/physical_sizes.h"
 #include "service/press_monitor.h"
 #include "service/replay_report.h"
 #include "service/stroke_overlays.h"
@@ -237,6 +238,7 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
     replay.problem = error.text;
     return replay;
   };
+  if (const Status plausible = JudgeSizes(log, machine_); !plausible) return fail(plausible.error());
   auto reader = OpenRecording(log, machine_);
   if (!reader) return fail(reader.error());
   const auto fingerprint = Recognise(log, replay);

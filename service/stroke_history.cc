@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "core/units.h"
+#include "service/physical_sizes.h"
 #include "service/run_summary.h"
 
 namespace hydroscope {
@@ -258,6 +259,8 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
     history.sample.insert(history.sample.end(), sample->begin(), sample->end());
   }
   if (const Status checked = CheckUnits(history); !checked) return tl::unexpected(checked.error());
+  if (const Status plausible = JudgeStrokes(path, machine, history.sample); !plausible)
+    return tl::unexpected(plausible.error());
   return history;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/non_negative.h"
 #include "core/quantile.h"
 
 namespace hydroscope::drift {
@@ -92,7 +93,7 @@ std::vector<double> RobustWeights(const std::vector<const JudgedStroke*>& stroke
     const Eigen::VectorXd shift = solve(all.information, all.score);
     for (std::size_t k = 0; k < strokes.size(); ++k) {
       const Eigen::VectorXd rest = strokes[k]->score - strokes[k]->information * shift;
-      misfits[k] = std::max(0.0, rest.dot(solve(strokes[k]->information, rest)));
+      misfits[k] = NonNegative(rest.dot(solve(strokes[k]->information, rest)));
     }
     const double typical = std::max(Median(misfits, 0), 1e-300) / static_cast<double>(n);
     for (std::size_t k = 0; k < strokes.size(); ++k)
@@ -158,7 +159,7 @@ std::vector<Moved> FitTogether(const Eigen::VectorXd& score, const Eigen::Matrix
   const Eigen::VectorXd size = inverse * s;
   std::vector<Moved> fitted;
   for (Eigen::Index i = 0; i < n; ++i)
-    fitted.push_back({moved[i], size[i] * scale[i], std::sqrt(std::max(0.0, inverse(i, i))) * scale[i]});
+    fitted.push_back({moved[i], size[i] * scale[i], std::sqrt(NonNegative(inverse(i, i))) * scale[i]});
   return fitted;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/non_negative.h"
 #include "diagnosis/drift/serial.h"
 
 namespace hydroscope::drift {
@@ -147,7 +148,7 @@ TemperatureModel::Prediction TemperatureModel::At(double temperature) const {
   if (!std::isfinite(temperature)) temperature = centre_;
   const double inside = std::clamp(temperature, low_, high_);
   const Eigen::VectorXd basis = Basis(inside);
-  Prediction prediction{basis.dot(coefficients_), std::sqrt(std::max(0.0, basis.dot(covariance_ * basis))),
+  Prediction prediction{basis.dot(coefficients_), std::sqrt(NonNegative(basis.dot(covariance_ * basis))),
                         false};
   if (inside == temperature) return prediction;
   const double step = 0.5, inward = inside == low_ ? step : -step;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "service/batch_fit.h"
+#include "service/fit_log.h"
 #include "service/output.h"
 
 namespace hydroscope {

@@ -2,7 +2,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "service/batch_fit.h"
+#include "service/fit_log.h"
 #include "service/commands.h"
 #include "service/fit_output.h"
 #include "service/fit_suspicion.h"

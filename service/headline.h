@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "estimation/gram_fit.h"
+
+namespace hydroscope {
+
+/// What the figures of a model (rms over all strokes, output unit) allow to say.
+enum class Standing {
+  kDescribes,  ///< nothing but sensor noise is left
+  kMisses,     ///< more than sensor noise is left
+  kNotJudged,  ///< the figures contradict themselves or carry no judgement
+};
+
+struct ModelHeadline {
+  Standing standing = Standing::kNotJudged;
+  std::string text;  ///< one sentence
+};
+
+/// What is impossible about the figures of a fit, as a sentence, or "": no numbers, an output or a model that
+/// is 0 throughout, an error above the output itself, noise above the output, an error on strokes left out
+/// that is kUnstable times that on the strokes of the fit.
+std::string ImpossibleFigures(const GramFit& figures);
+
+/// Every sentence in which a command says how well a model describes its strokes comes from here: `misses` is
+/// the command's own finding, which only possible figures can carry.
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses);
+
+}  // namespace hydroscope

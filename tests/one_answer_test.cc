@@ -1,0 +1,176 @@
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using testing::HasSubstr;
+using testing::Not;
+
+/// One model, one answer: whatever a command concludes from the model of a machine file, all conclude.
+class OneAnswer : public CommandLine {
+ protected:
+  nlohmann::json Json(std::vector<std::string> words) {
+    words.insert(words.end(), {"--json", "-"});
+    const Ran ran = Run(words);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    return ran.Json();
+  }
+  std::string Machine(const std::string& text) {
+    WriteText(File("machine.toml"), text);
+    return File("machine.toml");
+  }
+  std::string Cushion() { return Machine(ReadText(kMachine)); }
+
+  static void ExpectSame(const nlohmann::json& a, const nlohmann::json& b, const std::string& what) {
+    ASSERT_TRUE(a.is_number() && b.is_number()) << what << ": " << a << " " << b;
+    EXPECT_NEAR(a.get<double>(), b.get<double>(), 1e-6 * std::abs(a.get<double>())) << what;
+  }
+  /// Error, floor, verdict and parameters of a log in fit, check, compare and explain.
+  void ExpectOneAnswer(const std::string& log, const std::string& machine) {
+    const std::vector<std::string> of = {log, "-m", machine};
+    const auto with = [&](const std::string& command) {
+      std::vector<std::string> words = {command};
+      words.insert(words.end(), of.begin(), of.end());
+      return Json(words);
+    };
+    const nlohmann::json fit = with("fit"), check = with("check"), compare = with("compare"),
+                         explain = with("explain");
+    for (const char* key : {"rms_holdout", "noise_floor"}) {
+      ExpectSame(fit[key], check[key], std::string("check ") + key);
+      ExpectSame(fit[key], compare[key], std::string("compare ") + key);
+    }
+    ExpectSame(fit["rms_holdout"], explain["base"]["rms_holdout"], "explain rms_holdout");
+    ExpectSame(fit["noise_floor"], explain["base"]["noise_floor"], "explain noise_floor");
+    EXPECT_EQ(compare["verdict"], explain["verdict"]);
+    EXPECT_EQ(compare["model_error_seen"].get<bool>(), explain["verdict"] != "adequate");
+    for (const auto& [name, parameter] : fit["parameters"].items())
+      for (const nlohmann::json* other : {&check, &compare, &explain["base"]}) {
+        ASSERT_TRUE((*other)["parameters"].contains(name)) << name << other->dump(1);
+        ExpectSame(parameter["value"], (*other)["parameters"][name]["value"], name);
+        ExpectSame(parameter["std"], (*other)["parameters"][name]["std"], name + " std");
+      }
+  }
+  /// The same of a database.
+  void ExpectOneAnswerOf(const std::string& database) {
+    const nlohmann::json compare = Json({"compare", "--db", database}),
+                         explain = Json({"explain", "--db", database});
+    ExpectSame(compare["rms_holdout"], explain["base"]["rms_holdout"], "rms_holdout");
+    ExpectSame(compare["noise_floor"], explain["base"]["noise_floor"], "noise_floor");
+    EXPECT_EQ(compare["verdict"], explain["verdict"]);
+    EXPECT_EQ(compare["model_error_seen"].get<bool>(), explain["verdict"] != "adequate");
+    EXPECT_GT(compare["rms_modelled"].get<double>(), 0);
+  }
+};
+
+/// A voltage made of position, speed and an offset, and the friction-like effect its library knows.
+std::string OwnMachine(const std::string& terms, const std::string& effects = "") {
+  return "[machine]\nname = \"own\"\n[log]\ntime = { column = \"t\", unit = \"s\" }\n[signals]\n"
+         "x = { column = \"x\", unit = \"m\", stuck_time = 0 }\nU = { column = \"U\", unit = \"V\", "
+         "stuck_time = 0 }\n"
+         "[gate]\nconditions = { \"abs(ddt(x))\" = { min = 1, unit = \"mm/s\" } }\n"
+         "stroke_gap = 0.05\nmin_stroke = 0.1\n[window]\nblock = 0.02\nspan = 0.3\nhalf_width = 0.04\n"
+         "[balance]\noutput = \"U\"\nunit = \"V\"\nterms = { " +
+         terms + " }\n" + effects;
+}
+const char kFriction[] =
+    "[[effect]]\nid = \"friction\"\ndescription = \"Friction\"\nterms = { f = \"sign(ddt(x))\" }\nunit = "
+    "\"V\"\nmin = 0\n";
+
+struct Voltage {
+  double speed = 0.3, friction = 0, noise = 2e-3;
+};
+/// 30 s of a voltage 2 x + speed x' + friction sign(x') + 0.1.
+std::string VoltageLog(const std::string& path, const Voltage& of) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::ofstream out(path);
+  out << "t,x,U\n" << std::setprecision(9);
+  constexpr double kSlow = 2 * std::numbers::pi * 0.7, kFast = 2 * std::numbers::pi * 1.9;
+  for (int row = 0; row < 15'000; ++row) {
+    const double t = 0.002 * row;
+    const double x = 0.05 * std::sin(kSlow * t) + 0.02 * std::sin(kFast * t + 1);
+    const double v = 0.05 * kSlow * std::cos(kSlow * t) + 0.02 * kFast * std::cos(kFast * t + 1);
+    const double u = 2 * x + of.speed * v + of.friction * (v > 0 ? 1 : -1) + 0.1;
+    out << t << ',' << x + 1e-5 * normal(random) << ',' << u + of.noise * normal(random) << '\n';
+  }
+  return path;
+}
+
+TEST_F(OneAnswer, OfTheCushionWithAndWithoutAddedEffects) {
+  const std::string machine = Cushion();
+  const std::string log = Simulate("leak.csv", 60, 4, {"--effect", "internal_leakage=5e-12"});
+  ExpectOneAnswer(log, machine);
+  ASSERT_EQ(Run({"model", "add", "internal_leakage", log, "-m", machine}).exit_code, 0);
+  ExpectOneAnswer(log, machine);
+}
+
+TEST_F(OneAnswer, FitAndCheckShowTheSizesOfAddedEffects) {
+  const std::string machine = Cushion();
+  const std::string log = Simulate("leak.csv", 60, 4, {"--effect", "internal_leakage=5e-12"});
+  EXPECT_THAT(Run({"fit", log, "-m", machine}).out, HasSubstr("misses something"));
+  ASSERT_EQ(Run({"model", "add", "internal_leakage", log, "-m", machine}).exit_code, 0);
+  const nlohmann::json fit = Json({"fit", log, "-m", machine});
+  EXPECT_EQ(fit["model_version"], 2);
+  EXPECT_EQ(fit["effects"], nlohmann::json::array({"internal_leakage"}));
+  const nlohmann::json& size = fit["parameters"]["internal_leakage.G"];
+  EXPECT_NEAR(size["value"].get<double>(), 5e-12, 3 * size["std"].get<double>());
+  EXPECT_LT(size["std"].get<double>(), 1e-12);
+  const Ran ran = Run({"fit", log, "-m", machine});
+  EXPECT_THAT(ran.out, HasSubstr("version 2"));
+  EXPECT_THAT(ran.out, HasSubstr("internal_leakage.G"));
+  EXPECT_THAT(ran.out, Not(HasSubstr("misses something")));
+  const nlohmann::json check = Json({"check", log, "-m", machine});
+  EXPECT_EQ(check["model_version"], 2);
+  EXPECT_EQ(check["parameters"]["internal_leakage.G"]["verdict"], "good") << check["parameters"].dump(1);
+}
+
+TEST_F(OneAnswer, OfAnOwnMachineOfLevels) {
+  const std::string machine = Machine(OwnMachine("k = \"x\", c = \"1\"", kFriction));
+  ExpectOneAnswer(VoltageLog(File("good.csv"), {.speed = 0}), machine);
+  ExpectOneAnswer(VoltageLog(File("friction.csv"), {.speed = 0, .friction = 0.02}), machine);
+}
+
+TEST_F(OneAnswer, OfAnOwnMachineOfRatesWithAndWithoutItsEffect) {
+  const std::string machine = Machine(OwnMachine("k = \"x\", d = \"ddt(x)\", c = \"1\"", kFriction));
+  const std::string good = VoltageLog(File("good.csv"), {});
+  ExpectOneAnswer(good, machine);
+  const nlohmann::json compare = Json({"compare", good, "-m", machine});
+  // The output is integrated in this form: its noise is a random walk, not white.
+  EXPECT_NEAR(compare["noise_floor"].get<double>() / compare["rms_residual"].get<double>(), 1, 0.1);
+  const std::string log = VoltageLog(File("friction.csv"), {.friction = 0.02});
+  ExpectOneAnswer(log, machine);
+  ASSERT_EQ(Run({"model", "add", "friction", log, "-m", machine}).exit_code, 0);
+  ExpectOneAnswer(log, machine);
+}
+
+TEST_F(OneAnswer, OfADatabase) {
+  const std::string machine = Cushion();
+  const std::string healthy = Simulate("healthy.csv", 60, 3);
+  ASSERT_EQ(Run({"replay", healthy, "-m", machine, "--db", File("a.db")}).exit_code, 0);
+  ExpectOneAnswerOf(File("a.db"));
+  const std::string log = Simulate("leak.csv", 60, 4, {"--effect", "internal_leakage=5e-12"});
+  ASSERT_EQ(Run({"replay", log, "-m", machine, "--db", File("a.db")}).exit_code, 0);
+  ExpectOneAnswerOf(File("a.db"));
+}
+
+/// A stroke in which a signal that only effects of the library need was bad must not count as modelled
+/// perfectly.
+TEST_F(OneAnswer, ABadSignalOfTheLibraryMakesNoPerfectModel) {
+  const std::string machine = Cushion();
+  const std::string log =
+      Simulate("leak.csv", 60, 4, {"--effect", "internal_leakage=5e-12", "--fault", "missing:p_B:12:3"});
+  const Ran replayed = Run({"replay", log, "-m", machine, "--db", File("a.db")});
+  ASSERT_TRUE(replayed.exit_code == 0 || replayed.exit_code == 4) << replayed.err;
+  const nlohmann::json compare = Json({"compare", "--db", File("a.db")});
+  EXPECT_EQ(compare["model_error_seen"], true) << compare.dump(1);
+  for (const nlohmann::json& stroke : compare["per_stroke"])
+    EXPECT_GT(stroke["rms_modelled"].get<double>(), 1) << stroke.dump();
+}
+
+}  // namespace
+}  // namespace hydroscope

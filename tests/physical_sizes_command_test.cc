@@ -1,0 +1,71 @@
+#include <regex>
+
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A machine file with a wrong unit or size must stop every command that concludes.
+class PhysicalSizes : public CommandLine {
+ protected:
+  std::string MachineWith(const std::string& pattern, const std::string& replacement) {
+    const std::string text = ReadText(kMachine);
+    const std::string changed = std::regex_replace(text, std::regex(pattern), replacement);
+    EXPECT_NE(changed, text) << pattern;
+    WriteText(File("wrong.toml"), changed);
+    return File("wrong.toml");
+  }
+  /// Exit code and message of every command that concludes from this log.
+  void ExpectRefused(const std::string& log, const std::string& machine, const testing::Matcher<std::string>& message) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"fit", log}, {"compare", log}, {"explain", log},
+          {"model", "add", "internal_leakage", log}, {"replay", log, "--db", File("wrong.db")}}) {
+      std::vector<std::string> words = command;
+      words.insert(words.end(), {"-m", machine});
+      const Ran ran = Run(words);
+      EXPECT_EQ(ran.exit_code, 3) << command.front() << ran.out << ran.err;
+      EXPECT_THAT(ran.out + ran.err, message) << command.front();
+    }
+  }
+};
+
+TEST_F(PhysicalSizes, AWrongUnitOfThePressureIsToldWithSignalValueRangeAndCure) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  const std::string bar = MachineWith("p_A( *= *\\{[^}]*)unit = \"Pa\"", "p_A$1unit = \"bar\"");
+  ExpectRefused(log, bar, AllOf(HasSubstr("p_A"), HasSubstr("reaches"), HasSubstr("1000 bar"), HasSubstr("unit = \"Pa\"")));
+}
+
+TEST_F(PhysicalSizes, AWrongUnitOfThePositionOrTheSpool) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  ExpectRefused(log, MachineWith("\nz( *= *\\{[^}]*)unit = \"m\"", "\nz$1unit = \"mm\""),
+                AllOf(HasSubstr("signal z"), HasSubstr("unit = \"m\"")));
+}
+
+TEST_F(PhysicalSizes, AWrongUnitOfTheTime) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  WriteText(File("ms.toml"), ReadText(kMachine) + "");
+  const std::string text = ReadText(kMachine);
+  const std::string changed = std::regex_replace(text, std::regex("(time *= *\\{[^}]*unit *= *)\"s\""), "$1\"ms\"");
+  ASSERT_NE(changed, text) << text;
+  WriteText(File("ms.toml"), changed);
+  ExpectRefused(log, File("ms.toml"), AllOf(HasSubstr("m/s"), HasSubstr("unit of time")));
+}
+
+TEST_F(PhysicalSizes, AnImpossibleAreaOrPressureDrop) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  ExpectRefused(log, MachineWith("(A_A *= *\\{ *value *= *)[0-9.]+", "$1 1250000"), HasSubstr("piston area"));
+  ExpectRefused(log, MachineWith("(dp_nom *= *\\{ *value *= *)[0-9.]+", "$1 3500"), HasSubstr("dp_nom"));
+}
+
+TEST_F(PhysicalSizes, CheckStillLooksAtAWrongLogAndSaysSo) {
+  const std::string log = Simulate("a.csv", 30, 3);
+  const Ran ran = Run({"check", log, "-m", MachineWith("p_A( *= *\\{[^}]*)unit = \"Pa\"", "p_A$1unit = \"bar\"")});
+  EXPECT_THAT(ran.out, HasSubstr("unit = \"Pa\""));
+}
+
+}  // namespace
+}  // namespace hydroscope
