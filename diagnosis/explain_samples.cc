@@ -145,6 +145,15 @@ void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
   out.groups.clear();
 }
 
+Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
+                             std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                             const ExplainOptions& options) {
+  Explanation out = ExplainRefined(model, strokes, window, options);
+  FindWhatIsLeft(strokes, window, options, out);
+  ObjectIfPredictable(options, out);
+  return out;
+}
+
 /// Rounds of finding the noise from what the model found leaves, and the model with that noise.
 constexpr int kNoiseRounds = 3;
 /// Change of the noise energy below which another round would say the same.
@@ -166,6 +175,7 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
   if (!start.fit.solved) return ExplainRefined(model, strokes, window, options);
   const std::array<const ExtendedFit*, 1> fits = {&start.fit};
   Predictability left = PredictabilityOf(*plain, strokes, window, fits, options.predictability).front();
+  if (!left.tested) return ExplainWithFloor(model, strokes, window, options);
   Explanation out;
   for (int round = 0; round < kNoiseRounds && left.tested; ++round) {
     const double scale = left.left() / start.fit.noise_variance;
@@ -177,15 +187,6 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
     out.noise_scale = options.noise_scale;
     left = out.final_left;
   }
-  ObjectIfPredictable(options, out);
-  return out;
-}
-
-Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
-                             std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                             const ExplainOptions& options) {
-  Explanation out = ExplainRefined(model, strokes, window, options);
-  FindWhatIsLeft(strokes, window, options, out);
   ObjectIfPredictable(options, out);
   return out;
 }
