@@ -8,7 +8,7 @@ namespace hydroscope {
 namespace {
 
 /// Odd strokes that an effect must be seen in, each left out in turn.
-constexpr std::size_t kLeastNamed = 2;
+constexpr std::size_t kLeastNamed = 3;
 /// Effects that gain most, each tried as what the rest misses.
 constexpr std::size_t kTried = 4;
 
@@ -87,7 +87,7 @@ std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const Effe
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
   if (odd.strokes.size() >= kLeastNamed) {
     Explanation only = ExplainAgainst(strokes, odd.strokes, out, explain);
-    odd.set = only.set;
+    if (!only.partial) odd.set = only.set;
     if (!odd.set.empty() && out.verdict == Verdict::kAdequate) out = std::move(only);
   }
   out.odd_strokes.push_back(std::move(odd));
