@@ -16,6 +16,7 @@ struct StrokeGram {
   SymmetricMatrix integral; ///< m^3 units: volumes, block means, each span about its own mean
   SymmetricMatrix noise;    ///< share of `integral` that is sensor noise, from odd minus even samples
   SymmetricMatrix flow;     ///< m^3/s units: flows over the triangular window, not centred
+  int log = 0;  ///< number of the log or run it is from, where several are taken together; not stored
 };
 
 }  // namespace hydroscope

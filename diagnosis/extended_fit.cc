@@ -86,6 +86,13 @@ std::optional<Correction> CorrectionOf(const ModelStructure& model, std::span<co
   return std::nullopt;
 }
 
+void ScaleScatter(const Eigen::VectorXd& factor, ExtendedFit& fit) {
+  fit.covariance = factor.asDiagonal() * fit.covariance * factor.asDiagonal();
+  const auto base = factor.size() - static_cast<Eigen::Index>(fit.effects.size());
+  for (std::size_t k = 0; k < fit.effects.size(); ++k)
+    fit.effects[k].std *= factor[base + static_cast<Eigen::Index>(k)];
+}
+
 Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed) {
   Eigen::MatrixXd full(packed.dimension(), packed.dimension());
   for (int j = 0; j < packed.dimension(); ++j)
@@ -112,6 +119,7 @@ StrokeSet::StrokeSet(std::shared_ptr<const ModelStructure> model, std::span<cons
     flow_.push_back(Unpacked(gram.flow));
     blocks_.push_back(gram.blocks);
     spans_.push_back(gram.spans);
+    logs_.push_back(gram.log);
     windows_.push_back(static_cast<double>(gram.windows));
     equations_ += static_cast<double>(gram.blocks - gram.spans);
     bad_.emplace_back(model_->column_count(), false);
@@ -132,6 +140,12 @@ Eigen::MatrixXd StrokeSet::Total() const {
   return total;
 }
 
+Eigen::MatrixXd StrokeSet::TotalFlow() const {
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(model_->column_count(), model_->column_count());
+  for (const Eigen::MatrixXd& gram : flow_) total += gram;
+  return total;
+}
+
 Eigen::VectorXd StrokeSet::Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const {
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(model_->column_count());
   const SparseColumns columns = Composite({&choice, 1}, theta);
@@ -147,6 +161,7 @@ StrokeSet StrokeSet::Only(std::span<const std::size_t> strokes) const {
     some.flow_.push_back(flow_[s]);
     some.blocks_.push_back(blocks_[s]);
     some.spans_.push_back(spans_[s]);
+    some.logs_.push_back(logs_[s]);
     some.windows_.push_back(windows_[s]);
     some.bad_.push_back(bad_[s]);
     some.equations_ += static_cast<double>(blocks_[s] - spans_[s]);
@@ -281,6 +296,27 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
   return fit;
 }
 
+void StrokeSet::Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) const {
+  if (!fit.solved) return;
+  const std::vector<Reduced> reduced = Reduce(Composite(choices, fit.theta), Usable(choices));
+  std::vector<NormalEquations> equations;
+  std::vector<StrokeOperation> operations;
+  for (const Reduced& s : reduced) {
+    equations.push_back(AsEquations(s.clean, s.count()));
+    const Eigen::VectorXd square = s.flow.diagonal().head(fit.theta.size());
+    operations.push_back({logs_[s.stroke], (square / std::max(1.0, s.windows)).cwiseSqrt()});
+  }
+  fit.clusters = FindStrokeClusters(equations, operations, fit.theta);
+  if (fit.clusters.unit == ClusterUnit::kStroke) return;
+  const Eigen::MatrixXd plain =
+      JackknifeCovariance(ReplicasWithoutClusters(equations, SingleStrokes(equations.size())));
+  if (plain.rows() != fit.covariance.rows()) return;
+  const Eigen::MatrixXd wide = WidenedCovariance(equations, fit.clusters, plain);
+  // As a factor, so that what else widens a fit (diagnosis/nonlinear_scatter.h) may come before or after.
+  fit.widening = (wide.diagonal().array() / plain.diagonal().array().max(1e-300)).sqrt().matrix();
+  ScaleScatter(fit.widening, fit);
+}
+
 void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const EffectChoice> choices,
                       ExtendedFit& fit) const {
   const int n = static_cast<int>(fit.theta.size());
@@ -291,6 +327,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   // Leave one stroke out: spread of the parameters and error on the stroke left out.
   Eigen::MatrixXd replicas(n, strokes.size());
   fit.excess.setConstant(static_cast<Eigen::Index>(clean_.size()), std::numeric_limits<double>::quiet_NaN());
+  fit.flow_error = fit.excess;
   double excess = 0;
   double noise = 0, flow_error = 0, windows = 0, fit_excess = 0;
   NoiseFloorSum floor(window_);
@@ -313,8 +350,10 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
     fit_excess += Energy(strokes[s].clean, fit.theta);
     noise += Energy(strokes[s].noise, fit.theta);
     floor.Add(strokes[s].noise, fit.theta, walk, strokes[s].blocks, strokes[s].spans);
+    const double flow = Energy(strokes[s].flow, theta);
+    fit.flow_error[static_cast<Eigen::Index>(strokes[s].stroke)] = flow;
     if (indispensable) continue;
-    flow_error += Energy(strokes[s].flow, theta);
+    flow_error += flow;
     windows += strokes[s].windows;
   }
   // Of the error, the noise shares were taken out already; the rest of the noise is still in it.
@@ -328,10 +367,8 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   fit.noise_floor =
       noise_scale_ == 1.0 ? floor.Rms() : fit.rms_holdout / std::sqrt(1 + std::max(0.0, fit.excess_ratio));
 
-  const double count = static_cast<double>(strokes.size());
-  const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
-  fit.covariance = (count - 1) / count * centred * centred.transpose();
-  const double student = StudentFactor(count - 1);
+  fit.covariance = JackknifeCovariance(replicas);
+  const double student = StudentFactor(static_cast<double>(strokes.size()) - 1);
   const Eigen::VectorXd scale = total.h.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * (scale.asDiagonal() * total.h * scale.asDiagonal()).inverse() * scale.asDiagonal();

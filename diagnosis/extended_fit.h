@@ -58,7 +58,14 @@ struct ExtendedFit {
   int indispensable_strokes = 0;  ///< as in GramFit; they do not enter `rms_holdout`
   double rms_holdout = 0;       ///< m^3/s, flow form
   double noise_floor = 0;       ///< m^3/s, flow form, sensor noise alone
+  /// Per stroke, held out: flow form, sum of squared errors; NaN as `excess`.
+  Eigen::VectorXd flow_error;
+  StrokeClusters clusters;  ///< what the intervals were made of: strokes, or after Widen groups of them
+  Eigen::VectorXd widening;  ///< by how much Widen made the standard errors of theta wider; empty: by nothing
 };
+
+/// Multiplies the standard errors of theta and of the effects' sizes by `factor`, one per entry of theta.
+void ScaleScatter(const Eigen::VectorXd& factor, ExtendedFit& fit);
 
 /// A packed Gram as a full symmetric matrix.
 Eigen::MatrixXd Unpacked(const SymmetricMatrix& packed);
@@ -73,10 +80,16 @@ class StrokeSet {
   /// Fits base + `choices`; composite effects are re-linearised around the result until it settles.
   ExtendedFit Fit(std::span<const EffectChoice> choices) const;
 
+  /// Where strokes hang together (estimation/stroke_clusters.h), widens covariance and effects' std of a fit
+  /// of base + `choices`. For intervals that are shown; the search weighs by strokes.
+  void Widen(std::span<const EffectChoice> choices, ExtendedFit& fit) const;
+
   const ModelStructure& model() const { return *model_; }
   const std::shared_ptr<const ModelStructure>& shared_model() const { return model_; }
   /// Integral-form Gram of all strokes over all columns, noise taken out.
   Eigen::MatrixXd Total() const;
+  /// The same of the flow form, noise and all.
+  Eigen::MatrixXd TotalFlow() const;
   /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters,
   /// size).
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
@@ -114,6 +127,7 @@ class StrokeSet {
   WindowSamples window_;
   std::vector<Eigen::MatrixXd> clean_, noise_, flow_;  ///< full symmetric, per stroke
   std::vector<std::int64_t> blocks_, spans_;
+  std::vector<int> logs_;
   std::vector<double> windows_;
   double noise_scale_ = 1.0;
   std::vector<std::vector<bool>> bad_;  ///< [stroke][column]: a signal it needs was bad

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "diagnosis/refine.h"
 #include "estimation/stroke_accumulator.h"
 #include "models/machine.h"
 

@@ -219,6 +219,8 @@ bool HasUnknown(const std::vector<FreeParameter>& unknown, std::size_t k) {
 void WidenByNonlinear(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                       const WindowSamples& window, std::span<const EffectChoice> choices, ExtendedFit& fit) {
   if (choices.empty() || !fit.solved) return;
+  const Eigen::VectorXd widening = fit.widening;
+  if (widening.size() > 0) ScaleScatter(widening.cwiseInverse(), fit);
   const Shifting shifting(std::move(model), strokes, window, choices);
   const int base = shifting.base();
   std::vector<double> student;  // what turns a standard error into the std of an effect
@@ -259,6 +261,7 @@ void WidenByNonlinear(std::shared_ptr<const ModelStructure> model, std::span<con
     fit.effects[k].nonlinear_std[0] =
         student[k] * std::sqrt((gradient * fit.covariance * gradient.transpose())(0, 0));
   }
+  if (widening.size() > 0) ScaleScatter(widening, fit);
 }
 
 }  // namespace hydroscope

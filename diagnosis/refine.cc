@@ -76,6 +76,7 @@ std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
       accumulator.Add(builder.Build(stretch, 0.0));
     }
     grams.push_back(accumulator.Take());
+    if (!stroke.empty()) grams.back().log = stroke.front().log;
   }
   return grams;
 }

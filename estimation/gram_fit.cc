@@ -1,5 +1,6 @@
 #include "estimation/gram_fit.h"
 
+#include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
@@ -44,6 +45,47 @@ Eigen::MatrixXd NoiseShare(const StrokeGram& gram, std::span<const int> columns,
   Eigen::MatrixXd share(n + 1, n + 1);
   share << e.h, e.g, e.g.transpose(), e.yy;
   return share;
+}
+
+/// How a stroke was driven: rms of its regressors.
+StrokeOperation OperationOf(const StrokeGram& gram, std::span<const int> columns) {
+  StrokeOperation out{gram.log, Eigen::VectorXd(static_cast<Eigen::Index>(columns.size()))};
+  const double windows = static_cast<double>(std::max<std::int64_t>(1, gram.windows));
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    out.level[static_cast<Eigen::Index>(i)] = std::sqrt(gram.flow(columns[i], columns[i]) / windows);
+  return out;
+}
+
+/// The strokes' groups, where they hang together.
+StrokeClusters ClustersOf(std::span<const StrokeGram> strokes, std::span<const NormalEquations> equations,
+                          std::span<const int> columns, const Eigen::VectorXd& theta) {
+  std::vector<StrokeOperation> operations;
+  for (const StrokeGram& gram : strokes) operations.push_back(OperationOf(gram, columns));
+  return FindStrokeClusters(equations, operations, theta);
+}
+
+/// Variances of the physical parameters by the jackknife over replicas of theta.
+Eigen::VectorXd DerivedVariance(const ModelStructure& model, const Eigen::MatrixXd& replicas) {
+  Eigen::MatrixXd derived;
+  for (Eigen::Index s = 0; s < replicas.cols(); ++s) {
+    const std::vector<DerivedParameter> values = model.derive(replicas.col(s));
+    if (derived.size() == 0) derived.resize(static_cast<Eigen::Index>(values.size()), replicas.cols());
+    for (std::size_t i = 0; i < values.size(); ++i)
+      derived(static_cast<Eigen::Index>(i), s) = values[i].value;
+  }
+  return JackknifeCovariance(derived).diagonal();
+}
+
+/// Stds of the physical parameters by leaving out single strokes (`replicas`) or `clusters`, whichever is
+/// wider, with Student's t in them.
+Eigen::VectorXd DerivedStd(const ModelStructure& model, std::span<const NormalEquations> strokes,
+                           const StrokeClusters& clusters, const Eigen::MatrixXd& replicas) {
+  const Eigen::VectorXd single =
+      DerivedVariance(model, replicas).cwiseSqrt() * StudentFactor(static_cast<double>(strokes.size()) - 1);
+  if (clusters.unit == ClusterUnit::kStroke) return single;
+  const Eigen::MatrixXd grouped = ReplicasWithoutClusters(strokes, clusters);
+  if (grouped.size() == 0) return single;
+  return single.cwiseMax(DerivedVariance(model, grouped).cwiseSqrt() * StudentFactor(clusters.count - 1.0));
 }
 
 }  // namespace
@@ -198,9 +240,7 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);
-  const double count = fit.strokes;
   Eigen::MatrixXd replicas(fit.theta.size(), fit.strokes);
-  Eigen::MatrixXd derived_replicas(derived.size(), fit.strokes);
   double squared_error = 0, judged = 0;
   NormalEquations total_flow;
   for (int s = 0; s < fit.strokes; ++s) {
@@ -217,8 +257,6 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
       judged += flow[s].equations;
     }
     replicas.col(s) = theta;
-    const std::vector<DerivedParameter> values = model.derive(theta);
-    for (std::size_t i = 0; i < values.size(); ++i) derived_replicas(i, s) = values[i].value;
   }
   fit.rms_holdout = judged > 0 ? std::sqrt(NonNegative(squared_error / judged)) : 0.0;
   if (total_flow.equations > 0) {
@@ -228,17 +266,14 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   }
   fit.noise_floor = NoiseFloor(strokes, columns, output, fit.theta, window, model.WalkingParameters());
 
-  const double jackknife = (count - 1) / count;
-  const Eigen::MatrixXd centred = replicas.colwise() - replicas.rowwise().mean();
-  fit.covariance = jackknife * centred * centred.transpose();
-  const Eigen::VectorXd spread =
-      (derived_replicas.colwise() - derived_replicas.rowwise().mean()).rowwise().squaredNorm() * jackknife;
-  const double factor = StudentFactor(count - 1);
+  fit.clusters = ClustersOf(strokes, integral, columns, fit.theta);
+  fit.covariance = WidenedCovariance(integral, fit.clusters, JackknifeCovariance(replicas));
+  const Eigen::VectorXd stds = DerivedStd(model, integral, fit.clusters, replicas);
   const Eigen::VectorXd excitation = Excitation(total.h);
   const std::vector<int> own = OwnParameters(derived, fit.theta);
   for (std::size_t i = 0; i < derived.size(); ++i) {
     const bool spread_known = fit.strokes > 1 && fit.indispensable_strokes == 0;
-    const double random = spread_known ? std::sqrt(spread[i]) * factor : kInfinity;
+    const double random = spread_known ? stds[static_cast<Eigen::Index>(i)] : kInfinity;
     Estimate estimate;
     estimate.parameter = derived[i].name;
     estimate.value = derived[i].value;

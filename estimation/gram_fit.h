@@ -7,22 +7,12 @@
 
 #include "core/records.h"
 #include "core/stroke_gram.h"
+#include "estimation/normal_equations.h"
 #include "estimation/span_equations.h"
+#include "estimation/stroke_clusters.h"
 #include "models/model_structure.h"
 
 namespace hydroscope {
-
-/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g +
-/// yy.
-struct NormalEquations {
-  Eigen::MatrixXd h;
-  Eigen::VectorXd g;
-  double yy = 0;
-  double equations = 0;
-
-  NormalEquations& operator+=(const NormalEquations& other);
-  NormalEquations& operator-=(const NormalEquations& other);
-};
 
 /// Sensor noise is taken out of the integral form's Gram (see SpanEquations); kKeep is for comparison only.
 enum class NoiseCorrection { kSubtract, kKeep };
@@ -33,16 +23,10 @@ NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> c
 /// Flow form, for errors in output units.
 NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output);
 
-/// Least squares with the regressors scaled to unit diagonal; empty if the regressors are not independent.
-Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations);
-
-/// Mean squared error of `theta` on these equations, output unit squared.
-double MeanSquaredError(const NormalEquations& equations, const Eigen::VectorXd& theta);
-
 /// Result of a batch fit of the base model over strokes.
 struct GramFit {
   Eigen::VectorXd theta;             ///< regression parameters, SI
-  Eigen::MatrixXd covariance;        ///< clustered by stroke (delete-one jackknife), SI
+  Eigen::MatrixXd covariance;        ///< clustered by stroke (delete-one jackknife) or wider units, SI
   std::vector<Estimate> parameters;  ///< physical parameters; value +- 1.96 std is the 95 % interval
   double rms_measured = 0;           ///< m^3/s, output (flow form) of these strokes
   double rms_modelled = 0;           ///< m^3/s
@@ -54,12 +38,14 @@ struct GramFit {
   /// interval can be given (std is infinite). They do not enter `rms_holdout`.
   int indispensable_strokes = 0;
   std::int64_t windows = 0;
+  StrokeClusters clusters;  ///< left out in turn for the intervals: strokes, unless they hang together
 };
 
 /// Fits the base model to a set of strokes. The stroke is the independent unit: intervals come from deleting
 /// one stroke at a time (jackknife, Efron 1982; the CR3 estimator of MacKinnon and White 1985) with Student's
-/// t of strokes - 1 degrees of freedom. Needs at least two strokes for intervals; with fewer, std is
-/// infinite.
+/// t of strokes - 1 degrees of freedom; where strokes hang together (estimation/stroke_clusters.h), from
+/// deleting one group of them at a time if that is wider. Needs at least two strokes for intervals; with
+/// fewer, std is infinite.
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
                              const WindowSamples& window);
 

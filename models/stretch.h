@@ -16,6 +16,7 @@ struct Stretch {
   double period = 0.0;                        ///< s between samples
   double begin = 0.0;                         ///< s, time of sample 0, from an origin that all stretches of a recording share
   bool continues = false;                     ///< sample 0 is the last sample of the stretch before
+  int log = 0;                                ///< number of the log it is from, where several are taken together
   bool scattered = false;                     ///< samples from here and there, for their noise: nothing moves between them
   std::vector<std::vector<double>> channel;   ///< [channel][before + sample]
 

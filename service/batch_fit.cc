@@ -21,6 +21,13 @@ void Add(const StrokeCounters& more, StrokeCounters& sum) {
   for (std::size_t f = 0; f < sum.flagged.size(); ++f) sum.flagged[f] += more.flagged[f];
 }
 
+/// Marks what was read as of log number `log`.
+void Label(LogStrokes& read, int log) {
+  for (StrokeRecord& stroke : read.strokes) stroke.gram.log = log;
+  for (StrokeStretches& stroke : read.stretches)
+    for (Stretch& stretch : stroke) stretch.log = log;
+}
+
 }  // namespace
 
 namespace {
@@ -118,6 +125,7 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
   for (const std::string& log : logs) {
     auto next = ReadStrokes(log, machine, keep);
     if (!next) return next;
+    Label(*next, static_cast<int>(&log - logs.data()));
     if (!all) {
       all = std::move(*next);
       continue;

@@ -154,13 +154,16 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
       choices = RefineModel(*structure, log.stretches, log.window, choices);
   }
   MachineModel out{structure, choices, {}, {}, {}};
-  out.fit = StrokeSet(structure, choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window), log.window).Fit(choices);
+  const StrokeSet strokes(structure, choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window),
+                          log.window);
+  out.fit = strokes.Fit(choices);
   if (!out.fit.solved)
     return BadInput(
         "the strokes do not excite all parameters of the model: vary ram speed and pressure, or record "
         "longer");
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
+  strokes.Widen(choices, out.fit);
   if (!choices.empty()) {
     out.figures = FiguresOf(*structure, out.fit, static_cast<int>(log.stretches.size()));
     return out;

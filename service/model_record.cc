@@ -74,6 +74,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
   MachineModel out{structure, choices, strokes.Fit(choices), {}, {}};
   if (!out.fit.solved)
     return BadInput("{}: the strokes do not excite all parameters of the model", history.database);
+  strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
   return out;
 }

@@ -87,6 +87,22 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
   return {};
 }
 
+/// Marks the units as of the run they begin in: strokes of one run may hang together.
+Status LabelRuns(const Database& database, StrokeHistory& history) {
+  for (const HistoryPart& part : history.parts) {
+    const auto runs = database.Runs(part.id);
+    if (!runs) return tl::unexpected(runs.error());
+    for (std::size_t k = 0; k < history.units.size(); ++k) {
+      const HistoryPart& unit = history.unit_parts[k];
+      for (const RunInfo& run : *runs)
+        if (unit.id == part.id && unit.first >= run.first_sequence &&
+            unit.first < run.first_sequence + run.strokes)
+          history.units[k].log = static_cast<int>(run.id);
+    }
+  }
+  return {};
+}
+
 /// Leaves out strokes that gave no equation.
 Status CheckUnits(StrokeHistory& history) {
   for (std::size_t k = history.units.size(); k-- > 0;) {
@@ -258,6 +274,8 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
     if (!sample) return tl::unexpected(sample.error());
     history.sample.insert(history.sample.end(), sample->begin(), sample->end());
   }
+  if (const Status labelled = LabelRuns(database, history); !labelled)
+    return tl::unexpected(labelled.error());
   if (const Status checked = CheckUnits(history); !checked) return tl::unexpected(checked.error());
   if (const Status plausible = JudgeStrokes(path, machine, history.sample); !plausible)
     return tl::unexpected(plausible.error());

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace hydroscope {
+
+/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g +
+/// yy.
+struct NormalEquations {
+  Eigen::MatrixXd h;
+  Eigen::VectorXd g;
+  double yy = 0;
+  double equations = 0;
+
+  NormalEquations& operator+=(const NormalEquations& other);
+  NormalEquations& operator-=(const NormalEquations& other);
+};
+
+/// Least squares with the regressors scaled to unit diagonal; empty if the regressors are not independent.
+Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations);
+
+/// Mean squared error of `theta` on these equations, output unit squared.
+double MeanSquaredError(const NormalEquations& equations, const Eigen::VectorXd& theta);
+
+}  // namespace hydroscope
