@@ -35,11 +35,11 @@ double TwoSidedP(double t, double degrees) {
   return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), std::abs(t)));
 }
 
-/// Stroke by stroke, by how much `a` errs more than `b`, over the strokes that both were fitted to.
-Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
+Eigen::VectorXd DifferenceWhereBoth(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   std::vector<double> worse;
-  for (Eigen::Index s = 0; s < a.excess.size(); ++s)
-    if (std::isfinite(a.excess[s]) && std::isfinite(b.excess[s])) worse.push_back(a.excess[s] - b.excess[s]);
+  if (a.size() != b.size()) return {};  // not of the same strokes
+  for (Eigen::Index s = 0; s < a.size(); ++s)
+    if (std::isfinite(a[s]) && std::isfinite(b[s])) worse.push_back(a[s] - b[s]);
   return Eigen::Map<const Eigen::VectorXd>(worse.data(), static_cast<Eigen::Index>(worse.size()));
 }
 
@@ -58,6 +58,14 @@ void BestFirst(std::vector<RankedEffect>& ranking) {
 }
 
 }  // namespace
+
+Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
+  return DifferenceWhereBoth(a.excess, b.excess);
+}
+
+Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b) {
+  return DifferenceWhereBoth(a.flow_error, b.flow_error);
+}
 
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
   CandidateModel model;
@@ -131,7 +139,8 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     ranked.gain = gain;
     ranked.p_value = TwoSidedP(t, degrees);
     ranked.lawful = size.consistent || !strokes_.model().effect_shapes[index][shape].refined;
-    ranked.significant = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
+    ranked.significant = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t &&
+                         fit.rms_holdout < on.fit.rms_holdout;
     ranked.nonlinear = strokes_.model().effect_shapes[index][shape].nonlinear;
     ranked.fit = std::move(fit);
   }

@@ -18,6 +18,11 @@ struct CandidateModel {
 /// of them cannot be fitted or is not in the library.
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids);
 
+/// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
+/// Integral form, noise taken out, or flow form, as shown.
+Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b);
+Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b);
+
 /// Tries effects on top of a model and weighs the evidence for them.
 class EffectRanking {
  public:

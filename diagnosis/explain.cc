@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/explain_own_machine.h"
 #include "diagnosis/generic_laws.h"
 
 namespace hydroscope {
@@ -295,6 +296,33 @@ Explanation Explainer::Run() {
   return out;
 }
 
+/// A name that does not lower the error on strokes left out, in the units shown, step by step, is none.
+void RefuseWhatDoesNotLowerTheError(Explanation& out) {
+  if (out.set.empty() || out.steps.size() < 2) return;
+  const double reached = out.steps.back().rms_holdout;
+  const double best_before =
+      std::min_element(out.steps.begin(), out.steps.end() - 1, [](const auto& a, const auto& b) {
+        return a.rms_holdout < b.rms_holdout;
+      })->rms_holdout;
+  if (reached < best_before) return;
+  out.verdict = Verdict::kUnknown;
+  out.partial = true;
+  out.set.clear();
+  out.groups.clear();
+}
+
+/// The intervals of the models before and after, where strokes hang together; the search is done. Those of the
+/// ranking stay by stroke, as it was weighed.
+void WidenShown(const StrokeSet& strokes, Explanation& out) {
+  const auto widen = [&](ExtendedFit& fit) {
+    std::vector<EffectChoice> choices;
+    for (const EffectEstimate& e : fit.effects) choices.push_back(e.choice);
+    strokes.Widen(choices, fit);
+  };
+  widen(out.base);
+  widen(out.final);
+}
+
 }  // namespace
 
 const char* VerdictName(Verdict verdict) {
@@ -314,7 +342,12 @@ const char* VerdictName(Verdict verdict) {
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   const std::optional<StrokeSet> comparable = strokes.Comparable();
   const StrokeSet& used = comparable ? *comparable : strokes;
-  return Explainer(used, options, StartModel(used, options.start)).Run();
+  const CandidateModel start = StartModel(used, options.start);
+  Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
+                                               : Explainer(used, options, start).Run();
+  RefuseWhatDoesNotLowerTheError(out);
+  WidenShown(used, out);
+  return out;
 }
 
 }  // namespace hydroscope

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct ExplainOptions {
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
   double sure_gain = 60.0;  ///< ... but none worse by so many noise variances
   int max_effects = 2;      ///< effects hidden at once that are looked for
+  bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
   std::map<std::string, std::string> untestable;  ///< ids that these strokes cannot test, and why
@@ -80,6 +82,14 @@ struct OddStrokes {
   std::vector<std::string> set;      ///< what explains them against the rest, best first; [] if nothing does
 };
 
+/// A model that does better than the one as it is by giving up an effect that was added to it.
+struct EffectSwap {
+  std::string out;              ///< effect of ExplainOptions::start to take out
+  std::vector<std::string> in;  ///< effects to add in its place; [] = none is needed
+  double rms_before = 0;        ///< error on strokes left out as it is, m^3/s
+  double rms_after = 0;         ///< ... and with the swap
+};
+
 struct Explanation {
   std::shared_ptr<const ModelStructure> model;  ///< has the shapes that every EffectChoice below names
   Verdict verdict = Verdict::kUnknown;
@@ -105,18 +115,23 @@ struct Explanation {
   /// Strokes that were left out of everything else here, except of a set that explains them.
   std::vector<OddStrokes> odd_strokes;
   Predictability base_left, final_left;  ///< of the error of `base` and `final`; tested on samples only
+  std::optional<EffectSwap> swap;        ///< an effect that was added wrongly, and what does better
 };
 
 /// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is
 /// false, and the rest empty, if the strokes cannot separate the parameters of the model as it is; ids of
 /// `start` must be in the library. Chain: score on held-out strokes, significance by stroke, rivals (model
 /// confidence set after Hansen, Lunde, Nason 2011, by paired stroke-wise losses), adequacy gate against the
-/// noise floor, remainder for any further law, and whether a law without a name would do as well.
+/// noise floor, remainder for any further law, and whether a law without a name would do as well. On a
+/// machine of the user's own all subsets of the library are compared instead
+/// (diagnosis/explain_own_machine.h). What does not lower the error on strokes left out, in the units shown,
+/// is not named.
 Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options = {});
 
 /// The same with the samples at hand: thresholds, widths and exponents of the effects that come close are
 /// refined on the samples before the verdict, and generic laws (diagnosis/generic_laws.h) stand against the
-/// named effects.
+/// named effects. Where the model as it is has effects and one of them may be wrong, it is taken out and the
+/// rest explained again (Explanation::swap).
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
                            std::span<const StrokeStretches> strokes, const WindowSamples& window,
                            const ExplainOptions& options = {});

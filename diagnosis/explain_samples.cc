@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/effect_swap.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/generic_laws.h"
 #include "diagnosis/nonlinear_scatter.h"
@@ -204,13 +205,10 @@ bool IsFloorToBlame(const Explanation& x) {
          (x.final_left.share < kNothingShare || x.final_left.p_value > kNothingP);
 }
 
-}  // namespace
-
-Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
-                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
-                           const ExplainOptions& asked) {
-  ExplainOptions options = asked;
-  AddUntestable(*model, strokes, options.untestable);
+/// The explanation of the model as it is, whatever was added to it.
+Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
+                          std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                          const ExplainOptions& options) {
   Explanation out = options.floor_believable ? ExplainWithFloor(model, strokes, window, options)
                                              : ExplainWithoutFloor(model, strokes, window, options);
   if (out.base.solved) {
@@ -231,6 +229,24 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
       "that is not quite white",
       100 * (std::sqrt(without.noise_scale) - 1)));
   return without;
+}
+
+}  // namespace
+
+Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
+                           std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                           const ExplainOptions& asked) {
+  ExplainOptions options = asked;
+  AddUntestable(*model, strokes, options.untestable);
+  Explanation out = ExplainAsItIs(model, strokes, window, options);
+  if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
+  for (const std::string& id : options.start) {
+    ExplainOptions without = options;
+    std::erase(without.start, id);
+    const auto swap = SwapFor(id, out, ExplainAsItIs(model, strokes, window, without));
+    if (swap && (!out.swap || swap->rms_after < out.swap->rms_after)) out.swap = swap;
+  }
+  return out;
 }
 
 }  // namespace hydroscope

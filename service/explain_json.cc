@@ -96,6 +96,19 @@ nlohmann::json FinalJson(const ExplainResult& result) {
           {"drifts", DriftsJson(result, fit)}};
 }
 
+nlohmann::json SwapJson(const ExplainResult& result) {
+  const std::optional<EffectSwap>& swap = result.explanation.swap;
+  if (!swap) return nullptr;
+  return {{"out", swap->out},
+          {"in", swap->in},
+          {"rms_holdout_before", swap->rms_before * Factor(result)},
+          {"rms_holdout_after", swap->rms_after * Factor(result)}};
+}
+
+nlohmann::json IntervalUnitJson(const StrokeClusters& clusters) {
+  return {{"unit", ClusterUnitName(clusters.unit)}, {"count", clusters.count}};
+}
+
 nlohmann::json RemainderJson(const ExplainResult& result) {
   const std::optional<RemainderShape>& shape = result.remainder;
   if (!shape) return nullptr;
@@ -192,6 +205,8 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
           {"noise_scale", x.noise_scale},
           {"steps", StepsJson(result)},
+          {"swap", SwapJson(result)},
+          {"interval_units", IntervalUnitJson(x.final.clusters)},
           {"final", FinalJson(result)},
           {"located", LocatedJson(result.location.located, Factor(result))},
           {"remainder", RemainderJson(result)},

@@ -274,11 +274,39 @@ std::string UntestableText(const ExplainResult& result) {
   return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
 }
 
+/// An effect of the model that was added wrongly, and what does better.
+std::string SwapText(const ExplainResult& result) {
+  const std::optional<EffectSwap>& swap = result.explanation.swap;
+  if (!swap) return "";
+  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
+  std::string text = swap->in.empty()
+                         ? fmt::format("  Take {} out", swap->out)
+                         : fmt::format("  Replace {} by {}", swap->out, fmt::join(swap->in, " and "));
+  text += fmt::format(": error {:.3g} -> {:.3g} {} on strokes left out\n", swap->rms_before * unit.factor,
+                      swap->rms_after * unit.factor, unit.name);
+  text += fmt::format("    hydroscope model remove {} {}\n", swap->out, result.target);
+  for (const std::string& id : swap->in)
+    text += fmt::format("    hydroscope model add {} {}\n", id, result.target);
+  return text;
+}
+
+/// Which strokes were left out together for the intervals, where single ones are not independent.
+std::string IntervalUnitText(const StrokeClusters& clusters) {
+  if (clusters.unit == ClusterUnit::kStroke) return "";
+  const char* what = clusters.unit == ClusterUnit::kLog    ? "of one log"
+                     : clusters.unit == ClusterUnit::kTime ? "that follow one another"
+                                                           : "at one operating point";
+  return fmt::format(
+      "  Strokes {} err alike: the intervals come from leaving out {} groups of them in turn.\n", what,
+      clusters.count);
+}
+
 std::string NextText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::string text = "\nNext\n";
   const std::optional<std::string> experiment = WhatToRecord(result);
   if (experiment) text += fmt::format("  {}\n", *experiment);
+  text += SwapText(result);
   if (!x.odd_strokes.empty())
     return text + "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
   if (x.verdict == Verdict::kNamed)
@@ -321,9 +349,10 @@ std::string ExplainText(const ExplainResult& result) {
   if (!result.log.machine.added_effects.empty())
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
-  return text + StepsText(x) + ParametersText(result) + AddedText(result) + RankingText(result) +
-         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
-         RemainderText(result.remainder, unit) + NextText(result);
+  return text + StepsText(x) + ParametersText(result) + AddedText(result) +
+         IntervalUnitText(x.final.clusters) + RankingText(result) + RuledOutText(x) + UntestableText(result) +
+         LocatedText(result.location.located, unit) + RemainderText(result.remainder, unit) +
+         NextText(result);
 }
 
 }  // namespace hydroscope

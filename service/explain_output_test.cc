@@ -106,6 +106,28 @@ TEST(ExplainOutput, OneRamSpeedForAllStrokesAsksForOthers) {
   EXPECT_TRUE(ExplainJson(result)["experiment"].is_string());
 }
 
+TEST(ExplainOutput, WhatStandsOutLowersTheErrorOnStrokesLeftOut) {
+  for (const std::uint64_t seed : {7, 8, 9}) {
+    PressOptions options = Cushion({{"spool_overlap", 0.004, {}}});
+    options.seed = seed;
+    const ExplainResult result = Explained(options);
+    const Explanation& x = result.explanation;
+    for (const RankedEffect& ranked : x.ranking)
+      EXPECT_TRUE(!ranked.significant || ranked.fit.rms_holdout < x.base.rms_holdout) << ranked.id;
+    EXPECT_TRUE(x.set.empty() || x.final.rms_holdout < x.base.rms_holdout);
+  }
+}
+
+TEST(ExplainOutput, AnEffectThatWasAddedWronglyIsReplaced) {
+  const PressOptions options = Cushion({{"relief_valve", 8e-11, {{"crack", 150e5}}}});
+  const ExplainResult result = Explained(options, {}, {"external_leakage"});
+  ASSERT_TRUE(result.explanation.swap.has_value());
+  EXPECT_EQ(result.explanation.swap->out, "external_leakage");
+  EXPECT_THAT(result.explanation.swap->in, Contains("relief_valve"));
+  EXPECT_THAT(ExplainText(result), HasSubstr("Replace external_leakage by relief_valve: error"));
+  EXPECT_EQ(ExplainJson(result)["swap"]["out"], "external_leakage");
+}
+
 TEST(ExplainOutput, WhatIsLeftIsShownAsACurveOverItsSignal) {
   ExplainOptions options;
   options.exclude = {"relief_valve"};

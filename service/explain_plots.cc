@@ -114,7 +114,9 @@ std::string RankingPlot(const ExplainResult& result) {
     const bool chosen = std::find(x.set.begin(), x.set.end(), ranked.id) != x.set.end();
     row.label = ranked.id;
     row.bold = chosen;
-    row.ink = chosen ? Ink::kGreen : ranked.significant ? Ink::kBlue : Ink::kNeutral;
+    // Blue is for what lowers the error beyond its scatter over the strokes: a bar that spans 100 % is not.
+    const bool lowers = ranked.significant && row.high < plot.level;
+    row.ink = chosen ? Ink::kGreen : lowers ? Ink::kBlue : Ink::kNeutral;
     row.note = fmt::format("{} = {}", effect.parameter, ShownWithInterval(size.size, size.std, effect.unit));
     plot.rows.push_back(std::move(row));
   }

@@ -10,6 +10,7 @@
 #include "service/benchmarks/filter_study.h"
 #include "service/benchmarks/frf_benchmark.h"
 #include "service/benchmarks/hidden_effects_benchmark.h"
+#include "service/benchmarks/own_machines.h"
 #include "service/benchmarks/plant_logs_benchmark.h"
 #include "service/benchmarks/recovery.h"
 #include "service/benchmarks/seal_friction.h"
@@ -266,6 +267,18 @@ void AddSealFriction(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunSealFriction(*o); });
 }
 
+void AddOwnMachines(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<OwnMachinesOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "own-machines", "Effects hidden in simulated machines of the user's own, among eight that are alike");
+  command->add_option("--cases", o->cases, "Simulated machines")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the first machine")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark own-machines --cases 60");
+  command->callback([o, &exit_code] { exit_code = RunOwnMachines(*o); });
+}
+
 void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<ExampleLogOptions>();
   o->machine_file = "machines/die_cushion.toml";
@@ -311,6 +324,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddLiveBenchmarks(*benchmark, exit_code);
   AddAlarmBenchmarks(*benchmark, exit_code);
   AddSealFriction(*benchmark, exit_code);
+  AddOwnMachines(*benchmark, exit_code);
 }
 
 }  // namespace hydroscope

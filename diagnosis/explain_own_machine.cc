@@ -1,0 +1,154 @@
+#include "diagnosis/explain_own_machine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/generic_laws.h"
+#include "diagnosis/subset_search.h"
+
+namespace hydroscope {
+namespace {
+
+using Effects = std::vector<int>;  ///< of a model, without those of the start model
+
+Effects Added(const CandidateModel& model, std::size_t started) {
+  Effects out;
+  for (std::size_t k = started; k < model.choices.size(); ++k) out.push_back(model.choices[k].effect);
+  return out;
+}
+
+Effects Without(const Effects& all, const Effects& shared) {
+  Effects out;
+  for (const int e : all)
+    if (std::find(shared.begin(), shared.end(), e) == shared.end()) out.push_back(e);
+  return out;
+}
+
+/// Explains one set of strokes of a machine of the user's own.
+class OwnMachineExplainer {
+ public:
+  OwnMachineExplainer(const StrokeSet& strokes, const ExplainOptions& options, const CandidateModel& start)
+      : strokes_(strokes),
+        options_(options),
+        start_(start),
+        ranking_(strokes, options, start.fit.noise_variance * options.evidence_scale) {}
+
+  Explanation Run() {
+    Explanation out;
+    out.model = strokes_.shared_model();
+    out.base = out.final = start_.fit;
+    out.chosen = start_.choices;
+    out.started = static_cast<int>(start_.choices.size());
+    out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
+    if (!out.base.solved) return out;
+    out.ranking = ranking_.Rank(start_);
+    const SubsetResult found = SearchSubsets(strokes_, start_, Candidates(), Options());
+    const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
+    if (found.best.choices.size() == start_.choices.size()) {
+      out.verdict = at_floor ? Verdict::kAdequate : Verdict::kUnknown;
+      return out;
+    }
+    TakeSteps(found.best, out);
+    out.groups = Groups(found, out);
+    Judge(out);
+    return out;
+  }
+
+ private:
+  SubsetOptions Options() const {
+    SubsetOptions out;
+    out.min_t = options_.min_t;
+    out.min_gain = options_.min_gain * options_.evidence_scale;
+    return out;
+  }
+
+  std::vector<int> Candidates() const {
+    std::vector<int> out;
+    const auto& library = strokes_.model().effects;
+    for (int e = 0; e < static_cast<int>(library.size()); ++e) {
+      const bool used = std::any_of(start_.choices.begin(), start_.choices.end(),
+                                    [&](const EffectChoice& c) { return c.effect == e; });
+      const bool excluded = std::find(options_.exclude.begin(), options_.exclude.end(), library[e]->id) !=
+                            options_.exclude.end();
+      if (!used && !excluded && !IsGeneric(*library[e])) out.push_back(e);
+    }
+    return out;
+  }
+
+  const std::string& Id(int effect) const { return strokes_.model().effects[effect]->id; }
+
+  /// Adds the effects of the subset one by one, each time the one that lowers the error most.
+  void TakeSteps(const CandidateModel& best, Explanation& out) const {
+    std::vector<EffectChoice> left(best.choices.begin() + out.started, best.choices.end());
+    CandidateModel model = start_;
+    while (!left.empty()) {
+      std::size_t first = 0;
+      CandidateModel least = ranking_.With(model, left[0]);
+      for (std::size_t k = 1; k < left.size(); ++k) {
+        CandidateModel with = ranking_.With(model, left[k]);
+        if (!with.fit.solved || (least.fit.solved && with.fit.rms_holdout >= least.fit.rms_holdout)) continue;
+        least = std::move(with);
+        first = k;
+      }
+      model = std::move(least);
+      out.steps.push_back({Id(left[first].effect), model.fit.rms_holdout, model.fit.excess_ratio});
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    out.chosen = model.choices;
+    out.final = std::move(model.fit);
+  }
+
+  /// One group per effect of the best subset; where a rival subset has others, they stand for those of the
+  /// best that it lacks, in the order of adding.
+  std::vector<std::vector<std::string>> Groups(const SubsetResult& found, const Explanation& out) const {
+    const auto started = static_cast<std::size_t>(out.started);
+    const Effects best = Added({out.chosen, {}}, started);
+    std::vector<std::vector<std::string>> groups;
+    for (const int e : best) groups.push_back({Id(e)});
+    for (const CandidateModel& rival : found.rivals) {
+      const Effects theirs = Added(rival, started);
+      const Effects missing = Without(best, theirs), instead = Without(theirs, best);
+      for (std::size_t k = 0; k < instead.size() && k < missing.size(); ++k) {
+        auto& group =
+            groups[static_cast<std::size_t>(std::find(best.begin(), best.end(), missing[k]) - best.begin())];
+        if (std::find(group.begin(), group.end(), Id(instead[k])) == group.end())
+          group.push_back(Id(instead[k]));
+      }
+    }
+    return groups;
+  }
+
+  void Judge(Explanation& out) const {
+    const double allowed = options_.floor_excess + options_.left_share * std::max(0.0, out.base.excess_ratio);
+    if (out.final.excess_ratio > allowed) {
+      out.verdict = Verdict::kUnknown;
+      out.partial = true;
+      out.groups.clear();
+      return;
+    }
+    for (const auto& group : out.groups) out.set.push_back(group.front());
+    bool ambiguous = false;
+    for (const auto& group : out.groups)
+      for (const std::string& id : group) {
+        ambiguous = ambiguous || group.size() > 1;
+        if (std::find(out.set.begin(), out.set.end(), id) == out.set.end()) out.set.push_back(id);
+      }
+    out.verdict = ambiguous ? Verdict::kAmbiguous : Verdict::kNamed;
+  }
+
+  const StrokeSet& strokes_;
+  const ExplainOptions& options_;
+  const CandidateModel start_;
+  const EffectRanking ranking_;
+};
+
+}  // namespace
+
+bool IsOwnMachine(const ModelStructure& model) { return model.name == "expressions"; }
+
+Explanation ExplainBySubsets(const StrokeSet& strokes, const ExplainOptions& options,
+                             const CandidateModel& start) {
+  return OwnMachineExplainer(strokes, options, start).Run();
+}
+
+}  // namespace hydroscope
