@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/units.h"
+#include "service/held_out_log.h"
 #include "service/log_trust.h"
 #include "service/model_edit.h"
 #include "service/model_history_output.h"
@@ -16,19 +18,48 @@ namespace {
 
 struct Evidence {
   std::optional<ModelEvidence> before, next;
+  std::optional<std::pair<HeldOutError, HeldOutError>> held_out;  ///< before, next
 };
 
-/// Both models on the same strokes; the log is read once.
-Result<Evidence> OnLog(const std::string& log, const Machine& before, const Machine& next) {
-  auto strokes = ReadStrokes(log, before, KeepSamples::kYes);
+/// Both models, fitted to `strokes`, on a log that neither was fitted to.
+Result<std::pair<HeldOutError, HeldOutError>> OnHeldOut(const std::string& log, LogStrokes strokes,
+                                                        const Machine& before, const Machine& next) {
+  const auto held_out = ReadStrokes(log, before, KeepSamples::kYes);
+  if (!held_out) return tl::unexpected(held_out.error());
+  std::vector<HeldOutError> errors;
+  for (const Machine* machine : {&before, &next}) {
+    strokes.machine = *machine;
+    const auto model = FitMachineModel(strokes);
+    if (!model) return tl::unexpected(model.error());
+    auto error = ErrorOnLog(*model, *held_out, log);
+    if (!error) return tl::unexpected(error.error());
+    errors.push_back(std::move(*error));
+  }
+  return std::make_pair(errors[0], errors[1]);
+}
+
+/// Both models on the same strokes; the logs are read once.
+Result<Evidence> OnLogs(const ModelChange& change, const Machine& before, const Machine& next) {
+  const auto logs = ChooseLogs(change.logs, change.hold_out);
+  if (!logs) return tl::unexpected(logs.error());
+  auto strokes = ReadStrokes(logs->fitted, before, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
+  const std::string source = fmt::format("{}", fmt::join(logs->fitted, ", "));
   if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
-    return BadInput("{}: {}; without the log the model is changed unjudged", log, trust.rate.sentence);
-  auto judged_before = JudgeModel(before, *strokes, log);
+    return BadInput("{}: {}; without the log the model is changed unjudged", source, trust.rate.sentence);
+  Evidence out;
+  auto judged_before = JudgeModel(before, *strokes, source);
   if (!judged_before) return tl::unexpected(judged_before.error());
-  auto judged_next = JudgeModel(next, std::move(*strokes), log);
+  out.before = std::move(*judged_before);
+  if (!logs->held_out.empty()) {
+    auto held_out = OnHeldOut(logs->held_out, *strokes, before, next);
+    if (!held_out) return tl::unexpected(held_out.error());
+    out.held_out = std::move(*held_out);
+  }
+  auto judged_next = JudgeModel(next, std::move(*strokes), source);
   if (!judged_next) return tl::unexpected(judged_next.error());
-  return Evidence{std::move(*judged_before), std::move(*judged_next)};
+  out.next = std::move(*judged_next);
+  return out;
 }
 
 Result<Evidence> OnStrokes(const Database& database, const ModelChange& change,
@@ -40,7 +71,7 @@ Result<Evidence> OnStrokes(const Database& database, const ModelChange& change,
   if (!judged_before) return tl::unexpected(judged_before.error());
   auto judged_next = JudgeModel(next, *history);
   if (!judged_next) return tl::unexpected(judged_next.error());
-  return Evidence{std::move(*judged_before), std::move(*judged_next)};
+  return Evidence{std::move(*judged_before), std::move(*judged_next), {}};
 }
 
 /// The one machine meant: the one named, that of the machine file, or the only one.
@@ -61,7 +92,7 @@ Result<HistoryPart> OneMachine(Database& database, const HistoryOptions& o, cons
 }
 
 Result<Evidence> Judge(const ModelChange& change, const Machine& before, const Machine& next) {
-  if (!change.log.empty()) return OnLog(change.log, before, next);
+  if (!change.logs.empty()) return OnLogs(change, before, next);
   if (change.history.db.empty()) return Evidence{};
   auto database = Database::OpenReadOnly(change.history.db);
   if (!database) return tl::unexpected(database.error());
@@ -78,6 +109,33 @@ std::string EvidenceHint(const Evidence& evidence, const std::string& path) {
                    path);
 }
 
+/// The errors on the log held out, and what speaks against adding there.
+void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds, ModelChanged& changed) {
+  if (!evidence.held_out) return;
+  const auto& [before, after] = *evidence.held_out;
+  const DisplayUnit unit = DisplayUnitFor(evidence.next->record.unit);
+  changed.held_out = {{"log", after.log},
+                      {"strokes", after.strokes},
+                      {"before", before.rms * unit.factor},
+                      {"after", after.rms * unit.factor},
+                      {"unit", unit.name}};
+  changed.text += fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {} strokes\n", after.log,
+                              before.rms * unit.factor, after.rms * unit.factor, unit.name, after.strokes);
+  if (adds && !(after.rms < before.rms))
+    changed.warnings.push_back(
+        fmt::format("on {}, which was held out, {} does not lower the error", after.log, effect));
+}
+
+/// What a change did to the error, with what speaks against it.
+void TellError(const Machine& before, const Machine& next, const Evidence& evidence,
+               const std::string& effect, ModelChanged& changed) {
+  const bool adds = next.added_effects.size() > before.added_effects.size();
+  changed.error = LastStepJson(next);
+  if (adds) changed.warnings = AddingWarnings(next, effect);
+  TellHeldOut(evidence, effect, adds, changed);
+  for (const std::string& warning : changed.warnings) changed.text += fmt::format("WARNING: {}.\n", warning);
+}
+
 Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
   const auto machine = LoadMachine(change.machine);
   if (!machine) return tl::unexpected(machine.error());
@@ -92,11 +150,13 @@ Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
     if (!beside) return tl::unexpected(beside.error());
     const auto restored = LoadMachine(change.machine);
     if (!restored) return tl::unexpected(restored.error());
-    return ModelChanged{
+    ModelChanged changed{
         *restored,
         fmt::format("{}: again model version {}, byte for byte\nThe version with {} is kept as {}\n{}",
                     change.machine, restored->model_version, change.effect, *beside, LastStepText(*next)),
         change.machine, true};
+    TellError(*machine, *next, *evidence, change.effect, changed);
+    return changed;
   }
   const std::string path = change.out.empty() ? change.machine : change.out;
   const auto kept = WriteVersion(change.machine, path, machine->model_version, *next);
@@ -104,7 +164,9 @@ Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
   std::string text =
       fmt::format("{}: model version {}, {}\n", path, next->model_version, next->model_history.back().name);
   if (!kept->empty()) text += fmt::format("The version before is kept as {}\n", *kept);
-  return ModelChanged{*next, text + LastStepText(*next) + EvidenceHint(*evidence, path), path, false};
+  ModelChanged changed{*next, text + LastStepText(*next) + EvidenceHint(*evidence, path), path, false};
+  TellError(*machine, *next, *evidence, change.effect, changed);
+  return changed;
 }
 
 /// Stores a definition; returns its version in the database.
@@ -126,20 +188,22 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
   if (!machine) return tl::unexpected(machine.error());
   auto next = make_next(*machine, change.effect, NextVersion("", *machine));
   if (!next) return tl::unexpected(next.error());
-  auto evidence = change.log.empty() ? OnStrokes(*database, change, {*part}, *machine, *next)
-                                     : OnLog(change.log, *machine, *next);
+  auto evidence = change.logs.empty() ? OnStrokes(*database, change, {*part}, *machine, *next)
+                                      : OnLogs(change, *machine, *next);
   if (!evidence) return tl::unexpected(evidence.error());
   AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
   const auto stored =
       StoreModel(*database, *part, EditedMachineText(versions->back().definition, *next), *next);
   if (!stored) return tl::unexpected(stored.error());
-  return ModelChanged{
+  ModelChanged changed{
       *next,
       fmt::format("{}: model version {} of {}, {}\n{}\nMake it the model of replay and monitor: hydroscope "
                   "model promote --db {}\n",
                   change.history.db, *stored, part->machine, next->model_history.back().name,
                   LastStepText(*next), change.history.db),
       change.history.db, false};
+  TellError(*machine, *next, *evidence, change.effect, changed);
+  return changed;
 }
 
 Result<std::string> TextOf(const std::string& path) {
@@ -162,6 +226,8 @@ Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& p
 Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next) {
   if (change.machine.empty() && change.history.db.empty())
     return UsageError("give the machine file with --machine, or a database with --db");
+  if (!change.hold_out.empty() && change.logs.empty())
+    return UsageError("--hold-out needs other logs that the model is fitted to");
   return change.machine.empty() ? ChangeDatabase(change, make_next) : ChangeFile(change, make_next);
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "service/history_options.h"
 
@@ -9,7 +11,9 @@ namespace hydroscope {
 
 /// What `hydroscope model add` and `remove` are asked to do.
 struct ModelChange {
-  std::string effect, log, machine, out, name;
+  std::string effect, machine, out, name;
+  std::vector<std::string> logs;  ///< judged on their strokes together
+  std::string hold_out;           ///< one of them, or another: judged on it, not fitted to it
   HistoryOptions history;
 };
 
@@ -21,10 +25,16 @@ struct ModelChanged {
   std::string text;       ///< what was done, for people
   std::string where;      ///< machine file or database
   bool restored = false;  ///< the file is again byte for byte an earlier version
+  /// What speaks against the change, a sentence each; part of `text` too.
+  std::vector<std::string> warnings = {};
+  /// log, strokes, before, after, unit of ModelChange::hold_out; null: none.
+  nlohmann::json held_out = {};
+  /// before, after, noise_floor, unit: on strokes left out, as shown; null: not judged.
+  nlohmann::json error = {};
 };
 
 /// Writes the next version of a machine file, or of a database if no machine file is given; judges it on
-/// `log` or on the strokes of the database. Taking out what was added last brings the file from before back,
+/// `logs` or on the strokes of the database. Taking out what was added last brings the file from before back,
 /// byte for byte, if it is kept beside. Nothing is written if something is wrong.
 Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next);
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "service/benchmarks/simulated_strokes.h"
+#include "service/held_out_log.h"
 #include "service/model_history_output.h"
 
 namespace hydroscope {
@@ -110,6 +111,29 @@ TEST_F(ModelEdit, WhatCannotBeAddedOrTakenOutIsNamed) {
   EXPECT_THAT(WithoutEffect(machine, "relief_valve", 2).error().text, HasSubstr("is not part of the model"));
   const Machine next = *WithEffect(machine, "relief_valve", 2);
   EXPECT_THAT(WithEffect(next, "relief_valve", 3).error().text, HasSubstr("already part of the model"));
+}
+
+TEST_F(ModelEdit, AddingWhatDoesNotLowerTheErrorIsWarnedOf) {
+  const Machine before = *LoadMachine(path_);
+  const auto warnings = [&](double rms_after) {
+    Machine next = *WithEffect(before, "relief_valve", 2);
+    AddRecords(before, Judged(before, 2e-5), Judged(next, rms_after), "", next);
+    return AddingWarnings(next, "relief_valve");
+  };
+  EXPECT_THAT(warnings(4e-5), ElementsAre(HasSubstr("2.4 l/min with it and 1.2 l/min without")));
+  EXPECT_THAT(warnings(2e-5), testing::SizeIs(1));
+  EXPECT_THAT(warnings(1e-5), testing::IsEmpty());
+}
+
+TEST(HeldOutLog, ALogIsHeldOutByPathOrFileName) {
+  const std::vector<std::string> logs = {"runs/1bar.csv", "runs/3bar.csv"};
+  const auto by_name = ChooseLogs(logs, "3bar.csv");
+  ASSERT_TRUE(by_name.has_value());
+  EXPECT_THAT(by_name->fitted, ElementsAre("runs/1bar.csv"));
+  EXPECT_EQ(by_name->held_out, "runs/3bar.csv");
+  EXPECT_EQ(ChooseLogs(logs, "other/5bar.csv")->fitted.size(), 2u);
+  EXPECT_FALSE(ChooseLogs({"runs/1bar.csv"}, "1bar.csv").has_value());
+  EXPECT_FALSE(ChooseLogs({"a/1bar.csv", "b/1bar.csv", "c.csv"}, "1bar.csv").has_value());
 }
 
 TEST(ModelRecord, TheErrorFallsWithTheEffectThatIsThere) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/constants.h"
 #include "core/units.h"
@@ -74,6 +75,14 @@ std::vector<const ModelRecord*> Judged(const std::vector<ModelRecord>& history) 
   return judged;
 }
 
+/// The last two versions of a history, if both were judged.
+std::optional<std::pair<const ModelRecord*, const ModelRecord*>> LastStep(const Machine& machine) {
+  const auto& history = machine.model_history;
+  if (history.size() < 2 || !history.back().judged() || !history[history.size() - 2].judged())
+    return std::nullopt;
+  return std::make_pair(&history[history.size() - 2], &history.back());
+}
+
 }  // namespace
 
 std::string ModelHistoryText(const Machine& machine) {
@@ -92,13 +101,41 @@ std::string ModelHistoryText(const Machine& machine) {
 }
 
 std::string LastStepText(const Machine& machine) {
-  const auto& history = machine.model_history;
-  if (history.size() < 2 || !history.back().judged() || !history[history.size() - 2].judged()) return "";
-  const ModelRecord &before = history[history.size() - 2], &after = history.back();
+  const auto step = LastStep(machine);
+  if (!step) return "";
+  const ModelRecord &before = *step->first, &after = *step->second;
   return fmt::format(
       "Error on strokes left out: {:.3g} -> {:.3g} {}; sensor noise alone would cause {:.3g}\n\n{}",
       Shown(before, before.rms_holdout), Shown(after, after.rms_holdout), ShownUnit(after),
       Shown(after, after.noise_floor), Parameters({&before, &after}));
+}
+
+std::vector<std::string> AddingWarnings(const Machine& machine, const std::string& effect) {
+  const auto step = LastStep(machine);
+  if (!step) return {};
+  const ModelRecord &before = *step->first, &after = *step->second;
+  std::vector<std::string> warnings;
+  if (!(after.rms_holdout < before.rms_holdout))
+    warnings.push_back(fmt::format(
+        "{} makes the model no better: on strokes left out the error is {:.3g} {} with it and {:.3g} {} "
+        "without. Take it out again with 'hydroscope model undo' or 'model remove {}'",
+        effect, Shown(after, after.rms_holdout), ShownUnit(after), Shown(before, before.rms_holdout),
+        ShownUnit(before), effect));
+  for (const RecordedValue& value : after.parameters)
+    if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
+      warnings.push_back(fmt::format("the size of {} cannot be told from zero: {}", effect,
+                                     ShownWithInterval(value.value, value.std, value.unit)));
+  return warnings;
+}
+
+nlohmann::json LastStepJson(const Machine& machine) {
+  const auto step = LastStep(machine);
+  if (!step) return nullptr;
+  const ModelRecord &before = *step->first, &after = *step->second;
+  return {{"before", Shown(before, before.rms_holdout)},
+          {"after", Shown(after, after.rms_holdout)},
+          {"noise_floor", Shown(after, after.noise_floor)},
+          {"unit", ShownUnit(after)}};
 }
 
 nlohmann::json ModelHistoryJson(const Machine& machine) {

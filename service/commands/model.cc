@@ -70,6 +70,9 @@ nlohmann::json ChangedJson(const ModelChanged& changed) {
   nlohmann::json out = ModelHistoryJson(changed.machine);
   out["where"] = changed.where;
   out["restored"] = changed.restored;
+  out["error"] = changed.error;
+  out["held_out"] = changed.held_out;
+  out["warnings"] = changed.warnings;
   return out;
 }
 
@@ -90,7 +93,10 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
   ModelChange& change = options->change;
   command->add_option("effect", change.effect, "Id of the effect, see 'hydroscope model effects'")
       ->required();
-  command->add_option("log", change.log, "Log on which the model before and after is judged");
+  command->add_option("logs", change.logs,
+                      "Logs of one machine: on their strokes the model before and after is judged");
+  command->add_option("--hold-out", change.hold_out,
+                      "Log the models are not fitted to: their errors on it are given as well");
   command->add_option("--machine,-m", change.machine,
                       "Machine file (TOML); without it the model of --db is changed");
   command->add_option(
@@ -100,11 +106,13 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
   command->add_option("--name", change.name, "Name of the new version, for 'model history'");
   AddHistoryOptions(*command, change.history);
   AddJsonOption(*command, options->json);
-  command->footer(
-      fmt::format("Examples:\n  hydroscope model {0} internal_leakage press.csv --machine press.toml\n"
-                  "  hydroscope model {0} internal_leakage -m press.toml --out press_next.toml\n"
-                  "  hydroscope model {0} internal_leakage --db press.db",
-                  name));
+  command->footer(fmt::format(
+      "Examples:\n  hydroscope model {0} internal_leakage press.csv --machine press.toml\n"
+      "  hydroscope model {0} internal_leakage -m press.toml --out press_next.toml\n"
+      "  hydroscope model {0} pressure_friction -m seal.toml 1bar.csv 3bar.csv 5bar.csv --hold-out "
+      "3bar.csv\n"
+      "  hydroscope model {0} internal_leakage --db press.db",
+      name));
   command->callback([options, make_next, &exit_code] {
     Tell(ChangeModel(options->change, make_next), options->json, exit_code);
   });
