@@ -19,10 +19,11 @@ constexpr double kMattersTimes = 5.0;
 /// and beside it stand the errors of sampled signals and their rates: a twin that gains this share of what
 /// the best does stays in the set.
 constexpr double kTwinShare = 0.9;
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kTwins = {
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kTwins = {
     {{"spool_signal_delay", "spool_signal_lag"},
      {"pressure_signal_delay", "pressure_signal_lag"},
-     {"position_signal_delay", "position_signal_lag"}}};
+     {"position_signal_delay", "position_signal_lag"},
+     {"pressure_offset", "tank_pressure"}}};
 
 bool AreTwins(std::string_view a, std::string_view b) {
   return std::any_of(kTwins.begin(), kTwins.end(), [&](const auto& pair) {
@@ -65,6 +66,15 @@ Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b) {
 
 Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b) {
   return DifferenceWhereBoth(a.flow_error, b.flow_error);
+}
+
+std::vector<std::string> TwinsOf(std::string_view id) {
+  std::vector<std::string> twins;
+  for (const auto& [a, b] : kTwins) {
+    if (a == id) twins.emplace_back(b);
+    if (b == id) twins.emplace_back(a);
+  }
+  return twins;
 }
 
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {

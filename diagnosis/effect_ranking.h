@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "diagnosis/explain.h"
@@ -17,6 +18,10 @@ struct CandidateModel {
 /// The model as it is: base balance and the effects it has already, each in its best shape. Not solved if one
 /// of them cannot be fitted or is not in the library.
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids);
+
+/// Effects that ordinary strokes can hardly tell from this one: a late signal and a filtered one, a sensor's zero and
+/// the tank's pressure.
+std::vector<std::string> TwinsOf(std::string_view id);
 
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.

@@ -136,6 +136,7 @@ void FindWhatIsLeft(std::span<const StrokeStretches> strokes, const WindowSample
 void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
   PredictabilityOptions limits = options.predictability;
   limits.of_base = std::max(limits.of_base, options.left_share);
+  if (options.floor_believable) limits.min_share = std::max(limits.min_share, limits.min_share_at_floor);
   const double before = out.set.empty() ? 0.0 : out.base_left.predictable();
   if (out.verdict == Verdict::kUnknown || !out.final_left.IsStructured(limits, before)) return;
   out.doubt = fmt::format("{:.0f} % of the energy of what it leaves goes with {}", 100 * out.final_left.share,

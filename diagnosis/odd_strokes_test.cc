@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "diagnosis/simulated_log.h"
+#include "diagnosis/simulated_log_fixture.h"
 
 namespace hydroscope {
 namespace {

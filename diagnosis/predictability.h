@@ -16,6 +16,9 @@ namespace hydroscope {
 struct PredictabilityOptions {
   double max_p = 0.01;      ///< p-value from which on what is left counts as structure
   double min_share = 0.03;  ///< ... if it is this share of the error's energy
+  /// ... or this one where the noise floor is believable and the error near it: features of a noisy signal share
+  /// its noise with the regressors that integrate it, which predicts some percent of healthy errors.
+  double min_share_at_floor = 0.10;
   double of_base = 0.005;   ///< ... and this share of what was predictable of the model as it was
   int flips = 199;          ///< random signs, one of each group of strokes, that make the null
   std::size_t groups = 16;  ///< of strokes, at most; pieces of strokes if there are fewer strokes

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "diagnosis/explain.h"
-#include "diagnosis/simulated_log.h"
+#include "diagnosis/simulated_log_fixture.h"
 
 namespace hydroscope {
 namespace {

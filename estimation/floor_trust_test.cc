@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "estimation/noisy_log.h"
+#include "estimation/noisy_log_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "estimation/noisy_log.h"
+#include "estimation/noisy_log_fixture.h"
 
 namespace hydroscope {
 namespace {

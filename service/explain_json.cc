@@ -196,6 +196,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"unit", OutputUnit(x.model.get()).name},
           {"base",
            {{"rms_holdout", result.base.rms_holdout * Factor(result)},
+            {"noise_floor", result.base.noise_floor * Factor(result)},
             {"excess_ratio", x.base.excess_ratio},
             {"parameters", ParametersJson(result.base.parameters)},
             {"effects", EffectsJson(result, x.base)}}},

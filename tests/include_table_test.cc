@@ -102,7 +102,7 @@ std::vector<std::string> Faults(const std::string& path, const std::string& text
 bool IsSource(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   const bool code = name.ends_with(".h") || name.ends_with(".cc");
-  return code && !name.ends_with("_test.cc") && !name.ends_with("_fuzz.cc");
+  return code && !name.ends_with("_test.cc") && !name.ends_with("_fixture.h") && !name.ends_with("_fuzz.cc");
 }
 
 TEST(IncludeTable, EveryFileKeepsToIt) {

@@ -12,6 +12,7 @@
 #include <random>
 #include <vector>
 
+#include "diagnosis/effect_ranking.h"
 #include "diagnosis/experiment.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
@@ -337,7 +338,11 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
       return 1;
     }
     ExplainOptions options;
-    if (c.kind == kOutside) options.exclude = c.truth;
+    if (c.kind == kOutside) {
+      options.exclude = c.truth;  // and what is the same law to the strokes
+      for (const std::string& id : c.truth)
+        for (const std::string& twin : TwinsOf(id)) options.exclude.push_back(twin);
+    }
     c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
     c.experiment =
         ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
