@@ -18,7 +18,6 @@ constexpr double kMattersTimes = 5.0;
 /// A late signal and a filtered one are the same to first order. What tells them apart is of second order,
 /// and beside it stand the errors of sampled signals and their rates: a twin that gains this share of what
 /// the best does stays in the set.
-constexpr double kTwinShare = 0.9;
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kTwins = {
     {{"spool_signal_delay", "spool_signal_lag"},
      {"pressure_signal_delay", "pressure_signal_lag"},

@@ -22,6 +22,8 @@ CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::strin
 /// Effects that ordinary strokes can hardly tell from this one: a late signal and a filtered one, a sensor's zero and
 /// the tank's pressure.
 std::vector<std::string> TwinsOf(std::string_view id);
+/// A twin that gains this share of what the best does stays in the set.
+inline constexpr double kTwinShare = 0.9;
 
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.

@@ -150,11 +150,15 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other
   // one.
   for (std::size_t k = 1; k < pairs.size(); ++k) {
-    if (!ranking_.IsRival(pairs[k].model.fit, best.model.fit)) continue;
+    const bool rival = ranking_.IsRival(pairs[k].model.fit, best.model.fit);
+    const bool close = pairs[k].gain > kTwinShare * best.gain;
+    if (!rival && !close) continue;
     for (int mine = 0; mine < 2; ++mine)
       for (int theirs = 0; theirs < 2; ++theirs) {
         const std::string& other = strokes_.model().effects[pairs[k].effect[theirs]]->id;
-        if (pairs[k].effect[1 - theirs] == best.effect[1 - mine] &&
+        const std::vector<std::string> twins = TwinsOf(strokes_.model().effects[best.effect[mine]]->id);
+        const bool twin = std::find(twins.begin(), twins.end(), other) != twins.end();
+        if ((rival || twin) && pairs[k].effect[1 - theirs] == best.effect[1 - mine] &&
             std::find(groups[mine].begin(), groups[mine].end(), other) == groups[mine].end())
           groups[mine].push_back(other);
       }

@@ -49,15 +49,16 @@ std::vector<Refinement> CloseTo(const Explanation& found, const ExplainOptions& 
 
 bool IsKnownBeforehand(const NonlinearParameter& parameter) { return parameter.std > 0; }
 
-/// A law with one parameter, or one whose values are known beforehand, keeps none but refined shapes: the grid was
-/// for finding it.
+/// A law with one parameter, or one whose values are known beforehand, keeps none but refined shapes: the
+/// grid was for finding it.
 void DropGrid(ModelStructure& model) {
   for (std::size_t e = 0; e < model.effects.size(); ++e) {
     auto& shapes = model.effect_shapes[e];
     const bool any =
         std::any_of(shapes.begin(), shapes.end(), [](const EffectShape& s) { return s.refined && !s.on; });
     const auto& nonlinear = model.effects[e]->nonlinear;
-    if (any && (model.effects[e]->implied || std::any_of(nonlinear.begin(), nonlinear.end(), IsKnownBeforehand)))
+    if (any &&
+        (model.effects[e]->implied || std::any_of(nonlinear.begin(), nonlinear.end(), IsKnownBeforehand)))
       std::erase_if(shapes, [](const EffectShape& s) { return !s.refined; });
   }
 }
@@ -71,6 +72,24 @@ std::shared_ptr<const ModelStructure> WithSearchedEffects(const Explanation& fou
   auto wider = std::make_shared<ModelStructure>(*found.model);
   const bool any = AddSearchedShapes(*wider, strokes, ColumnWeights(*wider, found.final));
   return any ? wider : nullptr;
+}
+
+/// Of two effects found, each with its twin in its place: what the pair leaves tells them apart only once
+/// both are refined. Twins have one nonlinear parameter of the same unit, which is where they start.
+void RefineTwins(ModelStructure& model, std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                 const Explanation& found) {
+  if (found.chosen.size() < 2) return;
+  for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
+    const std::vector<double> values =
+        found.model->effect_shapes[found.chosen[k].effect][found.chosen[k].shape].nonlinear;
+    for (const std::string& id : TwinsOf(model.effects[found.chosen[k].effect]->id))
+      for (int e = 0; e < static_cast<int>(model.effects.size()); ++e) {
+        if (model.effects[e]->id != id || model.effects[e]->nonlinear.size() != values.size()) continue;
+        std::vector<EffectChoice> choices = found.chosen;
+        choices[k] = {e, AddShape(model, e, values)};
+        RefineModel(model, strokes, window, choices);
+      }
+  }
 }
 
 /// The chain with shapes refined on the samples, its noise as ExplainOptions::noise_scale says.
@@ -101,6 +120,7 @@ Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
     auto refined = std::make_shared<ModelStructure>(*model);
     const int columns = refined->column_count();
     RefineModel(*refined, strokes, window, out.chosen);
+    if (round == 0) RefineTwins(*refined, strokes, window, out);
     if (round == 0)
       for (const Refinement& close : CloseTo(out, options))
         RefineOne(*refined, strokes, window, close.others, close.choice);

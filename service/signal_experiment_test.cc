@@ -119,7 +119,7 @@ TEST(SignalExperiment, ASignalTheBalanceTiesToItsOutputIsNotMoved) {
   PressOptions press;
   press.seconds = 60;
   press.seed = 31;
-  press.effects = {{"internal_leakage", 1.2e-12, {}}};
+  press.effects = {{"internal_leakage", 0.9e-12, {}}};
   Machine machine = CushionAsExpressions(MachineFor(press));
   machine.user_effects = {{"past_the_seal", "Oil passes the seal", {{"k_i", "p_A - p_B", ""}}},
                           {"to_outside", "Oil is lost", {{"k_e", "p_A", ""}}}};
