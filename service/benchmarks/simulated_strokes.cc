@@ -1,6 +1,7 @@
 #include "service/benchmarks/simulated_strokes.h"
 
 #include "acquisition/quality_monitor.h"
+#include "service/physical_sizes.h"
 #include "replay/time_check.h"
 
 namespace hydroscope {
@@ -51,6 +52,9 @@ Result<LogStrokes> StrokesOf(const SimulatedLog& log, const Machine& machine, Ke
   SampleBlock rows = RowsOf(log, machine);
   LogCounters counters;
   TimeChecker(period).Check(rows, counters);
+  SizeWatch sizes(machine, period);
+  sizes.Observe(rows);
+  if (const Status plausible = sizes.Judge(); !plausible) return tl::unexpected(plausible.error());
   QualityMonitor monitor(machine, period);
   monitor.Inspect(rows);
   (*pipeline)->Process(rows);
