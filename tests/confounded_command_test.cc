@@ -35,7 +35,8 @@ TEST_F(ConfoundedCommand, AtOneRamSpeedTheNominalFlowRestsOnThereBeingNoLeak) {
 TEST_F(ConfoundedCommand, WithVariedSpeedsNothingIsConfounded) {
   for (int seed = 1; seed <= 5; ++seed) {
     const std::string log = Simulate("varied.csv", 90, seed);
-    for (const auto& [name, parameter] : Parameters("fit", log).items())
+    const nlohmann::json parameters = Parameters("fit", log);
+    for (const auto& [name, parameter] : parameters.items())
       EXPECT_FALSE(parameter.contains("confounded_with")) << seed << name << parameter.dump(1);
     EXPECT_THAT(Run({"fit", log, "-m", kMachine}).out, Not(HasSubstr("confounded")));
   }
