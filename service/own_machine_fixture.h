@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -32,7 +33,7 @@ inline std::vector<std::string> Logs(const Seal& seal) {
   const double area = std::numbers::pi / 4 * seal.bore * seal.bore;
   std::vector<std::string> logs;
   for (const double bar : seal.pressures) {
-    logs.push_back(testing::TempDir() + "seal_" + std::to_string(seal.seed) + "_" +
+    logs.push_back(testing::TempDir() + "seal_" + std::to_string(getpid()) + "_" + std::to_string(seal.seed) + "_" +
                    std::to_string(logs.size()) + ".csv");
     std::ofstream out(logs.back());
     out << std::fixed;

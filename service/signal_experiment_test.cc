@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -28,7 +29,7 @@ std::string SealMachineWith(const std::string& sections, const std::string& slow
   std::string text = all.str();
   const std::string gate = "{ min = 3, unit";
   text.replace(text.find(gate), gate.size(), "{ min = " + slowest + ", unit");
-  const std::string path = testing::TempDir() + "seal_that_may.toml";
+  const std::string path = testing::TempDir() + "seal_that_may_" + std::to_string(getpid()) + ".toml";
   std::ofstream(path) << text;
   return path;
 }
