@@ -177,7 +177,19 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
     if (!Uses(on, e) && !excluded && !IsGeneric(*strokes_.model().effects[e])) ranking.push_back(Try(on, e));
   }
   BestFirst(ranking);
+  PreferStored(ranking);
   return ranking;
+}
+
+/// Of effects that explain as much, the best that stored strokes can test as well comes first: a name that the
+/// history can be asked about.
+void EffectRanking::PreferStored(std::vector<RankedEffect>& ranking) const {
+  const auto needs_samples = [&](const RankedEffect& r) { return strokes_.model().effects[r.effect]->needs_samples; };
+  if (ranking.empty() || !ranking.front().significant || !needs_samples(ranking.front())) return;
+  const auto stored = std::find_if(ranking.begin(), ranking.end(), [&](const RankedEffect& r) {
+    return r.significant && !needs_samples(r) && r.gain > ranking.front().gain - options_.rival_gain;
+  });
+  if (stored != ranking.end()) std::rotate(ranking.begin(), stored, stored + 1);
 }
 
 std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) const {

@@ -54,6 +54,7 @@ class EffectRanking {
 
  private:
   RankedEffect Try(const CandidateModel& on, int effect) const;
+  void PreferStored(std::vector<RankedEffect>& ranking) const;
   double Cost(const ExtendedFit& fit) const;
 
   const StrokeSet& strokes_;
