@@ -171,6 +171,7 @@ Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
                              std::span<const StrokeStretches> strokes, const WindowSamples& window,
                              const ExplainOptions& options) {
   Explanation out = ExplainRefined(model, strokes, window, options);
+  out.noise_scale = options.noise_scale;  // as stated, where it is
   FindWhatIsLeft(strokes, window, options, out);
   ObjectIfPredictable(options, out);
   return out;
@@ -219,8 +220,7 @@ constexpr double kHiddenColour = 2.0;
 /// Share and p-value of what can be predicted below which it is nothing.
 constexpr double kNothingShare = 0.02, kNothingP = 0.05;
 
-/// An error above the floor that nothing predicts, and small enough for colour that the test of the noise
-/// missed.
+/// An error above the floor that nothing predicts, and so small that the noise test may have missed its colour.
 bool IsFloorToBlame(const Explanation& x) {
   return x.final_left.tested && x.final.excess_ratio + 1 < kHiddenColour &&
          (x.final_left.share < kNothingShare || x.final_left.p_value > kNothingP);
