@@ -4,9 +4,22 @@
 #include <cmath>
 #include <vector>
 
+#include "models/effect.h"
 #include "models/stretch.h"
 
 namespace hydroscope::effects {
+
+/// What the lags of all signals share: one time constant, at once the size and the shape of the law.
+inline Effect FirstOrderLag() {
+  Effect e;
+  e.parameter = "tau";
+  e.unit = "s";
+  e.max = 0.1;
+  e.typical = 0.002;
+  e.nonlinear = {{"lag", "s", 0.0002, 0.1}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  return e;
+}
 
 /// Samples 0 ... samples - 1 of a signal behind a first-order lag of `lag` s, which has followed it since as
 /// long as it is known, on a ramp at first; exact for a signal that is a line between samples. `signal(k)`

@@ -9,17 +9,11 @@ namespace hydroscope::effects {
 /// same lag makes of the other side: flow and compression behind the lag in place of flow and compression.
 /// (lagged x - x) / tau, integrated, is minus lagged x.
 Effect PositionSignalLag(const CushionGeometry&) {
-  Effect e;
+  Effect e = FirstOrderLag();
   e.id = "position_signal_lag";
   e.title = "Position signal lags (first-order filter)";
   e.law = "z = z_measured + tau dz_measured/dt";
   e.source = "eq. 1 of the press paper with the signal filtered";
-  e.parameter = "tau";
-  e.unit = "s";
-  e.max = 0.1;
-  e.typical = 0.002;
-  e.nonlinear = {{"lag", "s", 0.0002, 0.1}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"position_signal_delay", "spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =

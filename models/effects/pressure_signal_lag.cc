@@ -1,4 +1,5 @@
 #include "models/effects/effects.h"
+#include "models/effects/low_passed_signal.h"
 #include "models/effects/pressure_root.h"
 #include "models/wide_stretch.h"
 
@@ -6,17 +7,11 @@ namespace hydroscope::effects {
 /// The pressure reading follows the pressure as a first-order lag: p_A = p + tau dp/dt of what was measured,
 /// in the flow through the valve and in the compressed volume alike.
 Effect PressureSignalLag(const CushionGeometry&) {
-  Effect e;
+  Effect e = FirstOrderLag();
   e.id = "pressure_signal_lag";
   e.title = "Pressure signal lags (first-order filter)";
   e.law = "p_A = p_measured + tau dp_measured/dt";
   e.source = "eq. 1-2 of the press paper with the signal filtered";
-  e.parameter = "tau";
-  e.unit = "s";
-  e.max = 0.1;
-  e.typical = 0.002;
-  e.nonlinear = {{"lag", "s", 0.0002, 0.1}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"pressure_signal_delay", "spool_signal_delay", "line_inertance"};
   e.hidden_in = "V0, K";
   e.plain =

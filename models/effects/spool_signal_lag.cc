@@ -1,6 +1,7 @@
 #include <vector>
 
 #include "models/effects/effects.h"
+#include "models/effects/low_passed_signal.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -8,17 +9,11 @@ namespace hydroscope::effects {
 /// The spool reading follows the spool as a first-order lag: y_v = y + tau dy/dt of what was measured. The
 /// flow it lacks, integrated, is the integral of root(dp) over y, without any rate.
 Effect SpoolSignalLag(const CushionGeometry&) {
-  Effect e;
+  Effect e = FirstOrderLag();
   e.id = "spool_signal_lag";
   e.title = "Spool signal lags (first-order filter)";
   e.law = "y_v = y_measured + tau dy_measured/dt";
   e.source = "eq. 2 of the press paper with the signal filtered";
-  e.parameter = "tau";
-  e.unit = "s";
-  e.max = 0.1;
-  e.typical = 0.002;
-  e.nonlinear = {{"lag", "s", 0.0002, 0.1}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
   e.plain =
