@@ -59,22 +59,47 @@ StrokeCollector::StrokeCollector(const Machine& machine, KeepSamples keep) : kee
 
 Pipeline::RecordSink StrokeCollector::Sink() {
   return [this](StrokeRecord&& record) {
-    if (keep_ == KeepSamples::kYes && kept_ < kMaxKeptSamples) {
-      StrokeStretches stroke;
-      for (auto& [begin, stretch] : pending_)
-        if (begin >= record.summary.begin) stroke.push_back(std::move(stretch));
-      out_.stretches.push_back(std::move(stroke));
-    }
+    if (record.summary.index % stride_ == 0) Keep(std::move(record));
     pending_.clear();
-    out_.strokes.push_back(std::move(record));
+    if (keep_ == KeepSamples::kThinned &&
+        (kept_ >= kMaxKeptSamples || out_.strokes.size() > kMaxThinnedStrokes))
+      Thin();
   };
+}
+
+void StrokeCollector::Keep(StrokeRecord&& record) {
+  if (keep_ != KeepSamples::kNo && kept_ < kMaxKeptSamples) {
+    StrokeStretches stroke;
+    for (auto& [begin, stretch] : pending_)
+      if (begin >= record.summary.begin) {
+        kept_ += stretch.samples;
+        stroke.push_back(std::move(stretch));
+      }
+    out_.stretches.push_back(std::move(stroke));
+  }
+  out_.strokes.push_back(std::move(record));
+}
+
+/// Doubles the stride. Kept strokes and their stretches stand at the same places.
+void StrokeCollector::Thin() {
+  stride_ *= 2;
+  std::vector<StrokeRecord> strokes;
+  std::vector<StrokeStretches> stretches;
+  kept_ = 0;
+  for (std::size_t s = 0; s < out_.strokes.size(); ++s) {
+    if (out_.strokes[s].summary.index % stride_ != 0) continue;
+    for (const Stretch& stretch : out_.stretches[s]) kept_ += stretch.samples;
+    strokes.push_back(std::move(out_.strokes[s]));
+    stretches.push_back(std::move(out_.stretches[s]));
+  }
+  out_.strokes = std::move(strokes);
+  out_.stretches = std::move(stretches);
 }
 
 Pipeline::EquationTap StrokeCollector::Tap() {
   if (keep_ == KeepSamples::kNo) return {};
   return [this](const Stretch& stretch, const SpanEquations& equations) {
     if (kept_ >= kMaxKeptSamples) return;
-    kept_ += stretch.samples;
     pending_.emplace_back(equations.begin, stretch);
   };
 }
@@ -91,8 +116,7 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
 Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, KeepSamples keep) {
   Machine machine = stated;
   AssumeTolerances(machine);
-  if (const Status plausible = JudgeSizes(log, machine); !plausible)
-    return tl::unexpected(plausible.error());
+  if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());
   auto reader = OpenRecording(log, machine);
   if (!reader) return tl::unexpected(reader.error());
   StrokeCollector collector(machine, keep);

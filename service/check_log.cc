@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "replay/log_reader.h"
-#include "service/confounding.h"
+#include "service/fit_log.h"
 #include "service/geometry_tolerance.h"
 #include "service/identifiability.h"
 #include "service/live/raw_log.h"
@@ -18,42 +18,17 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kMostStrokesFitted = 2000;
-
-/// Gathers strokes; of very many, every second, fourth, ... so that memory stays bounded.
-class StrokeSample {
- public:
-  void Add(StrokeRecord&& record) {
-    AddDriving(record.summary);
-    if (record.summary.index % stride_ != 0) return;
-    kept_.emplace_back(record.summary.index, std::move(record.gram));
-    if (kept_.size() <= kMostStrokesFitted) return;
-    stride_ *= 2;
-    std::erase_if(kept_, [this](const auto& k) { return k.first % stride_ != 0; });
-  }
-  std::vector<StrokeGram> Grams() const {
-    std::vector<StrokeGram> grams;
-    for (const auto& [index, gram] : kept_) grams.push_back(gram);
-    return grams;
-  }
-  const Driving& driving() const { return driving_; }
-
- private:
-  void AddDriving(const StrokeSummary& s) {
-    const bool first = driving_.strokes++ == 0;
-    const auto widen = [first](double x, double& low, double& high) {
-      low = first ? x : std::min(low, x);
-      high = first ? x : std::max(high, x);
-    };
-    widen(s.mean_speed, driving_.speed_min, driving_.speed_max);
-    widen(s.mean_pressure, driving_.pressure_min, driving_.pressure_max);
-    widen(s.oil_temperature, driving_.oil_min, driving_.oil_max);
-  }
-
-  Driving driving_;
-  std::int64_t stride_ = 1;
-  std::vector<std::pair<std::int64_t, StrokeGram>> kept_;
-};
+/// How all strokes were driven.
+void AddDriving(const StrokeSummary& s, Driving& driving) {
+  const bool first = driving.strokes++ == 0;
+  const auto widen = [first](double x, double& low, double& high) {
+    low = first ? x : std::min(low, x);
+    high = first ? x : std::max(high, x);
+  };
+  widen(s.mean_speed, driving.speed_min, driving.speed_max);
+  widen(s.mean_pressure, driving.pressure_min, driving.pressure_max);
+  widen(s.oil_temperature, driving.oil_min, driving.oil_max);
+}
 
 void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   for (std::size_t s = 0; s < check.machine.signals.size(); ++s) {
@@ -64,15 +39,15 @@ void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
   }
 }
 
-void TakeFit(const Result<GramFit>& fit, const ModelStructure& model, CheckResult& check) {
-  if (fit) {
-    check.rms_holdout = fit->rms_holdout;
-    check.noise_floor = fit->noise_floor;
-    check.figures = *fit;
-    check.parameters = JudgeParameters(fit->parameters, check.driving);
-  } else {
-    check.no_fit = fit.error().text;
-    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
+void TakeConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
+  for (CheckedParameter& p : check.parameters) {
+    const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
+    if (confounding == nullptr || p.estimate.reason != EstimateReason::kConfounded) continue;
+    p.verdict = Identifiability::kNot;
+    p.reason = confounding->reason;
+    p.advice = confounding->advice;
+    p.confounded_with = confounding->effects;
+    p.confounded_bias = confounding->bias;
   }
 }
 
@@ -87,51 +62,19 @@ void DoubtSlowRows(CheckResult& check) {
   }
 }
 
-void TakeConfoundings(const Pipeline& pipeline, const StrokeSample& strokes, CheckResult& check) {
-  const std::vector<double> speeds = {check.driving.speed_min, check.driving.speed_max};
-  const auto confounded = ConfoundingsOf(check.machine, pipeline.shared_model(), strokes.Grams(), pipeline.window(),
-                                         speeds, check.figures);
-  for (CheckedParameter& p : check.parameters) {
-    const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
-    if (confounding == nullptr || p.estimate.reason != EstimateReason::kUpdated) continue;
-    p.estimate.reason = EstimateReason::kConfounded;
-    p.verdict = Identifiability::kNot;
-    p.reason = confounding->reason;
-    p.advice = confounding->advice;
-    p.confounded_with = confounding->effects;
-    p.confounded_bias = confounding->bias;
+void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
+  if (!fitted) {
+    check.no_fit = fitted.error().text;
+    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
+    return;
   }
+  check.figures = std::move(fitted->fit);
+  check.trust = std::move(fitted->trust);
+  check.suspicion = std::move(fitted->suspicion);
+  check.parameters = JudgeParameters(check.figures.parameters, check.driving);
+  TakeConfoundings(fitted->confounded, check);
+  DoubtSlowRows(check);
 }
-
-/// The strokes of a log as a check needs them: a sample of their Grams, and where effects were added to the model, the
-/// samples as well.
-class CheckedStrokes {
- public:
-  explicit CheckedStrokes(const Machine& machine)
-      : extended_(!machine.added_effects.empty()),
-        collector_(machine, extended_ ? KeepSamples::kYes : KeepSamples::kNo),
-        collect_(collector_.Sink()) {}
-
-  Pipeline::RecordSink Sink() {
-    return [this](StrokeRecord&& record) {
-      if (extended_) collect_(StrokeRecord(record));
-      sample_.Add(std::move(record));
-    };
-  }
-  Pipeline::EquationTap Tap() { return collector_.Tap(); }
-  const Driving& driving() const { return sample_.driving(); }
-  const StrokeSample& sample() const { return sample_; }
-  Result<GramFit> Fit(const Pipeline& pipeline) {
-    if (extended_) return FitFigures(collector_.Finish(pipeline));
-    return FitBaseModel(pipeline.model(), sample_.Grams(), pipeline.window());
-  }
-
- private:
-  bool extended_;
-  StrokeSample sample_;
-  StrokeCollector collector_;
-  Pipeline::RecordSink collect_;
-};
 
 }  // namespace
 
@@ -150,21 +93,17 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.machine = *machine;
   check.sample_period = (*reader)->SamplePeriod();
 
-  CheckedStrokes strokes(check.machine);
-  FirstStrokes first(*machine);
+  StrokeCollector strokes(check.machine, KeepSamples::kThinned);
   std::unique_ptr<Pipeline> pipeline;
   if (machine->model != "valve") {
     auto created = Pipeline::Create(*machine, check.sample_period,
-                                    [&first, keep = strokes.Sink()](StrokeRecord&& record) {
-                                      first.AddStroke(record);
+                                    [&check, keep = strokes.Sink()](StrokeRecord&& record) {
+                                      AddDriving(record.summary, check.driving);
                                       keep(std::move(record));
                                     });
     if (!created) return tl::unexpected(created.error());
     pipeline = std::move(*created);
-    pipeline->set_tap([&first, keep = strokes.Tap()](const Stretch& stretch, const SpanEquations& equations) {
-      first.AddStretch(stretch, equations);
-      if (keep) keep(stretch, equations);
-    });
+    pipeline->set_tap(strokes.Tap());
   }
   SignalSurvey survey(check.machine, check.sample_period);
   LogPassHooks hooks;
@@ -179,12 +118,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   TakeSignals(survey, check);
   if (pipeline) {
     check.conditions = survey.conditions();
-    check.driving = strokes.driving();
     check.driving.too_short = pipeline->discarded_strokes();
-    TakeFit(strokes.Fit(*pipeline), pipeline->model(), check);
-    if (check.no_fit.empty()) TakeConfoundings(*pipeline, strokes.sample(), check);
-    check.trust = first.Judge(*pipeline);
-    DoubtSlowRows(check);
+    TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
     check.hints = PlausibilityHints(check);
   }
   return check;

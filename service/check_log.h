@@ -6,6 +6,7 @@
 #include "core/result.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
+#include "service/fit_suspicion.h"
 #include "service/log_pass.h"
 #include "service/log_trust.h"
 #include "service/signal_survey.h"
@@ -52,10 +53,10 @@ struct CheckResult {
   std::vector<ConditionSurvey> conditions;
   Driving driving;
   std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
-  double rms_holdout = 0, noise_floor = 0;   ///< m^3/s, 0 = no fit
-  GramFit figures;                           ///< MachineModel::figures; as it is if there is no fit
+  GramFit figures;                           ///< FitResult::fit; all 0 if there is no fit
   std::string no_fit;                        ///< why there is no fit, "" if there is one
   LogTrust trust;                            ///< of noise and sampling rate
+  FitSuspicion suspicion;                    ///< what the model may miss
   std::vector<std::string> hints;            ///< what looks wrong in units, signs, gate
 
   /// No row or value had to be left out because of its quality.

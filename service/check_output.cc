@@ -118,7 +118,8 @@ std::string Identification(const CheckResult& check) {
     return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
   std::string text = "\nwhat this log can tell";
   if (!check.machine.added_effects.empty())
-    text += fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
+    text +=
+        fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
   text += "\n";
   std::size_t width = 8;
   for (const CheckedParameter& p : check.parameters) width = std::max(width, p.estimate.parameter.size());
@@ -138,10 +139,12 @@ std::string Identification(const CheckResult& check) {
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason);
     if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice);
   }
-  if (check.noise_floor > 0) {
+  if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = OutputUnit(check.machine);
-    text += fmt::format("  model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n",
-                        check.rms_holdout * unit.factor, unit.name, check.noise_floor * unit.factor, unit.name);
+    text +=
+        fmt::format("  model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n",
+                    check.figures.rms_holdout * unit.factor, unit.name,
+                    check.figures.noise_floor * unit.factor, unit.name);
     if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
       text += fmt::format("  {}\n", impossible);
   }
@@ -150,8 +153,8 @@ std::string Identification(const CheckResult& check) {
 
 std::string Next(const CheckResult& check, const std::string& machine_file) {
   std::string text;
-  const std::vector<std::string> warnings = check.trust.Warnings();
-  if (!warnings.empty()) text += "\n" + WarningsText(warnings);
+  if (const std::string suspicion = SuspicionText(check.suspicion); !suspicion.empty())
+    text += "\n" + suspicion;
   if (!check.hints.empty()) text += "\nlook at this first\n";
   for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
@@ -208,9 +211,11 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
 }
 
 std::vector<std::string> Warnings(const CheckResult& check) {
-  if (!(check.noise_floor > 0)) return {};
-  const std::string impossible = ImpossibleFigures(check.figures);
-  return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
+  std::vector<std::string> warnings;
+  if (!(check.figures.noise_floor > 0)) return warnings;
+  if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+    warnings.push_back(impossible);
+  return warnings;
 }
 
 }  // namespace
@@ -230,37 +235,38 @@ nlohmann::json CheckJson(const CheckResult& check) {
   for (const LogFinding& f : s.findings)
     findings.push_back(
         {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
-  return {{"log", check.log},
-          {"machine", check.machine.name},
-          {"rows", s.rows},
-          {"rejected_rows", s.rejected_rows},
-          {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
-          {"findings", findings},
-          {"clean", check.Clean()},
-          {"duration_s", t.last - t.first},
-          {"data_s", static_cast<double>(t.rows) * check.sample_period},
-          {"sampling",
-           {{"period_s", check.sample_period},
-            {"rate_hz", 1 / check.sample_period},
-            {"jitter_std_s", t.jitter},
-            {"gaps", t.gaps},
-            {"longest_gap_s", t.longest_gap},
-            {"not_forward", t.not_forward},
-            {"fast_enough", check.trust.rate.fast_enough},
-            {"needed_period_s", check.trust.rate.needed_period}}},
-          {"warnings", check.trust.Warnings()},
-          {"noise", NoiseJson(check.trust.floor)},
-          {"signals", signals},
-          {"gate", GateJson(check)},
-          {"strokes", check.driving.strokes},
-          {"parameters", ParametersCheckJson(check)},
-          {"rms_holdout", check.rms_holdout * unit.factor},
-          {"noise_floor", check.noise_floor * unit.factor},
-          {"unit", unit.name},
-          {"model_version", check.machine.model_version},
-          {"effects", check.machine.added_effects},
-          {"warnings", Warnings(check)},
-          {"hints", check.hints}};
+  nlohmann::json out = {{"log", check.log},
+                        {"machine", check.machine.name},
+                        {"rows", s.rows},
+                        {"rejected_rows", s.rejected_rows},
+                        {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
+                        {"findings", findings},
+                        {"clean", check.Clean()},
+                        {"duration_s", t.last - t.first},
+                        {"data_s", static_cast<double>(t.rows) * check.sample_period},
+                        {"sampling",
+                         {{"period_s", check.sample_period},
+                          {"rate_hz", 1 / check.sample_period},
+                          {"jitter_std_s", t.jitter},
+                          {"gaps", t.gaps},
+                          {"longest_gap_s", t.longest_gap},
+                          {"not_forward", t.not_forward},
+                          {"fast_enough", check.trust.rate.fast_enough},
+                          {"needed_period_s", check.trust.rate.needed_period}}},
+                        {"noise", NoiseJson(check.trust.floor)},
+                        {"signals", signals},
+                        {"gate", GateJson(check)},
+                        {"strokes", check.driving.strokes},
+                        {"parameters", ParametersCheckJson(check)},
+                        {"rms_holdout", check.figures.rms_holdout * unit.factor},
+                        {"noise_floor", check.figures.noise_floor * unit.factor},
+                        {"unit", unit.name},
+                        {"model_version", check.machine.model_version},
+                        {"effects", check.machine.added_effects},
+                        {"warnings", Warnings(check)},
+                        {"hints", check.hints}};
+  AddSuspicion(check.suspicion, out);
+  return out;
 }
 
 }  // namespace hydroscope

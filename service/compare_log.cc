@@ -1,5 +1,7 @@
 #include "service/compare_log.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -82,10 +84,13 @@ StrokeComparison OverallOf(const GramFit& figures) {
   return out;
 }
 
-Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file) {
+Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const std::string& hold_out) {
   const auto machine = LoadMachine(machine_file);
   if (!machine) return tl::unexpected(machine.error());
-  auto strokes = ReadStrokes(log, *machine, KeepSamples::kYes);
+  const auto chosen = ChooseLogs(logs, hold_out);
+  if (!chosen) return tl::unexpected(chosen.error());
+  auto strokes = ReadStrokes(chosen->fitted, *machine, KeepSamples::kYes);
   if (!strokes) return tl::unexpected(strokes.error());
   CompareResult out;
   out.log = std::move(*strokes);
@@ -94,7 +99,7 @@ Result<CompareResult> CompareLog(const std::string& log, const std::string& mach
     return BadInput(
         "{}: {} strokes inside the gate, expected at least 2: record longer, or see what the gate of {} lets "
         "through with 'hydroscope check'",
-        log, out.strokes, machine_file);
+        fmt::join(chosen->fitted, ", "), out.strokes, machine_file);
   auto model = FitMachineModel(out.log);
   if (!model) return tl::unexpected(model.error());
   out.model = std::move(*model);
@@ -114,6 +119,10 @@ Result<CompareResult> CompareLog(const std::string& log, const std::string& mach
   out.whiteness = WhitenessOf(out.residuals);
   out.correlations = CorrelationsOf(out.residuals);
   out.location = Locate(out.residuals);
+  if (chosen->held_out.empty()) return out;
+  auto held_out = ErrorHeldOut(out.log, chosen->held_out);
+  if (!held_out) return tl::unexpected(held_out.error());
+  out.held_out = std::move(*held_out);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include "diagnosis/explain.h"
 #include "diagnosis/locate.h"
 #include "diagnosis/whiteness.h"
+#include "service/held_out_log.h"
 #include "service/machine_model.h"
 #include "service/stroke_history.h"
 
@@ -22,7 +23,7 @@ struct StrokeComparison {
       free_run;  ///< Pa, rms error of the pressure that the model runs by itself; see FreeRun
 };
 
-/// Everything `hydroscope compare` knows of one log.
+/// Everything `hydroscope compare` knows of the logs of one machine.
 struct CompareResult {
   LogStrokes log;
   std::size_t strokes = 0;  ///< compared: those whose samples were kept
@@ -30,21 +31,26 @@ struct CompareResult {
   MachineModel model;
   Residuals residuals;
   StrokeComparison overall;  ///< MachineModel::figures
-  double rms_pressure = 0;  ///< Pa, measured, beside overall.free_run
+  double rms_pressure = 0;   ///< Pa, measured, beside overall.free_run
   std::vector<StrokeComparison> per_stroke;
   Whiteness whiteness;
   std::vector<SignalCorrelation> correlations;
   ErrorLocation location;
-  std::vector<std::string> warnings;  ///< what makes the result doubtful, a sentence each
-  std::optional<Verdict> verdict;  ///< that `explain` gives on these strokes; nothing if they are too few for it
+  std::vector<std::string> warnings;     ///< what makes the result doubtful, a sentence each
+  std::optional<HeldOutError> held_out;  ///< on the log that was held out
+  std::optional<Verdict>
+      verdict;  ///< that `explain` gives on these strokes; nothing if they are too few for it
 
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;
 };
 
-/// Fits the machine file's model (base and added effects) to the log and compares it with the measurement.
-/// Errors: log or machine file are wrong, fewer than two strokes, or strokes that do not excite the model.
-Result<CompareResult> CompareLog(const std::string& log, const std::string& machine_file);
+/// Fits the machine file's model (base and added effects) to logs of one machine and compares it with the
+/// measurement; its error is also given on the log `hold_out` (path or file name, "" = none), which it is not
+/// fitted to. Errors: a log or the machine file is wrong, fewer than two strokes, or strokes that do not
+/// excite the model.
+Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const std::string& hold_out = {});
 
 /// MachineModel::figures as a comparison of all strokes.
 StrokeComparison OverallOf(const GramFit& figures);

@@ -78,6 +78,7 @@ std::string OverallText(const CompareResult& result) {
       o.rms_modelled * unit.factor, o.rms_residual * unit.factor, PercentOfSignal(o),
       unit.name == "l/min" ? "flow" : "output", result.model.figures.rms_holdout * unit.factor,
       o.noise_floor * unit.factor, ModelError(o) * unit.factor);
+  if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
   if (o.free_run)
     text += fmt::format(
         "\nPressure that the model runs by itself from the begin of each stroke, rms in bar\n"
@@ -155,8 +156,8 @@ std::string CorrelationsText(const CompareResult& result) {
   return text;
 }
 
-/// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is located, or a
-/// pattern in time.
+/// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is
+/// located, or a pattern in time.
 bool HasModelError(const CompareResult& result) {
   if (result.verdict) return *result.verdict != Verdict::kAdequate;
   return !result.location.located.empty() || result.location.excess > 4 * result.location.excess_std ||
@@ -249,6 +250,7 @@ nlohmann::json CompareJson(const CompareResult& result) {
   out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());
   out["model_version"] = result.log.machine.model_version;
   out["rms_holdout"] = result.model.figures.rms_holdout * unit.factor;
+  out["held_out"] = result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json();
   out["effects"] = AddedEffects(result);
   out["parameters"] = ParametersJson(result.model.figures.parameters);
   out["per_stroke"] = StrokesJson(result);

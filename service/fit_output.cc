@@ -31,13 +31,6 @@ std::string WhyNot(const FitResult& result, const Estimate& e) {
   return confounding->reason + "; " + confounding->advice;
 }
 
-/// Error over noise floor from which parameters of some weight have absorbed what the model misses.
-constexpr double kAboveNoise = 1.15;
-
-ModelHeadline FitHeadline(const FitResult& result) {
-  return HeadlineOf(result.fit, result.fit.rms_holdout > kAboveNoise * result.fit.noise_floor);
-}
-
 std::vector<std::string> Warnings(const FitResult& result) {
   const std::string impossible = ImpossibleFigures(result.fit);
   return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
@@ -49,21 +42,22 @@ std::string FitText(const FitResult& result) {
   const Machine& machine = result.log.machine;
   std::size_t width = 6;
   for (const Estimate& e : result.fit.parameters) width = std::max(width, e.parameter.size());
-  std::string text =
-      machine.model_version > 1 || !machine.added_effects.empty()
-          ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version, ModelName(machine))
-          : "";
+  std::string text = machine.model_version > 1 || !machine.added_effects.empty()
+                         ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
+                                       ModelName(machine))
+                         : "";
   text += fmt::format("{:<{}} {:>12} {:>26}  {:<6} {}\n", "", width, "value", "95 % interval", "unit", "");
   for (const Estimate& e : result.fit.parameters) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     const bool trusted = e.reason == EstimateReason::kUpdated;
-    text += fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width, shown(e.value),
-                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
-                        unit.name == "1" ? "-" : unit.name, Meaning(result, e.parameter),
-                        result.too_slow ? "; NOT TO BE TRUSTED: sampled too slowly"
-                        : trusted       ? ""
-                                        : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
+    text +=
+        fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
+                    shown(e.value), shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
+                    unit.name == "1" ? "-" : unit.name, Meaning(result, e.parameter),
+                    !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
+                    : trusted                      ? ""
+                              : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
@@ -71,10 +65,11 @@ std::string FitText(const FitResult& result) {
       "{} strokes, {} of {} rows used\n",
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
       result.fit.strokes, result.log.totals.used, result.log.totals.samples);
+  if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
-  const ModelHeadline headline = FitHeadline(result);
+  const ModelHeadline headline = HeadlineOf(result.fit, result.suspicion.suspected);
   if (headline.standing == Standing::kNotJudged) text += headline.text + "\n";
-  return text;
+  return text + SuspicionText(result.suspicion);
 }
 
 nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
@@ -96,7 +91,7 @@ nlohmann::json FitJson(const FitResult& result) {
   for (const AssumedTolerance& tolerance : result.assumed)
     assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
   nlohmann::json parameters = ParametersJson(result.fit.parameters);
-  if (result.too_slow)
+  if (!result.trust.rate.fast_enough)
     for (auto& parameter : parameters) {
       parameter["identifiable"] = false;
       parameter["reason"] = "sampled_too_slowly";
@@ -108,17 +103,21 @@ nlohmann::json FitJson(const FitResult& result) {
     parameter["why"] = c.reason;
     parameter["advice"] = c.advice;
   }
-  return {{"parameters", parameters},
-          {"strokes", result.fit.strokes},
-          {"samples", result.log.totals.used},
-          {"rows", result.log.totals.samples},
-          {"rms_holdout", result.fit.rms_holdout * unit.factor},
-          {"noise_floor", result.fit.noise_floor * unit.factor},
-          {"unit", unit.name},
-          {"model_version", result.log.machine.model_version},
-          {"effects", result.log.machine.added_effects},
-          {"assumed_tolerances", assumed},
-          {"warnings", Warnings(result)}};
+  nlohmann::json out = {
+      {"parameters", parameters},
+      {"strokes", result.fit.strokes},
+      {"samples", result.log.totals.used},
+      {"rows", result.log.totals.samples},
+      {"rms_holdout", result.fit.rms_holdout * unit.factor},
+      {"noise_floor", result.fit.noise_floor * unit.factor},
+      {"unit", unit.name},
+      {"model_version", result.log.machine.model_version},
+      {"effects", result.log.machine.added_effects},
+      {"assumed_tolerances", assumed},
+      {"held_out", result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json()},
+      {"warnings", Warnings(result)}};
+  AddSuspicion(result.suspicion, out);
+  return out;
 }
 
 }  // namespace hydroscope

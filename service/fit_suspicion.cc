@@ -26,7 +26,7 @@ std::string GroupText(const ExplainResult& explained, const std::vector<std::str
 std::string OddSentence(const ExplainResult& explained, const OddStrokes& odd) {
   std::vector<std::int64_t> numbers;
   for (const std::size_t s : odd.strokes) numbers.push_back(explained.log.strokes[s].summary.index);
-  return fmt::format("strokes {} differ from the rest, and the parameters are of all strokes",
+  return fmt::format("strokes {} differ from the rest and are left out of the parameters",
                      fmt::join(numbers, ", "));
 }
 
@@ -42,22 +42,19 @@ std::string Sentence(const ExplainResult& explained) {
 
 }  // namespace
 
-FitSuspicion SuspicionOf(const ExplainResult& explained) {
+FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
+  if (!result)
+    return {"",
+            {},
+            {fmt::format("whether the model misses something was not judged: {}", result.error().text)},
+            true};
+  const ExplainResult& explained = *result;
   const Explanation& x = explained.explanation;
   FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
   if (x.verdict != Verdict::kAdequate && explained.trust.rate.fast_enough) out.warnings.push_back(Sentence(explained));
   return out;
-}
-
-FitSuspicion SuspectFit(const LogStrokes& strokes) {
-  const auto explained = ExplainStrokes(strokes);
-  if (explained) return SuspicionOf(*explained);
-  return {"",
-          {},
-          {fmt::format("whether the model misses something was not judged: {}", explained.error().text)},
-          true};
 }
 
 std::string SuspicionText(const FitSuspicion& suspicion) {

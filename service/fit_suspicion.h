@@ -17,12 +17,9 @@ struct FitSuspicion {
   bool suspected = false;             ///< the parameters may lie outside their intervals
 };
 
-/// The suspicion that an explanation of the same strokes carries.
-FitSuspicion SuspicionOf(const ExplainResult& explained);
-
-/// Explains the strokes, which must have been read with their samples, and says what to suspect. Strokes too
-/// few or too little varied for a verdict are a warning, not an error.
-FitSuspicion SuspectFit(const LogStrokes& strokes);
+/// The suspicion that an explanation of the same strokes carries. Strokes too few or too little varied for a verdict
+/// are a warning, not an error.
+FitSuspicion SuspicionOf(const Result<ExplainResult>& explained);
 
 /// Lines below the table of parameters, for people.
 std::string SuspicionText(const FitSuspicion& suspicion);

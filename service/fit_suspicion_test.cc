@@ -21,7 +21,7 @@ PressOptions Press() {
   return options;
 }
 FitSuspicion SuspicionFor(const PressOptions& options) {
-  return SuspectFit(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes));
+  return SuspicionOf(ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes)));
 }
 
 TEST(FitSuspicion, AHealthyLogIsNotSuspected) {

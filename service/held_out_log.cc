@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "diagnosis/residuals.h"
 
@@ -38,6 +39,24 @@ Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& hel
   if (!(windows > 0)) return BadInput("{}: no strokes inside the gate to judge the model on", log);
   out.rms = std::sqrt(std::max(0.0, squared / windows));
   return out;
+}
+
+Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& log) {
+  const auto held_out = ReadStrokes(log, fitted.machine, KeepSamples::kYes);
+  if (!held_out) return tl::unexpected(held_out.error());
+  const auto model = FitMachineModel(fitted);
+  if (!model) return tl::unexpected(model.error());
+  return ErrorOnLog(*model, *held_out, log);
+}
+
+std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit) {
+  return fmt::format("error on {}, held out: {:.3g} {}, {} strokes\n", error.log, error.rms * unit.factor,
+                     unit.name, error.strokes);
+}
+
+nlohmann::json HeldOutJson(const HeldOutError& error, const DisplayUnit& unit) {
+  return {
+      {"log", error.log}, {"strokes", error.strokes}, {"rms", error.rms * unit.factor}, {"unit", unit.name}};
 }
 
 }  // namespace hydroscope

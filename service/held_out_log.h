@@ -1,9 +1,11 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
+#include "core/units.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -28,5 +30,13 @@ struct HeldOutError {
 /// Error of `model` on all strokes of `held_out`, read with their samples. Error: it has none.
 Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& held_out,
                                 const std::string& log);
+
+/// The same of the model that `fitted` names, fitted to its strokes.
+Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& log);
+
+/// "error on x.csv, held out: 0.35 l/min, 12 strokes".
+std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit);
+/// `log`, `strokes`, `rms`, `unit`.
+nlohmann::json HeldOutJson(const HeldOutError& error, const DisplayUnit& unit);
 
 }  // namespace hydroscope

@@ -39,7 +39,7 @@ bool PrintRow(const Row& row, const Estimate& estimate) {
 }  // namespace
 
 int RunExampleLog(const ExampleLogOptions& o) {
-  const auto result = FitLog(o.log, o.machine_file);
+  const auto result = FitLogs({o.log}, o.machine_file);
   if (!result) return ReportError(result.error());
   std::cout << fmt::format("{}: {} strokes, rms of held-out strokes {:.3f} l/min, noise floor {:.3f} l/min\n",
                            o.log, result->fit.strokes, result->fit.rms_holdout * 6e4,

@@ -12,7 +12,8 @@ namespace hydroscope {
 namespace {
 
 struct CompareArguments {
-  std::string log, machine, json;
+  std::vector<std::string> logs;
+  std::string machine, hold_out, json;
   HistoryOptions history;
 };
 
@@ -33,7 +34,7 @@ Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
 
 Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
   if (!a.history.db.empty()) return CompareDatabase(a);
-  auto result = CompareLog(a.log, a.machine);
+  auto result = CompareLogs(a.logs, a.machine, a.hold_out);
   if (!result) return tl::unexpected(result.error());
   std::vector<CompareResult> results;
   results.push_back(std::move(*result));
@@ -41,9 +42,11 @@ Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
 }
 
 Status RunCompare(const CompareArguments& a) {
-  if (a.log.empty() == a.history.db.empty())
+  if (a.logs.empty() == a.history.db.empty())
     return UsageError("compare needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
+  if (!a.hold_out.empty() && !a.history.db.empty())
+    return UsageError("--hold-out needs logs, not a database");
   const auto results = Compare(a);
   if (!results) return tl::unexpected(results.error());
   nlohmann::json json = nlohmann::json::array();
@@ -62,7 +65,9 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
-  command->add_option("log", a->log, "Log of press strokes (CSV, CSV.gz or MAT)");
+  command->add_option("logs", a->logs, "Logs of one machine (CSV, CSV.gz or MAT)");
+  command->add_option("--hold-out", a->hold_out,
+                      "Log the model is not fitted to: its error on it is given as well");
   command->add_option("--machine,-m", a->machine,
                       "Machine file (TOML); with --db the model stored there if it is not given");
   AddHistoryOptions(*command, a->history);
@@ -71,6 +76,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  hydroscope compare press.csv --machine machines/die_cushion.toml\n"
       "  hydroscope compare press.csv -m machines/die_cushion.toml --json -\n"
+      "  hydroscope compare X-ring257_*bar.csv -m machines/seal_friction.toml --hold-out X-ring257_3bar.csv\n"
       "  hydroscope compare --db press.db --from run:3");
   command->callback([a, &exit_code] {
     if (const Status done = RunCompare(*a); !done) exit_code = ReportError(done.error());
