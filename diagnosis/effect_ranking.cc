@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -15,19 +16,25 @@ namespace {
 /// An effect this many times its typical size must stand out, else these strokes cannot test it.
 constexpr double kMattersTimes = 5.0;
 
+/// Effects that differ by little, and a candidate of two stays in the set of the best if it gains `share` of
+/// what that does.
+struct Twins {
+  std::string_view a, b;
+  double share;
+};
 /// A late signal and a filtered one are the same to first order. What tells them apart is of second order,
-/// and beside it stand the errors of sampled signals and their rates: a twin that gains this share of what
-/// the best does stays in the set.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kTwins = {
-    {{"spool_signal_delay", "spool_signal_lag"},
-     {"pressure_signal_delay", "pressure_signal_lag"},
-     {"position_signal_delay", "position_signal_lag"},
-     {"pressure_offset", "tank_pressure"}}};
+/// and beside it stand the errors of sampled signals and their rates.
+constexpr std::array<Twins, 5> kTwins = {{{"spool_signal_delay", "spool_signal_lag", kTwinShare},
+                                          {"pressure_signal_delay", "pressure_signal_lag", kTwinShare},
+                                          {"position_signal_delay", "position_signal_lag", kTwinShare},
+                                          {"pressure_offset", "tank_pressure", kTwinShare},
+                                          {"K_drift", "V0_drift", 1.0}}};
 
-bool AreTwins(std::string_view a, std::string_view b) {
-  return std::any_of(kTwins.begin(), kTwins.end(), [&](const auto& pair) {
-    return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
-  });
+/// Twins::share of two effects, nothing if they are none.
+std::optional<double> ShareOfTwins(std::string_view a, std::string_view b) {
+  for (const Twins& twins : kTwins)
+    if ((twins.a == a && twins.b == b) || (twins.a == b && twins.b == a)) return twins.share;
+  return std::nullopt;
 }
 
 double TwoSidedP(double t, double degrees) {
@@ -69,7 +76,7 @@ Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b) {
 
 std::vector<std::string> TwinsOf(std::string_view id) {
   std::vector<std::string> twins;
-  for (const auto& [a, b] : kTwins) {
+  for (const auto& [a, b, share] : kTwins) {
     if (a == id) twins.emplace_back(b);
     if (b == id) twins.emplace_back(a);
   }
@@ -181,10 +188,12 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
   return ranking;
 }
 
-/// Of effects that explain as much, the best that stored strokes can test as well comes first: a name that the
-/// history can be asked about.
+/// Of effects that explain as much, the best that stored strokes can test as well comes first: a name that
+/// the history can be asked about.
 void EffectRanking::PreferStored(std::vector<RankedEffect>& ranking) const {
-  const auto needs_samples = [&](const RankedEffect& r) { return strokes_.model().effects[r.effect]->needs_samples; };
+  const auto needs_samples = [&](const RankedEffect& r) {
+    return strokes_.model().effects[r.effect]->needs_samples;
+  };
   if (ranking.empty() || !ranking.front().significant || !needs_samples(ranking.front())) return;
   const auto stored = std::find_if(ranking.begin(), ranking.end(), [&](const RankedEffect& r) {
     return r.significant && !needs_samples(r) && r.gain > ranking.front().gain - options_.rival_gain;
@@ -213,7 +222,10 @@ std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& 
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   for (const RankedEffect& candidate : ranking) {
-    const bool twin = AreTwins(candidate.id, best.id) && candidate.gain > kTwinShare * best.gain;
+    // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ
+    // by it.
+    const auto share = ShareOfTwins(candidate.id, best.id);
+    const bool twin = share && candidate.gain > *share * best.gain - options_.sure_gain;
     if (candidate.significant && (twin || IsRival(candidate.fit, best.fit))) set.push_back(candidate.id);
   }
   return set;

@@ -22,6 +22,10 @@ constexpr std::size_t kPairFirsts = 5;
 /// the very same.
 constexpr double kSameLaw = 0.02, kSameFlow = 1e-4;
 
+/// Share of the difference that an effect must make beside another to be sure of it: laws that are nearly
+/// right leave that much (kinds "relative" of `benchmark plant-logs`).
+constexpr double kSmallSecond = 0.03;
+
 using Groups = std::vector<std::vector<std::string>>;
 
 /// One run of the chain over one set of Grams.
@@ -66,6 +70,7 @@ class Explainer {
   void FindMargin(Explanation& out) const;
   bool IsSame(const RankedEffect& law, const Explanation& found) const;
   std::optional<std::pair<std::string, std::string>> Relatives(const Groups& groups) const;
+  double LeastShare(const Explanation& found) const;
   void Judge(Explanation& out) const;
 
   const StrokeSet& strokes_;
@@ -247,6 +252,21 @@ std::optional<std::pair<std::string, std::string>> Explainer::Relatives(const Gr
   return std::make_pair(a, b);
 }
 
+/// Share of the gain that would be lost with the effect that matters least; 1 if only one was found.
+double Explainer::LeastShare(const Explanation& found) const {
+  const auto started = static_cast<std::size_t>(found.started);
+  if (found.chosen.size() < started + 2) return 1;
+  const double gain = ranking_.Gain(start_.fit, found.final);
+  double least = 1;
+  for (std::size_t k = started; k < found.chosen.size(); ++k) {
+    std::vector<EffectChoice> others = found.chosen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    const ExtendedFit without = strokes_.Fit(others);
+    if (without.solved) least = std::min(least, ranking_.Gain(without, found.final) / gain);
+  }
+  return least;
+}
+
 void Explainer::Judge(Explanation& out) const {
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
@@ -259,11 +279,18 @@ void Explainer::Judge(Explanation& out) const {
   }
   if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
     out.doubt = fmt::format("it leaves something that another law would explain ({})", out.remainder_law);
+  } else if (out.final.excess_ratio > options_.doubt_excess) {
+    out.doubt = fmt::format("it leaves {:.0f} % more energy than sensor noise", 100 * out.final.excess_ratio);
   } else if (out.margin < options_.doubt_margin) {
     out.doubt = fmt::format("a law without a name explains the error as well ({})", out.margin_law);
   } else if (const auto blend = Relatives(out.groups)) {
     out.doubt = fmt::format("{} and {} have similar signatures, and together they can pass for a third law",
                             blend->first, blend->second);
+  } else if (const double least = LeastShare(out); least < kSmallSecond) {
+    out.doubt = fmt::format(
+        "one of the effects makes {:.1f} % of the difference only, as much as the other may owe to a "
+        "law that is not quite its own",
+        100 * least);
   }
   out.partial = !out.doubt.empty();
   for (const auto& group : out.groups) out.set.push_back(group.front());
@@ -315,8 +342,8 @@ void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   out.groups.clear();
 }
 
-/// The intervals of the models before and after, where strokes hang together; the search is done. Those of the
-/// ranking stay by stroke, as it was weighed.
+/// The intervals of the models before and after, where strokes hang together; the search is done. Those of
+/// the ranking stay by stroke, as it was weighed.
 void WidenShown(const StrokeSet& strokes, Explanation& out) {
   const auto widen = [&](ExtendedFit& fit) {
     std::vector<EffectChoice> choices;

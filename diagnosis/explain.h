@@ -26,6 +26,7 @@ struct ExplainOptions {
   double min_gain = 40.0;  ///< held-out error energy an effect must remove, in units of the noise variance
   double min_t = 4.0;      ///< size over its stroke-clustered standard error
   double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
+  double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
   double max_remainder =
       40.0;  ///< gain another law may still make on an explanation that claims to be complete
@@ -99,6 +100,8 @@ struct Explanation {
   /// of the set, `doubt` says why.
   bool partial = false;
   std::string doubt;
+  std::string
+      no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do
   std::vector<std::string> warnings;  ///< what makes the result doubtful, a sentence each, for every output
   double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances
   std::string remainder_law;
@@ -111,7 +114,7 @@ struct Explanation {
   std::vector<RankedEffect> ranking;  ///< on the model as it is, best first
   std::vector<RankedEffect> second;   ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
-  double noise_scale = 1;     ///< ExplainOptions::noise_scale that was found
+  double noise_scale = 1;  ///< ExplainOptions::noise_scale that was found
   /// Strokes that were left out of everything else here, except of a set that explains them.
   std::vector<OddStrokes> odd_strokes;
   Predictability base_left, final_left;  ///< of the error of `base` and `final`; tested on samples only

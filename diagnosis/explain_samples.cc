@@ -220,7 +220,8 @@ constexpr double kHiddenColour = 2.0;
 /// Share and p-value of what can be predicted below which it is nothing.
 constexpr double kNothingShare = 0.02, kNothingP = 0.05;
 
-/// An error above the floor that nothing predicts, and so small that the noise test may have missed its colour.
+/// An error above the floor that nothing predicts, and so small that the noise test may have missed its
+/// colour.
 bool IsFloorToBlame(const Explanation& x) {
   return x.final_left.tested && x.final.excess_ratio + 1 < kHiddenColour &&
          (x.final_left.share < kNothingShare || x.final_left.p_value > kNothingP);
@@ -252,6 +253,27 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   return without;
 }
 
+/// What moves with time may as well follow the oil temperature, where the two rise together so evenly that a
+/// law of the one in place of the other would leave nothing to see.
+void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& options, Explanation& out) {
+  if (out.partial) return;
+  for (const auto& group : out.groups) {
+    const bool of_time = std::all_of(group.begin(), group.end(), [&](const std::string& id) {
+      return std::any_of(out.model->effects.begin(), out.model->effects.end(),
+                         [&](const auto& effect) { return effect->id == id && !effect->drifting.empty(); });
+    });
+    if (!of_time) continue;
+    const bool measured = out.model->channel_source[kOilTemperature] >= 0;
+    const double apart = 1 - SharedCourse(strokes, kTime, kOilTemperature);
+    const double excess = std::max(0.0, out.base.excess_ratio);
+    if (measured && apart * excess > options.floor_excess + options.left_share * excess) continue;
+    out.partial = true;
+    out.doubt =
+        measured ? "the oil temperature moved evenly with time: a law of the temperature would look the same"
+                 : "the oil temperature is not measured: a law of the temperature may look the same";
+  }
+}
+
 }  // namespace
 
 Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
@@ -260,6 +282,7 @@ Explanation ExplainSamples(std::shared_ptr<const ModelStructure> model,
   ExplainOptions options = asked;
   AddUntestable(*model, strokes, options.untestable);
   Explanation out = ExplainAsItIs(model, strokes, window, options);
+  if (!IsOwnMachine(*model)) DoubtTime(strokes, options, out);
   if (!options.try_swaps || !MayHoldWrongEffect(out)) return out;
   for (const std::string& id : options.start) {
     ExplainOptions without = options;

@@ -1,6 +1,7 @@
 #include "diagnosis/odd_strokes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -79,18 +80,46 @@ Explanation ExplainAgainst(const StrokeSet& strokes, const std::vector<std::size
   return Explain(strokes.WithEffectsIn(odd, rest.chosen), beside);
 }
 
+/// What explains most of the odd strokes against the rest. One that a change began or ended in shows it in
+/// part only, so the first and the last of them may be left out.
+struct OddExplained {
+  OddStrokes strokes;
+  Explanation explanation;
+};
+std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vector<std::size_t>& odd,
+                                        const Explanation& rest, const ExplainOptions& explain) {
+  constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  for (const auto& [first, last] : kEnds) {
+    if (odd.size() < kLeastNamed + first + last) return std::nullopt;
+    const std::vector<std::size_t> left(odd.begin() + static_cast<std::ptrdiff_t>(first),
+                                        odd.end() - static_cast<std::ptrdiff_t>(last));
+    std::vector<std::size_t> used = RestOf(strokes, odd);
+    used.insert(used.end(), left.begin(), left.end());
+    std::sort(used.begin(), used.end());
+    std::vector<std::size_t> places;  // of `left` among `used`
+    for (const std::size_t s : left)
+      places.push_back(
+          static_cast<std::size_t>(std::lower_bound(used.begin(), used.end(), s) - used.begin()));
+    Explanation found = ExplainAgainst(strokes.Only(used), places, rest, explain);
+    if (!found.partial && !found.set.empty()) return OddExplained{{left, found.set}, std::move(found)};
+  }
+  return std::nullopt;
+}
+
 std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const EffectChoice> by,
                                   const ExplainOptions& explain, const OddStrokeOptions& options) {
-  OddStrokes odd{FindOddStrokes(strokes, by, explain, options), {}};
-  if (odd.strokes.empty()) return std::nullopt;
-  Explanation out = Explain(strokes.Only(RestOf(strokes, odd.strokes)), explain);
+  std::vector<std::size_t> odd = FindOddStrokes(strokes, by, explain, options);
+  if (odd.empty()) return std::nullopt;
+  Explanation out = Explain(strokes.Only(RestOf(strokes, odd)), explain);
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
-  if (odd.strokes.size() >= kLeastNamed) {
-    Explanation only = ExplainAgainst(strokes, odd.strokes, out, explain);
-    if (!only.partial) odd.set = only.set;
-    if (!odd.set.empty() && out.verdict == Verdict::kAdequate) out = std::move(only);
+  if (auto most = ExplainMost(strokes, odd, out, explain)) {
+    if (out.verdict == Verdict::kAdequate) out = std::move(most->explanation);
+    std::erase_if(odd, [&](std::size_t s) {
+      return std::binary_search(most->strokes.strokes.begin(), most->strokes.strokes.end(), s);
+    });
+    out.odd_strokes.push_back(std::move(most->strokes));
   }
-  out.odd_strokes.push_back(std::move(odd));
+  if (!odd.empty()) out.odd_strokes.push_back({std::move(odd), {}});
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -10,19 +11,22 @@
 namespace hydroscope {
 namespace {
 
-/// Mean of a channel over each stroke that has finite readings of it.
+/// Mean of a channel over a stroke, NaN if it has no finite reading of it.
+double StrokeMean(const StrokeStretches& stroke, int channel) {
+  double sum = 0, count = 0;
+  for (const Stretch& s : stroke)
+    for (int k = 0; k < s.samples; ++k)
+      if (std::isfinite(s[channel][k])) {
+        sum += s[channel][k];
+        ++count;
+      }
+  return sum / count;
+}
+
 std::vector<double> StrokeMeans(std::span<const StrokeStretches> strokes, int channel) {
   std::vector<double> means;
-  for (const StrokeStretches& stroke : strokes) {
-    double sum = 0, count = 0;
-    for (const Stretch& s : stroke)
-      for (int k = 0; k < s.samples; ++k)
-        if (std::isfinite(s[channel][k])) {
-          sum += s[channel][k];
-          ++count;
-        }
-    if (count > 0) means.push_back(sum / count);
-  }
+  for (const StrokeStretches& stroke : strokes)
+    if (const double mean = StrokeMean(stroke, channel); std::isfinite(mean)) means.push_back(mean);
   return means;
 }
 
@@ -46,6 +50,22 @@ void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches>
       const std::string why = WhyUntestable(*effect, StrokeMeans(strokes, effect->least_span->channel));
       if (!why.empty()) untestable.emplace(effect->id, why);
     }
+}
+
+double SharedCourse(std::span<const StrokeStretches> strokes, int channel, int other) {
+  std::vector<Eigen::Vector2d> means;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const StrokeStretches& stroke : strokes)
+    if (const Eigen::Vector2d m(StrokeMean(stroke, channel), StrokeMean(stroke, other)); m.allFinite()) {
+      means.push_back(m);
+      mean += m;
+    }
+  if (means.empty()) return 0;
+  mean /= static_cast<double>(means.size());
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& m : means) squares += (m - mean) * (m - mean).transpose();
+  const double both = squares(0, 0) * squares(1, 1);
+  return both > 0 ? squares(0, 1) * squares(0, 1) / both : 0;
 }
 
 }  // namespace hydroscope

@@ -18,4 +18,8 @@ std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_m
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                    std::map<std::string, std::string>& untestable);
 
+/// Square of the correlation of the means over strokes of two channels, 0 if one of them was not measured or
+/// did not move.
+double SharedCourse(std::span<const StrokeStretches> strokes, int channel, int other);
+
 }  // namespace hydroscope

@@ -17,7 +17,7 @@ namespace {
 constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
 /// Strokes in a row without a judgement after which health says so: a minute or two of a press at work.
 constexpr int kStrokesUntilNotJudged = 10;
-constexpr std::int64_t kSlowDriftEvery = 50;     ///< strokes
+constexpr std::int64_t kSlowDriftEvery = 50;  ///< strokes
 
 std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
   std::vector<std::string> names;
@@ -230,6 +230,9 @@ Result<bool> AxisMonitor::Commission(double wall) {
     }
   }
   if (!rules_.automatic) return false;
+  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
+  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_))
+    return BadInput("nothing is learned from strokes {} to {}: {}", part.first, part.last - 1, doubt->text);
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
   if (learned) return true;
   if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
@@ -245,11 +248,11 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
   auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
   if (!reference) return tl::unexpected(reference.error());
   const drift::StrokeEvidence& newest = strokes.back();
-  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
-  unreadable_ = false;
   const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
       database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
       {});
+  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
+  unreadable_ = false;
   return Change(wall, [&](AxisContent& axis) {
     for (AlarmState& alarm : axis.alarms)
       axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));

@@ -72,7 +72,10 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
   if (history.units.size() >= kMinExplainStrokes) {
     const auto explained = ExplainHistory(history);
-    if (explained) out.verdict = explained->explanation.verdict;
+    if (explained) {
+      out.verdict = explained->explanation.verdict;
+      out.warnings = explained->explanation.warnings;
+    }
   }
   return out;
 }

@@ -227,7 +227,7 @@ std::string CompareText(const CompareResult& result) {
   std::string text = headline.text + "\n" + WarningsText(Warnings(result));
   text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
           LocatedText(result.location.located, OutputUnit(result.log.model.get()));
-  if (headline.standing == Standing::kMisses)
+  if (headline.standing == ModelStanding::kMisses)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
   return text;
 }
@@ -241,9 +241,9 @@ nlohmann::json CompareJson(const CompareResult& result) {
   out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
   out["free_run_percent"] =
       result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
-  const Standing standing = HeadlineOf(result).standing;
+  const ModelStanding standing = HeadlineOf(result).standing;
   out["model_error_seen"] =
-      standing == Standing::kNotJudged ? nlohmann::json() : nlohmann::json(standing == Standing::kMisses);
+      standing == ModelStanding::kNotJudged ? nlohmann::json() : nlohmann::json(standing == ModelStanding::kMisses);
   out["verdict"] = result.verdict ? nlohmann::json(VerdictName(*result.verdict)) : nlohmann::json();
   out["warnings"] = Warnings(result);
   out["noise"] = NoiseJson(result.model.trust.floor);

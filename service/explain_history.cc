@@ -9,6 +9,7 @@
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
 #include "models/die_cushion.h"
+#include "service/headline.h"
 #include "service/machine_model.h"
 
 namespace hydroscope {
@@ -100,10 +101,11 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   out.log.window = history.window;
   for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
   out.strokes = static_cast<std::size_t>(history.strokes());
-  out.base =
-      FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
+  out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
+  RefuseVerdict(history.too_slow.empty() ? ImpossibleFigures(out.base) : history.too_slow, out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
-  for (UnmeasuredEffect& effect : NotStoredEffects(*history.model)) out.unmeasured.push_back(std::move(effect));
+  for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))
+    out.unmeasured.push_back(std::move(effect));
   return out;
 }
 

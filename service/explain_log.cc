@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/headline.h"
+
 namespace hydroscope {
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
   std::vector<UnmeasuredEffect> out;
@@ -27,7 +29,8 @@ std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model) {
     const auto same = [&](const auto& other) { return other->id == effect->id; };
     const bool measured = std::all_of(effect->channels.begin(), effect->channels.end(),
                                       [&](int channel) { return model.channel_source[channel] >= 0; });
-    if (measured && std::none_of(model.effects.begin(), model.effects.end(), same)) out.push_back({effect, {}});
+    if (measured && std::none_of(model.effects.begin(), model.effects.end(), same))
+      out.push_back({effect, {}});
   }
   return out;
 }
@@ -66,10 +69,12 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
                         100 * x.final.excess_ratio / x.base.excess_ratio);
 }
 
-/// Rows too far apart carry no verdict: what they miss looks like an effect, or hides one.
-void RefuseVerdict(const SamplingRate& rate, Explanation& x) {
-  if (rate.fast_enough) return;
-  x.warnings.insert(x.warnings.begin(), rate.sentence);
+}  // namespace
+
+void RefuseVerdict(const std::string& why, Explanation& x) {
+  if (why.empty()) return;
+  x.warnings.insert(x.warnings.begin(), why);
+  x.no_verdict = why;
   x.verdict = Verdict::kUnknown;
   x.set.clear();
   x.groups.clear();
@@ -78,16 +83,18 @@ void RefuseVerdict(const SamplingRate& rate, Explanation& x) {
   x.doubt.clear();
 }
 
+namespace {
+
 /// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
 void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
   x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
   if (trust.stated)
     x.warnings.emplace_back("the noise floor is taken from the noise that the machine file states");
   else if (!trust.believable && x.final_left.tested)
-    x.warnings.push_back(
-        fmt::format("the noise floor is taken from what no function of the signals predicts; a law that explains "
-                    "less than {:.0f} % of the error left would not be seen",
-                    std::ceil(100 * std::max(x.final_left.null_share, kLeastSeen))));
+    x.warnings.push_back(fmt::format(
+        "the noise floor is taken from what no function of the signals predicts; a law that explains "
+        "less than {:.0f} % of the error left would not be seen",
+        std::ceil(100 * std::max(x.final_left.null_share, kLeastSeen))));
 }
 
 }  // namespace
@@ -97,8 +104,8 @@ std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
   return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
 }
 
-JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model, GramFit& figures,
-                           const ExplainOptions& options) {
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
+                           GramFit& figures, const ExplainOptions& options) {
   const bool own_balance = model->name == "expressions";
   JudgedModel out;
   out.trust = JudgeLog(log, figures.theta, figures.noise_floor);
@@ -116,7 +123,9 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   if (!floor.believable) figures.noise_floor = x.base.noise_floor;
-  RefuseVerdict(out.trust.rate, out.explanation);
+  // Rows too far apart: what they miss looks like an effect, or hides one.
+  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
+                out.explanation);
   return out;
 }
 

@@ -45,7 +45,9 @@ struct ExplainResult {
   Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
   SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
 
-  const Effect& effect(int index) const { return *explanation.model->effects[static_cast<std::size_t>(index)]; }
+  const Effect& effect(int index) const {
+    return *explanation.model->effects[static_cast<std::size_t>(index)];
+  }
   /// nullptr if the library has no effect of this name.
   const Effect* FindEffect(const std::string& id) const;
   /// Nonlinear parameters of an effect of the explanation, SI.
@@ -60,11 +62,16 @@ struct JudgedModel {
   LogTrust trust;
 };
 
-/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and `figures`
-/// MachineModel::figures: these come back without the strokes that differ from the rest, and with the noise floor that
-/// the verdict rests on. `base.solved` is false if the strokes cannot separate its parameters.
-JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model, GramFit& figures,
-                           const ExplainOptions& options = {});
+/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and
+/// `figures` MachineModel::figures: these come back without the strokes that differ from the rest, and with
+/// the noise floor that the verdict rests on. `base.solved` is false if the strokes cannot separate its
+/// parameters.
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
+                           GramFit& figures, const ExplainOptions& options = {});
+
+/// Takes the verdict away from strokes that carry none: unknown, `why` (a sentence) before all warnings. "" =
+/// it stands.
+void RefuseVerdict(const std::string& why, Explanation& explanation);
 
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;

@@ -72,18 +72,19 @@ std::string AmbiguousText(const ExplainResult& result) {
 std::string WhereItLies(const ExplainResult& result) {
   const Predictability& left = result.explanation.base_left;
   if (!left.IsStructured({})) return "";
-  std::string text =
-      fmt::format("  What is missing goes with {}: {:.0f} % of the error's energy", left.about, 100 * left.share);
+  std::string text = fmt::format("  What is missing goes with {}: {:.0f} % of the error's energy", left.about,
+                                 100 * left.share);
   if (!result.location.located.empty()) {
     const Located& most = result.location.located.front();
-    text += fmt::format(", most of it at {} {:.3g} ... {:.3g} {}", most.signal, most.from, most.to, most.unit);
+    text +=
+        fmt::format(", most of it at {} {:.3g} ... {:.3g} {}", most.signal, most.from, most.to, most.unit);
   }
   return text + ".\n";
 }
 
 std::string UnknownText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  if (!result.trust.rate.fast_enough) return "UNKNOWN: this log carries no verdict, see the warning.\n";
+  if (!x.no_verdict.empty()) return "UNKNOWN: these strokes carry no verdict, see the warning.\n";
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
   if (!x.partial || x.steps.size() < 2) return text;
@@ -136,12 +137,14 @@ std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
 std::string OddText(const ExplainResult& result) {
   std::string text;
   for (const OddStrokes& odd : result.explanation.odd_strokes)
-    text += odd.set.empty()
-                ? fmt::format("  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
-                              "were left out; look at what happened there.\n",
-                              StrokesText(result, odd))
-                : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
-                              StrokesText(result, odd));
+    text +=
+        odd.set.empty()
+            ? fmt::format(
+                  "  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
+                  "were left out; look at what happened there.\n",
+                  StrokesText(result, odd))
+            : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
+                          StrokesText(result, odd));
   return text;
 }
 
@@ -216,9 +219,9 @@ std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
     if (effect.implied && !square) continue;
     const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
     const bool known = i < estimate.nonlinear_std.size() && estimate.nonlinear_std[i] > 0;
-    const std::string value =
-        known ? WithInterval(nonlinear[i] * shown.factor, kNormal95 * estimate.nonlinear_std[i] * shown.factor)
-              : fmt::format("{:.3g}", nonlinear[i] * shown.factor);
+    const std::string value = known ? WithInterval(nonlinear[i] * shown.factor,
+                                                   kNormal95 * estimate.nonlinear_std[i] * shown.factor)
+                                    : fmt::format("{:.3g}", nonlinear[i] * shown.factor);
     text += fmt::format(", {} {} {}", effect.nonlinear[i].name, value, shown.name);
   }
   return text;
@@ -308,7 +311,9 @@ std::string NextText(const ExplainResult& result) {
   if (experiment) text += fmt::format("  {}\n", *experiment);
   text += SwapText(result);
   if (!x.odd_strokes.empty())
-    return text + "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
+    return text +
+           "  See what the odd strokes have in common: product, speed, oil temperature, time since the "
+           "start.\n";
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);

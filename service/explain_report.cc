@@ -60,6 +60,7 @@ std::string Headline(const ExplainResult& result) {
     case Verdict::kAmbiguous:
       return "△ The model lacks something; these strokes cannot tell which of several effects";
     case Verdict::kUnknown:
+      if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
       return "? The model lacks something that no effect of the library explains";
   }
   return "";

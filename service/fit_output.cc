@@ -68,7 +68,7 @@ std::string FitText(const FitResult& result) {
   if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
   const ModelHeadline headline = HeadlineOf(result.fit, result.suspicion.suspected);
-  if (headline.standing == Standing::kNotJudged) text += headline.text + "\n";
+  if (headline.standing == ModelStanding::kNotJudged) text += headline.text + "\n";
   return text + SuspicionText(result.suspicion);
 }
 

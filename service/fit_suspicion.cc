@@ -53,7 +53,7 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
   FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
-  if (x.verdict != Verdict::kAdequate && explained.trust.rate.fast_enough) out.warnings.push_back(Sentence(explained));
+  if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));
   return out;
 }
 

@@ -49,10 +49,10 @@ std::string ImpossibleFigures(const GramFit& f) {
 
 ModelHeadline HeadlineOf(const GramFit& figures, bool misses) {
   if (const std::string impossible = ImpossibleFigures(figures); !impossible.empty())
-    return {Standing::kNotJudged, "The model cannot be judged on these strokes: " + impossible + "."};
+    return {ModelStanding::kNotJudged, "The model cannot be judged on these strokes: " + impossible + "."};
   if (misses)
-    return {Standing::kMisses, "The model misses something: the difference is more than sensor noise."};
-  return {Standing::kDescribes, "The model describes these strokes down to the sensor noise."};
+    return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
+  return {ModelStanding::kDescribes, "The model describes these strokes down to the sensor noise."};
 }
 
 }  // namespace hydroscope

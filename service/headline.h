@@ -7,14 +7,14 @@
 namespace hydroscope {
 
 /// What the figures of a model (rms over all strokes, output unit) allow to say.
-enum class Standing {
+enum class ModelStanding {
   kDescribes,  ///< nothing but sensor noise is left
   kMisses,     ///< more than sensor noise is left
   kNotJudged,  ///< the figures contradict themselves or carry no judgement
 };
 
 struct ModelHeadline {
-  Standing standing = Standing::kNotJudged;
+  ModelStanding standing = ModelStanding::kNotJudged;
   std::string text;  ///< one sentence
 };
 

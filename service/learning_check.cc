@@ -8,14 +8,19 @@
 #include <set>
 
 #include "service/explain_history.h"
+#include "service/physical_sizes.h"
+#include "service/run_summary.h"
 #include "service/stored_change.h"
 
 namespace hydroscope {
 namespace {
 
 using Kind = LearningDoubt::Kind;
-constexpr std::array<const char*, 6> kDoubtNames = {"model_versions", "open_alarm",  "change",
-                                                    "effect",         "unexplained", "not_explained"};
+/// Strokes whose sizes are looked at, evenly spread.
+constexpr std::int64_t kLooked = 200;
+constexpr std::array<const char*, 8> kDoubtNames = {"model_versions", "open_alarm",   "change",
+                                                    "implausible",    "too_slow",     "effect",
+                                                    "unexplained",    "not_explained"};
 
 std::vector<LearningDoubt> OfModelVersions(const Database& database, const HistoryPart& part) {
   const auto runs = database.Runs(part.id);
@@ -65,6 +70,21 @@ void Append(std::vector<LearningDoubt>& all, std::vector<LearningDoubt> more) {
 
 const char* LearningDoubtName(Kind kind) { return kDoubtNames[static_cast<std::size_t>(kind)]; }
 
+std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine) {
+  const auto sample = database.SummariesOf(part.id, part.first, part.last, kLooked);
+  if (sample)
+    if (const Status plausible = JudgeStrokes(path, machine, *sample); !plausible)
+      return LearningDoubt{Kind::kImplausible, plausible.error().text};
+  const auto runs = database.Runs(part.id);
+  if (!runs) return std::nullopt;
+  for (const RunInfo& run : *runs)
+    if (run.first_sequence < part.last && run.first_sequence + run.strokes > part.first)
+      if (const std::string slow = ParseRunSummary(run.summary_json).too_slow; !slow.empty())
+        return LearningDoubt{Kind::kTooSlow, fmt::format("run {} ({}): {}", run.id, run.source, slow)};
+  return std::nullopt;
+}
+
 std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
                                             const HistoryPart& part, const Machine& machine,
                                             const std::vector<AlarmState>& alarms) {
@@ -72,6 +92,10 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
   Append(doubts, OfAlarms(alarms, part));
   if (const auto change = FindStoredChange(database, part, machine, {}))
     doubts.push_back({Kind::kChange, fmt::format("they hold a change {}", change->text)});
+  if (auto doubt = DoubtOfSignals(database, path, part, machine)) {
+    doubts.push_back(std::move(*doubt));
+    return doubts;
+  }
   const auto history = LoadHistory(database, path, {part}, machine);
   Append(doubts, OfVerdict(history ? ExplainHistory(*history)
                                    : Result<ExplainResult>(tl::unexpected(history.error()))));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct LearningDoubt {
     kModelVersions,  ///< they were recorded with more than one version of the model
     kOpenAlarm,      ///< an alarm about the machine stands and speaks of them
     kChange,         ///< the machine changed within them
+    kImplausible,    ///< their sizes are none that such a machine has: a unit was wrong
+    kTooSlow,        ///< their rows are too far apart to conclude anything from them
     kEffect,         ///< `explain` names an effect in them, or several it cannot tell apart
     kUnexplained,    ///< `explain` says unknown: the model misses something, known or not
     kNotExplained,   ///< they could not be explained
@@ -27,6 +30,10 @@ struct LearningDoubt {
 };
 /// "model_versions", "open_alarm", "change", "effect", "unexplained", "not_explained".
 const char* LearningDoubtName(LearningDoubt::Kind kind);
+
+/// What makes the signals of the strokes of `part` worthless, whatever the model: kImplausible or kTooSlow.
+std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine);
 
 /// Looks at the strokes of `part` before they are learned: versions of the model, `alarms` of the machine, a
 /// change inside (service/stored_change.h) and the verdict of the explain chain on all of them. Empty:

@@ -123,6 +123,47 @@ TEST(PlantEffects, ADriftThatRunsWithTheOilTemperatureIsAClassWithIt) {
   EXPECT_TRUE(WhatToRecord(x));
 }
 
+/// The viscosity of the oil, which the library does not hold here.
+Explanation OfViscosity(double warm) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.oil_start = 308.15;
+  options.oil_end = warm;
+  options.effects = {{"oil_viscosity", 0.005, {}}};
+  ExplainOptions without;
+  without.exclude = {"oil_viscosity"};
+  return ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes), without)
+      ->explanation;
+}
+
+TEST(PlantEffects, ADriftIsDoubtedWhereTheOilWarmsEvenly) {
+  const Explanation x = OfViscosity(323.15);
+  if (x.verdict != Verdict::kUnknown) {
+    EXPECT_TRUE(x.partial);
+    EXPECT_THAT(x.doubt, HasSubstr("oil temperature moved evenly with time"));
+  }
+}
+
+/// The strokes in which the leak began and ended show it in part only.
+TEST(PlantEffects, ALeakDuringAFewStrokesIsNamedFromThoseItLastedThrough) {
+  int named = 0;
+  for (const std::uint64_t seed : {31u, 32u, 33u, 34u}) {
+    PressOptions options;
+    options.seconds = kSeconds;
+    options.seed = seed;
+    options.imperfections = {{"leaky_stretch", 8e-12, {{"begin", 0.31}, {"length", 0.22}}, ""}};
+    const Explanation x =
+        ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes))
+            ->explanation;
+    ASSERT_FALSE(x.odd_strokes.empty()) << seed;
+    const auto& set = x.odd_strokes.front().set;
+    if (set.empty()) continue;
+    EXPECT_THAT(set, Contains("internal_leakage")) << seed;
+    ++named;
+  }
+  EXPECT_GE(named, 3);
+}
+
 TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {
   const ExplainResult x = Explained("K_drift", -0.2);
   ASSERT_THAT(x.explanation.set, Contains("K_drift"));

@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "service/effect_units.h"
 #include "service/fit_output.h"
+#include "service/headline.h"
 
 namespace hydroscope {
 namespace {
@@ -92,10 +93,15 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
   const DisplayUnit unit = OutputUnit(outcome.machine);
-  if (outcome.noise_floor > 0)
+  if (outcome.figures.noise_floor > 0)
     text += fmt::format(
         "model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
-        outcome.rms_holdout * unit.factor, unit.name, outcome.noise_floor * unit.factor, unit.name);
+        outcome.figures.rms_holdout * unit.factor, unit.name, outcome.figures.noise_floor * unit.factor,
+        unit.name);
+  if (outcome.figures.strokes > 0)
+    if (const ModelHeadline headline = HeadlineOf(outcome.figures, false);
+        headline.standing == ModelStanding::kNotJudged)
+      text += headline.text + "\n";
   return text;
 }
 
@@ -216,8 +222,8 @@ nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& 
           {"strokes", outcome.strokes},
           {"parameters", ParametersJson(outcome.latest)},
           {"watch", WatchJson(outcome.watch)},
-          {"rms_holdout", outcome.rms_holdout * unit.factor},
-          {"noise_floor", outcome.noise_floor * unit.factor},
+          {"rms_holdout", outcome.figures.rms_holdout * unit.factor},
+          {"noise_floor", outcome.figures.noise_floor * unit.factor},
           {"unit", unit.name},
           {"skipped", skipped}};
 }

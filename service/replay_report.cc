@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "service/headline.h"
 #include "service/model_record.h"
 
 namespace hydroscope {
@@ -118,8 +119,7 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   history.units = std::move(*grams);
   const auto fitted = FitHistoryModel(outcome.machine, history);
   if (!fitted) return {};  // too little excitation is told parameter by parameter
-  outcome.noise_floor = fitted->figures.noise_floor;
-  outcome.rms_holdout = fitted->figures.rms_holdout;
+  outcome.figures = fitted->figures;
   return {};
 }
 
@@ -167,8 +167,9 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   input.overlays = std::move(overlays);
   input.skipped = outcome.skipped;
   if (unread) input.skipped.push_back(*unread);
-  input.noise_floor = outcome.noise_floor;
-  input.rms_holdout = outcome.rms_holdout;
+  input.noise_floor = outcome.figures.noise_floor;
+  input.rms_holdout = outcome.figures.rms_holdout;
+  if (outcome.figures.strokes > 0) input.not_judged = ImpossibleFigures(outcome.figures);
   return input;
 }
 

@@ -295,7 +295,9 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   if (!pass) return tl::unexpected(pass.error());
   if (const Status stored = store(1); !stored) return stored;
   replay.summary = std::move(pass->summary);
-  replay.summary.warnings = first.Judge(pipeline).Warnings();
+  const LogTrust trust = first.Judge(pipeline);
+  replay.summary.warnings = trust.Warnings();
+  if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence;
   replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
   if (const Status finished =
           database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState());
@@ -346,6 +348,8 @@ Status AxisReplay::Report(ReplayOutcome& outcome) {
   if (strokes_)
     if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained) {
       input->explanation_verdict = ExplainVerdictBox(*explained);
+      if (explained->explanation.no_verdict.empty())
+        input->misses = explained->explanation.verdict != Verdict::kAdequate;
       input->explanation_leads = explained->explanation.verdict != Verdict::kAdequate;
       input->explanation = ExplainSections(*explained, false);
     }

@@ -7,6 +7,7 @@
 #include "core/alarm_records.h"
 #include "core/records.h"
 #include "core/result.h"
+#include "estimation/gram_fit.h"
 #include "models/machine.h"
 #include "service/report.h"
 #include "service/run_summary.h"
@@ -46,7 +47,7 @@ struct WatchOutcome {
   std::string problem;        ///< why this machine is not watched, "" if it is
   int reference_version = 0;  ///< 0 = commissioning is not over
   std::int64_t commissioning_strokes = 0, commissioning_needed = 0;
-  char health = '-';  ///< NAMUR NE 107
+  char health = '-';        ///< NAMUR NE 107
   std::string health_text;  ///< what it comes from
   std::string notice;       ///< what else should be known of the journal; "" if nothing
   std::vector<AlarmState> alarms;
@@ -60,10 +61,10 @@ struct ReplayOutcome {
   std::vector<LogReplay> logs;
   std::vector<RunInfo> runs;  ///< all runs of the machine in the database
   WatchOutcome watch;
-  std::vector<Estimate> latest;             ///< parameters after the last stroke of the database
-  std::vector<SkippedItem> skipped;         ///< over all runs of the machine, and the logs left out now
-  std::int64_t strokes = 0;                 ///< in the database for this machine
-  double noise_floor = 0, rms_holdout = 0;  ///< m^3/s, of a fit over the last run's strokes; 0 = no fit
+  std::vector<Estimate> latest;      ///< parameters after the last stroke of the database
+  std::vector<SkippedItem> skipped;  ///< over all runs of the machine, and the logs left out now
+  std::int64_t strokes = 0;          ///< in the database for this machine
+  GramFit figures = {};              ///< of a fit over the last run's strokes; all 0 = no fit
 
   bool Complete() const;  ///< nothing was left out
   bool Failed() const;    ///< not one log could be replayed

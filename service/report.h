@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,21 +35,24 @@ struct SkippedItem {
 struct ReportInput {
   Machine machine;
   std::vector<RunInfo> runs;
-  std::vector<StrokeSummary> strokes;   ///< in order; summary.index is the machine-wide sequence here
-  std::vector<TrendPoint> trends;       ///< all parameters, in order of sequence
+  std::vector<StrokeSummary> strokes;  ///< in order; summary.index is the machine-wide sequence here
+  std::vector<TrendPoint> trends;      ///< all parameters, in order of sequence
   /// Independent evidence of change and of what follows the oil; empty: nothing is said about either.
   std::vector<BlockEstimates> blocks;
   std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
-  std::string explanation_verdict;   ///< HTML of ExplainVerdictBox, "" = nothing was explained
-  bool explanation_leads = false;  ///< it stands before the verdict on the parameters
-  std::string drift_verdict;         ///< HTML of DriftVerdictBox, "" = no alarm stands
-  std::string drift;                 ///< HTML of DriftSection
-  std::string explanation;           ///< HTML of ExplainSections
+  std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained
+  bool explanation_leads = false;           ///< it stands before the verdict on the parameters
+  std::string drift_verdict;                ///< HTML of DriftVerdictBox, "" = no alarm stands
+  std::string drift;                        ///< HTML of DriftSection
+  std::string explanation;                  ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read
   double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
-  std::string program_version;              ///< "" = not shown
-  std::string created;                      ///< date and time as text, "" = not shown
+  std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
+  std::optional<bool>
+      misses;  ///< whether the explanation finds that the model misses something; nothing = no verdict
+  std::string program_version;  ///< "" = not shown
+  std::string created;          ///< date and time as text, "" = not shown
   /// One sentence about a parameter the report does not know by itself, shown in the glossary.
   std::map<std::string, std::string> parameter_notes;
 };

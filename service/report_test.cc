@@ -64,6 +64,22 @@ TEST(FormatReport, NamesTheChangedParameterButNoCause) {
   for (const char* cause : {"worn", "wear", "leak", "seal"}) EXPECT_FALSE(Has(text, cause));
 }
 
+TEST(FormatReport, SaysOfTheModelWhatTheExplanationFound) {
+  ReportInput input = ReportFixture{}.Make();
+  EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "about down to what sensor noise leaves"));
+  input.misses = true;
+  const std::string missing = VerdictText(FormatReport(input));
+  EXPECT_TRUE(Has(missing, "the model misses something")) << missing;
+  EXPECT_FALSE(Has(missing, "about down to what sensor noise leaves"));
+  input.rms_holdout = 3 * 0.31 / 6e4;
+  input.misses = false;
+  EXPECT_TRUE(Has(VerdictText(FormatReport(input)), "the noise is not white"));
+  input.not_judged = "the model gives 0 throughout";
+  const std::string impossible = VerdictText(FormatReport(input));
+  EXPECT_TRUE(Has(impossible, "cannot be judged on these strokes: the model gives 0 throughout"));
+  EXPECT_FALSE(Has(impossible, "times what"));
+}
+
 TEST(FormatReport, PutsTheVerdictBeforeEverythingElse) {
   const std::string page = FormatReport(ReportFixture{}.Make());
   const std::vector<std::string> order = {

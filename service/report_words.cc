@@ -296,11 +296,26 @@ bool ErrorGrew(const ThirdsComparison& ratio) {
 
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                       const ReportAnalysis& analysis) {
+  if (!input.not_judged.empty()) {
+    out.push_back(
+        fmt::format("The model cannot be judged on these strokes: {}.", EscapeText(input.not_judged)));
+    return;
+  }
   const FlowErrors errors = OverallErrors(input);
   if (!(errors.floor > 0) || !(errors.rms > 0)) return;
   const double ratio = errors.rms / errors.floor;
   const std::string times = FormatFixed(ratio, ratio < 10 ? 1 : 0);
-  if (ratio <= 1.3)
+  if (ratio <= 1.3 && input.misses.value_or(false))
+    out.push_back(fmt::format(
+        "The model error is {} times what sensor noise alone leaves; single flows hardly show it, but summed "
+        "over the strokes the model misses something, and the parameters may have absorbed part of it.",
+        times));
+  else if (ratio > 1.3 && input.misses && !*input.misses)
+    out.push_back(fmt::format(
+        "The model error is {} times what white sensor noise would leave, and nothing in it goes with any "
+        "signal: the noise is not white.",
+        times));
+  else if (ratio <= 1.3)
     out.push_back(
         fmt::format("The model explains the measured flow about down to what sensor noise leaves ({} times "
                     "the noise floor).",

@@ -19,6 +19,7 @@ RunSummary ReadSummary(const nlohmann::json& json) {
   s.flagged = json.value("flagged", decltype(s.flagged){});
   s.absent = json.value("absent", decltype(s.absent){});
   s.warnings = json.value("warnings", decltype(s.warnings){});
+  s.too_slow = json.value("too_slow", std::string());
   s.stopped = json.value("stopped", std::string());
   for (const auto& f : json.value("findings", nlohmann::json::array()))
     s.findings.push_back({f.value("line", std::int64_t{0}), f.value("column", std::string()),
@@ -50,6 +51,7 @@ std::string FormatRunSummary(const RunSummary& s) {
                                {"absent", s.absent},
                                {"findings", findings},
                                {"warnings", s.warnings},
+                               {"too_slow", s.too_slow},
                                {"stopped", s.stopped}};
   // Text of the log may be no UTF-8; it is replaced, not refused.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

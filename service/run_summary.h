@@ -19,10 +19,12 @@ struct RunSummary {
   std::int64_t discarded_strokes = 0;  ///< shorter than min_stroke
   /// Values per channel and flag name ("p_A" -> "spike" -> 3).
   std::map<std::string, std::map<std::string, std::int64_t>> flagged;
-  std::vector<std::string> absent;   ///< optional signals the log does not have
-  std::vector<LogFinding> findings;  ///< the first few
+  std::vector<std::string> absent;    ///< optional signals the log does not have
+  std::vector<LogFinding> findings;   ///< the first few
   std::vector<std::string> warnings;  ///< what makes conclusions from this log doubtful (LogTrust)
-  std::string stopped;               ///< why reading ended before the end of the log, "" if it did not
+  std::string
+      too_slow;         ///< why its rows are too far apart to conclude anything from them, "" if they are not
+  std::string stopped;  ///< why reading ended before the end of the log, "" if it did not
 
   std::int64_t FlaggedValues() const;
 };

@@ -60,8 +60,7 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
 }
 
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
-Status CheckRuns(const Database& database, const HistoryPart& part, double& period,
-                 const StrokeHistory& history) {
+Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
   const auto runs = database.Runs(part.id);
   if (!runs) return tl::unexpected(runs.error());
   for (const RunInfo& run : *runs) {
@@ -75,7 +74,10 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
           "program "
           "have; replay their logs into a new database",
           history.database, run.id, run.source, part.machine);
-    const double own = ParseRunSummary(run.summary_json).sample_period;
+    const RunSummary summary = ParseRunSummary(run.summary_json);
+    if (!summary.too_slow.empty())
+      history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
+    const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > 1e-3 * period)
       return BadInput(

@@ -34,6 +34,8 @@ struct StrokeHistory {
   std::vector<HistoryPart> unit_parts;  ///< the strokes of each of `units`
   std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
 
+  std::string too_slow;  ///< RunSummary::too_slow of a run among them
+
   std::int64_t strokes() const;
   /// Independent equations of all units.
   double equations() const;
