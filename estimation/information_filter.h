@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/limits.h"
+
 namespace hydroscope {
 
 /// Recursive least squares in information form, stroke by stroke: R = P^-1 and s = R theta, in scaled units
@@ -27,9 +29,9 @@ namespace hydroscope {
 /// one.
 class InformationFilter {
  public:
-  static constexpr int kMaxParameters = 12;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
+  static constexpr int kMost = kMaxParameters + 1;  ///< with the output beside them
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
 
   /// Starts at theta = `initial` with P = `covariance` * I; `max_covariance` >= `covariance`.
   InformationFilter(const Vector& initial, double covariance, double max_covariance);

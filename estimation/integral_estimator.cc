@@ -11,6 +11,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kRecentStrokes = 64;
+constexpr std::size_t kLeastStored = 16;   ///< "last excited at" of a stored state, whatever the parameters
 constexpr std::size_t kMaxWaiting = 1000;  ///< spans kept while the first strokes excite too little to start
 constexpr std::size_t kSettled = 3;  ///< strokes before errors of a span are judged against the noise level
 constexpr double kSignalToNoise =
@@ -57,7 +58,8 @@ IntegralEstimator::IntegralEstimator(const EstimatorSpec& spec, std::shared_ptr<
       block_time_(window.block * window.period),
       memory_(spec.form == EstimatorForm::kDirectional ? std::exp(-block_time_ / spec.time_constant)
                                                        : spec.forgetting_factor),
-      last_excited_(16, std::numeric_limits<double>::quiet_NaN()) {}
+      last_excited_(std::max(kLeastStored, model_->derive(Eigen::VectorXd::Ones(model_->base_count)).size()),
+                    std::numeric_limits<double>::quiet_NaN()) {}
 
 void IntegralEstimator::Share::Add(const Share& other, double weight) {
   if (gram.size() == 0) gram = noise = Small::Zero(other.gram.rows(), other.gram.cols());
@@ -83,7 +85,7 @@ void IntegralEstimator::AddStretch(const Stretch&, const SpanEquations& equation
   if (filter_)
     LearnSpan(span);
   else if (waiting_.size() < kMaxWaiting)
-    waiting_.push_back(span);
+    waiting_.push_back({span.gram, span.noise, span.count});
 }
 
 void IntegralEstimator::Start(const NormalEquations& first, double oil_temperature) {
@@ -101,7 +103,7 @@ void IntegralEstimator::Start(const NormalEquations& first, double oil_temperatu
   filter_.emplace(initial, spec_.initial_covariance * signal_variance,
                   std::max(spec_.max_covariance, spec_.initial_covariance) * signal_variance);
   RelateParameters(theta);
-  for (const Share& span : waiting_) LearnSpan(span);
+  for (const Waiting& span : waiting_) LearnSpan({span.gram, span.noise, span.count});
   waiting_.clear();
   waiting_.shrink_to_fit();
   LearnStroke(oil_temperature);
@@ -153,7 +155,7 @@ void IntegralEstimator::LearnSpan(const Share& span) {
   const int n = model_->base_count;
   const Share scaled{scale_.asDiagonal() * span.gram * scale_.asDiagonal(),
                      scale_.asDiagonal() * span.noise * scale_.asDiagonal(), span.count};
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, InformationFilter::kMaxParameters + 1, 1> coefficients(n + 1);
+  InformationFilter::Vector coefficients(n + 1);
   coefficients << -filter_->Theta(), 1.0;
   // Mean square of the innovations in noise variances.
   const double innovation = coefficients.dot(scaled.gram * coefficients) / (variance_ * span.count);
@@ -298,7 +300,7 @@ void IntegralEstimator::Save(ByteWriter& out) const {
   out.Put(counts_);
   if (!filter_) {
     out.Put<std::uint32_t>(static_cast<std::uint32_t>(waiting_.size()));
-    for (const Share& span : waiting_) {
+    for (const Waiting& span : waiting_) {
       for (double x : span.gram.reshaped()) out.Put(x);
       for (double x : span.noise.reshaped()) out.Put(x);
       out.Put(span.count);
@@ -335,7 +337,7 @@ bool IntegralEstimator::RestoreWaiting(ByteReader& in) {
   const auto spans = in.Get<std::uint32_t>();
   if (spans > kMaxWaiting) return false;
   for (std::uint32_t k = 0; k < spans && in.ok(); ++k) {
-    Share span{Small(size, size), Small(size, size), 0};
+    Waiting span{Eigen::MatrixXd(size, size), Eigen::MatrixXd(size, size), 0};
     for (double& x : span.gram.reshaped()) x = in.Get<double>();
     for (double& x : span.noise.reshaped()) x = in.Get<double>();
     span.count = in.Get<double>();

@@ -54,6 +54,12 @@ class IntegralEstimator : public StrokeEstimator {
     void Add(const Share& other, double weight);
   };
 
+  /// The same at its own size: many are kept until the filter starts.
+  struct Waiting {
+    Eigen::MatrixXd gram, noise;
+    double count = 0;
+  };
+
   void Start(const NormalEquations& first, double oil_temperature);
   /// Adds one span, SI, to the stroke under way, in scaled units.
   void LearnSpan(const Share& span);
@@ -76,12 +82,12 @@ class IntegralEstimator : public StrokeEstimator {
   std::shared_ptr<const ModelStructure> model_;
   double block_time_;
   std::optional<InformationFilter> filter_;
-  Eigen::VectorXd scale_;       ///< scaled regressor = regressor * scale; last entry: of the output
-  double noise_ = 1.0;          ///< output unit of one noise standard deviation at the start
-  double variance_ = 1.0;       ///< present variance of the equations in that unit, squared
-  bool settled_ = false;        ///< enough strokes to judge a span's errors
-  Share stroke_;                ///< stroke under way, scaled units
-  std::vector<Share> waiting_;  ///< spans seen before the scales were known, SI
+  Eigen::VectorXd scale_;         ///< scaled regressor = regressor * scale; last entry: of the output
+  double noise_ = 1.0;            ///< output unit of one noise standard deviation at the start
+  double variance_ = 1.0;         ///< present variance of the equations in that unit, squared
+  bool settled_ = false;          ///< enough strokes to judge a span's errors
+  Share stroke_;                  ///< stroke under way, scaled units
+  std::vector<Waiting> waiting_;  ///< spans seen before the scales were known, SI
   SpanCounts counts_;
   double memory_;  ///< share of its weight an equation keeps when the next one comes
   std::deque<Recent> recent_;

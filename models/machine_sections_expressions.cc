@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/limits.h"
 #include "models/effect.h"
 #include "models/expression_balance.h"
 #include "models/machine_keys.h"
@@ -9,9 +10,6 @@
 
 namespace hydroscope {
 namespace {
-
-constexpr std::size_t kMaxParameters = 16;  ///< of a balance, derived ones counted
-constexpr std::size_t kMaxShape = 2;        ///< constants of an effect that are found from the data
 
 /// Names that expressions can use.
 bool IsName(const std::string& text) {
@@ -204,8 +202,12 @@ void ReadBalance(TableReader& file, Machine& machine) {
   CheckTermUnits(section, "terms", machine.balance.terms, units, machine.balance.unit);
   if (section.Has("derived"))
     machine.balance.derived = ReadTerms(section, "derived", NamesForDerived(machine), units);
-  if (machine.balance.terms.size() + machine.balance.derived.size() > kMaxParameters)
-    section.Problem(fmt::format("more than {} parameters, derived ones counted", kMaxParameters));
+  if (machine.balance.terms.size() > kMaxParameters)
+    section.Problem(fmt::format("{} terms, at most {} can be fitted at once", machine.balance.terms.size(),
+                                kMaxParameters));
+  if (machine.balance.derived.size() > kMaxDerived)
+    section.Problem(
+        fmt::format("{} derived parameters, at most {}", machine.balance.derived.size(), kMaxDerived));
 }
 
 void ReadEffects(TableReader& file, Machine& machine) {
