@@ -41,13 +41,13 @@ constexpr std::size_t kLanes = 4;
 
 /// What one pass over a piece of a column counts.
 struct Counts {
-  std::int64_t different = 0;   ///< third differences other than zero
-  std::int64_t above = 0;       ///< third differences above the scale
-  std::int64_t candidates = 0;  ///< values far off the mean of their neighbours
-  std::int64_t equal = 0;       ///< readings equal to the one before
-  std::int64_t changes = 0;     ///< readings different from the one before
-  std::int64_t reversals = 0;   ///< changes of direction
-  std::int64_t outside = 0;     ///< readings beyond the limits
+  std::int64_t different = 0;                       ///< third differences other than zero
+  std::int64_t above = 0;                           ///< third differences above the scale
+  std::int64_t candidates = 0;                      ///< values far off the mean of their neighbours
+  std::int64_t equal = 0;                           ///< readings equal to the one before
+  std::int64_t changes = 0;                         ///< readings different from the one before
+  std::int64_t reversals = 0;                       ///< changes of direction
+  std::int64_t outside = 0;                         ///< readings beyond the limits
   std::int64_t near_high = 0, near_low = 0;         ///< readings beyond Thresholds::near_high, near_low
   double highest = -kInfinity, lowest = kInfinity;  ///< readings
 };
@@ -102,9 +102,15 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
   std::size_t i = 0;
   for (; i + kLanes <= rows; i += kLanes) add(x + i, kLanes);
   if (i < rows) add(x + i, rows - i);
-  return {Sum(different), Sum(above),     Sum(candidates), Sum(equal),
-          Sum(changes),   Sum(reversals), Sum(outside),
-          Sum(near_high), Sum(near_low),
+  return {Sum(different),
+          Sum(above),
+          Sum(candidates),
+          Sum(equal),
+          Sum(changes),
+          Sum(reversals),
+          Sum(outside),
+          Sum(near_high),
+          Sum(near_low),
           std::max(std::max(highest[0], highest[1]), std::max(highest[2], highest[3])),
           std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]))};
 }
@@ -234,8 +240,9 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
     const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
     const double near = kNearExtreme * sigma;
-    const Counts counts = Count(x, piece, {track.scale, far, track.low, track.high,
-                                           -track.extremes[1].value + near, track.extremes[0].value - near});
+    const Counts counts = Count(x, piece,
+                                {track.scale, far, track.low, track.high, -track.extremes[1].value + near,
+                                 track.extremes[0].value - near});
     track.readings += counts.equal + counts.changes;
     track.changes += counts.changes;
     track.reversals += counts.reversals;
@@ -321,7 +328,8 @@ void QualityMonitor::FlagBack(Quality* at, std::int64_t rows, Quality flag) {
 
 /// Counts readings exactly at one end of the range seen, and those within the noise of it; all with the sign turned on
 /// side 1.
-void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags) {
+void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track,
+                                  Quality* flags) {
   Extreme& extreme = track.extremes[side];
   const double near = kNearExtreme * std::max(track.scale / kMedianThirdDifference, track.known_noise);
   const double sign = side == 0 ? 1.0 : -1.0;
@@ -332,8 +340,9 @@ void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t
     } else if (reading == extreme.value) {
       ++extreme.at;
       // A reading of exactly 0 is what a relieved sensor shows.
-      extreme.cut = reading != 0 && extreme.at >= kReadingsAtLimit &&
-                    static_cast<double>(extreme.at) > kShareAtLimit * static_cast<double>(extreme.at + extreme.near);
+      extreme.cut =
+          reading != 0 && extreme.at >= kReadingsAtLimit &&
+          static_cast<double>(extreme.at) > kShareAtLimit * static_cast<double>(extreme.at + extreme.near);
       if (extreme.cut) flags[i] |= quality::kOutOfRange;
     } else if (reading > extreme.value - near) {
       ++extreme.near;

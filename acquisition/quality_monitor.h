@@ -77,9 +77,9 @@ class QualityMonitor {
 
   /// One end of a channel's range.
   struct Extreme {
-    double value = 0;              ///< SI, the farthest reading seen
-    std::int64_t at = 0, near = 0; ///< readings exactly there, and within the noise of it
-    bool cut = false;              ///< the noise is cut off there
+    double value = 0;               ///< SI, the farthest reading seen
+    std::int64_t at = 0, near = 0;  ///< readings exactly there, and within the noise of it
+    bool cut = false;               ///< the noise is cut off there
   };
 
   /// What is remembered of a channel.
@@ -90,11 +90,11 @@ class QualityMonitor {
     std::array<double, kHistory> before{};  ///< the last readings given out, oldest first
     std::vector<double> held;
     std::vector<Quality> held_quality;
-    std::array<Extreme, 2> extremes{};  ///< highest, lowest with its sign turned
-    bool can_saturate = true;           ///< a measurement, not a command that rests at its limit
+    std::array<Extreme, 2> extremes{};           ///< highest, lowest with its sign turned
+    bool can_saturate = true;                    ///< a measurement, not a command that rests at its limit
     std::array<std::size_t, kAhead + 1> runs{};  ///< identical readings up to each of the last rows that came
     double last = 0;                             ///< of these
-    std::int64_t run = 0;  ///< identical readings up to the last row given out
+    std::int64_t run = 0;                        ///< identical readings up to the last row given out
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
     std::int64_t stuck_limit = 0;  ///< readings; 0: the channel cannot be judged
@@ -124,11 +124,11 @@ class QualityMonitor {
   std::vector<Track> tracks_;
   std::shared_ptr<const ExpressionGuard> guard_;  ///< nullptr: no expression can fail
   std::vector<ChannelQuality> channels_;
-  std::vector<double> column_;             ///< history, rows held back, new rows of the channel being judged
-  std::vector<Quality> flags_;             ///< of the same rows without history
-  std::size_t frame_row_ = 0;              ///< rows given out in the present frame
-  std::size_t held_ = 0;                   ///< rows held back at present, the last kAhead of them not judged yet
-  std::size_t hold_ = kAhead;              ///< rows held back once they are there
+  std::vector<double> column_;  ///< history, rows held back, new rows of the channel being judged
+  std::vector<Quality> flags_;  ///< of the same rows without history
+  std::size_t frame_row_ = 0;   ///< rows given out in the present frame
+  std::size_t held_ = 0;        ///< rows held back at present, the last kAhead of them not judged yet
+  std::size_t hold_ = kAhead;   ///< rows held back once they are there
   std::vector<double> held_time_, times_;  ///< s; of rows held back, and with those that came
   std::optional<Standstill> standstill_;   ///< nothing: no signal of this machine is known to follow another
 };

@@ -15,13 +15,13 @@ constexpr int kFewestRows = 4;       // in a piece
 constexpr double kRangeOfNoise = 8.0;
 // The noise is that of the quieter pieces: steps between rows hold the motion as well.
 constexpr double kNoiseFalls = 0.2, kNoiseRises = 1.02;  // share of a quieter piece; factor at most per piece
-constexpr double kFullCommand = 10.0;  // V
-constexpr double kCommandMoves = 0.1;  // of full command
-constexpr double kIgnores = 0.1;       // share of the movement it is told to make
-constexpr double kFullyOpen = 0.97;    // of the spool: it may rest at its stop
-constexpr double kOpen = 0.05;         // of the spool, either way: beyond any overlap
-constexpr double kGoes = 0.01;         // m/s
-constexpr int kPiecesToProve = 4;      // of each kind of movement
+constexpr double kFullCommand = 10.0;                    // V
+constexpr double kCommandMoves = 0.1;                    // of full command
+constexpr double kIgnores = 0.1;                         // share of the movement it is told to make
+constexpr double kFullyOpen = 0.97;                      // of the spool: it may rest at its stop
+constexpr double kOpen = 0.05;                           // of the spool, either way: beyond any overlap
+constexpr double kGoes = 0.01;                           // m/s
+constexpr int kPiecesToProve = 4;                        // of each kind of movement
 
 }  // namespace
 
@@ -74,7 +74,7 @@ void Standstill::EndPiece() {
     const double variance = piece.steps / (2.0 * rows_);
     piece.whole = std::isfinite(piece.mean) && std::isfinite(variance);
     if (piece.whole)
-      piece.noise = piece.noise < 0            ? variance
+      piece.noise = piece.noise < 0          ? variance
                     : variance < piece.noise ? piece.noise + kNoiseFalls * (variance - piece.noise)
                                              : std::min(variance, kNoiseRises * piece.noise);
     piece.sum = piece.steps = 0;
@@ -130,7 +130,8 @@ void Standstill::JudgePressure() {
   if (std::min({opening_, closing_, down_, up_}) >= kPiecesToProve) pressure_.stands = true;
 }
 
-void Standstill::Flag(Signal signal, const Run& run, std::size_t begin, std::size_t end, SampleBlock& block) const {
+void Standstill::Flag(Signal signal, const Run& run, std::size_t begin, std::size_t end,
+                      SampleBlock& block) const {
   if (!run.stands) return;
   std::vector<Quality>& quality = block.quality[static_cast<std::size_t>(channel_[signal])];
   for (std::size_t k = begin; k < end; ++k) quality[k] |= quality::kStuck;

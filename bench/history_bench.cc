@@ -13,11 +13,11 @@
 #include <ctime>
 #include <filesystem>
 
-#include "service/benchmarks/simulated_strokes.h"
-#include "service/explain_history.h"
-#include "service/output.h"
-#include "service/run_summary.h"
+#include "host/output.h"
+#include "pipeline/run_summary.h"
 #include "storage/database.h"
+#include "studies/simulated_strokes.h"
+#include "workbench/explain_history.h"
 
 namespace hydroscope {
 namespace {

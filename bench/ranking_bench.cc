@@ -15,7 +15,7 @@
 #include "acquisition/quality_monitor.h"
 #include "diagnosis/effect_ranking.h"
 #include "models/machine.h"
-#include "service/batch_fit.h"
+#include "pipeline/batch_fit.h"
 
 namespace hydroscope {
 namespace {

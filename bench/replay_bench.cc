@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "pipeline/pipeline.h"
 #include "replay/log_reader.h"
-#include "service/pipeline.h"
 #include "storage/database.h"
 
 namespace hydroscope {

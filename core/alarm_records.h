@@ -31,9 +31,9 @@ std::string CauseText(const AlarmCause& cause);
 
 /// Why an alarm is suppressed by design; several may hold at once.
 enum Suppression : std::uint8_t {
-  kSuppressedIdle = 1,        ///< press idle
-  kSuppressedValveCheck = 2,  ///< valve check running
-  kSuppressedTooCold = 4,     ///< oil below the minimum temperature
+  kSuppressedIdle = 1,         ///< press idle
+  kSuppressedValveCheck = 2,   ///< valve check running
+  kSuppressedTooCold = 4,      ///< oil below the minimum temperature
   kSuppressedCommonCause = 8,  ///< the machine's own alarm says it for all axes
 };
 
@@ -41,21 +41,21 @@ enum Suppression : std::uint8_t {
 struct AlarmState {
   std::string id;  ///< "internal_leakage", "K.alarm_low", "signal_loss", ...
   AlarmSeverity severity = AlarmSeverity::kWarning;
-  bool active = false;         ///< the condition holds, delays passed
-  bool acknowledged = true;    ///< a person has seen the present annunciation
-  bool latched = false;        ///< stays annunciated until reset though the condition has gone
+  bool active = false;       ///< the condition holds, delays passed
+  bool acknowledged = true;  ///< a person has seen the present annunciation
+  bool latched = false;      ///< stays annunciated until reset though the condition has gone
   bool out_of_service = false;
-  std::uint8_t suppressed = 0;            ///< Suppression flags
-  std::optional<double> shelved_until;    ///< s since 1970
-  int on_count = 0, off_count = 0;        ///< strokes towards the on- and off-delay
+  std::uint8_t suppressed = 0;                              ///< Suppression flags
+  std::optional<double> shelved_until;                      ///< s since 1970
+  int on_count = 0, off_count = 0;                          ///< strokes towards the on- and off-delay
   double value = std::numeric_limits<double>::quiet_NaN();  ///< SI, latest
   double std = std::numeric_limits<double>::quiet_NaN();    ///< SI
   double limit = std::numeric_limits<double>::quiet_NaN();  ///< SI
-  std::string unit;            ///< SI
-  std::string text;            ///< finding and guidance
-  AlarmCause cause;            ///< of what was found
-  double raised_time = 0;      ///< s, machine time
-  double raised_wall = 0;      ///< s since 1970
+  std::string unit;                                         ///< SI
+  std::string text;                                         ///< finding and guidance
+  AlarmCause cause;                                         ///< of what was found
+  double raised_time = 0;                                   ///< s, machine time
+  double raised_wall = 0;                                   ///< s since 1970
   std::int64_t raised_stroke = 0;
   std::int64_t first_stroke = -1, last_stroke = -1;  ///< evidence
 
@@ -68,7 +68,7 @@ const char* StateName(const AlarmState& alarm);
 /// One thing that happened to an alarm, or to the axis as a whole (empty `alarm`); a row of the journal.
 struct AlarmEvent {
   std::string alarm;
-  std::string event;           ///< "raised", "cleared", "acknowledged", "shelved", "reference_learned", ...
+  std::string event;  ///< "raised", "cleared", "acknowledged", "shelved", "reference_learned", ...
   std::string state_before, state;
   AlarmSeverity severity = AlarmSeverity::kAdvisory;
   double time = std::numeric_limits<double>::quiet_NaN();  ///< s, machine (log) time

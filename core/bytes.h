@@ -12,7 +12,7 @@ namespace hydroscope {
 class ByteWriter {
  public:
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void Put(const T& value) {
     const std::size_t at = bytes_.size();
     bytes_.resize(at + sizeof(T));
@@ -29,8 +29,7 @@ class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  T Get() {
+  requires std::is_trivially_copyable_v<T> T Get() {
     T value{};
     if (bytes_.size() < sizeof(T)) {
       ok_ = false;

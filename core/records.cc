@@ -33,7 +33,7 @@ const char* ReasonText(EstimateReason reason) {
     case EstimateReason::kNotExcited:
       return "this stroke did not move what the parameter acts on; the value is an older one";
     case EstimateReason::kConfounded:
-      return "these strokes cannot tell this parameter from another; vary ram speed and pressure";
+      return "these strokes cannot tell this parameter from another";
     case EstimateReason::kOutsidePhysics:
       return "the data ask for a value physics forbids; the model misses an effect or a signal is wrong";
     case EstimateReason::kPoorSignal:

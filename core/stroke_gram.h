@@ -12,10 +12,10 @@ namespace hydroscope {
 struct StrokeGram {
   std::int64_t blocks = 0;  ///< block means that entered `integral`
   std::int64_t spans = 0;   ///< spans, each of which spent one intercept; 0 in the level form, which has none
-  std::int64_t windows = 0; ///< flow windows that entered `flow`
-  SymmetricMatrix integral; ///< m^3 units: volumes, block means, each span about its own mean
-  SymmetricMatrix noise;    ///< share of `integral` that is sensor noise, from odd minus even samples
-  SymmetricMatrix flow;     ///< m^3/s units: flows over the triangular window, not centred
+  std::int64_t windows = 0;  ///< flow windows that entered `flow`
+  SymmetricMatrix integral;  ///< m^3 units: volumes, block means, each span about its own mean
+  SymmetricMatrix noise;     ///< share of `integral` that is sensor noise, from odd minus even samples
+  SymmetricMatrix flow;      ///< m^3/s units: flows over the triangular window, not centred
   int log = 0;  ///< number of the log or run it is from, where several are taken together; not stored
 };
 

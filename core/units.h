@@ -11,7 +11,8 @@ namespace hydroscope {
 struct Unit {
   double scale = 1.0;
   double offset = 0.0;
-  std::string_view si;  ///< SI unit of the same quantity: "Pa", "m", "s", "m3", "m3/s", "1", "K", "V", "N", ...
+  std::string_view
+      si;  ///< SI unit of the same quantity: "Pa", "m", "s", "m3", "m3/s", "1", "K", "V", "N", ...
 };
 
 /// Looks up "bar", "mm", "l/min", "%", "degC", ...; nullopt if the unit is not known.

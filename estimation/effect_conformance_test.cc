@@ -183,10 +183,10 @@ TEST(Effects, OfSignalsCorrectThemToWhatTheirColumnsSay) {
   ModelStructure model = *Model();
   const Stretch measured = SomeStretch(model);
   const std::map<std::string, double> values = {
-      {"spool_signal_delay", 0.006}, {"pressure_signal_delay", 0.006}, {"position_signal_delay", 0.006},
-      {"pressure_offset", 4e5},      {"valve_flow_curvature", 0.1},    {"spool_hysteresis", 0.01},
-      {"tank_pressure", 4e5},        {"pressure_gain", 0.05},          {"pressure_offset_drift", 1e5},
-      {"pressure_signal_lag", 0.006}, {"spool_signal_lag", 0.006},     {"position_signal_lag", 0.004}};
+      {"spool_signal_delay", 0.006},  {"pressure_signal_delay", 0.006}, {"position_signal_delay", 0.006},
+      {"pressure_offset", 4e5},       {"valve_flow_curvature", 0.1},    {"spool_hysteresis", 0.01},
+      {"tank_pressure", 4e5},         {"pressure_gain", 0.05},          {"pressure_offset_drift", 1e5},
+      {"pressure_signal_lag", 0.006}, {"spool_signal_lag", 0.006},      {"position_signal_lag", 0.004}};
   std::size_t tested = 0;
   for (int e = 0; e < static_cast<int>(model.effects.size()); ++e) {
     const Effect& effect = *model.effects[e];

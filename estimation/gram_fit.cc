@@ -230,13 +230,12 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   fit.strokes = static_cast<int>(strokes.size());
   if (fit.strokes == 0)
     return BadInput(
-        "no drawing stroke found: check the [gate] of the machine file against the log with 'hydroscope "
-        "check'");
+        "no {} found: check the [gate] of the machine file against the log with 'hydroscope check'",
+        model.words.stroke);
   fit.theta = SolveNormalEquations(total);
   if (fit.theta.size() == 0)
-    return BadInput(
-        "the strokes do not excite all parameters of the base model: vary ram speed and pressure, or record "
-        "longer");
+    return BadInput("the strokes do not excite all parameters of the base model: vary {}, or record longer",
+                    model.words.vary);
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);

@@ -39,13 +39,13 @@ class RecursiveLeastSquares {
 
   struct Options {
     Forgetting forgetting = Forgetting::kDirectional;
-    double forgetting_factor = 0.998;             ///< lambda, in (0, 1]
-    std::array<double, kMaxParameters> factors{}; ///< lambda per parameter; 0 = forgetting_factor
-    double initial_covariance = 500.0;            ///< P(0) = this * I
-    double max_covariance = 1e12;                 ///< nothing is forgotten while a diagonal element of P is beyond
-    double min_excitation = 1e-12;                ///< u'u below which an equation says nothing
-    double dead_zone = 0.0;                       ///< innovations below this many standard deviations are ignored
-    double clip = 0.0;                            ///< innovations are cut to this many standard deviations; 0 = never
+    double forgetting_factor = 0.998;              ///< lambda, in (0, 1]
+    std::array<double, kMaxParameters> factors{};  ///< lambda per parameter; 0 = forgetting_factor
+    double initial_covariance = 500.0;             ///< P(0) = this * I
+    double max_covariance = 1e12;   ///< nothing is forgotten while a diagonal element of P is beyond
+    double min_excitation = 1e-12;  ///< u'u below which an equation says nothing
+    double dead_zone = 0.0;         ///< innovations below this many standard deviations are ignored
+    double clip = 0.0;              ///< innovations are cut to this many standard deviations; 0 = never
     /// Empty text if usable, else what is wrong: field, value, limit.
     std::string Validate(int parameters) const;
   };
@@ -59,8 +59,8 @@ class RecursiveLeastSquares {
   int parameters() const { return n_; }
   Eigen::VectorXd theta() const;
   Eigen::MatrixXd Covariance() const;
-  double innovation() const { return innovation_; }                  ///< last y - u' theta
-  double innovation_variance() const { return innovation_variance_; } ///< 1 + u' P u that belongs to it
+  double innovation() const { return innovation_; }                    ///< last y - u' theta
+  double innovation_variance() const { return innovation_variance_; }  ///< 1 + u' P u that belongs to it
   std::int64_t updates() const { return updates_; }
   /// Standard deviation of e relative to the unit the output is scaled by; used by dead zone and clip.
   void set_noise_scale(double scale) { noise_scale_ = scale; }

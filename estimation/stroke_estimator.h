@@ -29,7 +29,8 @@ class StrokeEstimator {
 };
 
 /// The estimator a machine file asks for.
-std::unique_ptr<StrokeEstimator> MakeEstimator(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+std::unique_ptr<StrokeEstimator> MakeEstimator(const Machine& machine,
+                                               std::shared_ptr<const ModelStructure> model,
                                                const WindowSamples& window);
 
 }  // namespace hydroscope

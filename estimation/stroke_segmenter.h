@@ -94,17 +94,20 @@ class StrokeSegmenter {
   /// Last good value of each channel, for channels the base model does not need, and for how many samples it is held.
   std::vector<double> held_;
   std::vector<int> held_for_;
-  int hold_ = 0;  ///< samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged
+  int hold_ =
+      0;  ///< samples a bad value is bridged at most; then the channel is NaN, and what needs it is not judged
   Stretch stretch_;
   int stretch_blocks_ = 0;
   int next_block_ = 0;  ///< block of the ring that follows the stretch, while there is one
   double stretch_begin_ = 0;
   std::optional<double> first_begin_;  ///< s, of the first stretch: the origin of Stretch::begin
   bool in_stroke_ = false;
-  std::uint32_t direction_ = 0, stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
+  std::uint32_t direction_ = 0,
+                stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
   double last_gated_ = 0, closed_for_ = 0;
   StrokeSummary summary_;
-  double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0, last_position_ = 0, travel_ = 0;
+  double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0,
+         last_position_ = 0, travel_ = 0;
   int pressure_channel_ = -1, position_channel_ = -1, temperature_channel_ = -1;
   std::int64_t next_index_ = 0, discarded_ = 0;
   StrokeCounters totals_, since_stroke_;

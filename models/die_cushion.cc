@@ -154,12 +154,13 @@ Result<std::shared_ptr<const ModelStructure>> BuildDieCushion(const Machine& mac
         machine.name);
   auto model = std::make_shared<ModelStructure>();
   model->name = "die_cushion";
+  model->words = WordsOf(machine);
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
   model->output_unit = "m3/s";
-  model->channel_names = {"p_A",     "z",           "y_v",    "p_B",          "p_0",
-                          "T_oil",   "flow_root",   "speed",  "acceleration", "pressure_rate",
-                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|",      "time"};
+  model->channel_names = {"p_A",     "z",           "y_v",     "p_B",          "p_0",
+                          "T_oil",   "flow_root",   "speed",   "acceleration", "pressure_rate",
+                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|", "time"};
   for (int c = 0; c < kMeasuredChannels; ++c)
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {

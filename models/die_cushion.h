@@ -21,10 +21,10 @@ enum DieCushionChannel {
   kAcceleration,                  ///< d2z/dt2 smoothed, m/s^2
   kPressureRate,                  ///< dp_A/dt smoothed, Pa/s
   // Logarithms that several effects need; evaluated once.
-  kLogPressure,     ///< ln of p_A in Pa, at least 1 Pa
-  kLogAbsolute,     ///< ln of p_A above vacuum in atm, at least 1 atm
-  kLogOpening,      ///< ln |y_v|, openings below 0.1 % counting as 0.1 %
-  kTime,            ///< s, as Stretch::begin counts it
+  kLogPressure,  ///< ln of p_A in Pa, at least 1 Pa
+  kLogAbsolute,  ///< ln of p_A above vacuum in atm, at least 1 atm
+  kLogOpening,   ///< ln |y_v|, openings below 0.1 % counting as 0.1 %
+  kTime,         ///< s, as Stretch::begin counts it
   kDieCushionChannels
 };
 

@@ -14,7 +14,7 @@ namespace hydroscope {
 /// A number of the effect that does not enter linearly: threshold, dead band, exponent, width.
 struct NonlinearParameter {
   std::string name;
-  std::string unit;       ///< SI
+  std::string unit;         ///< SI
   double min = 0, max = 0;  ///< SI, admissible
   /// SI, standard deviation of what is known beforehand, about the middle of min ... max: for numbers that no data sheet
   /// gives and that data may not show (a polytropic exponent). 0: nothing is known but the limits.
@@ -39,17 +39,19 @@ EffectVariant PlainVariant(Column::Fill column);
 
 /// A physical effect that the base model may be missing. One law, one file in models/effects/.
 struct Effect {
-  std::string id;            ///< fixed, see docs/effects.md
-  std::string title;         ///< "Internal leakage past the piston seal"
-  std::string law;           ///< formula
-  std::string source;        ///< author, year, equation
-  std::string parameter;     ///< name of the linear parameter
-  std::string unit;          ///< its SI unit
-  double min = 0, max = 0;   ///< admissible range of the linear parameter, SI
-  double typical = 0;        ///< a size that is worth knowing about
+  std::string id;           ///< fixed, see docs/effects.md
+  std::string title;        ///< "Internal leakage past the piston seal"
+  std::string law;          ///< formula
+  std::string source;       ///< author, year, equation
+  std::string parameter;    ///< name of the linear parameter
+  std::string unit;         ///< its SI unit
+  double min = 0, max = 0;  ///< admissible range of the linear parameter, SI
+  double typical = 0;       ///< a size that is worth knowing about
   std::vector<NonlinearParameter> nonlinear;
-  std::vector<UncertainConstant> constants;  ///< `variant` takes other values of them after those of `nonlinear`
-  std::string edition;  ///< ends the columns' names: columns stored under an older form of the law are told apart
+  std::vector<UncertainConstant>
+      constants;  ///< `variant` takes other values of them after those of `nonlinear`
+  std::string
+      edition;  ///< ends the columns' names: columns stored under an older form of the law are told apart
   /// A law with one parameter that enters in both ways: the value of nonlinear[0] that base parameters and size imply.
   /// Empty: the nonlinear parameters are free.
   std::function<double(const ShapeContext&)> implied;
@@ -58,16 +60,16 @@ struct Effect {
   /// Column::Fill. Empty: it acts on no signal.
   std::function<void(double value, double& state, Stretch&)> correct;
   std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
-  std::string hidden_in;     ///< base parameters that swallow it when it is not modelled
-  std::string plain;         ///< one sentence for the maintenance engineer: what it is, what to look for
+  std::string hidden_in;                   ///< base parameters that swallow it when it is not modelled
+  std::string plain;  ///< one sentence for the maintenance engineer: what it is, what to look for
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;
   /// What it lets move over time, "K" or "the zero of the sensor": its size is then a rate, of `drifts_by` (SI) per second,
   /// or relative if that is "". Empty: nothing.
   std::string drifting, drifts_by;
-  std::vector<int> channels; ///< DieCushionChannel needed beyond the base model's
-  bool walks = false;        ///< Column::walks of its columns
+  std::vector<int> channels;  ///< DieCushionChannel needed beyond the base model's
+  bool walks = false;         ///< Column::walks of its columns
   /// The effect at values of `nonlinear`, in their order.
   std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
   /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.
@@ -85,9 +87,9 @@ struct Effect {
 
 /// Geometry the effects need.
 struct CushionGeometry {
-  double piston_area = 0.0;   ///< m^2
-  double tank_pressure = 0.0; ///< Pa
-  double stroke = 0.2;        ///< m, working stroke, positions run 0 ... stroke
+  double piston_area = 0.0;    ///< m^2
+  double tank_pressure = 0.0;  ///< Pa
+  double stroke = 0.2;         ///< m, working stroke, positions run 0 ... stroke
 };
 
 /// Appends the effect's columns at these nonlinear values to the model as one more shape of effect `index`, if asked for on

@@ -123,6 +123,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machi
                     machine.name);
   auto model = std::make_shared<ModelStructure>();
   model->name = "expressions";
+  model->words = WordsOf(machine);
   model->output_unit = balance.unit;
 
   std::vector<Expression> trees;

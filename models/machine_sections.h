@@ -30,7 +30,8 @@ void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec&
 
 /// Bounds on signals and on their rates: { z = { ... }, "ddt(z)" = { ... }, "abs(ddt(z))" = { ... } }. `path` stands in
 /// messages.
-std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, const std::string& path, const Machine& machine);
+std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, const std::string& path,
+                                  const Machine& machine);
 
 /// SI unit of a unit of the file; "1" if it is not known.
 std::string SiOf(const std::string& unit);
@@ -41,7 +42,8 @@ std::string SiOf(const std::string& unit);
 std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& key, const ExpressionNames& names,
                                 std::vector<ExpressionUnit>& units);
 /// Notes what is wrong with an expression, pointing at the character. `node` is its text in the file.
-void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key, const ExpressionError& error);
+void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key,
+                       const ExpressionError& error);
 /// The units of terms fit the output: parameter * expression = output, where that can be told.
 void CheckTermUnits(TableReader& section, const std::string& key, const std::vector<TermSpec>& terms,
                     const std::vector<ExpressionUnit>& units, const std::string& output_unit);

@@ -11,6 +11,7 @@
 #include "core/records.h"
 #include "core/result.h"
 #include "models/machine.h"
+#include "models/machine_words.h"
 #include "models/stretch.h"
 
 namespace hydroscope {
@@ -41,7 +42,7 @@ struct ShapeContext {
 /// An effect that acts on signals (Effect::correct), at a value of its nonlinear parameter: what else acts, acts on the
 /// signals as it corrects them.
 struct Correction {
-  int effect = 0;  ///< index into ModelStructure::effects
+  int effect = 0;    ///< index into ModelStructure::effects
   double value = 0;  ///< SI
   bool operator==(const Correction&) const = default;
 };
@@ -51,8 +52,9 @@ struct EffectShape {
   std::vector<int> columns;
   std::function<std::vector<double>(const ShapeContext&)> weights;
   std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
-  std::optional<Correction> on;   ///< its columns are of signals corrected so: for models that have that effect too
-  bool refined = false;           ///< values found on the samples, not of the grid
+  std::optional<Correction>
+      on;                ///< its columns are of signals corrected so: for models that have that effect too
+  bool refined = false;  ///< values found on the samples, not of the grid
 };
 
 /// A physical parameter computed from the regression parameters, with its gradient for the propagated interval.
@@ -60,9 +62,9 @@ struct DerivedParameter {
   std::string name;
   std::string unit;  ///< SI
   double value = 0.0;
-  Eigen::VectorXd gradient;  ///< d value / d theta, SI
-  bool admissible = true;    ///< sign and size that physics allows
-  double geometry_std = 0.0; ///< standard uncertainty from the machine file's geometry alone
+  Eigen::VectorXd gradient;   ///< d value / d theta, SI
+  bool admissible = true;     ///< sign and size that physics allows
+  double geometry_std = 0.0;  ///< standard uncertainty from the machine file's geometry alone
 };
 
 /// The model of a machine, linear in its regression parameters:
@@ -70,16 +72,18 @@ struct DerivedParameter {
 /// Columns are stacked base first, then the output, then the library of effects that may be missing.
 struct ModelStructure {
   std::string name;
+  MachineWords words;  ///< how people call the things of the machine
   std::vector<Column> columns;
-  int base_count = 0;                     ///< base columns 0 ... base_count - 1; the output is column base_count
-  std::vector<std::string> parameters;    ///< names of the base regression parameters
-  std::vector<std::string> channel_names; ///< channels of Stretch, measured ones first
-  std::vector<int> channel_source;        ///< machine signal index of each measured channel, -1 = not measured; or kDerivedChannel
-  std::vector<std::shared_ptr<const Effect>> effects;  ///< library effects whose columns are in `columns`
-  std::vector<std::vector<EffectShape>> effect_shapes;     ///< shapes of each of `effects`
+  int base_count = 0;  ///< base columns 0 ... base_count - 1; the output is column base_count
+  std::vector<std::string> parameters;     ///< names of the base regression parameters
+  std::vector<std::string> channel_names;  ///< channels of Stretch, measured ones first
+  std::vector<int>
+      channel_source;  ///< machine signal index of each measured channel, -1 = not measured; or kDerivedChannel
+  std::vector<std::shared_ptr<const Effect>> effects;   ///< library effects whose columns are in `columns`
+  std::vector<std::vector<EffectShape>> effect_shapes;  ///< shapes of each of `effects`
   std::vector<std::shared_ptr<const Effect>> sample_effects;  ///< Effect::needs_samples: see AddSampleEffects
-  double piston_area = 0.0;               ///< m^2, die cushion
-  std::string output_unit;                ///< SI unit of the flow form, "m3/s"
+  double piston_area = 0.0;                                   ///< m^2, die cushion
+  std::string output_unit;                                    ///< SI unit of the flow form, "m3/s"
   /// The balance has no derivative with respect to time: columns fill values (one per sample) in place of increments,
   /// and equations are block means without an intercept.
   bool level_form = false;

@@ -12,16 +12,18 @@ namespace hydroscope {
 /// rates and shifted signals, which look beyond the ends.
 struct Stretch {
   int samples = 0;
-  int before = 0, after = 0;                  ///< samples known beyond the ends, good or not gated but contiguous
-  double period = 0.0;                        ///< s between samples
-  double begin = 0.0;                         ///< s, time of sample 0, from an origin that all stretches of a recording share
-  bool continues = false;                     ///< sample 0 is the last sample of the stretch before
-  int log = 0;                                ///< number of the log it is from, where several are taken together
-  bool scattered = false;                     ///< samples from here and there, for their noise: nothing moves between them
-  std::vector<std::vector<double>> channel;   ///< [channel][before + sample]
+  int before = 0, after = 0;  ///< samples known beyond the ends, good or not gated but contiguous
+  double period = 0.0;        ///< s between samples
+  double begin = 0.0;         ///< s, time of sample 0, from an origin that all stretches of a recording share
+  bool continues = false;     ///< sample 0 is the last sample of the stretch before
+  int log = 0;                ///< number of the log it is from, where several are taken together
+  bool scattered = false;     ///< samples from here and there, for their noise: nothing moves between them
+  std::vector<std::vector<double>> channel;  ///< [channel][before + sample]
 
   /// Samples -before ... samples + after - 1 of a channel.
-  const double* operator[](int index) const { return channel[static_cast<std::size_t>(index)].data() + before; }
+  const double* operator[](int index) const {
+    return channel[static_cast<std::size_t>(index)].data() + before;
+  }
   double* operator[](int index) { return channel[static_cast<std::size_t>(index)].data() + before; }
 };
 

@@ -74,7 +74,7 @@ class CsvReader : public LogReader {
   LogLayout layout_;
   ColumnPlan plan_;
   std::vector<Column> columns_;  ///< up to the last column used
-  bool shaped_ = false;  ///< rows are read by the shapes of their fields
+  bool shaped_ = false;          ///< rows are read by the shapes of their fields
   bool time_is_text_ = false;
   double sample_period_ = 0;  ///< s
   TimeChecker time_check_{0};

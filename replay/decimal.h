@@ -86,8 +86,7 @@ inline const char* ParseDecimal(const char* text, char point, double& value) {
       mantissa = EightDigits(digits << (64 - bits));
     } else {
       if (bits > 8 * kExactDigits || IsDigit(*p)) return ParseDecimalFinite(text, point, value);
-      mantissa = EightDigits(whole << (64 - whole_bits)) *
-                     kWholePowersOfTen[fraction_bits >> 3] +
+      mantissa = EightDigits(whole << (64 - whole_bits)) * kWholePowersOfTen[fraction_bits >> 3] +
                  EightDigits(fraction << (64 - fraction_bits));
     }
     magnitude = static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowersOfTen[fraction_bits >> 3];

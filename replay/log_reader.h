@@ -14,17 +14,17 @@ namespace hydroscope {
 
 /// One thing wrong with a log that did not stop the reading, for the report of what was skipped and why.
 struct LogFinding {
-  std::int64_t line = 0;    ///< 1-based line (CSV) or row (MAT)
-  std::string column;       ///< "" if the whole row
-  std::string found;        ///< the text found
+  std::int64_t line = 0;  ///< 1-based line (CSV) or row (MAT)
+  std::string column;     ///< "" if the whole row
+  std::string found;      ///< the text found
   std::string expected;
 };
 
 struct LogCounters {
-  std::int64_t rows = 0;                          ///< rows delivered
-  std::int64_t rejected_rows = 0;                 ///< rows that could not be delivered at all (torn, wrong field count)
-  std::array<std::int64_t, 16> flagged{};         ///< values per quality flag (bit number), set by the reader
-  std::vector<LogFinding> findings;               ///< the first 100
+  std::int64_t rows = 0;           ///< rows delivered
+  std::int64_t rejected_rows = 0;  ///< rows that could not be delivered at all (torn, wrong field count)
+  std::array<std::int64_t, 16> flagged{};  ///< values per quality flag (bit number), set by the reader
+  std::vector<LogFinding> findings;        ///< the first 100
 };
 
 /// A stream of samples from a file of any size: memory does not grow with the file.

@@ -14,7 +14,7 @@ targets=(
   models/machine           # machine files, expressions
   replay/csv               # logs as text
   storage/blobs            # raw rows and Grams of a database
-  service/run_summary      # JSON in a database
+  pipeline/run_summary      # JSON in a database
   diagnosis/rules          # rules of the drift watch
   alarms/feeds/requests    # Modbus requests to the service
   alarms/feeds/payload     # commands by MQTT Sparkplug

@@ -25,9 +25,9 @@ class PressPlant {
   /// What the surroundings do over one step. Motion and opening at its begin, middle and end.
   struct Drive {
     RamMotion::Point ram[3];
-    double opening[3];        ///< 1, y_v - y_0 of the metering edge
-    double p_B = 0, p_0 = 0;  ///< Pa
-    double gain = 1;          ///< flow gain, relative
+    double opening[3];                   ///< 1, y_v - y_0 of the metering edge
+    double p_B = 0, p_0 = 0;             ///< Pa
+    double gain = 1;                     ///< flow gain, relative
     double K_factor = 1, V0_factor = 1;  ///< 1, of the machine's values
     double leakage = 0;                  ///< m^3/(s Pa), times p_A - p_B
     double extra_flow = 0;               ///< m^3/s out of the chamber

@@ -18,8 +18,9 @@ class ConfoundedCommand : public CommandLine {
 };
 
 TEST_F(ConfoundedCommand, AtOneRamSpeedTheNominalFlowRestsOnThereBeingNoLeak) {
-  const std::string log = Simulate("one_speed.csv", 90, 5,
-                                   {"--speed-min", "50", "--speed-max", "50", "--effect", "internal_leakage=4e-12"});
+  const std::string log =
+      Simulate("one_speed.csv", 90, 5,
+               {"--speed-min", "50", "--speed-max", "50", "--effect", "internal_leakage=4e-12"});
   for (const char* command : {"fit", "check"}) {
     const nlohmann::json q = Parameters(command, log)["Q_vn"];
     EXPECT_EQ(q["identifiable"], false) << command << q.dump(1);

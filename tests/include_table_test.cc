@@ -32,9 +32,22 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"alarms", {"core", "models", "storage", "dds"}},
     {"replay", {"core", "models", "acquisition"}},
     {"simulator", {"core", "dds"}},
-    {"service",
-     {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay",
-      "simulator"}},
+    {"host", {"core"}},
+    {"pipeline", {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "replay", "host"}},
+    {"setup", {"core", "models", "replay", "host"}},
+    {"workbench", {"core", "models", "estimation", "diagnosis", "storage", "replay", "host", "pipeline"}},
+    {"monitor", {"core", "models", "diagnosis", "storage", "alarms", "host", "pipeline", "workbench"}},
+    {"report", {"core", "models", "diagnosis", "storage", "pipeline", "workbench", "monitor"}},
+    {"review",
+     {"core", "models", "estimation", "storage", "host", "pipeline", "workbench", "monitor", "report"}},
+    {"live",
+     {"core", "models", "acquisition", "estimation", "storage", "alarms", "host", "pipeline", "monitor"}},
+    {"studies",
+     {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
+      "host", "pipeline", "workbench", "report", "review", "live"}},
+    {"cli",
+     {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
+      "host", "pipeline", "setup", "workbench", "monitor", "report", "review", "live", "studies"}},
 };
 
 /// A word that only files whose path begins with one of `places` may contain.
@@ -52,19 +65,19 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<mqtt/", {"alarms/feeds/sparkplug/"}},
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
-    {"<CLI/", {"service/"}},
+    {"<CLI/", {"cli/", "workbench/history_options", "live/", "host/"}},
     {"<muParser", {"models/expression_evaluator"}},
 };
 const std::vector<Reserved> kReservedWords = {
-    {"steady_clock", {"service/"}},
-    {"system_clock", {"service/"}},
-    {"high_resolution_clock", {"service/"}},
-    {"clock_gettime", {"service/"}},
-    {"std::time(", {"service/", "dds/shared_memory.cc"}},  // age of what killed processes left behind
-    {"getenv", {"service/"}},
+    {"steady_clock", {"host/", "live/", "studies/", "cli/"}},
+    {"system_clock", {"host/", "live/", "studies/", "cli/"}},
+    {"high_resolution_clock", {"studies/"}},
+    {"clock_gettime", {"studies/"}},
+    {"std::time(", {"dds/shared_memory.cc"}},  // age of what killed processes left behind
+    {"getenv", {"cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
-    {"<sys/socket.h>", {"service/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
-    {"sleep_for", {"service/"}},
+    {"<sys/socket.h>", {"live/", "studies/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
+    {"sleep_for", {"live/", "studies/", "cli/"}},
 };
 
 bool BeginsWithOneOf(const std::string& path, const std::vector<std::string>& places) {
@@ -143,9 +156,9 @@ TEST(IncludeTable, KeepsTheSimulatorApartFromTheEquations) {
 }
 
 TEST(IncludeTable, KeepsDatabaseAndFieldbusInTheirFolders) {
-  EXPECT_EQ(Faults("service/x.cc", "#include <sqlite3.h>\n").size(), 1u);
+  EXPECT_EQ(Faults("workbench/x.cc", "#include <sqlite3.h>\n").size(), 1u);
   EXPECT_EQ(Faults("storage/x.cc", "#include <sqlite3.h>\n").size(), 0u);
-  EXPECT_EQ(Faults("service/x.cc", "#include <modbus/modbus.h>\n").size(), 1u);
+  EXPECT_EQ(Faults("workbench/x.cc", "#include <modbus/modbus.h>\n").size(), 1u);
   EXPECT_EQ(Faults("acquisition/modbus/x.cc", "#include <modbus/modbus.h>\n").size(), 0u);
   EXPECT_EQ(Faults("acquisition/x.cc", "#include <fastdds/dds/domain/DomainParticipant.hpp>\n").size(), 1u);
 }

@@ -25,8 +25,8 @@ class InitCommand : public CommandLine {
     std::vector<Row> rows;
     while (std::getline(in, line)) {
       Row r;
-      if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &r.t, &r.p_A, &r.p_B, &r.p_0, &r.z, &r.y_v,
-                      &r.U_v, &r.T_oil) == 8)
+      if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &r.t, &r.p_A, &r.p_B, &r.p_0, &r.z,
+                      &r.y_v, &r.U_v, &r.T_oil) == 8)
         rows.push_back(r);
     }
     return rows;
@@ -40,12 +40,14 @@ class InitCommand : public CommandLine {
   }
   /// Proposes a machine for the log and checks the log with it; returns what init inferred.
   nlohmann::json ExpectStrokes(const std::string& log, int at_least) {
-    const Ran init = Run({"init", log, "--area", "125", "--out", File("m.toml"), "--force", "--json", File("init.json")});
+    const Ran init =
+        Run({"init", log, "--area", "125", "--out", File("m.toml"), "--force", "--json", File("init.json")});
     EXPECT_EQ(init.exit_code, 0) << init.out << init.err;
     const Ran check = Run({"check", log, "-m", File("m.toml"), "--json", "-"});
     EXPECT_TRUE(check.exit_code == 0 || check.exit_code == 4) << check.err << ReadText(File("m.toml"));
     const nlohmann::json json = check.Json();
-    EXPECT_TRUE(json.is_object() && json["strokes"].get<int>() >= at_least) << json.dump(1) << ReadText(File("m.toml"));
+    EXPECT_TRUE(json.is_object() && json["strokes"].get<int>() >= at_least)
+        << json.dump(1) << ReadText(File("m.toml"));
     return nlohmann::json::parse(ReadText(File("init.json")));
   }
   static nlohmann::json ColumnOf(const nlohmann::json& init, const std::string& signal) {
@@ -57,16 +59,16 @@ class InitCommand : public CommandLine {
 
 TEST_F(InitCommand, UnderstandsDayNumbersOfASpreadsheet) {
   const std::string log = Log("Zeit,p_A,p_B,p_0,z,y_v,U_v,T_oil", Rows(), [](const Row& r) {
-    return fmt::format("{:.11f},{:.0f},{:.0f},{:.0f},{:.6f},{:.6f},{:.5f},{:.2f}", 45123.5 + r.t / 86400, r.p_A, r.p_B,
-                       r.p_0, r.z, r.y_v, r.U_v, r.T_oil);
+    return fmt::format("{:.11f},{:.0f},{:.0f},{:.0f},{:.6f},{:.6f},{:.5f},{:.2f}", 45123.5 + r.t / 86400,
+                       r.p_A, r.p_B, r.p_0, r.z, r.y_v, r.U_v, r.T_oil);
   });
   EXPECT_EQ(ColumnOf(ExpectStrokes(log, 4), "time")["unit"], "d");
 }
 
 TEST_F(InitCommand, UnderstandsUnitsAtTheEndOfNames) {
   const std::string log = Log("t_ms,pA_bar,pB_bar,p0_bar,s_mm,y_v,U_v,T_oil_C", Rows(), [](const Row& r) {
-    return fmt::format("{:.0f},{:.3f},{:.3f},{:.3f},{:.4f},{:.6f},{:.5f},{:.2f}", r.t * 1e3, r.p_A / 1e5, r.p_B / 1e5,
-                       r.p_0 / 1e5, r.z * 1e3, r.y_v, r.U_v, r.T_oil);
+    return fmt::format("{:.0f},{:.3f},{:.3f},{:.3f},{:.4f},{:.6f},{:.5f},{:.2f}", r.t * 1e3, r.p_A / 1e5,
+                       r.p_B / 1e5, r.p_0 / 1e5, r.z * 1e3, r.y_v, r.U_v, r.T_oil);
   });
   const nlohmann::json init = ExpectStrokes(log, 4);
   EXPECT_EQ(ColumnOf(init, "p_A")["column"], "pA_bar");
@@ -81,8 +83,8 @@ TEST_F(InitCommand, UnderstandsUnitsAtTheEndOfNames) {
 TEST_F(InitCommand, TakesCurrentLoopsForAGuess) {
   const auto loop = [](double share) { return 4 + 16 * share; };
   const std::string log = Log("t,p_A [mA],p_B [mA],p_0 [mA],z [mA],y_v", Rows(), [&](const Row& r) {
-    return fmt::format("{:.3f},{:.5f},{:.5f},{:.5f},{:.6f},{:.6f}", r.t, loop(r.p_A / 400e5), loop(r.p_B / 400e5),
-                       loop(r.p_0 / 400e5), loop(r.z / 0.5), r.y_v);
+    return fmt::format("{:.3f},{:.5f},{:.5f},{:.5f},{:.6f},{:.6f}", r.t, loop(r.p_A / 400e5),
+                       loop(r.p_B / 400e5), loop(r.p_0 / 400e5), loop(r.z / 0.5), r.y_v);
   });
   const nlohmann::json init = ExpectStrokes(log, 4);
   for (const char* signal : {"p_A", "z"}) {
@@ -93,11 +95,12 @@ TEST_F(InitCommand, TakesCurrentLoopsForAGuess) {
 
 TEST_F(InitCommand, GuessesColumnsWithoutTellingNamesAndSaysSo) {
   const std::string log = Log("Time,AI_0,AI_1,AI_2,AI_3,AI_4,AI_5,AI_6", Rows(), [](const Row& r) {
-    return fmt::format("{:.3f},{:.2f},{:.3f},{:.3f},{:.5f},{:.3f},{:.3f},{:.4f}", r.t, r.T_oil, r.p_0 / 1e5, r.z * 1e3,
-                       r.y_v, r.p_A / 1e5, r.p_B / 1e5, r.U_v);
+    return fmt::format("{:.3f},{:.2f},{:.3f},{:.3f},{:.5f},{:.3f},{:.3f},{:.4f}", r.t, r.T_oil, r.p_0 / 1e5,
+                       r.z * 1e3, r.y_v, r.p_A / 1e5, r.p_B / 1e5, r.U_v);
   });
   const nlohmann::json init = ExpectStrokes(log, 4);
-  for (const auto& [signal, column] : {std::pair("p_A", "AI_4"), std::pair("z", "AI_2"), std::pair("y_v", "AI_3")}) {
+  for (const auto& [signal, column] :
+       {std::pair("p_A", "AI_4"), std::pair("z", "AI_2"), std::pair("y_v", "AI_3")}) {
     EXPECT_EQ(ColumnOf(init, signal)["column"], column) << init.dump(1);
     EXPECT_EQ(ColumnOf(init, signal)["sure"], false);
     EXPECT_FALSE(ColumnOf(init, signal)["why"].get<std::string>().empty());

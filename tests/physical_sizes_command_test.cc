@@ -20,10 +20,13 @@ class PhysicalSizes : public CommandLine {
     return File("wrong.toml");
   }
   /// Exit code and message of every command that concludes from this log.
-  void ExpectRefused(const std::string& log, const std::string& machine, const testing::Matcher<std::string>& message) {
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"fit", log}, {"compare", log}, {"explain", log},
-          {"model", "add", "internal_leakage", log}, {"replay", log, "--db", File("wrong.db")}}) {
+  void ExpectRefused(const std::string& log, const std::string& machine,
+                     const testing::Matcher<std::string>& message) {
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"fit", log},
+                                                    {"compare", log},
+                                                    {"explain", log},
+                                                    {"model", "add", "internal_leakage", log},
+                                                    {"replay", log, "--db", File("wrong.db")}}) {
       std::vector<std::string> words = command;
       words.insert(words.end(), {"-m", machine});
       const Ran ran = Run(words);
@@ -36,7 +39,9 @@ class PhysicalSizes : public CommandLine {
 TEST_F(PhysicalSizes, AWrongUnitOfThePressureIsToldWithSignalValueRangeAndCure) {
   const std::string log = Simulate("a.csv", 30, 3);
   const std::string bar = MachineWith("p_A( *= *\\{[^}]*)unit = \"Pa\"", "p_A$1unit = \"bar\"");
-  ExpectRefused(log, bar, AllOf(HasSubstr("p_A"), HasSubstr("reaches"), HasSubstr("1000 bar"), HasSubstr("unit = \"Pa\"")));
+  ExpectRefused(
+      log, bar,
+      AllOf(HasSubstr("p_A"), HasSubstr("reaches"), HasSubstr("1000 bar"), HasSubstr("unit = \"Pa\"")));
 }
 
 TEST_F(PhysicalSizes, AWrongUnitOfThePositionOrTheSpool) {
@@ -49,7 +54,8 @@ TEST_F(PhysicalSizes, AWrongUnitOfTheTime) {
   const std::string log = Simulate("a.csv", 30, 3);
   WriteText(File("ms.toml"), ReadText(kMachine) + "");
   const std::string text = ReadText(kMachine);
-  const std::string changed = std::regex_replace(text, std::regex("(time *= *\\{[^}]*unit *= *)\"s\""), "$1\"ms\"");
+  const std::string changed =
+      std::regex_replace(text, std::regex("(time *= *\\{[^}]*unit *= *)\"s\""), "$1\"ms\"");
   ASSERT_NE(changed, text) << text;
   WriteText(File("ms.toml"), changed);
   ExpectRefused(log, File("ms.toml"), AllOf(HasSubstr("m/s"), HasSubstr("unit of time")));
@@ -63,7 +69,8 @@ TEST_F(PhysicalSizes, AnImpossibleAreaOrPressureDrop) {
 
 TEST_F(PhysicalSizes, CheckStillLooksAtAWrongLogAndSaysSo) {
   const std::string log = Simulate("a.csv", 30, 3);
-  const Ran ran = Run({"check", log, "-m", MachineWith("p_A( *= *\\{[^}]*)unit = \"Pa\"", "p_A$1unit = \"bar\"")});
+  const Ran ran =
+      Run({"check", log, "-m", MachineWith("p_A( *= *\\{[^}]*)unit = \"Pa\"", "p_A$1unit = \"bar\"")});
   EXPECT_THAT(ran.out, HasSubstr("unit = \"Pa\""));
 }
 

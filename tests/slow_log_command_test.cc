@@ -22,7 +22,9 @@ class SlowLog : public CommandLine {
     WriteText(File("slow.csv"), out.str());
     return File("slow.csv");
   }
-  std::string Leaking() { return Thinned(Simulate("leak.csv", 120, 4, {"--effect", "internal_leakage=4e-12"}), 50); }
+  std::string Leaking() {
+    return Thinned(Simulate("leak.csv", 120, 4, {"--effect", "internal_leakage=4e-12"}), 50);
+  }
 };
 
 TEST_F(SlowLog, GivesNoVerdictAsALog) {

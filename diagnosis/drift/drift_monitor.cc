@@ -260,9 +260,9 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     finding.name = finding.state == FindingState::kNamed ? "Change that no rule names"
                                                          : "Change that the strokes do not tell apart";
     finding.guidance =
-        "Run `hydroscope explain` on the strokes since the change; vary ram speed and pressure. If the oil "
-        "is warmer or "
-        "colder than when the healthy machine was learned, learn again (`hydroscope learn`).";
+        "Run `hydroscope explain` on the strokes since the change; vary what drives the machine (speed, "
+        "pressure, load). If the oil is warmer or colder than when the healthy machine was learned, learn "
+        "again (`hydroscope learn`).";
   }
   // Sizes are followed from the strokes since the change alone, what was explained before included.
   recent_score_.setZero();

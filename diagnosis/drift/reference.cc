@@ -86,8 +86,10 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   for (const StrokeEvidence& s : strokes) all += s.equations;
   const Eigen::VectorXd values = model.Solve(all);
   if (values.size() == 0)
-    return BadInput("strokes {} ... {} do not tell the parameters apart; vary ram speed and pressure",
-                    reference.first_, reference.last_);
+    return BadInput(
+        "strokes {} ... {} do not tell the parameters apart; vary what drives the machine: speed, pressure, "
+        "load",
+        reference.first_, reference.last_);
   NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()),
                        all.g.head(model.base_count()), all.yy, all.equations};
   reference.theta_ = Eigen::VectorXd::Zero(model.size());

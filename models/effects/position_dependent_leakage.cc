@@ -24,17 +24,17 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
       "side load, dirt.";
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
-    return PlainVariant(
-        [centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&, std::span<double> out) {
-          const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
-          wide::IntegrateOverTime(
-              s,
-              [=](int k) {
-                const double x = (z[k] - centre) * inverse;
-                return (b[k] - a[k]) * Exp(-x * x);
-              },
-              out);
-        });
+    return PlainVariant([centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&,
+                                                                              std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
+      wide::IntegrateOverTime(
+          s,
+          [=](int k) {
+            const double x = (z[k] - centre) * inverse;
+            return (b[k] - a[k]) * Exp(-x * x);
+          },
+          out);
+    });
   };
   e.grid.clear();
   for (double share : {0.15, 0.35, 0.55, 0.75, 0.95})

@@ -1,0 +1,68 @@
+// `hydroscope benchmark alarm-...`: campaigns of the alarm journal and its feeds.
+
+#include "studies/alarm_benchmarks.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "cli/commands.h"
+
+namespace hydroscope {
+namespace {
+
+void AddAlarmKill(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<AlarmKillOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "alarm-kill",
+      "kill -9 of a process that writes the alarm journal and feeds an MQTT broker: nothing is lost");
+  command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of times and alarms")->capture_default_str();
+  command->footer(
+      "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-kill "
+      "--times 200");
+  command->callback([o, &exit_code] { exit_code = RunAlarmKill(*o); });
+}
+
+void AddBurstOptions(CLI::App* command, AlarmBurstOptions& o) {
+  command->add_option("--alarms", o.alarms, "Alarms raised")
+      ->check(CLI::Range(20, 100000))
+      ->capture_default_str();
+  command->add_option("--seconds", o.seconds, "s in which they are raised")
+      ->check(CLI::Range(0.1, 1e4))
+      ->capture_default_str();
+}
+
+void AddAlarmBurst(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<AlarmBurstOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "alarm-burst",
+      "1000 alarms in a second: journal whole, feeds in order, a SCADA poller at 1 Hz misses none");
+  AddBurstOptions(command, *o);
+  command->footer(
+      "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-burst");
+  command->callback([o, &exit_code] { exit_code = RunAlarmBurst(*o); });
+}
+
+/// The process the others start; not shown.
+void AddAlarmLoad(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<AlarmLoadOptions>();
+  CLI::App* command =
+      benchmark.add_subcommand("alarm-load", "The process that the alarm campaigns watch")->group("");
+  command->add_option("--db", o->database)->required();
+  command->add_option("--broker", o->broker)->required();
+  command->add_option("--mode", o->mode)->check(CLI::IsMember({"load", "burst", "drain"}));
+  command->add_option("--seed", o->seed);
+  command->add_option("--domain", o->domain);
+  AddBurstOptions(command, o->burst);
+  command->callback([o, &exit_code] { exit_code = RunAlarmLoad(*o); });
+}
+
+}  // namespace
+
+void AddAlarmBenchmarks(CLI::App& benchmark, int& exit_code) {
+  AddAlarmKill(benchmark, exit_code);
+  AddAlarmBurst(benchmark, exit_code);
+  AddAlarmLoad(benchmark, exit_code);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,356 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "alarms/alarm_machine.h"
+#include "alarms/alarm_metrics.h"
+#include "cli/alarms_scada.h"
+#include "cli/commands.h"
+#include "core/printable.h"
+#include "core/units.h"
+#include "core/utc_text.h"
+#include "host/output.h"
+#include "host/real_clock.h"
+#include "storage/alarm_journal.h"
+
+namespace hydroscope {
+namespace {
+
+using Json = nlohmann::json;
+
+struct AlarmsArguments {
+  std::string db, modbus, machine, json, alarm, user, comment, duration = "8h";
+  std::int64_t after = 0, last = 0;
+  int modbus_acknowledge = 0;
+};
+
+std::string UserOf(const AlarmsArguments& a) {
+  if (!a.user.empty()) return a.user;
+  const char* user = std::getenv("USER");
+  return user != nullptr ? user : fmt::format("uid {}", getuid());
+}
+
+/// "8h", "30m", "90s", "2d" in s.
+Result<double> Duration(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  const std::string unit(end);
+  const double factor = unit == "s" ? 1 : unit == "m" ? 60 : unit == "h" ? 3600 : unit == "d" ? 86400 : 0;
+  if (!(number > 0) || !std::isfinite(number) || factor == 0)
+    return UsageError("--for {}: expected a time such as 30m, 8h or 2d", text);
+  return number * factor;
+}
+
+Json AlarmJson(const std::string& machine, std::size_t number, const AlarmState& a) {
+  return {{"number", number},
+          {"machine", machine},
+          {"alarm", a.id},
+          {"state", StateName(a)},
+          {"severity", SeverityName(a.severity)},
+          {"active", a.active},
+          {"acknowledged", a.acknowledged},
+          {"latched", a.latched},
+          {"shelved_until_s", a.shelved_until ? Json(*a.shelved_until) : Json(nullptr)},
+          {"suppressed", a.suppressed},
+          {"out_of_service", a.out_of_service},
+          {"value", a.value},
+          {"std", a.std},
+          {"limit", a.limit},
+          {"unit", a.unit},
+          {"text", a.text},
+          {"cause", CauseText(a.cause)},
+          {"raised_stroke", a.raised_stroke},
+          {"raised_wall_s", a.raised_wall},
+          {"first_stroke", a.first_stroke},
+          {"last_stroke", a.last_stroke}};
+}
+
+Json RowJson(const JournalRow& row) {
+  const AlarmEvent& e = row.event;
+  return {{"sequence", row.sequence},
+          {"machine", row.machine},
+          {"wall_s", row.wall},
+          {"time_s", e.time},
+          {"stroke", e.stroke},
+          {"alarm", e.alarm},
+          {"event", e.event},
+          {"state_before", e.state_before},
+          {"state", e.state},
+          {"severity", SeverityName(e.severity)},
+          {"value", e.value},
+          {"std", e.std},
+          {"limit", e.limit},
+          {"unit", e.unit},
+          {"oil_temperature_K", e.oil_temperature},
+          {"model_version", e.model_version},
+          {"reference_version", e.reference_version},
+          {"user", e.user},
+          {"comment", e.comment},
+          {"text", e.text},
+          {"cause", e.cause},
+          {"first_stroke", e.first_stroke},
+          {"last_stroke", e.last_stroke}};
+}
+
+struct Listed {
+  std::string machine;
+  AlarmState alarm;
+};
+
+/// Every alarm that the journal knows, at rest or not.
+Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
+  const auto machines = journal.Machines();
+  if (!machines) return tl::unexpected(machines.error());
+  if (!a.machine.empty() && std::find(machines->begin(), machines->end(), a.machine) == machines->end())
+    return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(*machines, ", "));
+  std::vector<Listed> alarms;
+  for (const std::string& machine : *machines) {
+    if (!a.machine.empty() && machine != a.machine) continue;
+    const auto axis = journal.Axis(machine);
+    if (!axis) return tl::unexpected(axis.error());
+    for (const AlarmState& alarm : axis->alarms) alarms.push_back({machine, alarm});
+  }
+  return alarms;
+}
+
+/// Those that are not at rest, as the list numbers them.
+Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
+  auto alarms = KnownAlarms(journal, a);
+  if (alarms) std::erase_if(*alarms, [](const Listed& l) { return AtRest(l.alarm); });
+  return alarms;
+}
+
+Result<AlarmJournal> OpenJournal(const AlarmsArguments& a) {
+  if (a.db.empty()) return UsageError("--db is missing: the database that replay or serve fills");
+  return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db));
+}
+
+Status List(const AlarmsArguments& a) {
+  const auto journal = OpenJournal(a);
+  if (!journal) return tl::unexpected(journal.error());
+  const auto alarms = ListedAlarms(*journal, a);
+  if (!alarms) return tl::unexpected(alarms.error());
+  Json document = {{"alarms", Json::array()}};
+  if (alarms->empty() && a.json != "-") std::cout << "no alarm stands\n";
+  for (std::size_t i = 0; i < alarms->size(); ++i) {
+    const auto& [machine, alarm] = (*alarms)[i];
+    document["alarms"].push_back(AlarmJson(machine, i + 1, alarm));
+    if (a.json != "-")
+      std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}\n     {}\n", i + 1, StateName(alarm),
+                               SeverityName(alarm.severity), Printable(machine), Printable(alarm.id),
+                               Printable(alarm.text));
+  }
+  if (a.json != "-" && !alarms->empty())
+    std::cout << "acknowledge with `hydroscope alarms --db " << a.db
+              << " ack NUMBER`, or by name MACHINE/ALARM\n";
+  return a.json.empty() ? Status{} : WriteJson(a.json, document);
+}
+
+enum class Which { kStanding, kKnown };
+
+/// The alarm meant by a number of the list, by "machine/alarm" or by an id that only one machine has; by name
+/// one that is at rest too, if `which` says so.
+Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which which) {
+  const bool number = !a.alarm.empty() && std::all_of(a.alarm.begin(), a.alarm.end(),
+                                                      [](char c) { return c >= '0' && c <= '9'; });
+  const auto alarms =
+      number || which == Which::kStanding ? ListedAlarms(journal, a) : KnownAlarms(journal, a);
+  if (!alarms) return tl::unexpected(alarms.error());
+  std::vector<Listed> found;
+  for (std::size_t i = 0; i < alarms->size(); ++i) {
+    const auto& [machine, alarm] = (*alarms)[i];
+    if (number ? a.alarm == std::to_string(i + 1)
+               : a.alarm == alarm.id || a.alarm == machine + "/" + alarm.id)
+      found.push_back((*alarms)[i]);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) return UsageError("several machines have {}; say MACHINE/{}", a.alarm, a.alarm);
+  return UsageError(
+      "no {} alarm {}; `hydroscope alarms --db {} {}`",
+      number || which == Which::kStanding ? "standing" : "known", a.alarm, a.db,
+      number || which == Which::kStanding ? "list` shows them" : "journal` shows those that ever stood");
+}
+
+Status Act(const AlarmsArguments& a, const char* done,
+           const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act,
+           Which which = Which::kStanding) {
+  auto journal = OpenJournal(a);
+  if (!journal) return tl::unexpected(journal.error());
+  const auto found = Find(*journal, a, which);
+  if (!found) return tl::unexpected(found.error());
+  const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(),
+                        WallSeconds(),
+                        found->alarm.last_stroke,
+                        std::numeric_limits<double>::quiet_NaN(),
+                        0,
+                        0};
+  bool changed = false;
+  const Status stored = journal->Change(found->machine, now.wall, [&](AxisContent& axis) -> Status {
+    auto events = act(axis.Alarm(found->alarm.id), now);
+    changed = !events.empty();
+    axis.Append(std::move(events));
+    return {};
+  });
+  if (!stored) return stored;
+  if (a.json != "-")
+    std::cout << found->machine << " / " << found->alarm.id
+              << (changed ? std::string(" ") + done : std::string(": nothing to do")) << "\n";
+  return a.json.empty()
+             ? Status{}
+             : WriteJson(a.json,
+                         {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", changed}});
+}
+
+Status Journal(const AlarmsArguments& a) {
+  const auto journal = OpenJournal(a);
+  if (!journal) return tl::unexpected(journal.error());
+  auto rows = journal->Rows(a.machine, a.after);
+  if (!rows) return tl::unexpected(rows.error());
+  if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
+    rows->erase(rows->begin(), rows->end() - a.last);
+  Json document = {{"journal", Json::array()}};
+  for (const JournalRow& row : *rows) {
+    const AlarmEvent& e = row.event;
+    document["journal"].push_back(RowJson(row));
+    if (a.json != "-")
+      std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, UtcText(row.wall),
+                               e.stroke, Printable(row.machine),
+                               e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
+                               e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+                               e.user.empty() ? "" : " by " + Printable(e.user),
+                               e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
+  }
+  return a.json.empty() ? Status{} : WriteJson(a.json, document);
+}
+
+Status Metrics(const AlarmsArguments& a) {
+  const auto journal = OpenJournal(a);
+  if (!journal) return tl::unexpected(journal.error());
+  const auto rows = journal->Rows(a.machine);
+  if (!rows) return tl::unexpected(rows.error());
+  const auto listed = ListedAlarms(*journal, a);
+  if (!listed) return tl::unexpected(listed.error());
+  std::vector<AlarmState> states;
+  for (const Listed& l : *listed) states.push_back(l.alarm);
+  const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
+  if (a.json != "-") {
+    std::cout << fmt::format(
+        "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: "
+        "{}\nstale: {}\n",
+        m.annunciations, m.hours, m.per_hour, m.most_in_10_minutes, m.floods,
+        m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
+        m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", ")));
+    for (const auto& [source, count] : m.top) std::cout << fmt::format("{:>7}  {}\n", count, source);
+  }
+  Json top = Json::array();
+  for (const auto& [source, count] : m.top) top.push_back({{"source", source}, {"raised", count}});
+  return a.json.empty() ? Status{}
+                        : WriteJson(a.json, {{"raised", m.annunciations},
+                                             {"hours", m.hours},
+                                             {"per_hour", m.per_hour},
+                                             {"most_in_10_minutes", m.most_in_10_minutes},
+                                             {"floods", m.floods},
+                                             {"chattering", m.chattering},
+                                             {"stale", m.stale},
+                                             {"top", top}});
+}
+
+}  // namespace
+
+void AddAlarmsCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<AlarmsArguments>();
+  CLI::App* command =
+      app.add_subcommand("alarms", "Alarms that stand, the journal, and what to do with them");
+  CLI::Option* db = command->add_option("--db,-d", a->db,
+                                        "Database that replay or serve fills; the journal lies beside it");
+  CLI::Option* modbus =
+      command
+          ->add_option("--modbus", a->modbus,
+                       "In place of --db: HOST:PORT of the Modbus feed, read as a SCADA system would")
+          ->excludes(db);
+  command->add_option("--ack", a->modbus_acknowledge, "With --modbus: number of the alarm to acknowledge")
+      ->needs(modbus)
+      ->check(CLI::Range(1, 65535));
+  command->add_option("--machine,-m", a->machine, "Only this machine");
+  command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
+  command->add_option("--user", a->user, "Who acts (default: the user logged in)");
+  command->add_option("--comment", a->comment, "Why, kept in the journal");
+  command->fallthrough();
+  command->require_subcommand(0, 1);
+  command->footer(
+      "States after ISA-18.2: UNACK, ACKED, RTNUN (gone, not acknowledged), LTUNK/LTACK (latched), SHLVD, "
+      "DSUPR, OOSRV.\n"
+      "Examples:\n"
+      "  hydroscope alarms --db press.db list\n"
+      "  hydroscope alarms --db press.db ack 1 --comment \"seal ordered\"\n"
+      "  hydroscope alarms --db press.db shelve internal_leakage --for 8h\n"
+      "  hydroscope alarms --db press.db out-of-service press/left/no_samples --comment \"sensor being "
+      "changed\"\n"
+      "  hydroscope alarms --db press.db journal --json -\n"
+      "  hydroscope alarms --db press.db metrics\n"
+      "  hydroscope alarms --modbus 127.0.0.1:1503 --ack 1");
+  const auto add = [&](const char* name, const char* text, auto run) {
+    CLI::App* sub = command->add_subcommand(name, text);
+    sub->callback([a, run, &exit_code] {
+      const Status done = run(*a);
+      exit_code = done ? kDone : ReportError(done.error());
+    });
+    return sub;
+  };
+  add("list", "Alarms that stand", List);
+  const auto on_alarm = [&](const char* name, const char* text, auto run) {
+    CLI::App* sub = add(name, text, run);
+    sub->add_option("alarm", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
+    return sub;
+  };
+  on_alarm("ack", "Acknowledge an alarm", [](const AlarmsArguments& o) {
+    return Act(o, "acknowledged", [&](AlarmState& alarm, const AlarmMoment& now) {
+      return alarm_machine::Acknowledge(alarm, {UserOf(o), o.comment}, now);
+    });
+  });
+  on_alarm("shelve", "Put an alarm aside for a while",
+           [](const AlarmsArguments& o) -> Status {
+             const auto duration = Duration(o.duration);
+             if (!duration) return tl::unexpected(duration.error());
+             return Act(o, "shelved", [&](AlarmState& alarm, const AlarmMoment& now) {
+               return alarm_machine::Shelve(alarm, now.wall + *duration, {UserOf(o), o.comment}, now);
+             });
+           })
+      ->add_option("--for", a->duration, "How long: 30m, 8h, 2d")
+      ->capture_default_str();
+  on_alarm("unshelve", "Take an alarm back from the shelf", [](const AlarmsArguments& o) {
+    return Act(o, "unshelved", [&](AlarmState& alarm, const AlarmMoment& now) {
+      return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);
+    });
+  });
+  const auto service = [&](const char* name, const char* text, bool out) {
+    on_alarm(name, text, [out](const AlarmsArguments& o) {
+      return Act(
+          o, out ? "taken out of service" : "back in service",
+          [&](AlarmState& alarm, const AlarmMoment& now) {
+            return alarm_machine::SetOutOfService(alarm, out, {UserOf(o), o.comment}, now);
+          },
+          Which::kKnown);
+    });
+  };
+  service("out-of-service", "Take an alarm out of service, for as long as its cause is being worked on",
+          true);
+  service("in-service", "Put an alarm back in service", false);
+  CLI::App* journal = add("journal", "What happened, oldest first", Journal);
+  journal->add_option("--after", a->after, "Only rows after this sequence number");
+  journal->add_option("--last,-n", a->last, "Only the last N rows")->check(CLI::PositiveNumber);
+  add("metrics", "Rate, floods, chattering and stale alarms, most frequent sources", Metrics);
+  command->callback([a, command, &exit_code] {
+    if (!command->get_subcommands().empty()) return;
+    const Status done = a->modbus.empty() ? List(*a) : ShowScada(a->modbus, a->modbus_acknowledge, a->json);
+    exit_code = done ? kDone : ReportError(done.error());
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,142 @@
+#include "cli/alarms_scada.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/utc_text.h"
+#include "host/output.h"
+#include "live/scada_client.h"
+
+namespace hydroscope {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kRowsShown = 10;
+constexpr std::int64_t kNoStroke = 0xFFFFFFFF;  ///< of a row that belongs to none
+
+Json AxisJson(const ScadaAxis& axis) {
+  Json parameters = Json::object();
+  for (const ScadaParameter& p : axis.parameters)
+    parameters[p.name] = {{"value", p.value}, {"std", p.std}, {"quality", p.quality}};
+  return {{"axis", axis.name},
+          {"health", std::string(1, axis.health.letter())},
+          {"health_reason", HealthReasonName(axis.health.reason)},
+          {"strokes", axis.strokes},
+          {"stroke_age_s", axis.stroke_age},
+          {"oil_temperature_degC", axis.oil_temperature},
+          {"parameters", parameters}};
+}
+
+Json AlarmJson(const ScadaAlarm& a) {
+  return {{"number", a.number}, {"axis", a.axis},         {"alarm", a.name},
+          {"state", a.state},   {"severity", a.severity}, {"raised_wall_s", a.raised},
+          {"value", a.value},   {"std", a.std},           {"limit", a.limit}};
+}
+
+Json RowJson(const ScadaRow& r) {
+  return {{"sequence", r.sequence}, {"wall_s", r.wall}, {"alarm", r.alarm},   {"axis", r.axis},
+          {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", r.value}};
+}
+
+/// Why a parameter's value is not of the last stroke; "" if it is.
+std::string QualityText(int quality) {
+  static constexpr std::array kReasons = {"",
+                                          "no stroke yet",
+                                          "last stroke too short",
+                                          "last stroke did not excite it",
+                                          "last stroke could not separate it",
+                                          "last estimate outside physics",
+                                          "poor signals"};
+  if (quality == 0) return "";
+  const bool known = quality > 0 && quality < static_cast<int>(kReasons.size());
+  return fmt::format("  older: {}", known ? kReasons[static_cast<std::size_t>(quality)] : "never identified");
+}
+
+std::string AxisText(const ScadaAxis& axis) {
+  std::string text = fmt::format("{:<16} {} ({}: {}), {} strokes", axis.name, axis.health.letter(),
+                                 HealthName(axis.health.state), axis.health.text, axis.strokes);
+  if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
+  for (const ScadaParameter& p : axis.parameters)
+    text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, 1.96 * p.std,
+                        QualityText(p.quality));
+  return text + "\n";
+}
+
+struct Seen {
+  std::vector<ScadaAxis> axes;
+  std::vector<ScadaAlarm> alarms;
+  std::vector<ScadaRow> rows;
+};
+
+Result<Seen> Look(ScadaClient& client) {
+  auto axes = client.Axes();
+  if (!axes) return tl::unexpected(axes.error());
+  auto alarms = client.Alarms();
+  if (!alarms) return tl::unexpected(alarms.error());
+  auto rows = client.NewRows();
+  if (!rows) return tl::unexpected(rows.error());
+  return Seen{std::move(*axes), std::move(*alarms), std::move(*rows)};
+}
+
+std::string AxisName(const Seen& seen, int axis) {
+  return axis < 1 || axis > static_cast<int>(seen.axes.size())
+             ? "-"
+             : seen.axes[static_cast<std::size_t>(axis - 1)].name;
+}
+
+void Print(const Seen& seen, const std::string& endpoint) {
+  std::cout << "axes, their parameters in SI with 95 % intervals\n";
+  for (const ScadaAxis& axis : seen.axes) std::cout << AxisText(axis);
+  std::cout << (seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
+  for (const ScadaAlarm& a : seen.alarms)
+    std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
+                             a.severity, AxisName(seen, a.axis), a.name,
+                             UtcText(static_cast<double>(a.raised)), a.value, 1.96 * a.std);
+  if (!seen.alarms.empty())
+    std::cout << "acknowledge with `hydroscope alarms --modbus " << endpoint << " --ack NUMBER`\n";
+  std::cout << "\nnewest of " << seen.rows.size() << " journal rows in the ring\n";
+  const std::size_t first = seen.rows.size() - std::min(seen.rows.size(), kRowsShown);
+  for (std::size_t i = first; i < seen.rows.size(); ++i) {
+    const ScadaRow& r = seen.rows[i];
+    std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, UtcText(r.wall),
+                             r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis),
+                             r.alarm, r.event, r.alarm == 0 ? "" : " -> " + r.state);
+  }
+}
+
+}  // namespace
+
+Status ShowScada(const std::string& endpoint, int acknowledge, const std::string& json) {
+  const std::size_t colon = endpoint.rfind(':');
+  int port = 0;
+  const char* const end = endpoint.data() + endpoint.size();
+  if (colon == std::string::npos || colon == 0 ||
+      std::from_chars(endpoint.data() + colon + 1, end, port).ptr != end || port < 1 || port > 65535)
+    return UsageError("--modbus {}: expected HOST:PORT, e.g. 127.0.0.1:1503", endpoint);
+  auto client = ScadaClient::Connect(endpoint.substr(0, colon), port);
+  if (!client) return tl::unexpected(client.error());
+  Json document;
+  if (acknowledge > 0) {
+    const auto changed = client->Acknowledge(acknowledge);
+    if (!changed) return tl::unexpected(changed.error());
+    document["acknowledged"] = {{"number", acknowledge}, {"changed", *changed}};
+    if (json != "-")
+      std::cout << "alarm " << acknowledge << (*changed ? " acknowledged\n" : ": nothing to acknowledge\n");
+  }
+  const auto seen = Look(*client);
+  if (!seen) return tl::unexpected(seen.error());
+  if (json != "-") Print(*seen, endpoint);
+  if (json.empty()) return {};
+  for (const char* list : {"axes", "alarms", "journal"}) document[list] = Json::array();
+  for (const ScadaAxis& axis : seen->axes) document["axes"].push_back(AxisJson(axis));
+  for (const ScadaAlarm& alarm : seen->alarms) document["alarms"].push_back(AlarmJson(alarm));
+  for (const ScadaRow& row : seen->rows) document["journal"].push_back(RowJson(row));
+  return WriteJson(json, document);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "acquisition/live_sources.h"
+#include "cli/commands.h"
+#include "host/output.h"
+#include "host/real_clock.h"
+#include "live/check_live.h"
+#include "workbench/check_output.h"
+
+namespace hydroscope {
+namespace {
+
+struct CheckArguments {
+  std::string log, machine, json, live;
+  double seconds = 10;
+};
+
+/// Listens to the machine in place of reading a log.
+int RunLive(const CheckArguments& arguments) {
+  const auto model = LoadLiveModel(arguments.live);
+  if (!model) return ReportError(model.error());
+  const auto check = CheckLive(
+      (*model)->machine, arguments.seconds,
+      [](const Machine& machine, const Clock& clock) { return MakeSources(machine, clock, 1); }, RealTime);
+  if (!check) return ReportError(check.error());
+  if (arguments.json != "-") std::cout << LiveCheckText(*check);
+  if (!arguments.json.empty())
+    if (const Status written = WriteJson(arguments.json, LiveCheckJson(*check)); !written)
+      return ReportError(written.error());
+  return check->Clean() ? kDone : kPartlyDone;
+}
+
+int Run(const CheckArguments& arguments) {
+  if (!arguments.live.empty()) return RunLive(arguments);
+  if (arguments.log.empty() || arguments.machine.empty())
+    return ReportError({ErrorKind::kUsage, "check needs LOG and --machine, or --live MACHINE"});
+  const auto check = CheckLog(arguments.log, arguments.machine);
+  if (!check) return ReportError(check.error());
+  if (arguments.json != "-") std::cout << CheckText(*check, arguments.machine);
+  if (!arguments.json.empty())
+    if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
+      return ReportError(written.error());
+  const bool no_stroke = check->machine.model != "valve" && check->driving.strokes == 0;
+  return check->Clean() && !no_stroke ? kDone : kPartlyDone;
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Signal quality, gate and excitation of a log: what can be identified from it");
+  command->add_option("log", arguments->log, "Log (CSV, CSV.gz or MAT), or raw window (press.db#axis)");
+  command->add_option("--machine,-m", arguments->machine, "Machine file (TOML)");
+  command->add_option("--live", arguments->live,
+                      "Listen to the machine of this machine file in place of a log");
+  command->add_option("--seconds", arguments->seconds, "--live: s to listen")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
+  command->footer(
+      "Exit code 4: rows or values are bad and would be left out; they are listed.\n"
+      "Examples:\n"
+      "  hydroscope check press.csv --machine press.toml\n"
+      "  hydroscope check press.csv -m press.toml --json check.json\n"
+      "  hydroscope check --live machines/press_live.toml");
+  command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,86 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "host/output.h"
+#include "workbench/compare_output.h"
+#include "workbench/history_options.h"
+#include "workbench/history_output.h"
+
+namespace hydroscope {
+namespace {
+
+struct CompareArguments {
+  std::vector<std::string> logs;
+  std::string machine, hold_out, json;
+  HistoryOptions history;
+};
+
+Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
+  const auto chosen = OpenHistory(a.history, a.machine);
+  if (!chosen) return tl::unexpected(chosen.error());
+  std::vector<CompareResult> results;
+  for (const HistoryChoice& choice : chosen->choices) {
+    const auto history = LoadHistory(chosen->database, a.history.db, choice.parts, choice.machine);
+    if (!history) return tl::unexpected(history.error());
+    auto result = CompareHistory(*history);
+    if (!result) return tl::unexpected(result.error());
+    result->described = HistoryLine(*history);
+    results.push_back(std::move(*result));
+  }
+  return results;
+}
+
+Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
+  if (!a.history.db.empty()) return CompareDatabase(a);
+  auto result = CompareLogs(a.logs, a.machine, a.hold_out);
+  if (!result) return tl::unexpected(result.error());
+  std::vector<CompareResult> results;
+  results.push_back(std::move(*result));
+  return results;
+}
+
+Status RunCompare(const CompareArguments& a) {
+  if (a.logs.empty() == a.history.db.empty())
+    return UsageError("compare needs either a LOG with --machine, or --db DATABASE");
+  if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
+  if (!a.hold_out.empty() && !a.history.db.empty())
+    return UsageError("--hold-out needs logs, not a database");
+  const auto results = Compare(a);
+  if (!results) return tl::unexpected(results.error());
+  nlohmann::json json = nlohmann::json::array();
+  for (const CompareResult& result : *results) {
+    if (a.json != "-") std::cout << (json.empty() ? "" : "\n") << CompareText(result);
+    json.push_back(CompareJson(result));
+    json.back()["machine"] = result.log.machine.name;
+  }
+  if (a.json.empty()) return {};
+  return WriteJson(a.json, json.size() == 1 ? json.front() : nlohmann::json{{"machines", json}});
+}
+
+}  // namespace
+
+void AddCompareCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<CompareArguments>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
+  command->add_option("logs", a->logs, "Logs of one machine (CSV, CSV.gz or MAT)");
+  command->add_option("--hold-out", a->hold_out,
+                      "Log the model is not fitted to: its error on it is given as well");
+  command->add_option("--machine,-m", a->machine,
+                      "Machine file (TOML); with --db the model stored there if it is not given");
+  AddHistoryOptions(*command, a->history);
+  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope compare press.csv --machine machines/die_cushion.toml\n"
+      "  hydroscope compare press.csv -m machines/die_cushion.toml --json -\n"
+      "  hydroscope compare X-ring257_*bar.csv -m machines/seal_friction.toml --hold-out X-ring257_3bar.csv\n"
+      "  hydroscope compare --db press.db --from run:3");
+  command->callback([a, &exit_code] {
+    if (const Status done = RunCompare(*a); !done) exit_code = ReportError(done.error());
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,122 @@
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "cli/frf_record.h"
+#include "cli/frf_report.h"
+#include "host/output.h"
+
+namespace hydroscope {
+namespace {
+
+struct FrfArguments {
+  std::string log, machine, json, svg, method = "auto";
+  double settle = -1;
+  FrequencyResponseOptions options;
+};
+
+FrequencyResponseMethod MethodOf(const std::string& name) {
+  if (name == "sine") return FrequencyResponseMethod::kSine;
+  return name == "welch" ? FrequencyResponseMethod::kWelch : FrequencyResponseMethod::kAuto;
+}
+
+Status WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.flush();
+  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
+  return {};
+}
+
+/// Nothing was left out and there is a model.
+bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
+  if (!response.model || log.left_out > 0) return false;
+  if (response.method == FrequencyResponseMethod::kWelch)
+    return true;  // bins without excitation are expected
+  for (const FrequencyPoint& p : response.points) {
+    if (p.reason != PointReason::kUsed) return false;
+  }
+  return true;
+}
+
+Result<int> RunFrf(const FrfArguments& a) {
+  FrequencyResponseOptions options = a.options;
+  options.method = MethodOf(a.method);
+  if (a.settle >= 0) options.settle_time = a.settle;
+  if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
+  const auto machine = LoadMachine(a.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto log = ReadFrfRecord(a.log, *machine);
+  if (!log) return tl::unexpected(log.error());
+  const auto response = MeasureFrequencyResponse(log->record, options);
+  if (!response) {
+    Error error = response.error();
+    error.text =
+        fmt::format("{} ({} -> {}): {}", a.log, machine->valve.input, machine->valve.output, error.text);
+    if (log->left_out > 0)
+      error.text +=
+          fmt::format("; {} of {} rows were left out ({})", log->left_out, log->rows, log->left_out_why);
+    return tl::unexpected(error);
+  }
+  if (a.json != "-") std::cout << FrfText(*response, *log, *machine, a.log);
+  if (!a.json.empty()) {
+    if (const Status s = WriteJson(a.json, FrfJson(*response, *log, *machine)); !s)
+      return tl::unexpected(s.error());
+  }
+  if (!a.svg.empty()) {
+    const std::string title =
+        fmt::format("{}: {} to {}", machine->name, machine->valve.input, machine->valve.output);
+    if (const Status s = WriteText(a.svg, FrfBodePlot(*response, title)); !s)
+      return tl::unexpected(s.error());
+  }
+  return Complete(*response, *log) ? kDone : kPartlyDone;
+}
+
+}  // namespace
+
+void AddFrfCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<FrfArguments>();
+  CLI::App* command = app.add_subcommand("frf",
+                                         "Frequency response of the valve from a sweep, chirp or noise, and "
+                                         "its second-order model with dead time");
+  command->add_option("log", a->log, "Log with command and response (CSV, CSV.gz or MAT)")->required();
+  command
+      ->add_option("--machine,-m", a->machine,
+                   "Machine file (TOML); its [valve] table names command and response")
+      ->required();
+  command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  command->add_option("--svg", a->svg, "Write a Bode plot to this file");
+  command
+      ->add_option(
+          "--method", a->method,
+          "auto: look at the command; sine: frequencies held one after the other; welch: chirp or noise")
+      ->check(CLI::IsMember({"auto", "sine", "welch"}))
+      ->capture_default_str();
+  command->add_option("--segment", a->options.segment_length,
+                      "welch: samples per segment, even; longer: finer in frequency, fewer averages "
+                      "(default: 1/8 of the log)");
+  command
+      ->add_option("--min-coherence", a->options.min_coherence, "welch: points below are left out of the fit")
+      ->capture_default_str();
+  command
+      ->add_option("--settle", a->settle,
+                   "sine: s to leave out after each change of frequency (default: found from the response)")
+      ->check(CLI::NonNegativeNumber);
+  command->footer(
+      "Exit code 4: some frequencies or rows had to be left out, or there are too few for a model; they are "
+      "listed.\n"
+      "Examples:\n"
+      "  hydroscope simulate valve --out sweep.csv\n"
+      "  hydroscope frf sweep.csv --machine machines/valve_sweep.toml\n"
+      "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --json valve.json --svg bode.svg\n"
+      "  hydroscope frf chirp_0A.txt -m machines/servo_press_chirp.toml --method welch --segment 4096");
+  command->callback([a, &exit_code] {
+    const auto code = RunFrf(*a);
+    exit_code = code ? *code : ReportError(code.error());
+  });
+}
+
+}  // namespace hydroscope

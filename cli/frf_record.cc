@@ -1,0 +1,144 @@
+#include "cli/frf_record.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/quality.h"
+#include "host/output.h"
+#include "pipeline/raw_log.h"
+#include "replay/log_reader.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr Quality kUnusable =
+    quality::kMissing | quality::kOutOfRange | quality::kDuplicate | quality::kTimeBackwards;
+constexpr Quality kNewRun = quality::kGap | quality::kClockJump;
+constexpr std::size_t kRowsAtOnce = 4096;
+
+/// Mean of a slow signal over its good values.
+class Mean {
+ public:
+  explicit Mean(int index) : index_(index) {}
+  void Add(const SampleBlock& block) {
+    if (index_ < 0) return;
+    for (std::size_t n = 0; n < block.rows(); ++n) {
+      if (block.quality[index_][n] & kUnusable) continue;
+      sum_ += block.signal[index_][n];
+      ++count_;
+    }
+  }
+  double value() const { return count_ > 0 ? sum_ / count_ : std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  int index_;
+  double sum_ = 0;
+  double count_ = 0;
+};
+
+/// Cuts rows into runs without a gap.
+class RunBuilder {
+ public:
+  RunBuilder(int input, int output, double full_scale, FrfRecord& result)
+      : input_(input), output_(output), full_scale_(full_scale), result_(result) {}
+
+  void Add(const SampleBlock& block) {
+    for (std::size_t n = 0; n < block.rows(); ++n) {
+      const Quality flags = block.quality[input_][n] | block.quality[output_][n];
+      if (flags & kNewRun) open_ = false;
+      if (flags & kUnusable) {
+        Count(flags);
+        // A row that came twice tears no hole; any other lost row does.
+        if (!(flags & quality::kDuplicate)) open_ = false;
+        continue;
+      }
+      if (!open_) result_.record.runs.push_back({block.time[n], {}, {}});
+      open_ = true;
+      SignalRun& run = result_.record.runs.back();
+      run.input.push_back(block.signal[input_][n] / full_scale_);
+      run.output.push_back(block.signal[output_][n]);
+    }
+    result_.rows += static_cast<std::int64_t>(block.rows());
+  }
+
+  void Finish() {
+    for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
+      if (counts_[i] == 0) continue;
+      if (!result_.left_out_why.empty()) result_.left_out_why += ", ";
+      result_.left_out_why += fmt::format("{} {}", quality::kFlagNames[i].name, counts_[i]);
+    }
+  }
+
+ private:
+  void Count(Quality flags) {
+    ++result_.left_out;
+    for (std::size_t i = 0; i < quality::kFlagNames.size(); ++i) {
+      if (flags & kUnusable & quality::kFlagNames[i].flag) ++counts_[i];
+    }
+  }
+
+  int input_, output_;
+  double full_scale_;
+  FrfRecord& result_;
+  bool open_ = false;
+  std::array<std::int64_t, quality::kFlagNames.size()> counts_{};
+};
+
+Status CheckValveSignals(const Machine& machine) {
+  for (const std::string& name : {machine.valve.input, machine.valve.output}) {
+    if (machine.SignalIndex(name) < 0) {
+      return BadInput(
+          "machine file {}: [valve] names the signal {}, but [signals] has none of that name; map it to its "
+          "column in the log",
+          machine.name, name);
+    }
+  }
+  if (machine.valve.full_scale == 0 || !std::isfinite(machine.valve.full_scale)) {
+    return BadInput("machine file {}: [valve] full_scale is {}, the command at full stroke is needed",
+                    machine.name, machine.valve.full_scale);
+  }
+  return {};
+}
+
+/// The machine reduced to what a valve check needs: other signals are optional, standing still is allowed.
+Machine ForValveCheck(Machine machine) {
+  for (SignalSpec& signal : machine.signals) {
+    signal.required = signal.name == machine.valve.input || signal.name == machine.valve.output;
+    if (signal.required) signal.stuck_time = 0;
+  }
+  return machine;
+}
+
+}  // namespace
+
+Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine) {
+  if (const Status ok = CheckValveSignals(machine); !ok) return tl::unexpected(ok.error());
+  auto reader = OpenRecording(path, ForValveCheck(machine));
+  if (!reader) return tl::unexpected(reader.error());
+  FrfRecord result;
+  result.record.sample_period = (*reader)->SamplePeriod();
+  RunBuilder runs(machine.SignalIndex(machine.valve.input), machine.SignalIndex(machine.valve.output),
+                  machine.valve.full_scale, result);
+  Mean pressure(machine.SignalIndex("p_0")), oil(machine.SignalIndex("T_oil"));
+  ProgressBar progress("reading", "rows");
+  SampleBlock block;
+  while (true) {
+    const auto rows = (*reader)->Read(block, kRowsAtOnce);
+    if (!rows) return tl::unexpected(rows.error());
+    if (*rows == 0) break;
+    runs.Add(block);
+    pressure.Add(block);
+    oil.Add(block);
+    progress.Update((*reader)->Progress(), result.rows);
+  }
+  runs.Finish();
+  if (const std::int64_t rejected = (*reader)->counters().rejected_rows; rejected > 0) {
+    result.left_out += rejected;
+    result.left_out_why += fmt::format("{}unreadable {}", result.left_out_why.empty() ? "" : ", ", rejected);
+  }
+  result.supply_pressure = pressure.value();
+  result.oil_temperature = oil.value();
+  return result;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "host/output.h"
+#include "setup/machine_proposal.h"
+
+namespace hydroscope {
+namespace {
+
+struct InitArguments {
+  std::string log, out, json;
+  double area_cm2 = 0;
+  bool force = false;
+};
+
+nlohmann::json ToJson(const MachineProposal& proposal) {
+  nlohmann::json columns = nlohmann::json::array();
+  for (const ProposedColumn& column : proposal.columns)
+    columns.push_back({{"signal", column.signal},
+                       {"column", column.column},
+                       {"unit", column.unit},
+                       {"why", column.why},
+                       {"sure", column.sure}});
+  return {{"model", proposal.machine.model},
+          {"columns", columns},
+          {"unused", proposal.unused},
+          {"decided", proposal.decided},
+          {"to_fill_in", proposal.open}};
+}
+
+void Report(const InitArguments& arguments, const MachineProposal& proposal, std::ostream& out) {
+  std::size_t width = 6;
+  for (const ProposedColumn& column : proposal.columns) width = std::max(width, column.column.size());
+  out << fmt::format("{:<10} {:<{}}  {:<5} why\n", "signal", "column", width, "unit");
+  for (const ProposedColumn& column : proposal.columns)
+    out << fmt::format("{:<10} {:<{}}  {:<5} {}{}\n", column.signal, column.column, width, column.unit,
+                       column.why, column.sure ? "" : "  <-- check");
+  if (!proposal.unused.empty()) out << fmt::format("not used: {}\n", fmt::join(proposal.unused, ", "));
+  out << "\n";
+  for (const std::string& line : proposal.decided) out << line << "\n";
+  if (!proposal.open.empty()) out << "\nto fill in, marked \"<-- FILL IN\" in the file:\n";
+  for (const std::string& line : proposal.open) out << "  " << line << "\n";
+  if (!arguments.out.empty())
+    out << fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
+                       proposal.machine.model == "valve" ? "frf" : "check", arguments.log, arguments.out);
+}
+
+Status WriteFile(const InitArguments& arguments, const std::string& text) {
+  if (!arguments.force && std::filesystem::exists(arguments.out))
+    return UsageError("{} exists already; choose another name, or --force to replace it", arguments.out);
+  std::ofstream file(arguments.out, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file)
+    return BadInput("{}: the machine file cannot be written; does the folder exist, is there space?",
+                    arguments.out);
+  return {};
+}
+
+int RunInit(const InitArguments& arguments) {
+  const auto head = ReadLogColumns(arguments.log);
+  if (!head) return ReportError(head.error());
+  ProposalOptions options;
+  if (arguments.area_cm2 > 0) options.piston_area = arguments.area_cm2 * 1e-4;
+  const MachineProposal proposal = ProposeMachine(*head, options);
+  if (!arguments.out.empty()) {
+    if (const Status written = WriteFile(arguments, proposal.text); !written)
+      return ReportError(written.error());
+  } else if (arguments.json != "-") {
+    std::cout << proposal.text;
+  }
+  if (!arguments.json.empty())
+    if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written)
+      return ReportError(written.error());
+  const bool stdout_is_taken = arguments.out.empty() || arguments.json == "-";
+  Report(arguments, proposal, stdout_is_taken ? std::cerr : std::cout);
+  return kDone;
+}
+
+}  // namespace
+
+void AddInitCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<InitArguments>();
+  CLI::App* command = app.add_subcommand("init", "Propose a machine file from a log: columns, units, model");
+  command->add_option("LOG", arguments->log, "Log: CSV (plain or .gz) or MAT")->required();
+  command->add_option("--out", arguments->out, "Machine file to write; without it, it goes to stdout");
+  command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--json", arguments->json, "What was inferred and why, as JSON (- is stdout)");
+  command->add_flag("--force", arguments->force, "Replace an existing machine file");
+  command->footer(
+      "Columns are recognised by name (English and German) and by the size and motion of their numbers. "
+      "Nothing is\n"
+      "asked; guesses are marked \"<-- check\", what no log can tell is marked \"<-- FILL IN\".\n"
+      "Examples:\n"
+      "  hydroscope init press.csv --out press.toml\n"
+      "  hydroscope init press.csv --area 125 --out press.toml\n"
+      "  hydroscope init sweep.csv > valve.toml");
+  command->callback([arguments, &exit_code] { exit_code = RunInit(*arguments); });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,164 @@
+#include "cli/simulate_serve.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "cli/live_command.h"
+#include "simulator/press_map.h"
+
+namespace hydroscope {
+namespace {
+
+HostTime Now() {
+  const auto ns = [](auto time) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+  };
+  return {ns(std::chrono::steady_clock::now()), ns(std::chrono::system_clock::now())};
+}
+
+std::vector<std::string> AxisNames(const Machine& machine, int axes) {
+  std::vector<std::string> names = machine.live->axes;
+  while (static_cast<int>(names.size()) < axes) names.push_back(fmt::format("axis_{}", names.size() + 1));
+  names.resize(static_cast<std::size_t>(axes));
+  return names;
+}
+
+/// The ring of the machine file must be the one that the press has.
+Status CheckRing(const ModbusRingSpec& ring, const PressServer::Options& options) {
+  using namespace press_map;
+  const PressMap map(options.press.axes, options.press.press.sample_period, options.session,
+                     WordOrder::kAbcd);
+  if (!map.has_ring())
+    return UsageError("a press of {} axes has no ring in its registers; at most {} axes fit",
+                      options.press.axes, kMostRingAxes);
+  const bool same = ring.session == kSession && ring.newest == kNewest && ring.first == kRing &&
+                    ring.records == map.ring_records() && ring.width == map.ring_width();
+  if (same) return {};
+  return BadInput(
+      "[live.modbus] ring: the simulated press of {} axes has ring = {{ session = {}, newest = {}, time = "
+      "{}, first = "
+      "{}, records = {}, width = {}, period = {} }}",
+      options.press.axes, kSession, kNewest, kTime, kRing, map.ring_records(), map.ring_width(),
+      options.press.press.sample_period);
+}
+
+/// Reads commands and signals until the press has stopped.
+class Control {
+ public:
+  Control(PressServer& server, std::stop_source stop, const sigset_t& signals)
+      : server_(server),
+        stop_(std::move(stop)),
+        signals_(signals),
+        thread_([this](std::stop_token done) { Listen(done); }) {}
+
+ private:
+  static constexpr int kLook = 100;  // ms between two looks at signals
+
+  void Listen(const std::stop_token& done) {
+    const timespec at_once{};
+    bool open = true;
+    while (!done.stop_requested()) {
+      if (sigtimedwait(&signals_, nullptr, &at_once) > 0) stop_.request_stop();
+      pollfd input{STDIN_FILENO, POLLIN, 0};
+      if (poll(&input, open ? 1 : 0, kLook) <= 0) continue;
+      char bytes[4096];
+      const ssize_t count = read(STDIN_FILENO, bytes, sizeof(bytes));
+      if (count <= 0) open = false;  // nobody is there any more; the press goes on
+      for (ssize_t k = 0; k < count; ++k) {
+        if (bytes[k] != '\n') {
+          line_ += bytes[k];
+          continue;
+        }
+        Do(line_);
+        line_.clear();
+      }
+    }
+  }
+
+  void Do(const std::string& line) {
+    const auto command = ParseLiveCommand(line);
+    const Status status = command ? server_.Do(*command) : tl::unexpected(command.error());
+    std::cout << (status ? "ok " + line : "error " + status.error().text) << std::endl;
+  }
+
+  PressServer& server_;
+  std::stop_source stop_;
+  sigset_t signals_;
+  std::string line_;
+  std::jthread thread_;
+};
+
+std::string Announcement(const PressServer::Options& o) {
+  std::string text = fmt::format("serving {} axes at {:g} Hz, {:g} times real time", o.press.axes,
+                                 1 / o.press.press.sample_period, o.speed);
+  if (o.dds) text += fmt::format("; DDS domain {}, topic {}", o.dds->domain, o.topic);
+  if (o.modbus) text += fmt::format("; Modbus {}:{}", o.modbus->host, o.modbus->port);
+  return text + fmt::format("; session {}", o.session);
+}
+
+}  // namespace
+
+Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const PressOptions& press,
+                                          const Machine& machine) {
+  if (!machine.live || (!machine.live->dds && !machine.live->modbus))
+    return BadInput(
+        "{}: a machine that is served needs a section [live] with [live.dds], [live.modbus] or both",
+        arguments.machine);
+  const LiveSpec& live = *machine.live;
+  PressServer::Options options;
+  options.press = {.press = press, .axes = arguments.axes, .work = arguments.work, .pause = arguments.pause};
+  if (arguments.axes == 0) options.press.axes = AxisCount(machine);
+  if (arguments.axes != 0 || !live.axes.empty()) options.axes = AxisNames(machine, options.press.axes);
+  options.speed = arguments.speed;
+  options.clock_drift = arguments.clock_drift * 1e-6;
+  if (live.dds) {
+    options.topic = live.dds->topic;
+    options.dds = DdsNetwork{.domain = live.dds->domain,
+                             .udp = live.dds->transport != DdsTransport::kSharedMemory,
+                             .shared_memory = live.dds->transport != DdsTransport::kUdp,
+                             .interfaces = live.dds->interfaces,
+                             .peers = live.dds->peers};
+  }
+  if (live.modbus) {
+    options.modbus = {.host = live.modbus->host, .port = live.modbus->port, .order = live.modbus->order};
+    if (live.modbus->ring)
+      if (const Status status = CheckRing(*live.modbus->ring, options); !status)
+        return tl::unexpected(status.error());
+  }
+  return options;
+}
+
+Status ServePress(const ServedPress& arguments, PressOptions press) {
+  const auto machine = LoadMachine(arguments.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  auto options = ServeOptions(arguments, press, *machine);
+  if (!options) return tl::unexpected(options.error());
+  options->session = static_cast<std::uint64_t>(Now().wall_ns / 1'000'000);
+
+  sigset_t signals;  // before any thread begins: all of them leave these signals to Control
+  sigemptyset(&signals);
+  for (const int number : {SIGINT, SIGTERM}) sigaddset(&signals, number);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  auto server = PressServer::Create(*options, Now);
+  if (!server) return tl::unexpected(server.error());
+  std::cout << Announcement(*options) << std::endl;
+  std::stop_source stop;
+  {
+    const Control control(**server, stop, signals);
+    (*server)->Run(stop.get_token(), press.seconds);
+  }
+  const PressServer::Counters counters = (*server)->counters();
+  std::cout << fmt::format("stopped after {} rows; {} batches published, {} dropped", counters.rows,
+                           counters.batches, counters.dropped_batches)
+            << std::endl;
+  return {};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,165 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "host/output.h"
+#include "live/http_endpoint.h"
+#include "live/live_status.h"
+#include "live/verify_live.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+namespace {
+
+struct StatusArguments {
+  std::string database, json, valve_check;
+  bool valve_checks = false;
+};
+
+/// A value with its 95 % interval; "-" if there is none.
+std::string Interval(double value, double std) {
+  return std::isfinite(value) ? fmt::format("{:.5g} +- {:.2g}", value, 1.96 * std) : "-";
+}
+
+/// The history of valve checks, from the database; no service is needed.
+int RunValveChecks(const StatusArguments& a) {
+  auto database = Database::OpenReadOnly(a.database);
+  if (!database) return ReportError(database.error());
+  const auto names = database->MachineNames();
+  if (!names) return ReportError(names.error());
+  nlohmann::json list = nlohmann::json::array();
+  std::string text = fmt::format("{:<22} {:>13} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", "axis", "time s",
+                                 "outcome", "bandwidth Hz", "damping", "gain", "dead time ms", "");
+  for (const std::string& name : *names) {
+    const auto machine = database->MachineId(name);
+    if (!machine) return ReportError(machine.error());
+    const auto checks = database->ValveChecks(*machine);
+    if (!checks) return ReportError(checks.error());
+    for (const ValveCheckRecord& c : *checks) {
+      std::string conditions = c.detail;
+      if (std::isfinite(c.supply_pressure))
+        conditions = fmt::format("amplitude {:.3g}, supply {:.1f} bar, oil {:.1f} degC; {}", c.amplitude,
+                                 c.supply_pressure * 1e-5, c.oil_temperature - 273.15, c.detail);
+      text += fmt::format("{:<22} {:>13.1f} {:<10} {:>18} {:>18} {:>20} {:>18}  {}\n", name, c.begin,
+                          c.outcome, Interval(c.bandwidth, c.bandwidth_std),
+                          Interval(c.damping, c.damping_std), Interval(c.gain, c.gain_std),
+                          Interval(c.dead_time * 1e3, c.dead_time_std * 1e3), conditions);
+      nlohmann::json check = {
+          {"axis", name}, {"time_s", c.begin}, {"outcome", c.outcome}, {"detail", c.detail}};
+      for (const auto& [key, value] : {std::pair{"f0_hz", c.f0},
+                                       {"f0_std_hz", c.f0_std},
+                                       {"damping", c.damping},
+                                       {"damping_std", c.damping_std},
+                                       {"gain", c.gain},
+                                       {"gain_std", c.gain_std},
+                                       {"dead_time_s", c.dead_time},
+                                       {"dead_time_std_s", c.dead_time_std},
+                                       {"bandwidth_hz", c.bandwidth},
+                                       {"bandwidth_std_hz", c.bandwidth_std},
+                                       {"amplitude", c.amplitude},
+                                       {"supply_pressure", c.supply_pressure},
+                                       {"oil_temperature", c.oil_temperature}})
+        check[key] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+      list.push_back(std::move(check));
+    }
+  }
+  if (a.json != "-") std::cout << text;
+  if (!a.json.empty())
+    if (const Status written = WriteJson(a.json, {{"valve_checks", list}}); !written)
+      return ReportError(written.error());
+  return kDone;
+}
+
+int RunStatus(const StatusArguments& a) {
+  if (a.valve_checks) return RunValveChecks(a);
+  const std::string socket = SocketOf(a.database);
+  if (!a.valve_check.empty()) {
+    const auto asked = AskService(socket, "POST", "/valve_check?axis=" + a.valve_check);
+    if (!asked) return ReportError(asked.error());
+    std::cout << "The controller will be asked for a valve sweep of " << a.valve_check
+              << "; `hydroscope status --valve-checks` shows what comes of it.\n";
+    return kDone;
+  }
+  const auto answer = AskService(socket, "GET", "/status");
+  if (!answer) return ReportError(answer.error());
+  const auto status = nlohmann::json::parse(*answer, nullptr, false);
+  if (!status.is_object())
+    return ReportError(
+        {ErrorKind::kInternal, "the service's answer is no JSON; is it another version of the program?"});
+  if (a.json != "-") std::cout << StatusText(status);
+  if (!a.json.empty())
+    if (const Status written = WriteJson(a.json, status); !written) return ReportError(written.error());
+  return status.at("writer").at("state") == "writing" ? kDone : kPartlyDone;
+}
+
+int RunVerify(const std::string& database, const std::string& json) {
+  const auto runs = VerifyLive(database);
+  if (!runs) return ReportError(runs.error());
+  nlohmann::json list = nlohmann::json::array();
+  std::string text = fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", "axis", "run", "rows", "strokes",
+                                 "replay of the raw window");
+  std::int64_t same = 0, different = 0;
+  for (const VerifiedRun& run : *runs) {
+    using enum VerifiedRun::Outcome;
+    const std::string outcome = run.outcome == kSame      ? "the same to the last bit"
+                                : run.outcome == kDiffers ? "DIFFERS: " + run.detail
+                                                          : "not compared: " + run.detail;
+    same += run.outcome == kSame;
+    different += run.outcome == kDiffers;
+    text += fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", run.axis, run.run, run.rows, run.strokes, outcome);
+    list.push_back({{"axis", run.axis},
+                    {"run", run.run},
+                    {"rows", run.rows},
+                    {"strokes", run.strokes},
+                    {"same", run.outcome == kSame},
+                    {"compared", run.outcome != kNotKept},
+                    {"detail", run.detail}});
+  }
+  text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
+                      different, static_cast<std::int64_t>(runs->size()) - same - different);
+  if (json != "-") std::cout << text;
+  if (!json.empty())
+    if (const Status written = WriteJson(json, {{"runs", list}, {"same", same}, {"different", different}});
+        !written)
+      return ReportError(written.error());
+  if (different > 0) return kOwnFault;
+  return same > 0 ? kDone : kPartlyDone;
+}
+
+}  // namespace
+
+void AddStatusCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<StatusArguments>();
+  CLI::App* command = app.add_subcommand(
+      "status", "What a running `hydroscope serve` does: sources, rates, ages, queues, disk");
+  command->add_option("--db,-d", a->database, "Database the service writes")->required();
+  command->add_option("--json", a->json, "Write everything as JSON to this file; - is stdout");
+  command->add_option("--request-valve-check", a->valve_check,
+                      "Ask the controller for a valve sweep of this axis");
+  command->add_flag("--valve-checks", a->valve_checks, "History of valve checks, from the database");
+  command->footer(
+      "Exit code 4: the service runs but cannot write at present.\n"
+      "Examples:\n"
+      "  hydroscope status --db press.db\n"
+      "  hydroscope status -d press.db --json - | jq .writer.state\n"
+      "  hydroscope status -d press.db --request-valve-check cushion_1");
+  command->callback([a, &exit_code] { exit_code = RunStatus(*a); });
+}
+
+void AddVerifyLiveCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<std::pair<std::string, std::string>>();
+  CLI::App* command = app.add_subcommand(
+      "verify-live",
+      "Replays the raw window of live runs and compares with what the service stored, bit by bit");
+  command->add_option("--db,-d", a->first, "Trend database of `hydroscope serve`")->required();
+  command->add_option("--json", a->second, "Write the result as JSON to this file; - is stdout");
+  command->footer(
+      "Exit code 1: a run differs; 4: there was nothing to compare.\n"
+      "Example:\n  hydroscope verify-live --db press.db");
+  command->callback([a, &exit_code] { exit_code = RunVerify(a->first, a->second); });
+}
+
+}  // namespace hydroscope

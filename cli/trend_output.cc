@@ -1,0 +1,198 @@
+#include "cli/trend_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/trend_summary.h"
+#include "core/constants.h"
+#include "core/units.h"
+#include "report/text_sink.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kSparkWidth = 20;
+
+std::string Counted(std::int64_t count, const char* thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
+/// Decimals that leave two uncertain digits of a number known to +- half_width.
+int Decimals(double half_width) {
+  if (half_width <= 0) return 4;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 9);
+}
+
+std::string ValueText(double value, double half_width) {
+  if (!std::isfinite(value)) return "-";
+  if (!std::isfinite(half_width)) return fmt::format("{:.5g} ± ?", value);
+  const double size = std::max(std::abs(value), half_width);
+  if (size != 0 && (size < 1e-4 || size >= 1e7)) return fmt::format("{:.3e} ± {:.1e}", value, half_width);
+  const int decimals = Decimals(half_width);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
+}
+
+std::string LastExcited(const TrendSummary& s) {
+  if (!s.since) return "never";
+  if (*s.since == 0) return "last stroke";
+  return Counted(*s.since, "stroke") + " ago";
+}
+
+std::string ChangeText(const TrendSummary& s) {
+  if (!s.change) return "too few strokes";
+  const auto percent = s.change->Percent();
+  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  const double value = percent ? *percent : s.change->value * unit.factor;
+  const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
+  const std::string name = percent ? " %" : unit.name == "1" ? "" : fmt::format(" {}", unit.name);
+  const char* judged = s.change->with_oil      ? "significant, with the oil"
+                       : s.change->significant ? "significant"
+                       : s.change->hint        ? "a hint"
+                                               : "within noise";
+  return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name, judged);
+}
+
+std::string TableRow(std::size_t name_width, const std::array<std::string, 7>& cells) {
+  return fmt::format("{:<{}} {:>21} {:<6} {:>10} {:<15} {:<29} {}\n", cells[0], name_width, cells[1],
+                     cells[2], cells[3], cells[4], cells[5], cells[6]);
+}
+
+std::string Row(const TrendSummary& s, std::size_t name_width) {
+  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  const double value = s.latest.value * unit.factor + unit.offset;
+  const double half_width = kNormal95 * s.latest.std * unit.factor;
+  return TableRow(name_width,
+                  {s.parameter, ValueText(value, half_width), unit.name == "1" ? "-" : std::string(unit.name),
+                   fmt::format("{} of {}", s.updated, s.strokes), LastExcited(s), ChangeText(s),
+                   Sparkline(s.values, s.stds, kSparkWidth)});
+}
+
+std::string Header(const MachineTrends& trends) {
+  const TrendPoint &first = trends.points.front(), &last = trends.points.back();
+  std::string text = fmt::format(
+      "{}: {} in {}, strokes {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
+      Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, "stroke"),
+      Counted(static_cast<std::int64_t>(trends.runs.size()), "run"), first.sequence, last.sequence);
+  const RunInfo& run = trends.runs.back();
+  text += fmt::format("last log {}{}, ends at {:.1f} s", run.source, run.complete ? "" : " (not finished)",
+                      last.time);
+  if (std::isfinite(last.oil_temperature))
+    text += fmt::format(", oil {:.1f} °C", last.oil_temperature - kZeroCelsius);
+  return text + "\n";
+}
+
+std::string Reasons(const std::vector<TrendSummary>& summaries) {
+  std::string text;
+  for (const TrendSummary& s : summaries)
+    if (s.latest.reason != EstimateReason::kUpdated)
+      text += fmt::format("{}: {}\n", s.parameter, ReasonText(s.latest.reason));
+  return text.empty() ? text : "\nNot updated by the last stroke\n" + text;
+}
+
+std::string Quoted(const std::string& field) {
+  if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
+  std::string quoted = "\"";
+  for (const char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// Shortest text that reads back to the same double; empty for NaN.
+std::string Number(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
+
+double Celsius(double kelvin) { return std::round((kelvin - kZeroCelsius) * 1e6) / 1e6; }
+
+std::string CsvRow(const std::string& machine, const TrendPoint& p) {
+  const Estimate& e = p.estimate;
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", machine, p.run, p.stroke, p.sequence,
+                     Number(p.time), Quoted(e.parameter), Number(e.value), Number(e.std), Quoted(e.unit),
+                     Number(Celsius(p.oil_temperature)), ReasonName(e.reason), Number(e.excitation),
+                     Number(e.last_excited));
+}
+
+nlohmann::json JsonNumber(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json PointJson(const TrendPoint& p) {
+  const Estimate& e = p.estimate;
+  return {{"run", p.run},
+          {"stroke", p.stroke},
+          {"sequence", p.sequence},
+          {"time_s", JsonNumber(p.time)},
+          {"parameter", e.parameter},
+          {"value", JsonNumber(e.value)},
+          {"std", JsonNumber(e.std)},
+          {"unit", e.unit},
+          {"oil_temperature_degC", JsonNumber(Celsius(p.oil_temperature))},
+          {"reason", ReasonName(e.reason)},
+          {"excitation", JsonNumber(e.excitation)},
+          {"last_excited_s", JsonNumber(e.last_excited)}};
+}
+
+nlohmann::json SummaryJson(const TrendSummary& s) {
+  nlohmann::json out = {{"parameter", s.parameter},
+                        {"unit", s.unit},
+                        {"value", JsonNumber(s.latest.value)},
+                        {"std", JsonNumber(s.latest.std)},
+                        {"strokes", s.strokes},
+                        {"updated", s.updated},
+                        {"reason", ReasonName(s.latest.reason)},
+                        {"change", nullptr}};
+  if (!s.change) return out;
+  out["change"] = {
+      {"value", s.change->value}, {"std", s.change->std},           {"significant", s.change->significant},
+      {"hint", s.change->hint},   {"with_oil", s.change->with_oil}, {"p", s.change->p}};
+  if (const auto percent = s.change->Percent()) {
+    out["change"]["percent"] = *percent;
+    out["change"]["percent_std"] = *s.change->PercentStd();
+  }
+  return out;
+}
+
+nlohmann::json MachineJson(const MachineTrends& trends) {
+  nlohmann::json points = nlohmann::json::array(), summary = nlohmann::json::array();
+  for (const TrendPoint& point : trends.points) points.push_back(PointJson(point));
+  for (const TrendSummary& s : SummariseTrends(trends.points, trends.blocks, trends.strokes))
+    summary.push_back(SummaryJson(s));
+  return {{"machine", trends.machine}, {"points", std::move(points)}, {"summary", std::move(summary)}};
+}
+
+}  // namespace
+
+std::string TrendText(const MachineTrends& trends) {
+  const std::vector<TrendSummary> summaries = SummariseTrends(trends.points, trends.blocks, trends.strokes);
+  std::string text = Header(trends);
+  std::size_t name_width = 9;
+  for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
+  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "updated", "last excited",
+                                       "change, 95 %", "over the strokes"});
+  for (const TrendSummary& s : summaries) text += Row(s, name_width);
+  return text + Reasons(summaries);
+}
+
+Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines) {
+  auto sink = TextSink::Open(path);
+  if (!sink) return tl::unexpected(sink.error());
+  sink->Write(
+      "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,"
+      "last_excited_s\n");
+  for (const MachineTrends& trends : machines) {
+    const std::string machine = Quoted(trends.machine);
+    for (const TrendPoint& point : trends.points)
+      if (!sink->Write(CsvRow(machine, point))) return sink->Close();
+  }
+  return sink->Close();
+}
+
+nlohmann::json TrendJson(const std::vector<MachineTrends>& machines) {
+  if (machines.size() == 1) return MachineJson(machines.front());
+  nlohmann::json all = nlohmann::json::array();
+  for (const MachineTrends& trends : machines) all.push_back(MachineJson(trends));
+  return {{"machines", std::move(all)}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,126 @@
+#include "cli/trend_summary.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/constants.h"
+#include "core/quantile.h"
+#include "core/relative_change.h"
+#include "report/report_analysis.h"
+
+namespace hydroscope {
+namespace {
+
+std::optional<TrendChange> ChangeOf(const ParameterAnalysis& analysis) {
+  const TestedValue& tested = analysis.change.change;
+  if (!tested.Known()) return std::nullopt;
+  const Significance significance = SignificanceOf(tested);
+  TrendChange change;
+  change.value = tested.value;
+  change.std = tested.HalfWidth() / kNormal95;
+  change.from = analysis.change.first;
+  change.from_std = analysis.change.first_std;
+  change.p = tested.p;
+  change.significant = significance == Significance::kClear;
+  change.hint = significance == Significance::kHint;
+  change.with_oil = change.significant && analysis.unexplained == Significance::kNone;
+  return change;
+}
+
+TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
+  TrendSummary summary;
+  summary.latest = points.back()->estimate;
+  summary.parameter = summary.latest.parameter;
+  summary.unit = summary.latest.unit;
+  summary.strokes = static_cast<std::int64_t>(points.size());
+  for (const TrendPoint* point : points) {
+    const Estimate& e = point->estimate;
+    summary.values.push_back(e.value);
+    summary.stds.push_back(e.std);
+    if (e.reason != EstimateReason::kUpdated) continue;
+    ++summary.updated;
+    summary.since = points.back()->sequence - point->sequence;
+  }
+  return summary;
+}
+
+/// Mean of the known values of each of `width` equal pieces; NaN where a piece has none.
+std::vector<double> PieceMeans(const std::vector<double>& values, std::size_t width) {
+  const std::size_t pieces = std::min(width, values.size());
+  std::vector<double> means;
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    double sum = 0, count = 0;
+    for (std::size_t i = piece * values.size() / pieces; i < (piece + 1) * values.size() / pieces; ++i) {
+      if (!std::isfinite(values[i])) continue;
+      sum += values[i];
+      count += 1;
+    }
+    means.push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
+  }
+  return means;
+}
+
+}  // namespace
+
+std::optional<double> TrendChange::Percent() const {
+  const auto share = RelativeChange(from, from_std, value);
+  return share ? std::optional(100 * *share) : std::nullopt;
+}
+
+std::optional<double> TrendChange::PercentStd() const {
+  if (!Percent()) return std::nullopt;
+  return 100 * std / std::abs(from);
+}
+
+std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
+                                          const std::vector<BlockEstimates>& blocks,
+                                          const std::vector<StrokeSummary>& strokes) {
+  std::vector<std::string> order;
+  std::vector<std::vector<const TrendPoint*>> groups;
+  for (const TrendPoint& point : points) {
+    const auto found = std::find(order.begin(), order.end(), point.estimate.parameter);
+    const auto at = static_cast<std::size_t>(found - order.begin());
+    if (found == order.end()) {
+      order.push_back(point.estimate.parameter);
+      groups.emplace_back();
+    }
+    groups[at].push_back(&point);
+  }
+  std::vector<TrendSummary> summaries;
+  for (const auto& group : groups) summaries.push_back(Summarise(group));
+  ReportInput input;
+  input.trends = points;
+  input.blocks = blocks;
+  input.strokes = strokes;
+  for (const ParameterAnalysis& analysis : AnalyseReport(input).parameters)
+    for (TrendSummary& summary : summaries)
+      if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
+  return summaries;
+}
+
+std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width) {
+  static constexpr std::array<const char*, 8> kBlocks = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  const std::vector<double> means = PieceMeans(values, width);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double mean : means) {
+    if (!std::isfinite(mean)) continue;
+    low = std::min(low, mean);
+    high = std::max(high, mean);
+  }
+  const double height = std::max(high - low, 4 * Median(stds, 0));
+  const double bottom = (low + high - height) / 2;
+  std::string line;
+  for (const double mean : means) {
+    if (!std::isfinite(mean)) {
+      line += ' ';
+      continue;
+    }
+    const double share = height > 0 ? (mean - bottom) / height : 0.5;
+    line += kBlocks[static_cast<std::size_t>(std::clamp(share * kBlocks.size(), 0.0, kBlocks.size() - 1.0))];
+  }
+  return line;
+}
+
+}  // namespace hydroscope

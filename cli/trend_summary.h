@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/database.h"
+#include "workbench/block_estimates.h"
+
+namespace hydroscope {
+
+/// How far a parameter moved over the strokes looked at, last third against first: the judgement of the
+/// report's card (ParameterAnalysis::change).
+struct TrendChange {
+  double value = 0;          ///< SI, last third minus first third
+  double std = 0;            ///< SI
+  double from = 0;           ///< SI, mean of the first third
+  double from_std = 0;       ///< SI
+  double p = 1;              ///< of no change
+  bool significant = false;  ///< clear
+  bool hint = false;         ///< more than chance, less than clear
+  bool with_oil = false;     ///< oil temperature accounts for it
+  /// % of `from`; nullopt where that says nothing (core/relative_change.h).
+  std::optional<double> Percent() const;
+  std::optional<double> PercentStd() const;
+};
+
+/// What the table says about one parameter.
+struct TrendSummary {
+  std::string parameter, unit;        ///< SI unit
+  Estimate latest;                    ///< of the last stroke
+  std::int64_t strokes = 0;           ///< strokes looked at
+  std::int64_t updated = 0;           ///< of these, strokes that told something about the parameter
+  std::optional<std::int64_t> since;  ///< strokes since the last such; nullopt if there was none
+  std::optional<TrendChange> change;  ///< nullopt with too few strokes to tell
+  std::vector<double> values;         ///< SI, one per stroke, NaN where nothing is known
+  std::vector<double> stds;           ///< SI
+};
+
+/// One summary per parameter, in the order of the points; `points` in order of sequence. `blocks` of the same
+/// strokes and their summaries, if they are known: the judgement rests on them, as in the report.
+std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
+                                          const std::vector<BlockEstimates>& blocks = {},
+                                          const std::vector<StrokeSummary>& strokes = {});
+
+/// The values as a row of `width` block characters (UTF-8), mean per piece, a space where nothing is known.
+/// The height spans the values, but at least four typical std, so that noise does not look like a trend.
+std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width);
+
+}  // namespace hydroscope

@@ -1,0 +1,28 @@
+#include "core/effect_units.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/units.h"
+
+namespace hydroscope {
+
+EffectUnit EffectUnitFor(std::string_view si) {
+  constexpr double kBar = 1e-5;
+  if (si == "1") return {1.0, "-"};
+  if (si == "s") return {1e3, "ms"};
+  if (si == "1/K") return {1e2, "%/K"};
+  if (si == "1/s") return {6e3, "%/min"};
+  if (si == "Pa/s") return {60 * kBar, "bar/min"};
+  if (si == "Pa2") return {kBar * kBar, "bar^2"};
+  if (si == "s2") return {1e6, "ms^2"};
+  if (si == "Pa s/m3") return {kBar / kLitresPerMinute, "bar per l/min"};
+  if (si == "m3/(s Pa)") return {kLitresPerMinute / kBar, "l/min per bar"};
+  if (si == "m3/(s sqrt(Pa))") return {kLitresPerMinute / std::sqrt(kBar), "l/min per sqrt(bar)"};
+  if (si == "Pa s2/m6") return {kBar / (kLitresPerMinute * kLitresPerMinute), "bar per (l/min)^2"};
+  const DisplayUnit shown = DisplayUnitFor(si);
+  return {shown.factor, std::string(shown.name)};
+}
+
+}  // namespace hydroscope

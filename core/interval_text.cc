@@ -1,0 +1,29 @@
+#include "core/interval_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/effect_units.h"
+#include "core/units.h"
+
+namespace hydroscope {
+
+std::string WithInterval(double value, double half_width) {
+  if (!std::isfinite(half_width)) return fmt::format("{:.4g} ± ?", value);
+  const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
+  const int decimals =
+      leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
+}
+
+std::string ShownWithInterval(double value, double std, const std::string& si_unit) {
+  const EffectUnit unit = EffectUnitFor(si_unit);
+  const double offset = DisplayUnitFor(si_unit).offset;
+  return WithInterval(value * unit.factor + offset, kNormal95 * std * unit.factor) +
+         (unit.name == "-" ? "" : " " + unit.name);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,103 @@
+#include "diagnosis/experiment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnosis/explain.h"
+#include "studies/simulated_strokes.h"
+
+namespace hydroscope {
+namespace {
+
+/// A small leak past the piston seal: with chamber B at one pressure it looks the same as one to the outside.
+PressOptions SmallLeak() {
+  PressOptions press;
+  press.seconds = 60;
+  press.seed = 31;
+  press.effects = {{"internal_leakage", 0.9e-12, {}}};
+  return press;
+}
+
+class ExperimentTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    strokes_ = new LogStrokes(
+        StrokesOf(SimulatePress(SmallLeak()), MachineFor(SmallLeak()), KeepSamples::kYes).value());
+    explanation_ = new Explanation(ExplainSamples(strokes_->model, strokes_->stretches, strokes_->window));
+  }
+  static void TearDownTestSuite() {
+    delete strokes_;
+    delete explanation_;
+  }
+  static MachineMoves Moves(double rod_min, double rod_max) {
+    Machine machine = strokes_->machine;
+    machine.experiment.rod_pressure_min = rod_min;
+    machine.experiment.rod_pressure_max = rod_max;
+    return MovesOf(machine, strokes_->stretches);
+  }
+  static Experiment Propose(const MachineMoves& moves) {
+    return ProposeExperiment(*explanation_, moves, strokes_->stretches, strokes_->window);
+  }
+
+  inline static LogStrokes* strokes_ = nullptr;
+  inline static Explanation* explanation_ = nullptr;
+};
+
+TEST_F(ExperimentTest, TwoLeaksThatOnlyChamberBTellsApartAreAmbiguousBefore) {
+  ASSERT_EQ(explanation_->verdict, Verdict::kAmbiguous);
+  EXPECT_THAT(explanation_->set, testing::IsSupersetOf({"internal_leakage", "external_leakage"}));
+}
+
+TEST_F(ExperimentTest, AsksForTwoPressuresInChamberBWhereTheMachineAllowsThem) {
+  const Experiment e = Propose(Moves(20e5, 60e5));
+  EXPECT_EQ(e.rod, (std::vector<double>{20e5, 60e5}));
+  EXPECT_GE(e.strokes, 24);
+  EXPECT_LT(e.strokes, 100);
+  EXPECT_GE(e.separation, 100);
+  EXPECT_NE(ExperimentText(e).find("20 and 60 bar in chamber B"), std::string::npos) << ExperimentText(e);
+}
+
+TEST_F(ExperimentTest, NeverLeavesTheMovesAllowed) {
+  MachineMoves moves = Moves(60e5, 60e5);
+  moves.max_strokes = 100000;
+  const Experiment e = Propose(moves);
+  ASSERT_FALSE(e.pressures.empty());
+  EXPECT_TRUE(e.rod.empty());
+  EXPECT_EQ(e.warm_up, 0);
+  for (const double speed : e.speeds) {
+    EXPECT_GE(speed, moves.speed_min);
+    EXPECT_LE(speed, moves.speed_max);
+  }
+  for (const double pressure : e.pressures) {
+    EXPECT_GE(pressure, moves.pressure_min);
+    EXPECT_LE(pressure, moves.pressure_max);
+  }
+}
+
+TEST_F(ExperimentTest, ProposesNothingThatWouldNotSettleIt) {
+  MachineMoves moves = Moves(60e5, 60e5);
+  moves.speed_max = moves.speed_min;
+  moves.pressure_max = moves.pressure_min;
+  moves.max_strokes = 24;
+  EXPECT_TRUE(Propose(moves).pressures.empty());
+}
+
+TEST_F(ExperimentTest, RecordedAndExplainedTogetherItNamesTheLeak) {
+  const Experiment e = Propose(Moves(20e5, 60e5));
+  PressOptions press = SmallLeak();
+  press.seed += 1;
+  press.motion.speeds = e.speeds;
+  press.motion.set_points = e.pressures;
+  press.motion.rod_pressures = e.rod;
+  press.seconds = e.seconds + 3.0 * e.strokes;
+  const auto second = StrokesOf(SimulatePress(press), MachineFor(press), KeepSamples::kYes);
+  ASSERT_TRUE(second);
+  std::vector<StrokeStretches> both = strokes_->stretches;
+  both.insert(both.end(), second->stretches.begin(), second->stretches.end());
+  const Explanation x = ExplainSamples(strokes_->model, both, strokes_->window);
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, (std::vector<std::string>{"internal_leakage"}));
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,64 @@
+#include "host/output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+namespace hydroscope {
+
+int ReportError(const Error& error) {
+  std::cerr << "hydroscope: " << error.text << "\n";
+  switch (error.kind) {
+    case ErrorKind::kUsage:
+      return kWrongUse;
+    case ErrorKind::kBadInput:
+      return kWrongInput;
+    case ErrorKind::kInternal:
+      return kOwnFault;
+  }
+  return kOwnFault;
+}
+
+Status WriteJson(const std::string& path, const nlohmann::json& document) {
+  if (path == "-") {
+    std::cout << document.dump(2) << "\n";
+    return {};
+  }
+  std::ofstream file(path);
+  file << document.dump(2) << "\n";
+  file.flush();
+  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
+  return {};
+}
+
+ProgressBar::ProgressBar(std::string what, std::string unit)
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      last_draw_(start_) {}
+
+ProgressBar::~ProgressBar() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::Update(double share, std::int64_t count) {
+  if (!terminal_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_draw_ < std::chrono::milliseconds(100)) return;
+  last_draw_ = now;
+  drawn_ = true;
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  const double rate = static_cast<double>(count) / elapsed;
+  const double left = share > 0 ? elapsed * (1 - share) / share : 0;
+  const int full = static_cast<int>(share * 30);
+  const std::string line = fmt::format("\r{} [{:=<{}}{: <{}}] {:3.0f} %  {:.3g} {}/s  {:.0f} s left\033[K",
+                                       what_, "", full, "", 30 - full, share * 100, rate, unit_, left);
+  std::fputs(line.c_str(), stderr);
+}
+
+}  // namespace hydroscope

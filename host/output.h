@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+/// Exit codes scripts rely on (docs/command_line.md).
+enum ExitCode { kDone = 0, kOwnFault = 1, kWrongUse = 2, kWrongInput = 3, kPartlyDone = 4 };
+
+/// Prints the error to stderr and returns the exit code that belongs to its kind.
+int ReportError(const Error& error);
+
+/// Writes `document` to `path` ("-" is stdout), indented, with a final newline.
+Status WriteJson(const std::string& path, const nlohmann::json& document);
+
+/// Progress on stderr with rate and time left; silent when stderr is no terminal.
+class ProgressBar {
+ public:
+  /// `what` stands before the bar; `unit` is what the rate counts ("rows").
+  ProgressBar(std::string what, std::string unit);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  /// `share` done 0...1, `count` units so far. Redraws at most ten times a second.
+  void Update(double share, std::int64_t count);
+
+ private:
+  std::string what_, unit_;
+  bool terminal_;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point start_, last_draw_;
+};
+
+}  // namespace hydroscope

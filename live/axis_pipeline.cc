@@ -1,0 +1,113 @@
+#include "live/axis_pipeline.h"
+
+#include "pipeline/log_pass.h"
+#include "pipeline/run_summary.h"
+
+namespace hydroscope {
+namespace {
+
+void Append(const SampleBlock& from, SampleBlock& to) {
+  to.time.insert(to.time.end(), from.time.begin(), from.time.end());
+  to.signal.resize(from.signal.size());
+  to.quality.resize(from.quality.size());
+  for (std::size_t s = 0; s < from.signal.size(); ++s) {
+    to.signal[s].insert(to.signal[s].end(), from.signal[s].begin(), from.signal[s].end());
+    to.quality[s].insert(to.quality[s].end(), from.quality[s].begin(), from.quality[s].end());
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<AxisPipeline>> AxisPipeline::Create(int axis, std::shared_ptr<const LiveModel> model) {
+  std::unique_ptr<AxisPipeline> made(new AxisPipeline(axis, std::move(model)));
+  if (const Status built = made->Build(); !built) return tl::unexpected(built.error());
+  return made;
+}
+
+Status AxisPipeline::Build() {
+  const Machine& machine = model_->machine;
+  auto pipeline = Pipeline::Create(machine, machine.live->grid_period, [this](StrokeRecord&& record) {
+    last_ = {record.summary, {}, record.estimates};
+    ++strokes_;
+    step_.strokes.push_back(std::move(record));
+    step_.pipeline_state = pipeline_->SaveState();
+  });
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  pipeline_ = std::move(*pipeline);
+  monitor_ = std::make_unique<QualityMonitor>(machine, machine.live->grid_period);
+  rows_taken_ = 0;
+  return {};
+}
+
+bool AxisPipeline::Process(SampleBlock&& block) {
+  const std::size_t before = step_.strokes.size();
+  rows_taken_ += static_cast<std::int64_t>(block.rows());
+  Append(block, step_.raw);
+  monitor_->Inspect(block);
+  pipeline_->Process(block);
+  return step_.strokes.size() > before;
+}
+
+bool AxisPipeline::StrokeEndsSoon() const {
+  const Machine& machine = model_->machine;
+  const double soon = machine.gate.stroke_gap / 4;
+  return pipeline_->stroke_closed_for() > machine.gate.stroke_gap - soon &&
+         static_cast<double>(pending_rows()) * machine.live->grid_period > soon;
+}
+
+WriteItem AxisPipeline::TakeStep(std::vector<std::uint8_t> sender_marks) {
+  WriteItem item;
+  item.axis = axis_;
+  step_.rows_taken = rows_taken_;
+  step_.sender_marks = std::move(sender_marks);
+  item.step = Pack(std::exchange(step_, {}));
+  return item;
+}
+
+std::vector<WriteItem> AxisPipeline::Finish(const std::vector<std::uint8_t>& sender_marks) {
+  SampleBlock rest;
+  monitor_->Flush(rest);
+  pipeline_->Process(rest);
+  pipeline_->Finish();
+  std::vector<WriteItem> items;
+  items.push_back(TakeStep(sender_marks));
+  WriteItem end;
+  end.kind = WriteItem::Kind::kEndRun;
+  end.axis = axis_;
+  end.summary = Summary();
+  end.state = pipeline_->SaveState();
+  items.push_back(std::move(end));
+  return items;
+}
+
+Result<std::vector<WriteItem>> AxisPipeline::BeginNewRun(std::shared_ptr<const LiveModel> model,
+                                                         const std::vector<std::uint8_t>& sender_marks) {
+  const auto next = Create(axis_, model);  // refuses before anything is ended
+  if (!next) return tl::unexpected(next.error());
+  if (const Status fits = (*next)->RestoreState(SaveState()); !fits) return tl::unexpected(fits.error());
+  std::vector<WriteItem> items = Finish(sender_marks);
+  model_ = std::move(model);
+  if (const Status built = Build(); !built) return tl::unexpected(built.error());
+  if (const Status restored = RestoreState(items.back().state); !restored)
+    return tl::unexpected(restored.error());
+  WriteItem begin;
+  begin.kind = WriteItem::Kind::kBeginRun;
+  begin.axis = axis_;
+  begin.model = model_;
+  items.push_back(std::move(begin));
+  return items;
+}
+
+std::string AxisPipeline::Summary() const {
+  LogPass pass;
+  TakeChannels(*monitor_, model_->machine, pass);
+  RunSummary& summary = pass.summary;
+  summary.sample_period = model_->machine.live->grid_period;
+  summary.rows = rows_taken_;
+  summary.gated = pipeline_->totals().gated;
+  summary.used = pipeline_->totals().used;
+  summary.discarded_strokes = pipeline_->discarded_strokes();
+  return FormatRunSummary(summary);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,187 @@
+#include "live/drift_watch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "alarms/press_health.h"
+#include "core/clock.h"
+#include "live/log.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::chrono::milliseconds kWatchRound(100);
+constexpr std::chrono::milliseconds kRetry(2000);  ///< after an error
+constexpr int kNice = 10;           ///< strokes that are stored can wait, those that end cannot
+constexpr double kLookEvery = 0.5;  ///< s between looks at channels
+constexpr double kSilence = 2.0;    ///< s a channel may be stale before that is told
+constexpr double kStart = 15.0;     ///< s after the start in which senders may be found
+constexpr double kIdle = 60.0;      ///< s without a stroke
+constexpr AlarmSettings kAtOnce{1, 1, 0, false};
+
+double Wall(HostTime now) { return Seconds(now.wall_ns); }
+
+}  // namespace
+
+DriftWatch::DriftWatch(std::unique_ptr<PressMonitor> press, Inputs inputs, Clock clock)
+    : press_(std::move(press)),
+      inputs_(std::move(inputs)),
+      clock_(std::move(clock)),
+      axes_(static_cast<std::size_t>(press_->axis_count())) {
+  for (Axis& axis : axes_) axis.changed = clock_().monotonic_ns;
+}
+
+void DriftWatch::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+void DriftWatch::Stop() {
+  if (!thread_.joinable()) return;
+  {
+    std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void DriftWatch::Finish() { Publish(press_->CatchUp(Wall(clock_()))); }
+
+void DriftWatch::Replace(std::unique_ptr<PressMonitor> press) {
+  std::lock_guard lock(mutex_);
+  replacement_ = std::move(press);
+}
+
+void DriftWatch::Run() {
+  static_cast<void>(nice(kNice));  // of this thread alone
+  for (;;) {
+    {
+      std::lock_guard lock(mutex_);
+      if (stop_) return;
+      if (replacement_) {
+        press_ = std::move(replacement_);
+        for (Axis& axis : axes_) axis.idle = axis.checked = false;  // said anew
+      }
+    }
+    const HostTime now = clock_();
+    Status done = press_->CatchUp(Wall(now));
+    if (done && Seconds(now.monotonic_ns - looked_) >= kLookEvery) {
+      looked_ = now.monotonic_ns;
+      done = Look(now);
+    }
+    Publish(done);
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, done ? kWatchRound : kRetry, [this] { return stop_; });
+  }
+}
+
+Status DriftWatch::Look(HostTime now) {
+  if (const Status ticked = press_->Tick(Wall(now)); !ticked) return ticked;
+  const LiveStatus live = inputs_.status();
+  for (int a = 0; a < press_->axis_count(); ++a)
+    if (const Status looked = LookAtAxis(a, live, now); !looked) return looked;
+  return {};
+}
+
+Status DriftWatch::LookAtAxis(int index, const LiveStatus& live, HostTime now) {
+  Axis& axis = axes_[static_cast<std::size_t>(index)];
+  const std::int64_t strokes = live.axes[static_cast<std::size_t>(index)].strokes;
+  if (strokes != axis.strokes) axis.changed = now.monotonic_ns;
+  axis.strokes = strokes;
+  const bool idle = Seconds(now.monotonic_ns - axis.changed) > kIdle;
+  const bool checked = inputs_.checked_axis() == index;
+  if (idle != axis.idle) {
+    if (const Status set = press_->axis(index).SetSuppression(kSuppressedIdle, idle, Wall(now)); !set)
+      return set;
+    axis.idle = idle;
+  }
+  if (checked != axis.checked) {
+    if (const Status set = press_->axis(index).SetSuppression(kSuppressedValveCheck, checked, Wall(now));
+        !set)
+      return set;
+    axis.checked = checked;
+  }
+  return LookForSilence(index, live, now);
+}
+
+/// "no_samples": channels the model cannot do without have been stale for longer than kSilence.
+Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime now) {
+  Axis& axis = axes_[static_cast<std::size_t>(index)];
+  std::vector<std::string> silent;
+  bool all_there = true;
+  for (const ChannelStatus& channel : live.channels) {
+    if (channel.axis != index || !channel.required || !channel.stale) continue;
+    all_there = false;
+    if (std::isfinite(channel.age) || live.uptime > kStart) silent.push_back(channel.name);
+  }
+  if (silent.empty()) {
+    axis.silent_since = 0;
+    if (!all_there) return {};  // only samples clear it, a restart of the service does not
+    return press_->axis(index).Observe("no_samples", kAtOnce, std::nullopt, Wall(now));
+  }
+  if (axis.silent_since == 0) axis.silent_since = now.monotonic_ns;
+  const double seconds = Seconds(now.monotonic_ns - axis.silent_since);
+  if (seconds < kSilence) return {};
+  for (const AlarmState& alarm : press_->axis(index).alarms())
+    if (alarm.id == "no_samples" && alarm.active) return {};
+  AlarmCondition condition;
+  condition.value = seconds;
+  condition.limit = kSilence;
+  condition.unit = "s";
+  condition.severity = AlarmSeverity::kSignalLoss;
+  condition.text = fmt::format(
+      "no samples of {}: check the controller and the link to it; `hydroscope check --live` shows every "
+      "channel",
+      fmt::join(silent, ", "));
+  return press_->axis(index).Observe("no_samples", kAtOnce, condition, Wall(now));
+}
+
+void DriftWatch::Publish(const Status& done) {
+  DriftWatchStatus status;
+  if (!done) status.problem = done.error().text;
+  const auto standing = [](const std::vector<AlarmState>& alarms) {
+    std::vector<std::string> names;
+    for (const AlarmState& alarm : alarms)
+      if (!AtRest(alarm)) names.push_back(fmt::format("{} {}", StateName(alarm), alarm.id));
+    return names;
+  };
+  for (int a = 0; a < press_->axis_count(); ++a) {
+    const AxisMonitor& axis = press_->axis(a);
+    AxisHealth health{axis.name(),
+                      axis.JudgedHealth(),
+                      0,
+                      axis.commissioning_strokes(),
+                      press_->rules().commissioning,
+                      axis.next_stroke(),
+                      standing(axis.alarms())};
+    if (axis.monitor() != nullptr) health.reference = axis.monitor()->reference().version();
+    status.axes.push_back(std::move(health));
+  }
+  if (!press_->alarms().empty()) {
+    std::vector<Health> axes;
+    for (const AxisHealth& axis : status.axes) axes.push_back(axis.health);
+    status.axes.push_back({press_->name(), JudgePressHealth(press_->alarms(), {}, axes), 0, 0, 0, 0,
+                           standing(press_->alarms())});
+  }
+  if (inputs_.board)
+    for (const AxisHealth& axis : status.axes) inputs_.board->TellAxis(axis.name, axis.health);
+  std::lock_guard lock(mutex_);
+  if (status.problem != status_.problem) {
+    if (status.problem.empty())
+      LogInfo("judging_again");
+    else
+      LogWarning("cannot_judge", {{"why", status.problem}});
+  }
+  status_ = std::move(status);
+}
+
+DriftWatchStatus DriftWatch::status() const {
+  std::lock_guard lock(mutex_);
+  return status_;
+}
+
+}  // namespace hydroscope

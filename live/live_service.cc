@@ -1,0 +1,379 @@
+#include "live/live_service.h"
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "core/clock.h"
+#include "core/constants.h"
+#include "core/units.h"
+#include "live/log.h"
+#include "models/model_structure.h"
+#include "pipeline/run_summary.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kRound = 0.005;         ///< s the pipeline's thread waits for batches
+constexpr double kStatusPeriod = 1.0;    ///< s
+constexpr double kRatePeriod = 2.0;      ///< s
+constexpr double kDrainPatience = 10.0;  ///< s
+constexpr int kStepsPerRound = 8;  ///< without a stroke: 2 ms of packing that strokes may have to wait for
+
+constexpr std::chrono::milliseconds kFreshStatus(100);  ///< the pipeline's thread has to tell its state
+
+bool IsLive(const RunInfo& run) { return run.fingerprint.starts_with("live/"); }
+
+/// Machine without what a reload may change.
+Machine WithoutLimits(Machine machine) {
+  for (SignalSpec& signal : machine.signals) {
+    signal.min.reset();
+    signal.max.reset();
+    signal.noise_std.reset();
+    signal.stuck_time = 0;
+  }
+  machine.monitors.clear();
+  machine.description.clear();
+  machine.log = {};
+  return machine;
+}
+
+}  // namespace
+
+struct LiveService::AxisState {
+  std::unique_ptr<AxisPipeline> pipeline;
+  std::int64_t stored = 0;     ///< ns, when the last step went to the writer
+  std::int64_t run_begun = 0;  ///< ns
+  bool new_run_wanted = false;
+};
+
+Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) {
+  auto model = std::make_shared<LiveModel>();
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file)
+    return BadInput("{}: cannot be read; give a machine file, for example machines/press_live.toml", path);
+  model->text = text.str();
+  auto machine = ParseMachine(model->text, path);
+  if (!machine) return tl::unexpected(machine.error());
+  if (!machine->live)
+    return BadInput(
+        "{}: there is no [live] section, so nothing tells where live samples come from; "
+        "machines/press_live.toml "
+        "shows one",
+        path);
+  model->machine = std::move(*machine);
+  const auto structure = BuildModel(model->machine);
+  if (!structure) return tl::unexpected(structure.error());
+  model->columns = (*structure)->ColumnNames();
+  return std::shared_ptr<const LiveModel>(std::move(model));
+}
+
+Status OnlyLimitsDiffer(const Machine& before, const Machine& now) {
+  if (WithoutLimits(before) == WithoutLimits(now)) return {};
+  return BadInput(
+      "more than limits changed (a reload takes over min, max, noise_std and stuck_time of signals, and "
+      "monitors); restart the service to take over the rest");
+}
+
+LiveService::LiveService(const LiveOptions& options, std::shared_ptr<const LiveModel> model,
+                         SourceFactory sources, Clock clock, Heartbeat heartbeat)
+    : options_(options),
+      first_model_(model),
+      model_(std::move(model)),
+      source_factory_(std::move(sources)),
+      clock_(std::move(clock)),
+      heartbeat_(std::move(heartbeat)),
+      start_(clock_()),
+      inbox_(options.inbox_values),
+      aligner_(std::make_unique<Aligner>(first_model_->machine, AlignerOptions::For(first_model_->machine),
+                                         start_)),
+      live_channels_(LiveChannels(model_->machine)) {
+  values_before_.resize(live_channels_.size());
+  rates_.resize(live_channels_.size());
+}
+
+Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& options, SourceFactory sources,
+                                                         Clock clock, Heartbeat heartbeat,
+                                                         LiveWriter::Acknowledged acknowledged) {
+  const auto model = LoadLiveModel(options.machine_file);
+  if (!model) return tl::unexpected(model.error());
+  auto database = Database::Open(options.database);
+  if (!database) return tl::unexpected(database.error());
+  std::unique_ptr<LiveService> service(
+      new LiveService(options, *model, std::move(sources), clock, std::move(heartbeat)));
+  std::vector<LiveWriter::Axis> axes;
+  for (int a = 0; a < AxisCount((*model)->machine); ++a) {
+    std::vector<std::uint8_t> marks;
+    auto axis = service->OpenAxis(*database, a, marks);
+    if (!axis) return tl::unexpected(axis.error());
+    axes.push_back(std::move(*axis));
+    service->aligner_->RestoreMarks(a, marks);
+  }
+  if (const Status left = database->LeaveCheckpointsToPauses(); !left) return tl::unexpected(left.error());
+  std::vector<std::string> signals;
+  for (const SignalSpec& signal : (*model)->machine.signals) signals.push_back(signal.name);
+  service->writer_ =
+      std::make_unique<LiveWriter>(std::move(*database), options.database, std::move(signals),
+                                   std::move(axes), options.writer, clock, std::move(acknowledged));
+  return service;
+}
+
+/// Ends what a killed service left open and begins a run from the stored state.
+Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
+                                               std::vector<std::uint8_t>& marks) {
+  LiveWriter::Axis opened;
+  opened.name = AxisMachineName(model_->machine, axis);
+  const auto machine = database.MachineId(opened.name);
+  if (!machine) return tl::unexpected(machine.error());
+  opened.machine = *machine;
+  auto pipeline = AxisPipeline::Create(axis, model_);
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  const auto newest = database.NewestRun(*machine);
+  if (!newest) return tl::unexpected(newest.error());
+  if (*newest && IsLive((*newest)->run)) {
+    marks = (*newest)->sender_marks;
+    if (!(*newest)->run.complete) {
+      std::vector<std::uint8_t> state = (*newest)->pipeline_state;
+      if (state.empty())
+        if (const auto before = database.PipelineStateBefore((*newest)->run.id); before && *before)
+          state = **before;
+      if (state.empty()) state = (*pipeline)->SaveState();
+      RunSummary summary;
+      summary.rows = (*newest)->rows_taken;
+      summary.stopped = "the service ended without notice; what was acknowledged is stored";
+      if (const Status ended = database.FinishRun((*newest)->run.id, FormatRunSummary(summary), state);
+          !ended)
+        return tl::unexpected(ended.error());
+      LogWarning("run_recovered", {{"axis", opened.name},
+                                   {"run", std::to_string((*newest)->run.id)},
+                                   {"strokes", std::to_string((*newest)->run.strokes)}});
+    }
+  }
+  const auto version = database.PutModelVersion(*machine, {1, model_->text, model_->columns});
+  if (!version) return tl::unexpected(version.error());
+  const auto run =
+      database.BeginRun(*machine, *version, "live", fmt::format("live/{}/{}", opened.name, start_.wall_ns));
+  if (!run) return tl::unexpected(run.error());
+  opened.run = run->id;
+  const auto state = database.PipelineStateBefore(run->id);
+  if (!state) return tl::unexpected(state.error());
+  if (*state)
+    if (const Status restored = (*pipeline)->RestoreState(**state); !restored)
+      LogWarning("estimator_starts_anew", {{"axis", opened.name}, {"why", restored.error().text}});
+  auto made = std::make_unique<AxisState>();
+  made->pipeline = std::move(*pipeline);
+  made->run_begun = made->stored = start_.monotonic_ns;
+  axes_.push_back(std::move(made));
+  return opened;
+}
+
+LiveService::~LiveService() { Stop(); }
+
+Status LiveService::Start() {
+  sources_ = source_factory_(model_->machine, clock_);
+  UpdateStatus(clock_());
+  thread_ = std::thread([this] { Run(); });
+  for (std::size_t i = 0; i < sources_.size(); ++i)
+    if (const Status started = sources_[i]->Start(
+            [this, i](SampleBatch&& batch) { inbox_.Push(static_cast<int>(i), std::move(batch)); });
+        !started)
+      return started;
+  return {};
+}
+
+bool LiveService::Stop() {
+  if (!thread_.joinable()) return true;
+  for (const auto& source : sources_) source->Stop();
+  stop_ = true;
+  thread_.join();
+  return writer_->Stop(options_.patient ? kDrainPatience : 0);
+}
+
+void LiveService::Run() {
+  std::int64_t status_at = 0;
+  for (bool last = false; !last;) {
+    last = stop_;
+    const HostTime now = clock_();
+    for (const Inbox::Entry& entry : inbox_.TakeAll(last ? 0 : kRound))
+      aligner_->Add(entry.source, entry.batch);
+    aligner_->Advance(now.monotonic_ns);
+    for (const int axis : writer_->TakeBroken()) axes_[static_cast<std::size_t>(axis)]->new_run_wanted = true;
+    {
+      std::lock_guard lock(status_mutex_);
+      if (reloaded_) {
+        model_ = std::exchange(reloaded_, nullptr);
+        for (const auto& axis : axes_) axis->new_run_wanted = true;
+      }
+    }
+    int steps = kStepsPerRound;
+    for (std::size_t a = 0; a < axes_.size(); ++a) ProcessAxis(static_cast<int>(a), now.monotonic_ns, steps);
+    ++heartbeats_;
+    if (heartbeat_) heartbeat_();
+    if (status_wanted_.exchange(false) || Seconds(now.monotonic_ns - status_at) >= kStatusPeriod) {
+      status_at = now.monotonic_ns;
+      UpdateStatus(now);
+    }
+  }
+  for (std::size_t a = 0; a < axes_.size(); ++a)
+    for (WriteItem& item : axes_[a]->pipeline->Finish(aligner_->marks(static_cast<int>(a))))
+      writer_->Push(std::move(item));
+}
+
+/// `steps`: how many steps without a stroke may still be stored in this round.
+void LiveService::ProcessAxis(int a, std::int64_t now, int& steps) {
+  AxisState& axis = *axes_[static_cast<std::size_t>(a)];
+  SampleBlock block;
+  bool stroke = false;
+  double newest = 0;
+  while (aligner_->Take(a, block)) {
+    if (tap_) tap_(a, block);
+    newest = block.time.back();
+    stroke = axis.pipeline->Process(std::move(block)) || stroke;
+  }
+  // Axes one behind the other: they share transactions, and the pages of the database these touch.
+  const auto turn = [&](std::int64_t at) {
+    return std::floor(Seconds(at - start_.monotonic_ns) / options_.raw_period);
+  };
+  const bool due =
+      axis.pipeline->pending_rows() > 0 && (turn(now) > turn(axis.stored) || axis.pipeline->StrokeEndsSoon());
+  if (stroke || (due && steps-- > 0)) {
+    WriteItem item = axis.pipeline->TakeStep(aligner_->marks(a));
+    if (stroke) {
+      item.taken = clock_().monotonic_ns;
+      item.sent = start_.monotonic_ns + std::llround(newest * 1e9 - static_cast<double>(start_.wall_ns));
+    }
+    writer_->Push(std::move(item));
+    axis.stored = now;
+  }
+  const double length = Seconds(now - axis.run_begun);
+  const bool pause = stroke || length > 1.5 * options_.run_length || axis.pipeline->run_rows() == 0;
+  if (pause && (axis.new_run_wanted || length > options_.run_length)) BeginNewRun(a);
+}
+
+void LiveService::BeginNewRun(int a) {
+  AxisState& axis = *axes_[static_cast<std::size_t>(a)];
+  axis.new_run_wanted = false;
+  axis.run_begun = clock_().monotonic_ns;
+  auto items = axis.pipeline->BeginNewRun(model_, aligner_->marks(a));
+  if (!items) {
+    LogError("run_goes_on", {{"axis", AxisMachineName(model_->machine, a)}, {"why", items.error().text}});
+    return;
+  }
+  for (WriteItem& item : *items) writer_->Push(std::move(item));
+}
+
+Status LiveService::Reload() {
+  const auto told = [this](const Status& result) {
+    std::lock_guard lock(status_mutex_);
+    status_.limits = result ? "taken over" : result.error().text;
+    return result;
+  };
+  auto model = LoadLiveModel(options_.machine_file);
+  if (!model) return told(tl::unexpected(model.error()));
+  std::shared_ptr<const LiveModel> present;
+  {
+    std::lock_guard lock(status_mutex_);
+    present = reloaded_ ? reloaded_ : model_;
+  }
+  if (const Status fits = OnlyLimitsDiffer(present->machine, (*model)->machine); !fits) return told(fits);
+  {
+    std::lock_guard lock(status_mutex_);
+    reloaded_ = std::move(*model);
+  }
+  return told({});
+}
+
+std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
+  const auto& states = aligner_->channels();
+  const double since = Seconds(now - rates_since_);
+  if (since >= kRatePeriod) {
+    for (std::size_t c = 0; c < states.size(); ++c) {
+      rates_[c] = rates_since_ == 0 ? 0 : static_cast<double>(states[c].values - values_before_[c]) / since;
+      values_before_[c] = states[c].values;
+    }
+    rates_since_ = now;
+  }
+  std::vector<ChannelStatus> channels;
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    const LiveChannel& live = live_channels_[c];
+    const SignalSpec& spec = model_->machine.signals[static_cast<std::size_t>(live.signal)];
+    if (spec.dds.empty() && !spec.modbus) continue;
+    const ChannelQuality& seen = axes_[static_cast<std::size_t>(live.axis)]
+                                     ->pipeline->channels()[static_cast<std::size_t>(live.signal)];
+    ChannelStatus channel;
+    channel.name = live.name;
+    channel.unit = FindUnit(spec.unit).value_or(Unit{}).si;
+    channel.axis = live.axis;
+    channel.required = spec.required;
+    channel.rate = rates_[c];
+    channel.age = states[c].last_received == 0 ? kNaN : Seconds(now - states[c].last_received);
+    channel.value = states[c].last_value;
+    channel.noise_std = seen.noise_std;
+    for (const std::int64_t count : seen.flagged) channel.flagged += count;
+    const double period =
+        spec.modbus && !spec.modbus->in_ring ? model_->machine.live->modbus->poll_period : 0.1;
+    channel.stale = !(channel.age <= 2 * period);
+    channels.push_back(std::move(channel));
+  }
+  return channels;
+}
+
+void LiveService::UpdateStatus(HostTime now) {
+  LiveStatus status;
+  status.machine = model_->machine.name;
+  status.database = options_.database;
+  status.taken = now.monotonic_ns;
+  status.state = stop_ ? "stopping" : "running";
+  status.uptime = Seconds(now.monotonic_ns - start_.monotonic_ns);
+  status.streams = aligner_->streams();
+  status.channels = Channels(now.monotonic_ns);
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    const AxisPipeline& pipeline = *axes_[a]->pipeline;
+    AxisStatus axis{.name = AxisMachineName(model_->machine, static_cast<int>(a)),
+                    .counters = aligner_->counters(static_cast<int>(a)),
+                    .strokes = pipeline.strokes(),
+                    .last_stroke = kNaN,
+                    .estimates = {}};
+    if (pipeline.strokes() > 0) {
+      axis.last_stroke = pipeline.last_stroke().summary.end;
+      axis.estimates = pipeline.last_stroke().estimates;
+    }
+    status.axes.push_back(std::move(axis));
+  }
+  status.malformed = aligner_->malformed();
+  status.heartbeats = heartbeats_;
+  std::lock_guard lock(status_mutex_);
+  status.limits = std::move(status_.limits);
+  status.valve_check = std::move(status_.valve_check);
+  status_ = std::move(status);
+  status_changed_.notify_all();
+}
+
+LiveStatus LiveService::status() const {
+  LiveStatus status;
+  const std::int64_t now = clock_().monotonic_ns;
+  {
+    std::unique_lock lock(status_mutex_);
+    status_wanted_ = true;
+    status_changed_.wait_for(lock, kFreshStatus, [&] { return status_.taken >= now; });
+    status = status_;
+  }
+  for (const auto& source : sources_) {
+    status.sources.push_back(source->status());
+    const std::int64_t last = status.sources.back().last_received.monotonic_ns;
+    status.source_ages.push_back(last == 0 ? kNaN : Seconds(now - last));
+  }
+  status.inbox = inbox_.counters();
+  status.writer = writer_->status();
+  const ProcessUse use = UseOf("self");
+  status.cpu = use.cpu;
+  status.memory = use.memory;
+  status.descriptors = use.descriptors;
+  return status;
+}
+
+}  // namespace hydroscope

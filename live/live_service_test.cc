@@ -1,0 +1,324 @@
+#include "live/live_service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/expect_ok.h"
+#include "host/real_clock.h"
+#include "live/check_live.h"
+#include "live/live_status.h"
+#include "live/verify_live.h"
+#include "pipeline/log_pass.h"
+#include "pipeline/raw_log.h"
+#include "simulator/press.h"
+
+namespace hydroscope {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kPeriod = 0.002;  // s
+constexpr std::size_t kRowsPerBatch = 10;
+
+const char* const kMachine = R"toml(
+[machine]
+name = "press"
+model = "die_cushion"
+[live]
+grid_period = 0.002
+axes = ["left", "right"]
+[live.dds]
+domain = 0
+[signals]
+p_A = { dds = "{axis}/p_A", unit = "Pa", min = -20e5, max = 600e5 }
+z   = { dds = "{axis}/z", unit = "m" }
+y_v = { dds = "{axis}/y_v", unit = "1" }
+T_oil = { modbus = { register = 30 }, unit = "degC", stuck_time = 0, required = false }
+[live.modbus]
+poll_period = 0.5
+[geometry]
+A_A = 0.0125
+dp_nom = { value = 35, unit = "bar" }
+p_t = 0
+[gate]
+conditions = { y_v = { min = 0.04 }, "ddt(z)" = { max = -0.004, unit = "m/s" } }
+stroke_gap = 0.25
+min_stroke = 0.3
+)toml";
+
+const SimulatedLog& Log() {
+  static const SimulatedLog log = [] {
+    PressOptions options;
+    options.seconds = 60;
+    options.sample_period = kPeriod;
+    return SimulatePress(options);
+  }();
+  return log;
+}
+
+/// Plays a simulated log for both axes, much faster than real time; stamps follow the log. The clock of the
+/// service is set by what is played.
+class PlayedClock {
+ public:
+  HostTime operator()() const { return {now_, 1'700'000'000'000'000'000 + now_}; }
+  void Set(std::int64_t ns) { now_ = ns; }
+
+ private:
+  std::atomic<std::int64_t> now_{1'000'000'000};
+};
+
+class PlayedSource : public Source {
+ public:
+  PlayedSource(PlayedClock& clock, std::uint64_t session, std::size_t from, std::size_t to,
+               std::size_t drop_every)
+      : clock_(clock), session_(session), from_(from), to_(to), drop_every_(drop_every) {}
+  ~PlayedSource() override { Stop(); }
+
+  Status Start(Sink sink) override {
+    thread_ = std::thread([this, sink = std::move(sink)] { Play(sink); });
+    return {};
+  }
+  SourceStatus status() const override {
+    return {.name = "played", .connected = true, .state = "receiving", .last_received = {}};
+  }
+  void Stop() override {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  static std::atomic<bool> done;
+
+ private:
+  void Play(const Sink& sink) {
+    const SimulatedLog& log = Log();
+    for (std::size_t row = from_; row + kRowsPerBatch <= to_ && !stop_; row += kRowsPerBatch) {
+      const auto at =
+          static_cast<std::int64_t>(1e9 + static_cast<double>(row + kRowsPerBatch) * kPeriod * 1e9);
+      clock_.Set(at);
+      if (drop_every_ > 0 && (row / kRowsPerBatch) % drop_every_ == drop_every_ - 1) continue;
+      SampleBatch batch{.session = session_,
+                        .first_sequence = row,
+                        .source_time_ns = at,
+                        .period_ns = 2'000'000,
+                        .requested = clock_(),
+                        .received = clock_(),
+                        .channels = {0, 1, 2, 4, 5, 6},
+                        .rows = kRowsPerBatch,
+                        .values = {}};
+      for (std::size_t k = row; k < row + kRowsPerBatch; ++k)
+        for (int axis = 0; axis < 2; ++axis)
+          for (const double value : {log.p_A[k], log.z[k], log.y_v[k]}) batch.values.push_back(value);
+      sink(std::move(batch));
+      if (row % 2500 == 0) {
+        const HostTime now = clock_();
+        for (const std::uint16_t channel : {std::uint16_t{3}, std::uint16_t{7}})
+          sink({.session = 1,
+                .requested = now,
+                .received = now,
+                .channels = {channel},
+                .rows = 1,
+                .values = {40.0}});
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(200));  // 100 times real time
+    }
+    done = true;
+  }
+
+  PlayedClock& clock_;
+  std::uint64_t session_;
+  std::size_t from_, to_, drop_every_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+std::atomic<bool> PlayedSource::done{false};
+
+class LiveServiceTest : public testing::Test {
+ protected:
+  LiveServiceTest() {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("hydroscope_live_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    std::ofstream(File("press.toml")) << kMachine;
+    options_.machine_file = File("press.toml");
+    options_.database = File("press.db");
+    options_.writer.min_free = 0;
+    options_.raw_period = 0.5;
+  }
+  ~LiveServiceTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Plays rows [from, to) through a service of its own; `during` runs once everything was sent.
+  void Serve(std::size_t from, std::size_t to, std::size_t drop_every = 0,
+             const std::function<void(LiveService&)>& during = {}) {
+    PlayedSource::done = false;
+    auto service = LiveService::Create(
+        options_,
+        [&](const Machine&, const Clock&) {
+          std::vector<std::unique_ptr<Source>> sources;
+          sources.push_back(std::make_unique<PlayedSource>(clock_, 5, from, to, drop_every));
+          return sources;
+        },
+        [this] { return clock_(); });
+    ASSERT_TRUE(service) << service.error().text;
+    EXPECT_OK((*service)->Start());
+    while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (int k = 0; k < 200 && (*service)->status().inbox.batches > 0; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (during) during(**service);
+    EXPECT_TRUE((*service)->Stop());
+    last_ = (*service)->status();
+  }
+  void ExpectReplayIsTheSame(std::int64_t runs) {
+    const auto verified = VerifyLive(options_.database);
+    ASSERT_TRUE(verified) << verified.error().text;
+    EXPECT_EQ(static_cast<std::int64_t>(verified->size()), runs);
+    for (const VerifiedRun& run : *verified) {
+      EXPECT_EQ(run.outcome, VerifiedRun::Outcome::kSame) << run.axis << ": " << run.detail;
+      EXPECT_GT(run.strokes, 0) << run.axis;
+    }
+  }
+
+  std::filesystem::path folder_;
+  LiveOptions options_;
+  PlayedClock clock_;
+  LiveStatus last_;
+};
+
+TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {
+  Serve(0, 15'000);
+  ExpectReplayIsTheSame(2);
+  EXPECT_EQ(last_.axes[0].counters.missing_rows, 0);
+  EXPECT_EQ(last_.axes[0].counters.rows, 15'000);
+  EXPECT_GT(last_.axes[1].strokes, 3);
+}
+
+TEST_F(LiveServiceTest, ADatabaseThatIsMovedAwayIsToldAndWrittenAgainWhenItIsBack) {
+  PlayedSource::done = false;
+  auto service = LiveService::Create(
+      options_,
+      [&](const Machine&, const Clock&) {
+        std::vector<std::unique_ptr<Source>> sources;
+        sources.push_back(std::make_unique<PlayedSource>(clock_, 5, 0, 25'000, 0));
+        return sources;
+      },
+      [this] { return clock_(); });
+  ASSERT_TRUE(service) << service.error().text;
+  std::filesystem::rename(File("press.db"), File("elsewhere.db"));
+  EXPECT_OK((*service)->Start());
+  const auto wait_for = [&](WriterState state) {
+    for (int k = 0; k < 1000 && (*service)->status().writer.state != state; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return (*service)->status().writer;
+  };
+  const WriterStatus gone = wait_for(WriterState::kGone);
+  EXPECT_EQ(gone.state, WriterState::kGone);
+  EXPECT_THAT(gone.problem, HasSubstr("deleted, moved or replaced"));
+  EXPECT_EQ(gone.steps, 0);
+  std::filesystem::rename(File("elsewhere.db"), File("press.db"));
+  EXPECT_EQ(wait_for(WriterState::kWriting).state, WriterState::kWriting);
+  EXPECT_TRUE((*service)->Stop());
+  EXPECT_GT((*service)->status().writer.rows, 0);
+}
+
+TEST_F(LiveServiceTest, LostBatchesAreFlaggedInTheRawWindowAndReplayIsStillTheSame) {
+  Serve(0, 15'000, 100);
+  ExpectReplayIsTheSame(2);
+  EXPECT_EQ(last_.axes[0].counters.missing_rows, 140);  // nobody can miss the last batch yet
+  const auto machine = LoadMachine(options_.machine_file);
+  auto reader = OpenRecording(options_.database + "#left", *machine);
+  ASSERT_TRUE(reader) << reader.error().text;
+  const auto pass = PassLog(**reader, *machine, nullptr, "raw");
+  ASSERT_TRUE(pass);
+  EXPECT_EQ(pass->channels[0].flagged[0], 140);
+}
+
+TEST_F(LiveServiceTest, ASecondLifeContinuesFromTheStoredStateAndTakesNoRowTwice) {
+  Serve(0, 10'000);
+  Serve(8'000, 20'000);  // the sender still holds two thousand rows from before
+  ExpectReplayIsTheSame(4);
+  EXPECT_EQ(last_.axes[0].counters.already_stored, 2'000);
+  EXPECT_EQ(last_.axes[0].counters.rows, 10'000);
+  const auto database = Database::OpenReadOnly(options_.database);
+  const auto trend = database->Trend(1, "K");
+  ASSERT_TRUE(trend);
+  for (std::size_t i = 1; i < trend->size(); ++i) EXPECT_GT((*trend)[i].time, (*trend)[i - 1].time);
+  // A service without memory would begin with an interval as wide as after its first stroke.
+  const auto runs = database->Runs(1);
+  const auto first_of_second = std::find_if(trend->begin(), trend->end(),
+                                            [&](const TrendPoint& p) { return p.run == runs->back().id; });
+  ASSERT_NE(first_of_second, trend->end());
+  EXPECT_LT(first_of_second->estimate.std, trend->front().estimate.std);
+}
+
+TEST_F(LiveServiceTest, NewLimitsAreTakenOverWithoutLosingTheState) {
+  Serve(0, 10'000, 0, [this](LiveService& service) {
+    std::string text = kMachine;
+    text.replace(text.find("max = 600e5"), 11, "max = 500e5");
+    std::ofstream(File("press.toml")) << text;
+    EXPECT_OK(service.Reload());
+    text.replace(text.find("0.0125"), 6, "0.0130");
+    std::ofstream(File("press.toml")) << text;
+    const Status refused = service.Reload();
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().text, HasSubstr("restart the service"));
+    EXPECT_THAT(service.status().limits, HasSubstr("more than limits"));
+  });
+}
+
+TEST_F(LiveServiceTest, StatusAndMetricsTellChannelsAxesAndCounters) {
+  Serve(0, 10'000, 0, [](LiveService& service) {
+    const LiveStatus status = service.status();
+    const auto json = StatusJson(status);
+    EXPECT_EQ(json.at("axes").size(), 2u);
+    EXPECT_EQ(json.at("channels").size(), 8u);
+    EXPECT_EQ(json.at("axes")[0].at("counters").at("rows"), 10'000);
+    EXPECT_THAT(StatusText(json), HasSubstr("press/left"));
+    EXPECT_THAT(PrometheusText(status),
+                HasSubstr("hydroscope_axis_events_total{axis=\"press/left\",event=\"rows\"} 10000"));
+  });
+}
+
+TEST_F(LiveServiceTest, AMachineFileWithoutLiveSectionSaysWhatIsMissing) {
+  std::string text = kMachine;
+  const std::size_t live = text.find("[live]"), signals = text.find("[signals]");
+  std::ofstream(File("press.toml")) << text.substr(0, live) << R"toml(
+[signals]
+p_A = { column = "p_A", unit = "Pa" }
+z = { column = "z", unit = "m" }
+y_v = { column = "y_v", unit = "1" }
+[geometry]
+A_A = 0.0125
+dp_nom = 35e5
+p_t = 0
+)toml";
+  static_cast<void>(signals);
+  const auto service = LiveService::Create(options_, {}, RealTime);
+  ASSERT_FALSE(service);
+  EXPECT_THAT(service.error().text, HasSubstr("no [live] section"));
+}
+
+TEST(RawName, TellsDatabaseAxisRunAndTimes) {
+  EXPECT_FALSE(ParseRawName("press.csv").has_value());
+  const auto all = ParseRawName("press.db#cushion_1");
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->axis, "cushion_1");
+  EXPECT_EQ(all->run, 0);
+  const auto piece = ParseRawName("a/press.db#press/cushion_1/12@5:60");
+  ASSERT_TRUE(piece);
+  EXPECT_EQ(piece->database, "a/press.db");
+  EXPECT_EQ(piece->axis, "press/cushion_1");
+  EXPECT_EQ(piece->run, 12);
+  EXPECT_EQ(piece->from, 5);
+  EXPECT_EQ(piece->to, 60);
+  EXPECT_EQ(ParseRawName("press.db#/3@:10")->to, 10);
+}
+
+}  // namespace
+}  // namespace hydroscope

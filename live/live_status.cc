@@ -1,0 +1,412 @@
+#include "live/live_status.h"
+
+#include <dirent.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/printable.h"
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+using nlohmann::json;
+
+json Number(double value) { return std::isfinite(value) ? json(value) : json(); }
+
+json CountersJson(const AlignerCounters& c) {
+  return {{"rows", c.rows},
+          {"missing_rows", c.missing_rows},
+          {"late_rows", c.late_rows},
+          {"duplicate_rows", c.duplicate_rows},
+          {"contradicting_rows", c.contradicting_rows},
+          {"reordered_batches", c.reordered_batches},
+          {"future_rows", c.future_rows},
+          {"gaps", c.gaps},
+          {"skipped_rows", c.skipped_rows},
+          {"sessions", c.sessions},
+          {"sequence_jumps", c.sequence_jumps},
+          {"clock_jumps", c.clock_jumps},
+          {"slips", c.slips},
+          {"stale_values", c.stale_values},
+          {"already_stored", c.already_stored}};
+}
+
+json SourceJson(const SourceStatus& s, double age) {
+  return {{"name", s.name},
+          {"connected", s.connected},
+          {"state", s.state},
+          {"age_s", Number(age)},
+          {"batches", s.batches},
+          {"rows", s.rows},
+          {"lost_rows", s.lost_rows},
+          {"duplicate_rows", s.duplicate_rows},
+          {"reordered_batches", s.reordered_batches},
+          {"reconnects", s.reconnects},
+          {"malformed", s.malformed},
+          {"timeouts", s.timeouts},
+          {"exceptions", s.exceptions}};
+}
+
+json StreamJson(const StreamState& s) {
+  return {{"source", s.source},
+          {"channels", s.channels},
+          {"period_s", s.period},
+          {"batches", s.batches},
+          {"clock_offset_s", s.has_clock ? Number(s.clock_offset) : json()},
+          {"drift_ppm", s.drift * 1e6},
+          {"delay_s", s.delay},
+          {"worst_delay_s", s.worst_delay}};
+}
+
+json ChannelJson(const ChannelStatus& c) {
+  return {{"name", c.name},         {"unit", c.unit},           {"rate_hz", c.rate},
+          {"age_s", Number(c.age)}, {"value", Number(c.value)}, {"noise_std", Number(c.noise_std)},
+          {"flagged", c.flagged},   {"stale", c.stale}};
+}
+
+json AxisJson(const AxisStatus& a) {
+  json estimates = json::object();
+  for (const Estimate& e : a.estimates)
+    estimates[e.parameter] = {{"value", Number(e.value)},
+                              {"std", Number(e.std)},
+                              {"unit", e.unit},
+                              {"reason", ReasonName(e.reason)}};
+  return {{"name", a.name},
+          {"strokes", a.strokes},
+          {"last_stroke_s", Number(a.last_stroke)},
+          {"estimates", estimates},
+          {"counters", CountersJson(a.counters)}};
+}
+
+json WriterJson(const WriterStatus& w) {
+  return {{"state", WriterStateName(w.state)},
+          {"problem", w.problem},
+          {"free_bytes", w.free_bytes},
+          {"database_bytes", w.database_bytes},
+          {"waiting_items", w.waiting_items},
+          {"waiting_bytes", w.waiting_bytes},
+          {"waiting_strokes", w.waiting_strokes},
+          {"steps", w.steps},
+          {"strokes", w.strokes},
+          {"rows", w.rows},
+          {"dropped_rows", w.dropped_rows},
+          {"dropped_strokes", w.dropped_strokes},
+          {"refused", w.refused},
+          {"pauses", w.pauses},
+          {"latency_p50_s", w.latency_p50},
+          {"latency_p99_s", w.latency_p99},
+          {"latency_max_s", w.latency_max},
+          {"commit_p99_s", w.commit_p99}};
+}
+
+json FeedJson(const FeedStatus& f) {
+  return {{"name", f.name},           {"connected", f.connected}, {"state", f.state},  {"clients", f.clients},
+          {"delivered", f.delivered}, {"behind", f.behind},       {"errors", f.errors}};
+}
+
+/// "12.3 bar" from SI.
+std::string Shown(const json& value, const std::string& si) {
+  if (!value.is_number()) return "-";
+  const DisplayUnit unit = DisplayUnitFor(si);
+  return fmt::format("{:.5g} {}", value.get<double>() * unit.factor + unit.offset, unit.name);
+}
+
+std::string Age(const json& age) {
+  if (!age.is_number()) return "never";
+  const double s = age.get<double>();
+  return s < 1     ? fmt::format("{:.0f} ms", s * 1e3)
+         : s < 120 ? fmt::format("{:.1f} s", s)
+                   : fmt::format("{:.0f} min", s / 60);
+}
+
+std::string Label(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += c == '\n' ? ' ' : c;
+  }
+  return escaped;
+}
+
+/// Collects samples of one metric after the other, with its help line.
+class Metrics {
+ public:
+  void Begin(const char* name, const char* type, const char* help) {
+    name_ = name;
+    text_ += fmt::format("# HELP hydroscope_{} {}\n# TYPE hydroscope_{} {}\n", name, help, name, type);
+  }
+  void Add(double value, const std::string& labels = "") {
+    if (!std::isfinite(value)) return;
+    text_ += labels.empty() ? fmt::format("hydroscope_{} {}\n", name_, value)
+                            : fmt::format("hydroscope_{}{{{}}} {}\n", name_, labels, value);
+  }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string name_, text_;
+};
+
+json DriftJson(const DriftWatchStatus& drift) {
+  json axes = json::array();
+  for (const AxisHealth& a : drift.axes)
+    axes.push_back({{"name", a.name},
+                    {"health", std::string(1, a.health.letter())},
+                    {"health_reason", HealthReasonName(a.health.reason)},
+                    {"health_text", a.health.text},
+                    {"reference_version", a.reference},
+                    {"commissioning_strokes", a.learned},
+                    {"commissioning_needed", a.needed},
+                    {"judged_to", a.judged},
+                    {"alarms", a.alarms}});
+  return {{"problem", drift.problem}, {"axes", std::move(axes)}};
+}
+
+std::string DriftText(const json& drift) {
+  std::string text;
+  if (const auto problem = drift.at("problem").get<std::string>(); !problem.empty())
+    text += fmt::format("PROBLEM     drift is not watched: {}\n", problem);
+  for (const json& a : drift.at("axes")) {
+    std::vector<std::string> alarms = a.at("alarms");
+    const auto reason = a.at("health_reason").get<std::string>();
+    const bool alarms_say_it = reason == "alarms" || reason == "judged_good";
+    text += fmt::format("health {} {}: {}{}\n", a.at("health").get<std::string>(),
+                        a.at("name").get<std::string>(),
+                        alarms_say_it ? "" : a.at("health_text").get<std::string>() + "; ",
+                        alarms.empty() ? "no alarm stands" : fmt::format("{}", fmt::join(alarms, ", ")));
+  }
+  return text;
+}
+
+}  // namespace
+
+json StatusJson(const LiveStatus& s) {
+  json out = {{"machine", s.machine},
+              {"database", s.database},
+              {"state", s.state},
+              {"uptime_s", s.uptime},
+              {"limits", s.limits},
+              {"malformed", s.malformed},
+              {"heartbeats", s.heartbeats},
+              {"cpu_s", s.cpu},
+              {"memory_bytes", s.memory},
+              {"descriptors", s.descriptors},
+              {"valve_check", s.valve_check}};
+  for (const char* list : {"sources", "streams", "channels", "axes", "feeds"}) out[list] = json::array();
+  for (std::size_t i = 0; i < s.sources.size(); ++i)
+    out["sources"].push_back(SourceJson(s.sources[i], s.source_ages[i]));
+  for (const StreamState& stream : s.streams) out["streams"].push_back(StreamJson(stream));
+  for (const ChannelStatus& channel : s.channels) out["channels"].push_back(ChannelJson(channel));
+  for (const AxisStatus& axis : s.axes) out["axes"].push_back(AxisJson(axis));
+  for (const FeedStatus& feed : s.feeds) out["feeds"].push_back(FeedJson(feed));
+  out["inbox"] = {{"batches", s.inbox.batches},
+                  {"values", s.inbox.values},
+                  {"most_values", s.inbox.most_values},
+                  {"dropped_batches", s.inbox.dropped_batches},
+                  {"dropped_values", s.inbox.dropped_values}};
+  for (std::size_t i = 0; i < s.sources.size(); ++i) {
+    const auto dropped = s.inbox.dropped_by_source.find(static_cast<int>(i));
+    out["sources"][i]["dropped_values"] = dropped == s.inbox.dropped_by_source.end() ? 0 : dropped->second;
+  }
+  out["writer"] = WriterJson(s.writer);
+  out["drift"] = DriftJson(s.drift);
+  return out;
+}
+
+std::string StatusText(const json& s) {
+  std::string text = fmt::format("{} {}, up {}, database {}\n", s.at("machine").get<std::string>(),
+                                 s.at("state").get<std::string>(), Age(s.at("uptime_s")),
+                                 s.at("database").get<std::string>());
+  const json& w = s.at("writer");
+  const bool timed =
+      w.at("latency_max_s").get<double>() > 0;  // else no stroke, or a sender's clock that is no clock
+  text += fmt::format(
+      "writer      {}; {} strokes and {} rows stored, stroke to estimate {}\n",
+      w.at("state").get<std::string>(), w.at("strokes").get<std::int64_t>(), w.at("rows").get<std::int64_t>(),
+      timed ? fmt::format("p50 {:.1f} ms, p99 {:.1f} ms", w.at("latency_p50_s").get<double>() * 1e3,
+                          w.at("latency_p99_s").get<double>() * 1e3)
+            : "not known");
+  text +=
+      fmt::format("disk        {} MB free, database {} MB\n", w.at("free_bytes").get<std::int64_t>() >> 20,
+                  w.at("database_bytes").get<std::int64_t>() >> 20);
+  text += fmt::format(
+      "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; dropped {} batches, {} "
+      "rows, {} "
+      "strokes\n",
+      s.at("inbox").at("batches").get<std::int64_t>(), w.at("waiting_items").get<std::int64_t>(),
+      w.at("waiting_bytes").get<std::int64_t>() >> 10,
+      s.at("inbox").at("dropped_batches").get<std::int64_t>(), w.at("dropped_rows").get<std::int64_t>(),
+      w.at("dropped_strokes").get<std::int64_t>());
+  if (!w.at("problem").get<std::string>().empty())
+    text += fmt::format("PROBLEM     {}\n", w.at("problem").get<std::string>());
+  if (!s.at("limits").get<std::string>().empty())
+    text += fmt::format("last reload {}\n", s.at("limits").get<std::string>());
+  if (!s.at("valve_check").get<std::string>().empty())
+    text += fmt::format("valve check {}\n", s.at("valve_check").get<std::string>());
+  text +=
+      fmt::format("process     {:.1f} s of processor, {} MB, {} descriptors\n\n", s.at("cpu_s").get<double>(),
+                  s.at("memory_bytes").get<std::int64_t>() >> 20, s.at("descriptors").get<int>());
+  for (const json& source : s.at("sources"))
+    text += fmt::format(
+        "source {}: {}; last {} ago; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
+        Printable(source.at("name").get<std::string>()), Printable(source.at("state").get<std::string>()),
+        Age(source.at("age_s")), source.at("rows").get<std::int64_t>(),
+        source.at("lost_rows").get<std::int64_t>(), source.at("reconnects").get<std::int64_t>(),
+        source.at("timeouts").get<std::int64_t>(), source.at("malformed").get<std::int64_t>());
+  for (const json& stream : s.at("streams"))
+    if (stream.at("clock_offset_s").is_number())
+      text += fmt::format(
+          "sender of {} channels: clock {:+.3f} ms from ours, drift {:+.1f} ppm, delay {:.1f} ms (worst "
+          "{:.1f} ms)\n",
+          stream.at("channels").get<int>(), -stream.at("clock_offset_s").get<double>() * 1e3,
+          -stream.at("drift_ppm").get<double>(), stream.at("delay_s").get<double>() * 1e3,
+          stream.at("worst_delay_s").get<double>() * 1e3);
+  for (const json& feed : s.at("feeds"))
+    text += fmt::format("feed {}: {}; {} clients; journal row {}, {} behind; {} errors\n",
+                        Printable(feed.at("name").get<std::string>()),
+                        Printable(feed.at("state").get<std::string>()), feed.at("clients").get<int>(),
+                        feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
+                        feed.at("errors").get<std::int64_t>());
+  text += DriftText(s.at("drift"));
+  text += fmt::format("\n{:<24} {:>9} {:>9} {:>14} {:>14} {:>8}\n", "channel", "rate", "age", "value",
+                      "noise", "flagged");
+  for (const json& c : s.at("channels")) {
+    const auto unit = c.at("unit").get<std::string>();
+    std::string noise = "-";
+    if (c.at("noise_std").is_number()) {
+      const DisplayUnit shown = DisplayUnitFor(unit);
+      noise = fmt::format("{:.3g} {}", c.at("noise_std").get<double>() * shown.factor, shown.name);
+    }
+    text += fmt::format("{:<24} {:>6.0f} Hz {:>9} {:>14} {:>14} {:>8}{}\n", c.at("name").get<std::string>(),
+                        c.at("rate_hz").get<double>(), Age(c.at("age_s")), Shown(c.at("value"), unit), noise,
+                        c.at("flagged").get<std::int64_t>(), c.at("stale").get<bool>() ? "  STALE" : "");
+  }
+  for (const json& a : s.at("axes")) {
+    text +=
+        fmt::format("\n{}: {} strokes", a.at("name").get<std::string>(), a.at("strokes").get<std::int64_t>());
+    for (const auto& [name, e] : a.at("estimates").items())
+      text += fmt::format(", {} {}", name, Shown(e.at("value"), e.at("unit").get<std::string>()));
+    text += "\n ";
+    for (const auto& [name, count] : a.at("counters").items())
+      if (count.get<std::int64_t>() != 0) text += fmt::format(" {} {}", name, count.get<std::int64_t>());
+    text += "\n";
+  }
+  return text;
+}
+
+std::string PrometheusText(const LiveStatus& s) {
+  Metrics m;
+  m.Begin("uptime_seconds", "gauge", "Since the service began.");
+  m.Add(s.uptime);
+  m.Begin("heartbeats_total", "counter", "Rounds of the pipeline.");
+  m.Add(static_cast<double>(s.heartbeats));
+  m.Begin("writer_state", "gauge", "1 for the state the writer is in.");
+  for (const WriterState state :
+       {WriterState::kWriting, WriterState::kDiskFull, WriterState::kLocked, WriterState::kFailing})
+    m.Add(s.writer.state == state, fmt::format("state=\"{}\"", WriterStateName(state)));
+  m.Begin("disk_free_bytes", "gauge", "Free where the database lies.");
+  m.Add(static_cast<double>(s.writer.free_bytes));
+  m.Begin("strokes_stored_total", "counter", "Strokes stored.");
+  m.Add(static_cast<double>(s.writer.strokes));
+  m.Begin("rows_stored_total", "counter", "Raw rows stored.");
+  m.Add(static_cast<double>(s.writer.rows));
+  m.Begin("dropped_total", "counter", "What did not fit into a queue.");
+  m.Add(static_cast<double>(s.inbox.dropped_values), "queue=\"inbox\",what=\"values\"");
+  m.Add(static_cast<double>(s.writer.dropped_rows), "queue=\"writer\",what=\"rows\"");
+  m.Add(static_cast<double>(s.writer.dropped_strokes), "queue=\"writer\",what=\"strokes\"");
+  m.Begin("queue_depth", "gauge", "What waits: batches before the pipeline, steps before the disk.");
+  m.Add(static_cast<double>(s.inbox.batches), "queue=\"inbox\"");
+  m.Add(static_cast<double>(s.writer.waiting_items), "queue=\"writer\"");
+  m.Begin("stroke_latency_seconds", "gauge",
+          "From the sending of the sample that ends a stroke to its estimate stored.");
+  m.Add(s.writer.latency_p50, "quantile=\"0.5\"");
+  m.Add(s.writer.latency_p99, "quantile=\"0.99\"");
+  m.Begin("source_connected", "gauge", "1 while a sender is there.");
+  for (const SourceStatus& source : s.sources)
+    m.Add(source.connected, fmt::format("source=\"{}\"", Label(source.name)));
+  m.Begin("source_rows_total", "counter", "Rows received.");
+  for (const SourceStatus& source : s.sources)
+    m.Add(static_cast<double>(source.rows), fmt::format("source=\"{}\"", Label(source.name)));
+  m.Begin("source_faults_total", "counter",
+          "Lost rows, reconnects, timeouts, exceptions, malformed messages.");
+  for (const SourceStatus& source : s.sources)
+    for (const auto& [kind, count] : {std::pair{"lost_rows", source.lost_rows},
+                                      {"reconnects", source.reconnects},
+                                      {"timeouts", source.timeouts},
+                                      {"exceptions", source.exceptions},
+                                      {"malformed", source.malformed}})
+      m.Add(static_cast<double>(count), fmt::format("source=\"{}\",kind=\"{}\"", Label(source.name), kind));
+  m.Begin("channel_age_seconds", "gauge", "Since the last value.");
+  for (const ChannelStatus& c : s.channels) m.Add(c.age, fmt::format("channel=\"{}\"", Label(c.name)));
+  m.Begin("channel_rate_hertz", "gauge", "Values per second.");
+  for (const ChannelStatus& c : s.channels) m.Add(c.rate, fmt::format("channel=\"{}\"", Label(c.name)));
+  m.Begin("axis_events_total", "counter", "What the aligner counted.");
+  for (const AxisStatus& axis : s.axes) {
+    const json counters = CountersJson(axis.counters);
+    for (const auto& [event, count] : counters.items())
+      m.Add(count.get<double>(), fmt::format("axis=\"{}\",event=\"{}\"", Label(axis.name), event));
+  }
+  m.Begin("axis_last_stroke_seconds", "gauge", "End of the last stroke, since 1970.");
+  for (const AxisStatus& axis : s.axes) m.Add(axis.last_stroke, fmt::format("axis=\"{}\"", Label(axis.name)));
+  m.Begin("estimate", "gauge", "Parameter after the last stroke, SI.");
+  for (const AxisStatus& axis : s.axes)
+    for (const Estimate& e : axis.estimates)
+      m.Add(e.value, fmt::format("axis=\"{}\",parameter=\"{}\"", Label(axis.name), Label(e.parameter)));
+  const auto feed_label = [](const FeedStatus& feed) { return fmt::format("feed=\"{}\"", Label(feed.name)); };
+  m.Begin("feed_connected", "gauge", "1 while the feed can be heard.");
+  for (const FeedStatus& feed : s.feeds) m.Add(feed.connected, feed_label(feed));
+  m.Begin("feed_rows_behind", "gauge", "Journal rows not out yet.");
+  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.behind), feed_label(feed));
+  m.Begin("feed_errors_total", "counter", "Rounds of the feed that failed.");
+  for (const FeedStatus& feed : s.feeds) m.Add(static_cast<double>(feed.errors), feed_label(feed));
+  m.Begin("axis_health", "gauge", "NAMUR NE 107: 1 for the state the axis is in.");
+  for (const AxisHealth& a : s.drift.axes)
+    for (const char state : {'-', 'M', 'S', 'C', 'F'})
+      m.Add(a.health.letter() == state, fmt::format("axis=\"{}\",health=\"{}\"", Label(a.name), state));
+  m.Begin("axis_health_reason", "gauge", "1 for what the health comes from.");
+  for (const AxisHealth& a : s.drift.axes)
+    m.Add(1, fmt::format("axis=\"{}\",reason=\"{}\"", Label(a.name), HealthReasonName(a.health.reason)));
+  m.Begin("axis_alarms", "gauge", "Alarms that are not at rest.");
+  for (const AxisHealth& a : s.drift.axes)
+    m.Add(static_cast<double>(a.alarms.size()), fmt::format("axis=\"{}\"", Label(a.name)));
+  m.Begin("process_resident_bytes", "gauge", "Memory of the process.");
+  m.Add(static_cast<double>(s.memory));
+  m.Begin("process_descriptors", "gauge", "Open files of the process.");
+  m.Add(s.descriptors);
+  m.Begin("process_cpu_seconds_total", "counter", "Processor time of the process.");
+  m.Add(s.cpu);
+  return m.Take();
+}
+
+ProcessUse UseOf(const std::string& process) {
+  ProcessUse use;
+  const std::string folder = "/proc/" + process;
+  std::ifstream stat(folder + "/stat");
+  std::string line;
+  std::getline(stat, line);
+  const std::size_t name_end = line.rfind(')');
+  if (name_end == std::string::npos) return use;
+  std::istringstream fields(line.substr(name_end + 2));
+  std::string field;
+  double user = 0, system = 0;
+  std::int64_t pages = 0;
+  for (int i = 3; i <= 24 && fields >> field; ++i) {  // proc(5): 14 utime, 15 stime, 24 rss
+    if (i == 14) user = std::stod(field);
+    if (i == 15) system = std::stod(field);
+    if (i == 24) pages = std::stoll(field);
+  }
+  use.cpu = (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  use.memory = pages * sysconf(_SC_PAGESIZE);
+  if (DIR* open_files = opendir((folder + "/fd").c_str())) {
+    while (const dirent* entry = readdir(open_files)) use.descriptors += entry->d_name[0] != '.';
+    closedir(open_files);
+    if (process == "self") --use.descriptors;  // the folder itself
+  }
+  return use;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "acquisition/aligner.h"
+#include "acquisition/source.h"
+#include "alarms/feeds/feed.h"
+#include "live/drift_watch_status.h"
+#include "live/inbox.h"
+#include "live/writer.h"
+
+namespace hydroscope {
+
+/// A channel as `hydroscope status` shows it.
+struct ChannelStatus {
+  std::string name;          ///< "cushion_1/p_A"
+  std::string unit;          ///< SI
+  double rate = 0;           ///< values per s, over the last seconds
+  double age = 0;            ///< s since the last value; NaN: never came
+  double value = 0;          ///< SI, newest
+  double noise_std = 0;      ///< SI; NaN: not known
+  std::int64_t flagged = 0;  ///< values with any quality flag, in the present run
+  bool stale = false;        ///< older than two periods
+  int axis = 0;
+  bool required = false;  ///< the model cannot do without it
+};
+
+struct AxisStatus {
+  std::string name;  ///< "press/cushion_1"
+  AlignerCounters counters;
+  std::int64_t strokes = 0;         ///< since the start
+  double last_stroke = 0;           ///< s since 1970, its end; NaN: none yet
+  std::vector<Estimate> estimates;  ///< of the last stroke
+};
+
+/// Everything the service tells about itself.
+struct LiveStatus {
+  std::string machine, database, state;  ///< state: "running", "stopping"
+  double uptime = 0;                     ///< s
+  std::int64_t taken = 0;                ///< ns, monotonic, when channels and axes were looked at
+  std::string limits;                    ///< result of the last reload, "" = none yet
+  std::vector<SourceStatus> sources;
+  std::vector<double> source_ages;  ///< s since each source received something; NaN: never
+  std::vector<StreamState> streams;
+  std::vector<ChannelStatus> channels;
+  std::vector<AxisStatus> axes;
+  Inbox::Counters inbox;
+  std::int64_t malformed = 0;
+  WriterStatus writer;
+  std::int64_t heartbeats = 0;  ///< rounds of the pipeline's thread
+  double cpu = 0;               ///< s of processor time of the process
+  std::int64_t memory = 0;      ///< bytes resident
+  int descriptors = 0;          ///< open files
+  std::string valve_check;      ///< what it does now, "" = off
+  std::vector<FeedStatus> feeds;
+  DriftWatchStatus drift;
+};
+
+nlohmann::json StatusJson(const LiveStatus& status);
+/// Prometheus text format 0.0.4.
+std::string PrometheusText(const LiveStatus& status);
+/// For people, from the JSON.
+std::string StatusText(const nlohmann::json& status);
+
+/// Processor time (s), resident memory (bytes) and open descriptors of a process ("self" or its id), from
+/// /proc; zero if it is gone.
+struct ProcessUse {
+  double cpu = 0;
+  std::int64_t memory = 0;
+  int descriptors = 0;
+};
+ProcessUse UseOf(const std::string& process);
+
+}  // namespace hydroscope

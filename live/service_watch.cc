@@ -1,0 +1,85 @@
+#include "live/service_watch.h"
+
+#include <algorithm>
+
+#include "alarms/alarm_machine.h"
+#include "core/constants.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr AlarmSettings kTroubleAtOnce{1, 1, 0, false};
+
+HealthReason ReasonOf(WriterState state) {
+  switch (state) {
+    case WriterState::kWriting:
+      return HealthReason::kJudgedGood;
+    case WriterState::kDiskFull:
+      return HealthReason::kDiskFull;
+    case WriterState::kLocked:
+      return HealthReason::kDatabaseLocked;
+    case WriterState::kGone:
+      return HealthReason::kDatabaseGone;
+    case WriterState::kFailing:
+      break;
+  }
+  return HealthReason::kNotStored;
+}
+
+bool Stands(const AxisContent& content, const std::string& alarm) {
+  return std::any_of(content.alarms.begin(), content.alarms.end(),
+                     [&](const AlarmState& a) { return a.id == alarm && a.active; });
+}
+
+AlarmCondition ConditionOf(const ServiceTrouble& trouble) {
+  AlarmCondition condition;
+  condition.value = condition.limit = 1;
+  condition.unit = "1";
+  condition.severity = AlarmSeverity::kSignalLoss;
+  condition.text = trouble.text;
+  return condition;
+}
+
+}  // namespace
+
+ServiceTrouble TroubleOf(const WriterStatus& writer) {
+  const HealthReason reason = ReasonOf(writer.state);
+  return {reason, reason == HealthReason::kJudgedGood ? "" : "strokes are not stored: " + writer.problem};
+}
+
+ServiceTrouble NotWatched(const std::string& why) {
+  if (why.empty()) return {};
+  return {HealthReason::kNotWatched, "drift is not watched: " + why};
+}
+
+void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judged, double wall) {
+  const ServiceTrouble storing = TroubleOf(writer), judging = NotWatched(not_judged);
+  board_.TellTrouble(HealthBoard::Part::kStoring, storing);
+  board_.TellTrouble(HealthBoard::Part::kJudging, judging);
+  for (const auto& [alarm, trouble] : {std::pair("not_stored", storing), {"not_judged", judging}})
+    if (!Observe(alarm, trouble, wall)) journal_.reset();  // tried again at the next look
+}
+
+/// Nothing is written while nothing changes.
+Status ServiceWatch::Observe(const std::string& alarm, const ServiceTrouble& trouble, double wall) {
+  if (!journal_) {
+    auto opened = AlarmJournal::OpenExisting(journal_path_);
+    if (!opened) return tl::unexpected(opened.error());
+    journal_ = std::move(*opened);
+  }
+  const bool on = IsTrouble(trouble.reason);
+  const auto content = journal_->Axis(press_);
+  if (!content) return tl::unexpected(content.error());
+  if (Stands(*content, alarm) == on) return {};
+  return journal_->Change(press_, wall, [&](AxisContent& press) -> Status {
+    AlarmMoment now;
+    now.wall = wall;
+    now.time = now.oil_temperature = kNaN;
+    AlarmState& state = press.Alarm(alarm);
+    press.Append(on ? alarm_machine::Observe(state, kTroubleAtOnce, ConditionOf(trouble), now)
+                    : alarm_machine::Clear(state, kTroubleAtOnce, now));
+    return {};
+  });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,70 @@
+#include "live/valve_checks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulator/valve_sweep.h"
+
+namespace hydroscope {
+namespace {
+
+using testing::HasSubstr;
+
+Machine ValveMachine() {
+  Machine machine;
+  machine.name = "press";
+  for (const char* name : {"U_v", "y_v", "p_0", "T_oil"}) {
+    machine.signals.emplace_back();
+    machine.signals.back().name = name;
+  }
+  machine.live = LiveSpec{};
+  return machine;
+}
+
+SampleBlock Sweep() {
+  const ValveSweepLog log = SimulateValveSweep({});
+  SampleBlock rows;
+  rows.Resize(4, log.t.size());
+  rows.time = log.t;
+  rows.signal[0] = log.U_v;
+  rows.signal[1] = log.y_v;
+  std::fill(rows.signal[2].begin(), rows.signal[2].end(), 210e5);
+  std::fill(rows.signal[3].begin(), rows.signal[3].end(), 313.15);
+  return rows;
+}
+
+TEST(JudgeSweep, ASweepThatRanGivesTheValvesFiguresWithTheConditions) {
+  const ValveCheckRecord record = JudgeSweep(Sweep(), ValveMachine(), SweepStatus::kDone, 1.7e9, 0.1);
+  EXPECT_EQ(record.outcome, "measured") << record.detail;
+  EXPECT_NEAR(record.f0, 184, 4 * record.f0_std + 2);
+  EXPECT_NEAR(record.damping, 0.67, 4 * record.damping_std + 0.02);
+  EXPECT_EQ(record.begin, 1.7e9);
+  EXPECT_NEAR(record.supply_pressure, 210e5, 1);
+  EXPECT_NEAR(record.oil_temperature, 313.15, 1e-6);
+}
+
+TEST(JudgeSweep, ARefusedOrBrokenSweepSaysNothingAboutTheValve) {
+  for (const auto& [end, outcome] :
+       std::vector<std::pair<SweepStatus, std::string>>{{SweepStatus::kBusy, "refused"},
+                                                        {SweepStatus::kRefused, "refused"},
+                                                        {SweepStatus::kBroken, "broken"},
+                                                        {SweepStatus::kUndecided, "no_answer"}}) {
+    const ValveCheckRecord record = JudgeSweep(Sweep(), ValveMachine(), end, 0, 0.1);
+    EXPECT_EQ(record.outcome, outcome);
+    EXPECT_TRUE(std::isnan(record.f0));
+    EXPECT_FALSE(record.detail.empty());
+  }
+}
+
+TEST(JudgeSweep, ASweepWithoutExcitationIsUnusableAndNotABadValve) {
+  SampleBlock rows = Sweep();
+  std::fill(rows.signal[0].begin(), rows.signal[0].end(), 0.0);
+  const ValveCheckRecord record = JudgeSweep(rows, ValveMachine(), SweepStatus::kDone, 0, 0.1);
+  EXPECT_EQ(record.outcome, "unusable");
+  EXPECT_THAT(record.detail, HasSubstr("tells nothing"));
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,77 @@
+#include "live/verify_live.h"
+
+#include <cmath>
+
+#include "pipeline/log_pass.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/raw_log.h"
+
+namespace hydroscope {
+namespace {
+
+/// Strokes of the run as a replay of its raw rows gives them.
+Result<std::vector<StrokeRecord>> ReplayRun(const std::string& path, const Database& database,
+                                            std::int64_t machine_id, const RunInfo& run,
+                                            const RawExtent& extent) {
+  const auto model = database.GetModelVersion(machine_id, run.model_version);
+  if (!model) return tl::unexpected(model.error());
+  const auto machine =
+      ParseMachine(model->definition, fmt::format("{}: model version {}", path, run.model_version));
+  if (!machine) return tl::unexpected(machine.error());
+  auto reader = OpenRawRun(path, run.id, extent.first, extent.last, *machine);
+  if (!reader) return tl::unexpected(reader.error());
+  std::vector<StrokeRecord> strokes;
+  auto pipeline = Pipeline::Create(*machine, (*reader)->SamplePeriod(),
+                                   [&](StrokeRecord&& record) { strokes.push_back(std::move(record)); });
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  const auto state = database.PipelineStateBefore(run.id);
+  if (!state) return tl::unexpected(state.error());
+  if (*state)
+    static_cast<void>((*pipeline)->RestoreState(**state));  // as the service: anew if it does not fit
+  const auto pass = PassLog(**reader, *machine, pipeline->get(), fmt::format("run {}", run.id));
+  if (!pass) return tl::unexpected(pass.error());
+  if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
+  return strokes;
+}
+
+}  // namespace
+
+Result<std::vector<VerifiedRun>> VerifyLive(const std::string& path) {
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto names = database->MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  std::vector<VerifiedRun> verified;
+  for (const std::string& name : *names) {
+    const auto machine = database->MachineId(name);
+    if (!machine) return tl::unexpected(machine.error());
+    const auto runs = database->Runs(*machine);
+    const auto extents = database->RawExtents(*machine);
+    if (!runs) return tl::unexpected(runs.error());
+    if (!extents) return tl::unexpected(extents.error());
+    for (const RunInfo& run : *runs) {
+      if (!run.fingerprint.starts_with("live/")) continue;
+      VerifiedRun result{.axis = name, .run = run.id, .strokes = run.strokes, .detail = {}};
+      const auto extent =
+          std::find_if(extents->begin(), extents->end(), [&](const auto& e) { return e.run == run.id; });
+      if (extent == extents->end() && run.strokes == 0) continue;
+      if (!run.complete || extent == extents->end() || extent->rows < extent->rows_taken) {
+        result.outcome = VerifiedRun::Outcome::kNotKept;
+        result.detail = !run.complete ? "still open" : "not all raw rows are kept";
+        verified.push_back(std::move(result));
+        continue;
+      }
+      result.rows = extent->rows;
+      const auto strokes = ReplayRun(path, *database, *machine, run, *extent);
+      if (!strokes) return tl::unexpected(strokes.error());
+      if (const Status same = database->CompareStrokes(run.id, *strokes); !same) {
+        result.outcome = VerifiedRun::Outcome::kDiffers;
+        result.detail = same.error().text;
+      }
+      verified.push_back(std::move(result));
+    }
+  }
+  return verified;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,358 @@
+#include "live/writer.h"
+
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+
+#include "core/quantile.h"
+#include "live/log.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::chrono::milliseconds kRetry(250);
+constexpr std::chrono::milliseconds kPause(50);  // without work: time for a checkpoint, if it is due
+constexpr std::size_t kStepsToCheckpoint =
+    16;  // transactions; behind a stroke, when the next one is farthest
+constexpr std::size_t kStepsWithoutStroke = 128;
+constexpr std::size_t kStepsTogether = 128;
+constexpr std::size_t kLatenciesKept = 65536;
+constexpr std::size_t kItemsKept = 10'000;
+
+std::int64_t Bytes(const WriteItem& item) {
+  std::int64_t bytes = 0;
+  if (item.step.raw)
+    for (const RawChunk& chunk : *item.step.raw) bytes += chunk.bytes();
+  return bytes;
+}
+
+/// Device and number of a file; zeros if there is none of this name.
+std::pair<dev_t, ino_t> IdentityOf(const std::string& path) {
+  struct stat now {};
+  return stat(path.c_str(), &now) == 0 ? std::pair(now.st_dev, now.st_ino) : std::pair<dev_t, ino_t>();
+}
+
+bool Has(const Error& error, const char* text) { return error.text.find(text) != std::string::npos; }
+
+/// Passes when somebody frees space, unlocks or repairs the disk; then the same step is tried again.
+bool MayPass(const Error& error) {
+  return Has(error, "file is gone") || Has(error, "disk is full") || Has(error, "another process") ||
+         Has(error, "cannot be written") || Has(error, "cannot open") || Has(error, "SQLite error");
+}
+
+}  // namespace
+
+const char* WriterStateName(WriterState state) {
+  switch (state) {
+    case WriterState::kWriting:
+      return "writing";
+    case WriterState::kDiskFull:
+      return "disk_full";
+    case WriterState::kLocked:
+      return "locked";
+    case WriterState::kFailing:
+      return "failing";
+    case WriterState::kGone:
+      return "gone";
+  }
+  return "";
+}
+
+LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::string> signals,
+                       std::vector<Axis> axes, WriterOptions options, Clock clock, Acknowledged acknowledged)
+    : database_(std::move(database)),
+      path_(std::move(path)),
+      signals_(std::move(signals)),
+      axes_(std::move(axes)),
+      options_(options),
+      clock_(std::move(clock)),
+      file_(IdentityOf(path_)),
+      acknowledged_(std::move(acknowledged)),
+      thread_([this] { Run(); }) {}
+
+LiveWriter::~LiveWriter() { Stop(0); }
+
+void LiveWriter::Push(WriteItem&& item) {
+  {
+    std::lock_guard lock(mutex_);
+    status_.waiting_bytes += Bytes(item);
+    status_.waiting_strokes += static_cast<std::int64_t>(item.step.strokes.size());
+    items_.push_back(std::move(item));
+    Trim();
+  }
+  changed_.notify_one();
+}
+
+/// Keeps what waits within bounds: raw rows of the oldest steps go first, then their strokes.
+void LiveWriter::Trim() {
+  for (WriteItem& item : items_) {
+    if (status_.waiting_bytes <= options_.queue_bytes) break;
+    if (item.step.rows == 0) continue;
+    status_.waiting_bytes -= Bytes(item);
+    status_.dropped_rows += std::exchange(item.step.rows, 0);
+    item.step.raw = {};
+    broken_.insert(item.axis);
+  }
+  for (WriteItem& item : items_) {
+    if (status_.waiting_strokes <= static_cast<std::int64_t>(options_.queue_strokes)) break;
+    auto& strokes = item.step.strokes;
+    status_.waiting_strokes -= static_cast<std::int64_t>(strokes.size());
+    status_.dropped_strokes += static_cast<std::int64_t>(strokes.size());
+    if (!strokes.empty()) broken_.insert(item.axis);
+    strokes.clear();
+  }
+  const auto says_nothing = [](const WriteItem& item) {
+    return item.kind == WriteItem::Kind::kStep && item.step.rows == 0 && item.step.strokes.empty();
+  };
+  if (items_.size() > kItemsKept) std::erase_if(items_, says_nothing);
+}
+
+void LiveWriter::Run() {
+  std::unique_lock lock(mutex_);
+  while (WaitForWork(lock)) {
+    lock.unlock();
+    if (!HasCurrent()) {
+      static_cast<void>(
+          database_.Checkpoint());  // what is in the way of it is in the way of the next step as well
+      not_checkpointed_ = 0;
+      lock.lock();
+      continue;
+    }
+    const Status done = !FileIsThere() ? Gone() : DiskHasRoom() ? Work() : NoRoom();
+    lock.lock();
+    if (done || !MayPass(done.error())) {
+      Settle(done);
+      continue;
+    }
+    Fail(done.error());
+    changed_.wait_for(lock, kRetry, [this] { return give_up_; });
+  }
+}
+
+/// Takes the next things to do, nothing if there is time for a checkpoint; false at the end. What could not
+/// be written is taken again.
+bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
+  const auto wanted = [this] {
+    return stopping_ || HasCurrent() || !items_.empty() || !valve_checks_.empty();
+  };
+  if (not_checkpointed_ < (stroke_stored_ ? kStepsToCheckpoint : kStepsWithoutStroke))
+    changed_.wait(lock, wanted);
+  else if (!changed_.wait_for(lock, kPause, wanted))
+    return true;
+  if (give_up_) return false;
+  if (HasCurrent()) return true;
+  if (!valve_checks_.empty()) {
+    current_check_ = std::move(valve_checks_.front());
+    valve_checks_.pop_front();
+    return true;
+  }
+  const auto is_step = [this] { return !items_.empty() && items_.front().kind == WriteItem::Kind::kStep; };
+  const std::size_t most = singly_ > 0 ? 1 : kStepsTogether;
+  while (current_.empty() ? !items_.empty() : current_.size() < most && is_step()) {
+    current_.push_back(std::move(items_.front()));
+    items_.pop_front();
+    if (current_.front().kind != WriteItem::Kind::kStep) break;
+  }
+  singly_ -= std::min(singly_, current_.size());
+  return HasCurrent();
+}
+
+Status LiveWriter::Work() {
+  if (current_check_)
+    return database_.AddValveCheck(axes_[static_cast<std::size_t>(current_check_->first)].machine,
+                                   current_check_->second);
+  return current_.front().kind == WriteItem::Kind::kStep ? StoreSteps() : Execute(current_.front());
+}
+
+/// All steps of `current_` in one transaction.
+Status LiveWriter::StoreSteps() {
+  std::map<int, std::int64_t> next;  // stroke of each axis
+  std::vector<LiveStep> steps;
+  for (WriteItem& item : current_) {
+    const Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
+    std::int64_t& index = next.try_emplace(item.axis, axis.strokes).first->second;
+    for (PackedStroke& stroke : item.step.strokes) stroke.summary.index = index++;
+    steps.push_back({axis.run, &item.step});
+  }
+  if (const Status stored = database_.StoreLive(steps, signals_, options_.raw); !stored) return stored;
+  ++not_checkpointed_;
+  stroke_stored_ = false;
+  for (const WriteItem& item : current_) {
+    Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
+    axis.strokes += static_cast<std::int64_t>(item.step.strokes.size());
+    stroke_stored_ = stroke_stored_ || !item.step.strokes.empty();
+    if (acknowledged_) acknowledged_(axis, item);
+  }
+  return {};
+}
+
+Status LiveWriter::NoRoom() const {
+  return InternalError(
+      "{}: the disk is full: less than {} MB are free. Nothing is written until there is room", path_,
+      options_.min_free >> 20);
+}
+
+/// What was to be done is over, one way or the other. Of several steps refused together each is tried alone.
+void LiveWriter::Settle(const Status& done) {
+  if (!done && current_.size() > 1) {
+    singly_ = current_.size();
+    items_.insert(items_.begin(), std::make_move_iterator(current_.begin()),
+                  std::make_move_iterator(current_.end()));
+    current_.clear();
+    return;
+  }
+  if (!done) {
+    ++status_.refused;
+    const int axis = current_check_ ? current_check_->first : current_.front().axis;
+    broken_.insert(axis);
+    LogError("write_refused",
+             {{"axis", axes_[static_cast<std::size_t>(axis)].name}, {"why", done.error().text}});
+  }
+  for (const WriteItem& item : current_) {
+    status_.waiting_bytes -= Bytes(item);
+    status_.waiting_strokes -= static_cast<std::int64_t>(item.step.strokes.size());
+    if (done) Count(item);
+  }
+  current_.clear();
+  current_check_.reset();
+  if (done && status_.state != WriterState::kWriting) {
+    LogInfo("writing_again", {{"after", WriterStateName(status_.state)}});
+    status_.state = WriterState::kWriting;
+    status_.problem.clear();
+  }
+  changed_.notify_all();
+}
+
+void LiveWriter::Fail(const Error& error) {
+  const WriterState state = Has(error, "file is gone")      ? WriterState::kGone
+                            : Has(error, "disk is full")    ? WriterState::kDiskFull
+                            : Has(error, "another process") ? WriterState::kLocked
+                                                            : WriterState::kFailing;
+  if (status_.state != state) {
+    ++status_.pauses;
+    LogWarning("cannot_write", {{"state", WriterStateName(state)}, {"why", error.text}});
+  }
+  status_.state = state;
+  status_.problem = error.text;
+}
+
+/// The file that was opened still has its name: one that was deleted, moved or replaced would take what is
+/// written with it, unseen.
+bool LiveWriter::FileIsThere() const { return IdentityOf(path_) == file_; }
+
+Status LiveWriter::Gone() const {
+  return InternalError(
+      "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; "
+      "put it "
+      "back, or restart the service to begin a new one",
+      path_);
+}
+
+bool LiveWriter::DiskHasRoom() {
+  struct statvfs disk {};
+  const std::string folder = std::filesystem::absolute(path_).parent_path().string();
+  std::int64_t free = options_.min_free;
+  if (statvfs(folder.c_str(), &disk) == 0)
+    free = static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(path_, ignored);
+  std::lock_guard lock(mutex_);
+  status_.free_bytes = free;
+  status_.database_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
+  return free >= options_.min_free;
+}
+
+/// Ends or begins a run.
+Status LiveWriter::Execute(WriteItem& item) {
+  Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
+  switch (item.kind) {
+    case WriteItem::Kind::kStep:
+      break;
+    case WriteItem::Kind::kEndRun:
+      if (const Status ended = database_.FinishRun(axis.run, item.summary, item.state); !ended) return ended;
+      break;
+    case WriteItem::Kind::kBeginRun: {
+      const auto version =
+          database_.PutModelVersion(axis.machine, {1, item.model->text, item.model->columns});
+      if (!version) return tl::unexpected(version.error());
+      const auto run = database_.BeginRun(axis.machine, *version, "live",
+                                          fmt::format("live/{}/{}", axis.name, clock_().wall_ns));
+      if (!run) return tl::unexpected(run.error());
+      axis.run = run->id;
+      axis.strokes = 0;
+      break;
+    }
+  }
+  if (acknowledged_) acknowledged_(axis, item);
+  return {};
+}
+
+void LiveWriter::Count(const WriteItem& item) {
+  ++status_.steps;
+  status_.rows += item.step.rows;
+  status_.strokes += static_cast<std::int64_t>(item.step.strokes.size());
+  const std::int64_t now = clock_().monotonic_ns;
+  // A sender whose clock runs faster than ours (a simulated press at 15 times its speed) has no latency to
+  // tell.
+  if (item.sent == 0 || item.sent > now) return;
+  if (latencies_.size() >= kLatenciesKept) {
+    latencies_.erase(latencies_.begin(), latencies_.begin() + kLatenciesKept / 2);
+    commits_.erase(commits_.begin(), commits_.begin() + kLatenciesKept / 2);
+  }
+  latencies_.push_back(static_cast<double>(now - item.sent) * 1e-9);
+  commits_.push_back(static_cast<double>(now - item.taken) * 1e-9);
+  status_.latency_max = std::max(status_.latency_max, latencies_.back());
+}
+
+bool LiveWriter::Stop(double seconds) {
+  {
+    std::unique_lock lock(mutex_);
+    if (!thread_.joinable()) return items_.empty() && current_.empty();
+    stopping_ = true;
+    changed_.notify_all();
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while ((!items_.empty() || HasCurrent() || !valve_checks_.empty()) &&
+           std::chrono::steady_clock::now() < until)
+      changed_.wait_for(lock, std::chrono::milliseconds(5));
+    give_up_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  return items_.empty() && current_.empty();
+}
+
+WriterStatus LiveWriter::status() const {
+  std::lock_guard lock(mutex_);
+  WriterStatus status = status_;
+  status.waiting_items =
+      static_cast<std::int64_t>(items_.size()) + static_cast<std::int64_t>(current_.size());
+  status.latency_p50 = Quantile(latencies_, 0.5, 0);
+  status.latency_p99 = Quantile(latencies_, 0.99, 0);
+  status.commit_p99 = Quantile(commits_, 0.99, 0);
+  return status;
+}
+
+std::set<int> LiveWriter::TakeBroken() {
+  std::lock_guard lock(mutex_);
+  if (status_.state != WriterState::kWriting) return {};  // a new run could not be begun yet
+  return std::exchange(broken_, {});
+}
+
+std::vector<double> LiveWriter::TakeLatencies() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(latencies_, {});
+}
+
+void LiveWriter::AddValveCheck(int axis, ValveCheckRecord check) {
+  {
+    std::lock_guard lock(mutex_);
+    valve_checks_.emplace_back(axis, std::move(check));
+  }
+  changed_.notify_one();
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,47 @@
+#include "models/find_effect.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/units.h"
+#include "models/effect.h"
+
+namespace hydroscope {
+namespace {
+
+bool FitsSignals(const Effect& effect, const ModelStructure& model) {
+  return std::all_of(effect.channels.begin(), effect.channels.end(),
+                     [&](int channel) { return model.channel_source[channel] >= 0; });
+}
+
+}  // namespace
+
+Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
+  for (std::size_t e = 0; e < model.effects.size(); ++e)
+    if (model.effects[e]->id == id) return static_cast<int>(e);
+  for (const auto& effect : model.sample_effects)
+    if (effect->id == id && FitsSignals(*effect, model))
+      return BadInput(
+          "effect '{}' cannot be judged on stored strokes, which keep no columns of it: give a log", id);
+  std::vector<std::string> ids;
+  for (const auto& effect : model.effects) ids.push_back(effect->id);
+  for (const auto& effect : DieCushionEffects({})) {
+    if (model.name != "die_cushion") break;
+    ids.push_back(effect->id);
+    if (effect->id != id) continue;
+    std::vector<std::string> missing;
+    for (int channel : effect->channels)
+      if (model.channel_source[channel] < 0) missing.push_back(model.channel_names[channel]);
+    return BadInput("effect '{}' needs signal {}, which the machine file does not have", id,
+                    fmt::join(missing, ", "));
+  }
+  const std::string near = Nearest(id, ids);
+  return BadInput("unknown effect '{}'; {}", id,
+                  near.empty()
+                      ? fmt::format("known effects: {}", fmt::join(ids, ", "))
+                      : fmt::format("did you mean '{}'? 'hydroscope model effects' lists them all", near));
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/units.h"
+#include "models/machine.h"
+#include "models/model_structure.h"
+
+namespace hydroscope {
+
+/// The unit in which people read the output of a model and its errors: l/min for the flows of a die cushion (and if
+/// there is no model), N for a force balance.
+DisplayUnit OutputUnit(const ModelStructure* model);
+/// The same of the model that a machine file describes.
+DisplayUnit OutputUnit(const Machine& machine);
+
+}  // namespace hydroscope

@@ -1,0 +1,210 @@
+#include "monitor/axis_alarms.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+#include "diagnosis/drift/valve_check_monitor.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kUnnamed = "unnamed_change_";
+constexpr double kLeastUsed = 0.5;  ///< share of a stroke's gated rows below which its signals count as lost
+
+/// Whether an alarm is one that valve checks raise.
+bool OfValveChecks(const std::string& id, const drift::RuleBook& rules) {
+  for (const char* figure : drift::ValveCheckMonitor::kFigureNames) {
+    if (id == std::string(kUnnamed) + figure) return true;
+    for (const drift::Rule& rule : rules.rules)
+      if (rule.id == id && rule.when.contains(figure)) return true;
+  }
+  return false;
+}
+
+/// Whether an alarm is one that findings raise.
+bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
+  return !OfValveChecks(id, rules) &&
+         (id.starts_with(kUnnamed) || std::any_of(rules.rules.begin(), rules.rules.end(),
+                                                  [&](const drift::Rule& rule) { return rule.id == id; }));
+}
+
+}  // namespace
+
+std::string FindingWords(const drift::DriftFinding& finding, const char* counted) {
+  std::string text = drift::FindingText(finding, counted) + ". ";
+  if (!finding.explanation.empty()) text += finding.explanation + " ";
+  if (finding.cause.kind != CauseKind::kNotSought)
+    text += fmt::format("Cause: {}. ", CauseText(finding.cause));
+  return text + finding.guidance;
+}
+
+AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {
+  return {rules.warn_delay, rules.clear_delay, rules.deadband, false};
+}
+
+std::string AlarmIdOf(const drift::DriftFinding& finding) {
+  if (!finding.rule.empty()) return finding.rule;
+  return kUnnamed + (finding.parts.empty() ? std::string("none") : finding.parts.front().quantity);
+}
+
+bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings) {
+  const auto first = std::find_if(findings.begin(), findings.end(), [&](const drift::DriftFinding& f) {
+    return f.state != drift::FindingState::kGone && !f.parts.empty() && AlarmIdOf(f) == AlarmIdOf(finding);
+  });
+  return first == findings.end() || first->number == finding.number;
+}
+
+namespace axis_alarms {
+
+void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
+                   AxisContent& content) {
+  const AlarmSettings settings = AlarmSettingsOf(rules);
+  for (const drift::DriftFinding& finding : monitor.findings()) {
+    if (finding.parts.empty() || !SpeaksForItsAlarm(finding, monitor.findings())) continue;
+    AlarmState& alarm = content.Alarm(AlarmIdOf(finding));
+    if (finding.state == drift::FindingState::kGone) {
+      content.Append(alarm_machine::Clear(alarm, settings, now));
+      continue;
+    }
+    const drift::FindingPart& part = finding.parts.front();
+    AlarmCondition condition{std::abs(part.size),
+                             part.std,
+                             part.limit,
+                             true,
+                             part.unit,
+                             static_cast<AlarmSeverity>(finding.severity),
+                             FindingWords(finding),
+                             finding.since.last_before + 1,
+                             finding.last,
+                             finding.cause};
+    if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
+    content.Append(alarm_machine::Observe(alarm, settings, condition, now));
+  }
+}
+
+void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
+                     AxisContent& content) {
+  const auto& findings = monitor.findings();
+  for (AlarmState& alarm : content.alarms) {
+    const bool found = std::any_of(findings.begin(), findings.end(), [&](const auto& f) {
+      return !f.parts.empty() && AlarmIdOf(f) == alarm.id;
+    });
+    if (!found && OfFindings(alarm.id, rules))
+      content.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules), now));
+  }
+}
+
+void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
+                     AxisContent& content) {
+  AlarmSettings settings = AlarmSettingsOf(rules);
+  settings.on_delay = settings.off_delay = 2;  // counted in looks, not in strokes
+  const auto drifts = monitor.SlowDrifts();
+  for (const drift::Quantity& quantity : monitor.model().quantities()) {
+    const auto found = std::find_if(drifts.begin(), drifts.end(),
+                                    [&](const auto& d) { return d.quantity == quantity.name; });
+    const std::string id = "slow_" + quantity.name;
+    const bool known =
+        std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
+    if (found == drifts.end() && !known) continue;
+    AlarmCondition condition{-1, 0, 0, true, quantity.unit, AlarmSeverity::kAdvisory, "", -1, now.stroke};
+    if (found != drifts.end()) {
+      condition.value = std::abs(found->figures.now);
+      condition.std = found->figures.slope_std * static_cast<double>(found->figures.strokes);
+      condition.limit = 0;
+      condition.first_stroke = now.stroke - found->figures.strokes;
+      const DisplayUnit unit = DisplayUnitFor(quantity.unit);
+      condition.text = fmt::format(
+          "{} drifts slowly, {:+.3g} {} per 1000 strokes; reaches its limit in {:.0f} strokes (95 %: {:.0f} "
+          "to {:.0f})",
+          quantity.name, 1000 * found->figures.slope * unit.factor, unit.name, found->reach.strokes,
+          found->reach.low, found->reach.high);
+    }
+    content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
+  }
+}
+
+void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook& rules,
+                 const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content) {
+  const AlarmSettings settings = AlarmSettingsOf(rules);
+  for (const MonitorSpec& spec : monitors)
+    for (const Estimate& e : stroke.record.estimates) {
+      if (e.parameter != spec.parameter || e.reason != EstimateReason::kUpdated) continue;
+      const auto judge = [&](const std::optional<double>& limit, bool high, AlarmSeverity severity,
+                             const char* name) {
+        if (!limit) return;
+        const DisplayUnit unit = DisplayUnitFor(e.unit);
+        const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
+        AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
+                                 severity, "",    stroke.sequence, stroke.sequence};
+        condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter,
+                                     shown(e.value), 1.96 * e.std * unit.factor, unit.name,
+                                     high ? "above" : "below", name, shown(*limit), unit.name);
+        content.Append(
+            alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
+      };
+      judge(spec.warn_low, false, AlarmSeverity::kWarning, "warn_low");
+      judge(spec.warn_high, true, AlarmSeverity::kWarning, "warn_high");
+      judge(spec.alarm_low, false, AlarmSeverity::kAlarm, "alarm_low");
+      judge(spec.alarm_high, true, AlarmSeverity::kAlarm, "alarm_high");
+    }
+}
+
+void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content) {
+  const StrokeCounters& counters = stroke.record.summary.counters;
+  const double used =
+      counters.gated > 0 ? static_cast<double>(counters.used) / static_cast<double>(counters.gated) : 0.0;
+  const bool lost = stroke.reason == drift::JudgementReason::kUnusable || used < kLeastUsed;
+  AlarmCondition condition{
+      1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
+      stroke.sequence};
+  if (lost) condition.value = std::max(condition.value, condition.limit);
+  condition.text = fmt::format(
+      "only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a "
+      "log tells which signal",
+      100 * used);
+  content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
+}
+
+void JudgeReference(int version, const std::vector<LearningDoubt>& doubts, const AlarmMoment& now,
+                    AxisContent& content) {
+  const std::string against = DoubtText(doubts, true);
+  if (against.empty()) return;  // learning cleared the one of the reference before
+  AlarmCondition condition;
+  condition.value = condition.limit = 1;
+  condition.unit = "1";
+  condition.severity = AlarmSeverity::kWarning;
+  condition.first_stroke = condition.last_stroke = now.stroke;
+  condition.text = fmt::format(
+      "reference {} may not be that of a healthy machine; of the strokes it was learned from: {}. Drift is "
+      "judged "
+      "against it. Learn again from other strokes: `hydroscope learn --from --to`",
+      version, against);
+  content.Append(
+      alarm_machine::Observe(content.Alarm("doubtful_reference"), {1, 1, 0, false}, condition, now));
+}
+
+void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& rules, const AlarmMoment& now,
+                     AxisContent& content) {
+  AlarmSettings settings = AlarmSettingsOf(rules);
+  settings.on_delay = 1;  // a check judges itself
+  for (AlarmState& alarm : content.alarms)
+    if (OfValveChecks(alarm.id, rules) && (finding.parts.empty() || alarm.id != AlarmIdOf(finding)))
+      content.Append(alarm_machine::Clear(alarm, settings, now));
+  if (finding.parts.empty()) return;
+  const drift::FindingPart& part = finding.parts.front();
+  AlarmCondition condition{
+      std::abs(part.size),
+      part.std,
+      part.limit,
+      true,
+      part.unit,
+      finding.alarm ? AlarmSeverity::kAlarm : static_cast<AlarmSeverity>(finding.severity),
+      FindingWords(finding, "valve check"),
+      now.stroke,
+      now.stroke};
+  content.Append(alarm_machine::Observe(content.Alarm(AlarmIdOf(finding)), settings, condition, now));
+}
+
+}  // namespace axis_alarms
+}  // namespace hydroscope

@@ -1,0 +1,467 @@
+#include "monitor/axis_monitor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/constants.h"
+#include "monitor/axis_alarms.h"
+#include "monitor/finding_explanation.h"
+#include "monitor/learning_check.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kStrokesPerChange = 256;  ///< strokes per transaction
+/// Strokes in a row without a judgement after which health says so: a minute or two of a press at work.
+constexpr int kStrokesUntilNotJudged = 10;
+constexpr std::int64_t kSlowDriftEvery = 50;  ///< strokes
+
+std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
+  std::vector<std::string> names;
+  for (const drift::WatchSpec& watch : rules.watches) names.push_back(watch.quantity);
+  return names;
+}
+
+ValveCheck CheckOf(const ValveCheckRecord& record) {
+  ValveCheck check;
+  check.time = record.begin;
+  check.natural_frequency = {record.f0, record.f0_std};
+  check.damping = {record.damping, record.damping_std};
+  check.gain = {record.gain, record.gain_std};
+  check.dead_time = {record.dead_time, record.dead_time_std};
+  check.bandwidth = {record.bandwidth, record.bandwidth_std};
+  check.amplitude = record.amplitude;
+  check.supply_pressure = record.supply_pressure;
+  check.oil_temperature = record.oil_temperature;
+  return check;
+}
+
+/// First stroke that is surely behind the change.
+std::int64_t FirstChanged(const drift::DriftFinding& finding) {
+  return std::max(finding.since.last_before, finding.since.high) + 1;
+}
+
+}  // namespace
+
+Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
+  const std::filesystem::path path(machine_file);
+  const auto rules = path.parent_path() / (path.stem().string() + "_rules.toml");
+  std::error_code ignored;
+  if (!std::filesystem::exists(rules, ignored)) return drift::DefaultRules();
+  return drift::LoadRules(rules.string());
+}
+
+AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+                         const drift::RuleBook& rules, const Database& database, std::string path,
+                         std::int64_t machine_id, AlarmJournal& journal)
+    : machine_(machine),
+      rules_(rules),
+      database_(database),
+      path_(std::move(path)),
+      machine_id_(machine_id),
+      journal_(journal),
+      model_(drift::WatchedModel::Create(model, WatchedNames(rules))),
+      columns_(model->column_count()),
+      valve_(rules) {
+  last_.time = last_.oil_temperature = kNaN;
+}
+
+hydroscope::Health AxisMonitor::JudgedHealth() const {
+  const bool judged = not_judged_ < kStrokesUntilNotJudged;
+  return JudgeHealth({.alarms = alarms_,
+                      .has_reference = monitor_.has_value(),
+                      .learned = commissioning_strokes(),
+                      .needed = rules_.commissioning,
+                      .not_judged = judged ? "" : drift::JudgementText(why_not_judged_),
+                      .trouble = {}});
+}
+
+/// Strokes first ... first + count - 1 as far as they are stored, with estimates.
+Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, std::int64_t count) const {
+  std::vector<Stored> strokes;
+  const auto stored_to = database_.EndSequence(machine_id_);
+  if (!stored_to) return tl::unexpected(stored_to.error());
+  if (*stored_to <= first) return strokes;
+  const auto runs = database_.Runs(machine_id_);
+  if (!runs) return tl::unexpected(runs.error());
+  for (const RunInfo& run : *runs) {
+    const std::int64_t begin = std::max(first, run.first_sequence);
+    const std::int64_t end = std::min(first + count, run.first_sequence + run.strokes);
+    if (begin >= end) continue;
+    const auto summaries = database_.Strokes(run.id);
+    if (!summaries) return tl::unexpected(summaries.error());
+    for (std::int64_t s = begin; s < end; ++s) {
+      Stored stroke;
+      stroke.record.summary = (*summaries)[static_cast<std::size_t>(s - run.first_sequence)];
+      stroke.sequence = s;
+      stroke.model_version = run.model_version;
+      strokes.push_back(std::move(stroke));
+    }
+  }
+  if (strokes.empty()) return strokes;
+  auto grams = database_.Grams(machine_id_, strokes.front().sequence, strokes.back().sequence + 1);
+  if (!grams) return tl::unexpected(grams.error());
+  for (std::size_t i = 0; i < strokes.size() && i < grams->size(); ++i)
+    strokes[i].record.gram = std::move((*grams)[i]);
+  if (machine_.monitors.empty()) return strokes;
+  const auto trend = database_.Trend(machine_id_, "", strokes.front().sequence);
+  if (!trend) return tl::unexpected(trend.error());
+  for (const TrendPoint& point : *trend) {
+    const auto index = static_cast<std::size_t>(point.sequence - strokes.front().sequence);
+    if (index < strokes.size()) strokes[index].record.estimates.push_back(point.estimate);
+  }
+  return strokes;
+}
+
+drift::StrokeEvidence AxisMonitor::EvidenceOf(const Stored& stroke) const {
+  // A Gram of another model's columns tells nothing here.
+  if (stroke.record.gram.integral.dimension() == columns_)
+    return model_->Evidence(stroke.record, stroke.sequence);
+  drift::StrokeEvidence none;
+  none.sequence = stroke.sequence;
+  none.time = stroke.record.summary.end;
+  none.oil_temperature = stroke.record.summary.oil_temperature;
+  return none;
+}
+
+bool AxisMonitor::Learnable(const drift::StrokeEvidence& evidence) const {
+  return !(evidence.oil_temperature < rules_.minimum_temperature) && evidence.equations.equations > 0;
+}
+
+Status AxisMonitor::Change(double wall, const std::function<void(AxisContent&)>& change) {
+  std::vector<std::uint8_t> state;
+  const Status stored = journal_.Change(machine_.name, wall, [&](AxisContent& axis) -> Status {
+    if (axis.monitor.next_stroke != next_ || axis.monitor.state != *saved_)
+      return InternalError("another process judges the strokes of {} at the same time", machine_.name);
+    change(axis);
+    state = unreadable_ ? *saved_ : SaveState();
+    axis.monitor.next_stroke = next_;
+    axis.monitor.state = state;
+    alarms_ = axis.alarms;
+    return {};
+  });
+  if (stored)
+    saved_ = std::move(state);
+  else
+    saved_.reset();  // what is in memory is ahead of the file
+  return stored;
+}
+
+Result<std::vector<drift::StrokeEvidence>> AxisMonitor::LoadLearnable(std::int64_t first,
+                                                                      std::int64_t count) const {
+  const auto stored = Load(first, count);
+  if (!stored) return tl::unexpected(stored.error());
+  std::vector<drift::StrokeEvidence> strokes;
+  for (const Stored& stroke : *stored) {
+    drift::StrokeEvidence evidence = EvidenceOf(stroke);
+    if (Learnable(evidence)) strokes.push_back(std::move(evidence));
+  }
+  return strokes;
+}
+
+AlarmMoment AxisMonitor::Moment(double wall) const {
+  AlarmMoment now = last_;
+  now.wall = wall;
+  return now;
+}
+
+Status AxisMonitor::CatchUp(double wall) {
+  if (!model_) return tl::unexpected(model_.error());
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  if (unreadable_)
+    if (const Status begun = BeginAnew(wall); !begun) return begun;
+  if (!monitor_) {
+    const auto commissioned = Commission(wall);
+    if (!commissioned) return tl::unexpected(commissioned.error());
+  }
+  if (monitor_)
+    if (const Status judged = JudgeStrokes(wall); !judged) return judged;
+  return JudgeValveChecks(wall);
+}
+
+/// Stops at each stroke at which an explanation is due, however many more are stored already.
+Status AxisMonitor::JudgeStrokes(double wall) {
+  for (;;) {
+    if (const Status explained = ExplainFindings(wall); !explained) return explained;
+    const auto strokes = Load(next_, kStrokesPerChange);
+    if (!strokes) return tl::unexpected(strokes.error());
+    if (strokes->empty()) return {};
+    const Status stored = Change(wall, [&](AxisContent& axis) {
+      for (const Stored& stroke : *strokes) {
+        Judge(stroke, wall, axis);
+        axis.monitor.model_version = stroke.model_version;
+        next_ = stroke.sequence + 1;
+        if (AnyExplanationIsDue()) break;
+      }
+    });
+    if (!stored) return stored;
+  }
+}
+
+/// Whether a finding has as many strokes behind it as its next explanation waits for.
+bool AxisMonitor::ExplanationIsDue(const drift::DriftFinding& finding) const {
+  if (finding.parts.empty() || finding.state == drift::FindingState::kGone || finding.settled) return false;
+  if (!SpeaksForItsAlarm(finding, monitor_->findings())) return false;
+  const std::int64_t strokes = next_ - FirstChanged(finding);
+  return std::any_of(kStrokesToExplain.begin(), kStrokesToExplain.end(),
+                     [&](std::int64_t wanted) { return finding.explained < wanted && wanted <= strokes; });
+}
+
+bool AxisMonitor::AnyExplanationIsDue() const {
+  const auto& findings = monitor_->findings();
+  return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
+}
+
+/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored
+/// twice.
+Result<bool> AxisMonitor::Commission(double wall) {
+  while (static_cast<int>(collected_.size()) < rules_.commissioning) {
+    const auto chunk = Load(collected_to_, kStrokesPerChange);
+    if (!chunk) return tl::unexpected(chunk.error());
+    if (chunk->empty()) return false;
+    for (const Stored& stroke : *chunk) {
+      collected_to_ = stroke.sequence + 1;
+      drift::StrokeEvidence evidence = EvidenceOf(stroke);
+      if (Learnable(evidence)) collected_.push_back(std::move(evidence));
+      if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
+    }
+  }
+  if (!rules_.automatic) return false;
+  const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
+  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_))
+    return BadInput("nothing is learned from strokes {} to {}: {}", part.first, part.last - 1, doubt->text);
+  const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
+  if (learned) return true;
+  if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());
+  // These strokes do not tell the parameters apart: the older half makes room for others.
+  collected_.erase(collected_.begin(), collected_.begin() + static_cast<long>(collected_.size() / 2));
+  return Commission(wall);
+}
+
+Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
+                              const AlarmUser& user) {
+  const auto latest = journal_.LatestReference(machine_.name);
+  if (!latest) return tl::unexpected(latest.error());
+  auto reference = drift::Reference::Learn(*model_, strokes, *latest ? (*latest)->version + 1 : 1);
+  if (!reference) return tl::unexpected(reference.error());
+  const drift::StrokeEvidence& newest = strokes.back();
+  const std::vector<LearningDoubt> doubts = DoubtsOfLearning(
+      database_, path_, {machine_.name, machine_id_, strokes.front().sequence, newest.sequence + 1}, machine_,
+      {});
+  last_ = {newest.time, wall, newest.sequence, newest.oil_temperature, 0, reference->version()};
+  unreadable_ = false;
+  return Change(wall, [&](AxisContent& axis) {
+    for (AlarmState& alarm : axis.alarms)
+      axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
+    AppendReference(*reference, strokes, user, axis);
+    if (!doubts.empty()) axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false);
+    axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
+    monitor_.emplace(*model_, rules_, std::move(*reference));
+    history_.EndAll(last_.stroke, last_.time);
+    next_ = next;
+  });
+}
+
+/// A new version of the reference with its event.
+void AxisMonitor::AppendReference(const drift::Reference& reference,
+                                  const std::vector<drift::StrokeEvidence>& strokes, const AlarmUser& user,
+                                  AxisContent& content) const {
+  AlarmEvent event;
+  event.event = "reference_learned";
+  event.time = strokes.back().time;
+  event.stroke = strokes.back().sequence;
+  event.oil_temperature = strokes.back().oil_temperature;
+  event.reference_version = reference.version();
+  event.user = user.name;
+  event.comment = user.comment;
+  event.first_stroke = strokes.front().sequence;
+  event.last_stroke = strokes.back().sequence;
+  event.text = fmt::format("reference {} learned from {} strokes", reference.version(), strokes.size());
+  ByteWriter bytes;
+  reference.Save(bytes);
+  content.references.push_back({reference.version(), event.first_stroke, event.last_stroke, bytes.Take()});
+  content.events.push_back(std::move(event));
+}
+
+Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user) {
+  if (!model_) return tl::unexpected(model_.error());
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  auto strokes = LoadLearnable(first, last - first);
+  if (!strokes) return tl::unexpected(strokes.error());
+  if (strokes->empty())
+    return BadInput("{}: no stroke from {} to {} can be learned from: none stored, or the oil was too cold",
+                    machine_.name, first, last - 1);
+  const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
+  return LearnFrom(std::move(*strokes), next, wall, user);
+}
+
+Result<std::vector<AxisMonitor::JudgedValue>> AxisMonitor::JudgedValues(std::int64_t first,
+                                                                        std::int64_t count) const {
+  std::vector<JudgedValue> values;
+  if (!monitor_) return values;
+  for (std::int64_t from = first; from < first + count; from += kStrokesPerChange) {
+    const auto strokes = Load(from, std::min(kStrokesPerChange, first + count - from));
+    if (!strokes) return tl::unexpected(strokes.error());
+    for (const Stored& stroke : *strokes) {
+      const drift::StrokeEvidence evidence = EvidenceOf(stroke);
+      if (Learnable(evidence))
+        values.push_back(
+            {stroke.sequence, evidence.oil_temperature, monitor_->reference().Judge(*model_, evidence)});
+    }
+  }
+  return values;
+}
+
+Status AxisMonitor::SetSuppression(Suppression reason, bool on, double wall) {
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  suppressed_ = static_cast<std::uint8_t>(on ? suppressed_ | reason : suppressed_ & ~reason);
+  return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
+}
+
+Status AxisMonitor::SetCommonCause(std::set<std::string> alarms, double wall) {
+  if (alarms == common_cause_) return {};
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  common_cause_ = std::move(alarms);
+  return Change(wall, [&](AxisContent& axis) { Suppress(axis, Moment(wall)); });
+}
+
+/// Brings the flags of every alarm, new ones too, to what SetSuppression() and SetCommonCause() said last.
+void AxisMonitor::Suppress(AxisContent& content, const AlarmMoment& now) {
+  for (AlarmState& alarm : content.alarms) {
+    // A link that is lost while the press rests is lost all the same.
+    const bool idle = (suppressed_ & kSuppressedIdle) != 0 && alarm.severity != AlarmSeverity::kSignalLoss;
+    if (!idle || !alarm.active) content.Append(alarm_machine::Suppress(alarm, kSuppressedIdle, idle, now));
+    content.Append(alarm_machine::Suppress(alarm, kSuppressedValveCheck,
+                                           (suppressed_ & kSuppressedValveCheck) != 0, now));
+    if (common_cause_)
+      content.Append(
+          alarm_machine::Suppress(alarm, kSuppressedCommonCause, common_cause_->contains(alarm.id), now));
+  }
+}
+
+Status AxisMonitor::Observe(const std::string& alarm, const AlarmSettings& settings,
+                            const std::optional<AlarmCondition>& condition, double wall) {
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  const auto known =
+      std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == alarm; });
+  if (!condition && (known == alarms_.end() || !known->active)) return {};
+  return Change(wall, [&](AxisContent& axis) {
+    const AlarmMoment now = Moment(wall);
+    if (AlarmState& state = axis.Alarm(alarm); condition && !state.active)
+      state.severity = condition->severity;
+    Suppress(axis, now);
+    AlarmState& state = axis.Alarm(alarm);
+    axis.Append(condition ? alarm_machine::Observe(state, settings, *condition, now)
+                          : alarm_machine::Clear(state, settings, now));
+  });
+}
+
+Status AxisMonitor::Tick(double wall) {
+  const bool due = std::any_of(alarms_.begin(), alarms_.end(), [&](const AlarmState& a) {
+    return a.shelved_until && wall >= *a.shelved_until;
+  });
+  if (!due) return {};
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  return Change(wall, [&](AxisContent& axis) {
+    for (AlarmState& alarm : axis.alarms) axis.Append(alarm_machine::Tick(alarm, Moment(wall)));
+  });
+}
+
+/// What the monitor says to a stroke; no alarm hears of it.
+drift::Judgement AxisMonitor::JudgeInSilence(const Stored& stroke, double wall) {
+  const drift::StrokeEvidence evidence = EvidenceOf(stroke);
+  drift::Judgement judgement = monitor_->Add(evidence);
+  last_ = {evidence.time,        wall,
+           stroke.sequence,      evidence.oil_temperature,
+           stroke.model_version, monitor_->reference().version()};
+  history_.Follow(monitor_->findings(), stroke.sequence, evidence.time);
+  not_judged_ = judgement.reason == drift::JudgementReason::kJudged ? 0 : not_judged_ + 1;
+  why_not_judged_ = judgement.reason;
+  return judgement;
+}
+
+void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content) {
+  const drift::Judgement judgement = JudgeInSilence(stroke, wall);
+  const AlarmMoment now = last_;
+  const JudgedRecord judged{stroke.record, stroke.sequence, judgement.reason};
+  for (AlarmState& alarm : content.alarms) content.Append(alarm_machine::Tick(alarm, now));
+  axis_alarms::JudgeSignals(judged, now, content);
+  const bool cold = judgement.reason == drift::JudgementReason::kTooCold;
+  for (AlarmState& alarm : content.alarms)
+    if (alarm.severity != AlarmSeverity::kSignalLoss)
+      content.Append(alarm_machine::Suppress(alarm, kSuppressedTooCold, cold, now));
+  if (judgement.reason == drift::JudgementReason::kJudged) {
+    axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
+    if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
+  }
+  if (!cold) axis_alarms::JudgeLimits(machine_.monitors, rules_, judged, now, content);
+  Suppress(content, now);
+}
+
+/// Counts the check; a finding without parts if it found nothing.
+drift::DriftFinding AxisMonitor::JudgeInSilence(const ValveCheckRecord& check) {
+  ++checks_;
+  if (check.outcome != "measured") return {};
+  return valve_.Add(CheckOf(check), checks_);
+}
+
+/// Checks that measured the valve; refused and broken ones say nothing about it.
+Status AxisMonitor::JudgeValveChecks(double wall) {
+  const auto checks = database_.ValveChecks(machine_id_);
+  if (!checks) return tl::unexpected(checks.error());
+  if (static_cast<std::int64_t>(checks->size()) <= checks_) return {};
+  return Change(wall, [&](AxisContent& axis) {
+    while (checks_ < static_cast<std::int64_t>(checks->size())) {
+      const ValveCheckRecord& record = (*checks)[static_cast<std::size_t>(checks_)];
+      const drift::DriftFinding finding = JudgeInSilence(record);
+      if (record.outcome != "measured") continue;
+      AlarmMoment now = Moment(wall);
+      now.time = record.begin;
+      now.oil_temperature = record.oil_temperature;
+      axis_alarms::JudgeValveCheck(finding, rules_, now, axis);
+    }
+  });
+}
+
+/// New findings are compared with the strokes before; the answer becomes part of finding and alarm.
+Status AxisMonitor::ExplainFindings(double wall) {
+  const std::vector<drift::DriftFinding> findings = monitor_->findings();
+  for (const drift::DriftFinding& finding : findings) {
+    if (!ExplanationIsDue(finding)) continue;
+    const std::int64_t changed = FirstChanged(finding);
+    const FindingExplanation explanation = ExplainFinding(
+        database_, path_, machine_.name, machine_id_, finding, monitor_->reference().first_sequence(), next_);
+    const Status stored = Change(wall, [&](AxisContent& axis) {
+      monitor_->TakeExplanation(finding.number, explanation.text, next_ - changed, explanation.settled,
+                                explanation.cause);
+      AlarmEvent event;
+      event.alarm = AlarmIdOf(finding);
+      event.event = "explained";
+      event.severity = static_cast<AlarmSeverity>(finding.severity);
+      event.time = last_.time;
+      event.stroke = next_ - 1;
+      event.oil_temperature = last_.oil_temperature;
+      event.model_version = last_.model_version;
+      event.reference_version = monitor_->reference().version();
+      event.text = explanation.text;
+      event.cause = CauseText(explanation.cause);
+      event.first_stroke = changed;
+      event.last_stroke = next_ - 1;
+      AlarmState& alarm = axis.Alarm(event.alarm);
+      drift::DriftFinding explained = finding;
+      explained.explanation = explanation.text;
+      explained.cause = explanation.cause;
+      alarm.text = FindingWords(explained);
+      alarm.cause = explanation.cause;
+      event.state_before = event.state = StateName(alarm);
+      axis.events.push_back(std::move(event));
+    });
+    if (!stored) return stored;
+  }
+  return {};
+}
+
+}  // namespace hydroscope

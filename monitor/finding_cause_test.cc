@@ -1,0 +1,67 @@
+// Alarms name what was measured, and a cause as far as comparing strokes carries it.
+#include "monitor/press_monitor_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace press_monitor_test;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// Strokes of an oil column that is softer at every pressure, by another oil, say: no effect of the library.
+const std::vector<StrokeRecord>& Softer() {
+  static const auto strokes = Simulate(220, 4, [](PressOptions& o) { o.machine.K *= 0.9; });
+  return strokes;
+}
+
+const AlarmState& AlarmOf(const AxisMonitor& axis, const std::string& id) {
+  for (const AlarmState& alarm : axis.alarms())
+    if (alarm.id == id) return alarm;
+  ADD_FAILURE() << "no alarm " << id;
+  return axis.alarms().front();
+}
+
+TEST_F(PressMonitorTest, ASofterOilColumnIsToldAsMeasuredWithoutACause) {
+  Write("press_rules.toml", ReadDefaultRules());
+  Store(0, Healthy());
+  Store(0, Softer());
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  const AlarmState& alarm = AlarmOf(press->axis(0), "entrained_air");
+  EXPECT_TRUE(alarm.active);
+  EXPECT_THAT(alarm.text, HasSubstr("Oil column softer; K -"));
+  EXPECT_EQ(CauseText(alarm.cause), "not known");
+  EXPECT_THAT(alarm.text, HasSubstr("Cause: not known."));
+  EXPECT_THAT(alarm.text, testing::Not(HasSubstr("Air in the oil. ")));
+}
+
+TEST_F(PressMonitorTest, ACauseIsToldAsFarAsComparingStrokesCarriesIt) {
+  Store(0, Healthy());
+  Store(0, Leaking());
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  const AlarmState& alarm = AlarmOf(press->axis(0), "internal_leakage");
+  ASSERT_FALSE(alarm.cause.effects.empty()) << alarm.text;
+  EXPECT_THAT(alarm.cause.effects, Contains("internal_leakage"));
+  EXPECT_EQ(alarm.cause.kind == CauseKind::kNamed, alarm.cause.effects.size() == 1) << CauseText(alarm.cause);
+  EXPECT_THAT(alarm.text, HasSubstr("Cause: " + CauseText(alarm.cause)));
+  const auto again = Open();  // from the journal
+  ASSERT_OK(again->CatchUp(1001));
+  EXPECT_EQ(AlarmOf(again->axis(0), "internal_leakage").cause, alarm.cause);
+}
+
+TEST_F(PressMonitorTest, ALeakThatWasLearnedIsToldAsADoubtfulReference) {
+  Store(0, Leaking());
+  Store(0, Leaking());
+  Store(0, Leaking());
+  const auto press = Open();
+  ASSERT_OK(press->CatchUp(1000));
+  ASSERT_NE(press->axis(0).monitor(), nullptr);
+  const AlarmState& alarm = AlarmOf(press->axis(0), "doubtful_reference");
+  EXPECT_TRUE(alarm.active);
+  EXPECT_THAT(alarm.text, HasSubstr("leakage"));
+  EXPECT_EQ(press->axis(0).Health(), 'M');
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,112 @@
+#include "monitor/learning_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "pipeline/physical_sizes.h"
+#include "pipeline/run_summary.h"
+#include "workbench/explain_history.h"
+#include "workbench/stored_change.h"
+
+namespace hydroscope {
+namespace {
+
+using Kind = LearningDoubt::Kind;
+/// Strokes whose sizes are looked at, evenly spread.
+constexpr std::int64_t kLooked = 200;
+constexpr std::array<const char*, 8> kDoubtNames = {"model_versions", "open_alarm",   "change",
+                                                    "implausible",    "too_slow",     "effect",
+                                                    "unexplained",    "not_explained"};
+
+std::vector<LearningDoubt> OfModelVersions(const Database& database, const HistoryPart& part) {
+  const auto runs = database.Runs(part.id);
+  if (!runs) return {};
+  std::set<int> versions;
+  for (const RunInfo& run : *runs)
+    if (run.first_sequence < part.last && run.first_sequence + run.strokes > part.first)
+      versions.insert(run.model_version);
+  if (versions.size() < 2) return {};
+  return {{Kind::kModelVersions,
+           fmt::format("they were recorded with versions {} of the model: choose strokes of "
+                       "one of them with --from and --to",
+                       fmt::join(versions, ", "))}};
+}
+
+std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const HistoryPart& part) {
+  std::vector<LearningDoubt> doubts;
+  for (const AlarmState& alarm : alarms)
+    if (TellsAChange(alarm) && alarm.first_stroke < part.last)
+      doubts.push_back({Kind::kOpenAlarm, fmt::format("the alarm {} stands since stroke {}: {}", alarm.id,
+                                                      alarm.first_stroke, alarm.text)});
+  return doubts;
+}
+
+std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
+  if (!result) return {{Kind::kNotExplained, "they could not be explained: " + result.error().text}};
+  const Explanation& x = result->explanation;
+  switch (x.verdict) {
+    case Verdict::kAdequate:
+      return {};
+    case Verdict::kNamed:
+      return {{Kind::kEffect, fmt::format("'explain' finds in them: {}", fmt::join(x.set, ", "))}};
+    case Verdict::kAmbiguous:
+      return {{Kind::kEffect, fmt::format("'explain' finds in them one of: {}", fmt::join(x.set, ", "))}};
+    case Verdict::kUnknown:
+      break;
+  }
+  return {{Kind::kUnexplained,
+           "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it"}};
+}
+
+void Append(std::vector<LearningDoubt>& all, std::vector<LearningDoubt> more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+}  // namespace
+
+const char* LearningDoubtName(Kind kind) { return kDoubtNames[static_cast<std::size_t>(kind)]; }
+
+std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine) {
+  const auto sample = database.SummariesOf(part.id, part.first, part.last, kLooked);
+  if (sample)
+    if (const Status plausible = JudgeStrokes(path, machine, *sample); !plausible)
+      return LearningDoubt{Kind::kImplausible, plausible.error().text};
+  const auto runs = database.Runs(part.id);
+  if (!runs) return std::nullopt;
+  for (const RunInfo& run : *runs)
+    if (run.first_sequence < part.last && run.first_sequence + run.strokes > part.first)
+      if (const std::string slow = ParseRunSummary(run.summary_json).too_slow; !slow.empty())
+        return LearningDoubt{Kind::kTooSlow, fmt::format("run {} ({}): {}", run.id, run.source, slow)};
+  return std::nullopt;
+}
+
+std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine,
+                                            const std::vector<AlarmState>& alarms) {
+  std::vector<LearningDoubt> doubts = OfModelVersions(database, part);
+  Append(doubts, OfAlarms(alarms, part));
+  if (const auto change = FindStoredChange(database, part, machine, {}))
+    doubts.push_back({Kind::kChange, fmt::format("they hold a change {}", change->text)});
+  if (auto doubt = DoubtOfSignals(database, path, part, machine)) {
+    doubts.push_back(std::move(*doubt));
+    return doubts;
+  }
+  const auto history = LoadHistory(database, path, {part}, machine);
+  Append(doubts, OfVerdict(history ? ExplainHistory(*history)
+                                   : Result<ExplainResult>(tl::unexpected(history.error()))));
+  return doubts;
+}
+
+std::string DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only) {
+  std::vector<std::string> sentences;
+  for (const LearningDoubt& doubt : doubts)
+    if (!refusing_only || doubt.Refuses()) sentences.push_back(doubt.text);
+  return fmt::format("{}", fmt::join(sentences, "; "));
+}
+
+}  // namespace hydroscope

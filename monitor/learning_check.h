@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alarm_records.h"
+#include "models/machine.h"
+#include "workbench/stroke_history.h"
+
+namespace hydroscope {
+
+/// What speaks against taking strokes for those of the healthy machine.
+struct LearningDoubt {
+  enum class Kind {
+    kModelVersions,  ///< they were recorded with more than one version of the model
+    kOpenAlarm,      ///< an alarm about the machine stands and speaks of them
+    kChange,         ///< the machine changed within them
+    kImplausible,    ///< their sizes are none that such a machine has: a unit was wrong
+    kTooSlow,        ///< their rows are too far apart to conclude anything from them
+    kEffect,         ///< `explain` names an effect in them, or several it cannot tell apart
+    kUnexplained,    ///< `explain` says unknown: the model misses something, known or not
+    kNotExplained,   ///< they could not be explained
+  };
+  Kind kind = Kind::kEffect;
+  std::string text;  ///< one sentence
+
+  /// A model that is not perfect is no fault of the machine: the last two only warn.
+  bool Refuses() const { return kind < Kind::kUnexplained; }
+};
+/// "model_versions", "open_alarm", "change", "effect", "unexplained", "not_explained".
+const char* LearningDoubtName(LearningDoubt::Kind kind);
+
+/// What makes the signals of the strokes of `part` worthless, whatever the model: kImplausible or kTooSlow.
+std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine);
+
+/// Looks at the strokes of `part` before they are learned: versions of the model, `alarms` of the machine, a
+/// change inside (workbench/stored_change.h) and the verdict of the explain chain on all of them. Empty:
+/// nothing speaks against it.
+std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
+                                            const HistoryPart& part, const Machine& machine,
+                                            const std::vector<AlarmState>& alarms);
+
+/// The sentences of those that refuse, or of all.
+std::string DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only);
+
+}  // namespace hydroscope

@@ -1,0 +1,174 @@
+#include "monitor/press_monitor.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/constants.h"
+#include "host/real_clock.h"
+#include "storage/journal_pairing.h"
+
+namespace hydroscope {
+namespace {
+
+/// What a rule about several axes raises is on or off at once: the findings below it have been settled.
+constexpr AlarmSettings kToldAtOnce{1, 1, 0, false};
+
+/// Strokes at which the alarm was raised so far.
+std::vector<std::int64_t> RaisedAt(const std::vector<JournalRow>& rows, const std::string& alarm) {
+  std::vector<std::int64_t> strokes;
+  for (const JournalRow& row : rows)
+    if (row.event.alarm == alarm && row.event.event == "raised") strokes.push_back(row.event.stroke);
+  return strokes;
+}
+
+bool IsTold(const CommonCause& cause, const std::vector<std::int64_t>& raised) {
+  return std::any_of(raised.begin(), raised.end(),
+                     [&](std::int64_t stroke) { return cause.from <= stroke && stroke < cause.to; });
+}
+
+std::vector<std::pair<std::int64_t, std::int64_t>> ExtentsOf(const std::vector<CommonCause>& causes) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> extents;
+  for (const CommonCause& cause : causes) extents.emplace_back(cause.from, cause.to);
+  return extents;
+}
+
+AlarmMoment MomentOf(std::int64_t stroke, double time, double wall) {
+  AlarmMoment moment;
+  moment.stroke = stroke;
+  moment.time = time;
+  moment.wall = wall;
+  return moment;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PressMonitor>> PressMonitor::Create(const std::string& machine_file,
+                                                           const std::string& name, std::vector<Machine> axes,
+                                                           const std::string& database) {
+  auto opened = Database::Open(database);
+  if (!opened) return tl::unexpected(opened.error());
+  const auto set_aside = PairJournal(*opened, database, name, WallSeconds());
+  if (!set_aside) return tl::unexpected(set_aside.error());
+  auto rules = RulesFor(machine_file);
+  if (!rules) return tl::unexpected(rules.error());
+  auto journal = AlarmJournal::Open(AlarmJournal::PathFor(database));
+  if (!journal) return tl::unexpected(journal.error());
+  std::unique_ptr<PressMonitor> press(
+      new PressMonitor(name, std::move(*rules), std::move(axes), std::move(*opened), std::move(*journal)));
+  if (*set_aside) press->notice_ = SetAsideText(**set_aside);
+  if (const Status ready = press->OpenAxes(database); !ready) return tl::unexpected(ready.error());
+  return press;
+}
+
+Status PressMonitor::OpenAxes(const std::string& database) {
+  for (const Machine& machine : machines_) {
+    const auto model = BuildModel(machine);
+    if (!model) return tl::unexpected(model.error());
+    const auto id = database_.MachineId(machine.name);
+    if (!id) return tl::unexpected(id.error());
+    axes_.push_back(
+        std::make_unique<AxisMonitor>(machine, *model, rules_, database_, database, *id, journal_));
+  }
+  return {};
+}
+
+Status PressMonitor::watchable() const {
+  for (const auto& axis : axes_)
+    if (const Status watchable = axis->watchable(); !watchable) return watchable;
+  return {};
+}
+
+const AxisMonitor* PressMonitor::Find(const std::string& machine) const {
+  for (const auto& axis : axes_)
+    if (axis->name() == machine) return axis.get();
+  return nullptr;
+}
+
+Status PressMonitor::CatchUp(double wall) {
+  for (const auto& axis : axes_)
+    if (const Status done = axis->CatchUp(wall); !done) return done;
+  return axes_.size() > 1 ? JudgeTogether(wall) : Status{};
+}
+
+Status PressMonitor::Tick(double wall) {
+  for (const auto& axis : axes_)
+    if (const Status done = axis->Tick(wall); !done) return done;
+  const bool due = std::any_of(alarms_.begin(), alarms_.end(), [&](const AlarmState& alarm) {
+    return alarm.shelved_until && wall >= *alarm.shelved_until;
+  });
+  if (!due) return {};
+  return journal_.Change(name_, wall, [&](AxisContent& press) -> Status {
+    for (AlarmState& alarm : press.alarms) press.Append(alarm_machine::Tick(alarm, MomentOf(-1, kNaN, wall)));
+    alarms_ = press.alarms;
+    return {};
+  });
+}
+
+Status PressMonitor::JudgeTogether(double wall) {
+  std::vector<const FindingHistory*> histories;
+  for (const auto& axis : axes_) histories.push_back(&axis->history());
+  std::vector<std::set<std::string>> common(axes_.size());
+  for (const drift::Rule& rule : rules_.rules) {
+    if (rule.axes < 2) continue;
+    const std::vector<CommonCause> causes = CommonCauses(rule, histories);
+    if (const Status told = TellPress(rule, causes, wall); !told) return told;
+    if (causes.empty() || !causes.back().StillStands()) continue;
+    for (const CommonCause::Member& member : causes.back().members)
+      common[static_cast<std::size_t>(member.axis)].insert(member.finding.alarm);
+  }
+  for (std::size_t a = 0; a < axes_.size(); ++a)
+    if (const Status set = axes_[a]->SetCommonCause(std::move(common[a]), wall); !set) return set;
+  return {};
+}
+
+AlarmCondition PressMonitor::ConditionOf(const drift::Rule& rule, const CommonCause& cause) const {
+  std::vector<std::string> axes;
+  for (const CommonCause::Member& m : cause.members)
+    axes.push_back(fmt::format("{} since stroke {}", axis(m.axis).name(), m.finding.since));
+  AlarmCondition condition;
+  condition.value = static_cast<double>(cause.members.size());
+  condition.limit = rule.axes;
+  condition.unit = "1";
+  condition.severity = static_cast<AlarmSeverity>(rule.severity);
+  condition.text = fmt::format("{}: {}. {}", rule.name, fmt::join(axes, ", "), rule.guidance);
+  condition.first_stroke = cause.members.front().finding.since;
+  condition.last_stroke = cause.members.back().finding.since;
+  return condition;
+}
+
+/// Raises and clears the press's alarm of a rule until the journal tells what stood together, also what came
+/// and went before the last axis was judged. Nothing is read or written while nothing changes.
+Status PressMonitor::TellPress(const drift::Rule& rule, const std::vector<CommonCause>& causes, double wall) {
+  const auto content = journal_.Axis(name_);
+  if (!content) return tl::unexpected(content.error());
+  alarms_ = content->alarms;
+  const auto known =
+      std::find_if(alarms_.begin(), alarms_.end(), [&](const auto& a) { return a.id == rule.id; });
+  const bool active = known != alarms_.end() && known->active;
+  const bool stands = !causes.empty() && causes.back().StillStands();
+  if (active == stands && (stands || told_[rule.id] == ExtentsOf(causes))) return {};
+  const auto rows = journal_.Rows(name_);
+  if (!rows) return tl::unexpected(rows.error());
+  const std::vector<std::int64_t> raised = RaisedAt(*rows, rule.id);
+  const Status stored = journal_.Change(name_, wall, [&](AxisContent& press) -> Status {
+    AlarmState& alarm = press.Alarm(rule.id);
+    for (const CommonCause& cause : causes) {
+      const bool is_told = IsTold(cause, raised), last = &cause == &causes.back();
+      if (is_told && !last) continue;
+      if (!is_told || cause.StillStands())
+        press.Append(alarm_machine::Observe(alarm, kToldAtOnce, ConditionOf(rule, cause),
+                                            MomentOf(cause.from, cause.from_time, wall)));
+      if (!cause.StillStands())
+        press.Append(alarm_machine::Clear(alarm, kToldAtOnce, MomentOf(cause.to, cause.to_time, wall)));
+    }
+    if (causes.empty()) press.Append(alarm_machine::Clear(alarm, kToldAtOnce, MomentOf(-1, kNaN, wall)));
+    alarms_ = press.alarms;
+    return {};
+  });
+  if (stored) told_[rule.id] = ExtentsOf(causes);
+  return stored;
+}
+
+}  // namespace hydroscope

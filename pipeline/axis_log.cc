@@ -1,0 +1,86 @@
+#include "pipeline/axis_log.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "pipeline/raw_log.h"
+
+namespace hydroscope {
+namespace {
+
+/// By its first bytes; of a file that is not there, by its name.
+bool IsDatabase(const std::string& path) {
+  constexpr std::string_view kMagic = "SQLite format 3";
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return path.ends_with(".db");
+  std::string head(kMagic.size(), '\0');
+  return file.read(head.data(), static_cast<std::streamsize>(head.size())) && head == kMagic;
+}
+
+/// Names of axes that a log belongs to.
+Result<std::vector<std::string>> AxesOf(const std::string& log, const Machine& machine,
+                                        const std::string& axis) {
+  if (const auto named = ParseAxisLog(log)) return std::vector{named->axis};
+  if (const auto raw = ParseRawName(log); raw && !raw->axis.empty()) return std::vector{raw->axis};
+  if (!axis.empty()) return std::vector{axis};
+  if (LogHoldsAllAxes(machine)) return machine.live->axes;
+  return BadInput(
+      "{}: \"{}\" has the axes {}, and nothing tells whose log this is; write {}#{}, or give --axis {} for "
+      "all logs",
+      log, machine.name, fmt::join(machine.live->axes, ", "), log, machine.live->axes.front(),
+      machine.live->axes.front());
+}
+
+}  // namespace
+
+std::optional<AxisLog> ParseAxisLog(const std::string& log) {
+  const std::size_t hash = log.rfind('#');
+  if (hash == std::string::npos || hash == 0 || hash + 1 == log.size()) return std::nullopt;
+  AxisLog named{log.substr(0, hash), log.substr(hash + 1)};
+  std::error_code ignored;
+  if (std::filesystem::exists(log, ignored) || IsDatabase(named.path)) return std::nullopt;
+  return named;
+}
+
+std::string PathOfLog(const std::string& log) {
+  const auto named = ParseAxisLog(log);
+  return named ? named->path : log;
+}
+
+Result<int> AxisNamed(const Machine& machine, const std::string& name) {
+  for (int axis = 0; HasNamedAxes(machine) && axis < AxisCount(machine); ++axis)
+    if (name == machine.live->axes[static_cast<std::size_t>(axis)] || name == AxisMachineName(machine, axis))
+      return axis;
+  if (!HasNamedAxes(machine))
+    return BadInput("axis \"{}\": the machine file of \"{}\" names no axes; it would in [live] axes", name,
+                    machine.name);
+  return BadInput("axis \"{}\": \"{}\" has the axes {}", name, machine.name,
+                  fmt::join(machine.live->axes, ", "));
+}
+
+Result<std::vector<LogsOfAxis>> ShareOutLogs(const Machine& machine, const std::vector<std::string>& logs,
+                                             const std::string& axis) {
+  std::vector<LogsOfAxis> shares;
+  const auto share = [&](int index) -> LogsOfAxis& {
+    const auto known =
+        std::find_if(shares.begin(), shares.end(), [&](const LogsOfAxis& s) { return s.axis == index; });
+    return known != shares.end() ? *known : shares.emplace_back(LogsOfAxis{index, {}});
+  };
+  if (!HasNamedAxes(machine) && axis.empty()) return std::vector{LogsOfAxis{0, logs}};
+  for (const std::string& log : logs) {
+    const auto names = AxesOf(log, machine, axis);
+    if (!names) return tl::unexpected(names.error());
+    for (const std::string& name : *names) {
+      const auto index = AxisNamed(machine, name);
+      if (!index) return tl::unexpected(index.error());
+      share(*index).logs.push_back(PathOfLog(log));
+    }
+  }
+  return shares;
+}
+
+}  // namespace hydroscope

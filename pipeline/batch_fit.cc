@@ -1,0 +1,165 @@
+#include "pipeline/batch_fit.h"
+
+#include <cmath>
+#include <optional>
+
+#include "pipeline/log_pass.h"
+#include "pipeline/physical_sizes.h"
+#include "pipeline/raw_log.h"
+
+namespace hydroscope {
+namespace {
+
+void Add(const StrokeCounters& more, StrokeCounters& sum) {
+  sum.samples += more.samples;
+  sum.gated += more.gated;
+  sum.used += more.used;
+  for (std::size_t f = 0; f < sum.flagged.size(); ++f) sum.flagged[f] += more.flagged[f];
+}
+
+/// Marks what was read as of log number `log`.
+void Label(LogStrokes& read, int log) {
+  for (StrokeRecord& stroke : read.strokes) stroke.gram.log = log;
+  for (StrokeStretches& stroke : read.stretches)
+    for (Stretch& stretch : stroke) stretch.log = log;
+}
+
+}  // namespace
+
+namespace {
+
+/// s, from the origin of Stretch::begin to the end of the last stretch.
+double LastTime(const LogStrokes& log) {
+  double last = 0;
+  for (const StrokeStretches& stroke : log.stretches)
+    for (const Stretch& s : stroke) last = std::max(last, s.begin + s.samples * s.period);
+  return last;
+}
+
+void MoveTime(LogStrokes& log, double by) {
+  for (StrokeStretches& stroke : log.stretches)
+    for (Stretch& s : stroke) s.begin += by;
+}
+
+}  // namespace
+
+std::vector<StrokeGram> LogStrokes::Grams() const {
+  std::vector<StrokeGram> grams;
+  for (const StrokeRecord& stroke : strokes) grams.push_back(stroke.gram);
+  return grams;
+}
+
+StrokeCollector::StrokeCollector(const Machine& machine, KeepSamples keep) : keep_(keep) {
+  out_.machine = machine;
+}
+
+Pipeline::RecordSink StrokeCollector::Sink() {
+  return [this](StrokeRecord&& record) {
+    if (record.summary.index % stride_ == 0) Keep(std::move(record));
+    pending_.clear();
+    if (keep_ == KeepSamples::kThinned &&
+        (kept_ >= kMaxKeptSamples || out_.strokes.size() > kMaxThinnedStrokes))
+      Thin();
+  };
+}
+
+void StrokeCollector::Keep(StrokeRecord&& record) {
+  if (keep_ != KeepSamples::kNo && kept_ < kMaxKeptSamples) {
+    StrokeStretches stroke;
+    for (auto& [begin, stretch] : pending_)
+      if (begin >= record.summary.begin) {
+        kept_ += stretch.samples;
+        stroke.push_back(std::move(stretch));
+      }
+    out_.stretches.push_back(std::move(stroke));
+  }
+  out_.strokes.push_back(std::move(record));
+}
+
+/// Doubles the stride. Kept strokes and their stretches stand at the same places.
+void StrokeCollector::Thin() {
+  stride_ *= 2;
+  std::vector<StrokeRecord> strokes;
+  std::vector<StrokeStretches> stretches;
+  kept_ = 0;
+  for (std::size_t s = 0; s < out_.strokes.size(); ++s) {
+    if (out_.strokes[s].summary.index % stride_ != 0) continue;
+    for (const Stretch& stretch : out_.stretches[s]) kept_ += stretch.samples;
+    strokes.push_back(std::move(out_.strokes[s]));
+    stretches.push_back(std::move(out_.stretches[s]));
+  }
+  out_.strokes = std::move(strokes);
+  out_.stretches = std::move(stretches);
+}
+
+Pipeline::EquationTap StrokeCollector::Tap() {
+  if (keep_ == KeepSamples::kNo) return {};
+  return [this](const Stretch& stretch, const SpanEquations& equations) {
+    if (kept_ >= kMaxKeptSamples) return;
+    pending_.emplace_back(equations.begin, stretch);
+  };
+}
+
+LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
+  out_.totals = pipeline.totals();
+  out_.discarded_strokes = pipeline.discarded_strokes();
+  out_.window = pipeline.window();
+  out_.model = pipeline.shared_model();
+  return std::move(out_);
+}
+
+/// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h).
+Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, KeepSamples keep) {
+  Machine machine = stated;
+  AssumeTolerances(machine);
+  if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());
+  auto reader = OpenRecording(log, machine);
+  if (!reader) return tl::unexpected(reader.error());
+  StrokeCollector collector(machine, keep);
+  auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), collector.Sink());
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  (*pipeline)->set_tap(collector.Tap());
+  const auto pass = PassLog(**reader, machine, pipeline->get(), "reading");
+  if (!pass) return tl::unexpected(pass.error());
+  if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
+  LogStrokes out = collector.Finish(**pipeline);
+  out.reader = (*reader)->counters();
+  return out;
+}
+
+Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
+                               KeepSamples keep) {
+  constexpr double kSamePeriod = 0.05;
+  std::optional<LogStrokes> all;
+  for (const std::string& log : logs) {
+    auto next = ReadStrokes(log, machine, keep);
+    if (!next) return next;
+    Label(*next, static_cast<int>(&log - logs.data()));
+    if (!all) {
+      all = std::move(*next);
+      continue;
+    }
+    const double period = next->window.period, first = all->window.period;
+    if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
+      return BadInput(
+          "{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log,
+          period, logs.front(), first);
+    // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
+    if (all->stretches.size() < all->strokes.size()) next->stretches.clear();
+    MoveTime(*next, LastTime(*all));
+    const auto offset = static_cast<std::int64_t>(all->strokes.size());
+    for (StrokeRecord& stroke : next->strokes) {
+      stroke.summary.index += offset;
+      all->strokes.push_back(std::move(stroke));
+    }
+    for (StrokeStretches& stretches : next->stretches) all->stretches.push_back(std::move(stretches));
+    Add(next->totals, all->totals);
+    all->discarded_strokes += next->discarded_strokes;
+    all->reader.rows += next->reader.rows;
+    all->reader.rejected_rows += next->reader.rejected_rows;
+  }
+  if (!all) return UsageError("no log given");
+  return std::move(*all);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,75 @@
+#include "pipeline/log_pass.h"
+
+#include <algorithm>
+
+#include "host/output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kRowsPerBlock = 1024;
+constexpr std::size_t kFindingsKept = 10;
+
+Status PassBlock(const SampleBlock& block, Pipeline* pipeline, const LogPassHooks& hooks) {
+  if (hooks.observe) hooks.observe(block);
+  if (pipeline) pipeline->Process(block);
+  return hooks.after_block ? hooks.after_block() : Status();
+}
+
+void TakeCounters(const LogReader& reader, const Pipeline* pipeline, RunSummary& summary) {
+  const LogCounters& counters = reader.counters();
+  summary.sample_period = reader.SamplePeriod();
+  summary.rows = counters.rows;
+  summary.rejected_rows = counters.rejected_rows;
+  summary.findings.assign(counters.findings.begin(),
+                          counters.findings.begin() + std::min(kFindingsKept, counters.findings.size()));
+  if (pipeline == nullptr) return;
+  summary.gated = pipeline->totals().gated;
+  summary.used = pipeline->totals().used;
+  summary.discarded_strokes = pipeline->discarded_strokes();
+}
+
+}  // namespace
+
+void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass& pass) {
+  pass.channels = monitor.channels();
+  for (std::size_t c = 0; c < pass.channels.size(); ++c) {
+    const ChannelQuality& channel = pass.channels[c];
+    if (!machine.signals[c].required && channel.rows > 0 && channel.flagged[0] == channel.rows) {
+      pass.summary.absent.push_back(channel.name);
+      continue;
+    }
+    for (std::size_t bit = 0; bit < channel.flagged.size(); ++bit)
+      for (const auto& [flag, name] : quality::kFlagNames)
+        if (flag == 1u << bit && channel.flagged[bit] > 0)
+          pass.summary.flagged[channel.name][std::string(name)] = channel.flagged[bit];
+  }
+}
+
+Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
+                        const std::string& what, const LogPassHooks& hooks) {
+  LogPass pass;
+  QualityMonitor monitor(machine, reader.SamplePeriod());
+  ProgressBar progress(what, "rows");
+  SampleBlock block;
+  for (;;) {
+    const auto rows = reader.Read(block, kRowsPerBlock);
+    if (!rows) {
+      pass.summary.stopped = rows.error().text;
+      break;
+    }
+    if (*rows == 0) break;
+    monitor.Inspect(block);
+    if (const Status passed = PassBlock(block, pipeline, hooks); !passed)
+      return tl::unexpected(passed.error());
+    progress.Update(reader.Progress(), reader.counters().rows);
+  }
+  monitor.Flush(block);
+  if (const Status passed = PassBlock(block, pipeline, hooks); !passed) return tl::unexpected(passed.error());
+  if (pipeline) pipeline->Finish();
+  TakeChannels(monitor, machine, pass);
+  TakeCounters(reader, pipeline, pass.summary);
+  return pass;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "acquisition/quality_monitor.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/run_summary.h"
+#include "replay/log_reader.h"
+
+namespace hydroscope {
+
+/// What one pass of a log through quality monitor and pipeline left behind, besides the strokes.
+struct LogPass {
+  RunSummary summary;
+  std::vector<ChannelQuality> channels;  ///< one per signal of the machine
+};
+
+struct LogPassHooks {
+  /// Sees every block before the pipeline, flags set.
+  std::function<void(const SampleBlock&)> observe;
+  /// Runs after every block; an error ends the pass.
+  std::function<Status()> after_block;
+};
+
+/// What the monitor saw of each channel, into pass.channels and the summary.
+void TakeChannels(const QualityMonitor& monitor, const Machine& machine, LogPass& pass);
+
+/// Sends the whole log through monitor and pipeline, progress on stderr under the name `what`. A log that
+/// cannot be read to its end counts up to there: RunSummary::stopped says why. Without a
+/// pipeline (nullptr) the signals are judged only.
+Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pipeline,
+                        const std::string& what, const LogPassHooks& hooks = {});
+
+}  // namespace hydroscope

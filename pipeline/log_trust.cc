@@ -1,0 +1,83 @@
+#include "pipeline/log_trust.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "models/output_unit.h"
+
+namespace hydroscope {
+namespace {
+
+/// Strokes that tell what noise and rows of a log are like.
+constexpr int kStrokesJudged = 40;
+
+}  // namespace
+
+FirstStrokes::FirstStrokes(const Machine& machine)
+    : strokes_(machine, KeepSamples::kYes), tap_(strokes_.Tap()), sink_(strokes_.Sink()) {}
+
+void FirstStrokes::AddStretch(const Stretch& stretch, const SpanEquations& equations) {
+  if (taken_ < kStrokesJudged) tap_(stretch, equations);
+}
+
+void FirstStrokes::AddStroke(const StrokeRecord& record) {
+  if (taken_++ < kStrokesJudged) sink_(StrokeRecord(record));
+}
+
+std::vector<std::string> LogTrust::Warnings() const {
+  std::vector<std::string> warnings;
+  if (!rate.fast_enough) warnings.push_back(rate.sentence);
+  for (const std::string& sentence : floor.sentences)
+    warnings.push_back(sentence + (floor.believable ? "" : "; the noise floor is not believed"));
+  return warnings;
+}
+
+LogTrust JudgeLog(const LogStrokes& log, const Eigen::VectorXd& theta, double noise_floor) {
+  LogTrust trust;
+  if (log.stretches.empty()) return trust;
+  trust.floor = JudgeFloor(*log.model, log.stretches, log.window, theta, log.machine);
+  trust.rate = JudgeSamplingRate(*log.model, log.stretches, log.window, theta, trust.floor, noise_floor);
+  return trust;
+}
+
+LogTrust JudgeStrokes(const LogStrokes& log) {
+  std::vector<StrokeGram> grams = log.Grams();
+  grams.resize(std::min(grams.size(), log.stretches.size()));
+  const auto fit = FitBaseModel(*log.model, grams, log.window);
+  return fit ? JudgeLog(log, fit->theta, fit->noise_floor) : LogTrust{};
+}
+
+nlohmann::json NoiseJson(const FloorTrust& floor) {
+  const auto number = [](double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(); };
+  nlohmann::json signals = nlohmann::json::array();
+  for (const SignalNoise& s : floor.signals)
+    signals.push_back({{"signal", s.name},
+                       {"kind", NoiseKindName(s.kind)},
+                       {"unit", s.unit},
+                       {"std", s.std},
+                       {"stated", number(s.stated)},
+                       {"ratio", number(s.ratio)},
+                       {"ratio_interval95", {number(s.ratio_low), number(s.ratio_high)}},
+                       {"share", s.share}});
+  return {{"believable", floor.believable}, {"noise_scale", number(floor.noise_scale)}, {"signals", signals}};
+}
+
+nlohmann::json SamplingJson(const SamplingRate& rate, const ModelStructure* model) {
+  const DisplayUnit unit = OutputUnit(model);
+  return {{"fast_enough", rate.fast_enough},
+          {"period_s", rate.period},
+          {"needed_period_s", rate.needed_period},
+          {"error", rate.error * unit.factor},
+          {"allowed", rate.allowed * unit.factor}};
+}
+
+std::string WarningsText(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += fmt::format("WARNING: {}\n", warning);
+  return text;
+}
+
+}  // namespace hydroscope

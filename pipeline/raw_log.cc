@@ -1,0 +1,225 @@
+#include "pipeline/raw_log.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "pipeline/axis_log.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kPiece = 20.0;  ///< s read from the database at once
+constexpr double kForever = 1e300;
+
+/// One run after the other, piece by piece.
+class RawReader : public LogReader {
+ public:
+  RawReader(Database database, std::vector<RawExtent> runs, double from, double to, const Machine& machine)
+      : database_(std::move(database)), runs_(std::move(runs)), from_(from), to_(to) {
+    period_ = machine.live ? machine.live->grid_period : machine.log.sample_period.value_or(0);
+    for (const SignalSpec& signal : machine.signals) names_.push_back(signal.name);
+    for (const RawExtent& run : runs_) total_ += run.rows;
+    if (!runs_.empty()) at_ = std::max(from_, runs_.front().first);
+  }
+
+  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
+    if (const Status loaded = Load(); !loaded) return tl::unexpected(loaded.error());
+    const std::size_t rows = std::min(max_rows, window_.time.size() - next_);
+    block.Resize(names_.size(), rows);
+    const auto begin = static_cast<std::ptrdiff_t>(next_), n = static_cast<std::ptrdiff_t>(rows);
+    std::copy_n(window_.time.begin() + begin, n, block.time.begin());
+    for (std::size_t s = 0; s < names_.size(); ++s) {
+      const auto found = std::find(window_.signals.begin(), window_.signals.end(), names_[s]);
+      if (found == window_.signals.end()) {
+        std::fill(block.signal[s].begin(), block.signal[s].end(), std::numeric_limits<double>::quiet_NaN());
+        std::fill(block.quality[s].begin(), block.quality[s].end(), quality::kMissing);
+        continue;
+      }
+      const auto column = static_cast<std::size_t>(found - window_.signals.begin());
+      std::copy_n(window_.values[column].begin() + begin, n, block.signal[s].begin());
+      std::copy_n(window_.flags[column].begin() + begin, n, block.quality[s].begin());
+    }
+    if (rows > 0 && run_begins_ && counters_.rows > 0)
+      for (auto& flags : block.quality) flags[0] |= quality::kGap;
+    if (rows > 0) run_begins_ = false;
+    next_ += rows;
+    counters_.rows += static_cast<std::int64_t>(rows);
+    return rows;
+  }
+
+  double Progress() const override {
+    return total_ == 0 ? 1.0 : static_cast<double>(counters_.rows) / static_cast<double>(total_);
+  }
+  double SamplePeriod() const override { return period_; }
+  const LogCounters& counters() const override { return counters_; }
+
+ private:
+  /// Fetches the next piece if the present one is used up.
+  Status Load() {
+    while (next_ == window_.time.size() && run_ < runs_.size()) {
+      const RawExtent& run = runs_[run_];
+      if (at_ > run.last || at_ >= to_) {
+        if (++run_ < runs_.size()) at_ = std::max(from_, runs_[run_].first);
+        run_begins_ = true;
+        continue;
+      }
+      const double end = std::min(to_, at_ + kPiece);
+      auto window = database_.LoadRaw(run.run, at_, end);
+      if (!window) return tl::unexpected(window.error());
+      window_ = std::move(*window);
+      next_ = 0;
+      at_ = end;
+    }
+    return {};
+  }
+
+  Database database_;
+  std::vector<RawExtent> runs_;
+  double from_, to_, at_ = 0, period_ = 0;
+  std::vector<std::string> names_;
+  RawWindow window_;
+  std::size_t next_ = 0, run_ = 0;
+  bool run_begins_ = true;
+  std::int64_t total_ = 0;
+  LogCounters counters_;
+};
+
+/// "5:60" -> 5, 60; both may be left out.
+bool ParseRange(const std::string& text, RawName& name) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) return false;
+  const auto number = [](const std::string& part, std::optional<double>& value) {
+    if (part.empty()) return true;
+    double parsed = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), parsed);
+    value = parsed;
+    return error == std::errc() && end == part.data() + part.size();
+  };
+  return number(text.substr(0, colon), name.from) && number(text.substr(colon + 1), name.to);
+}
+
+bool EndsWithName(const std::string& machine, const std::string& axis) {
+  return machine == axis || machine.ends_with("/" + axis);
+}
+
+/// The machine of the database that the name means.
+Result<std::int64_t> FindAxis(Database& database, const RawName& name) {
+  const auto machines = database.MachineNames();
+  if (!machines) return tl::unexpected(machines.error());
+  std::vector<std::string> fitting;
+  for (const std::string& machine : *machines)
+    if (name.axis.empty() || EndsWithName(machine, name.axis)) fitting.push_back(machine);
+  if (fitting.size() == 1) return database.MachineId(fitting.front());
+  std::string all;
+  for (const std::string& machine : *machines) all += (all.empty() ? "" : ", ") + machine;
+  return BadInput("{}: '{}' names {} of its machines; expected one of: {} (as {}#{})", name.database,
+                  name.axis, fitting.empty() ? "none" : "several", all, name.database,
+                  machines->empty() ? "axis" : machines->front());
+}
+
+Result<std::vector<RawExtent>> FindRuns(Database& database, const RawName& name) {
+  const auto axis = FindAxis(database, name);
+  if (!axis) return tl::unexpected(axis.error());
+  auto extents = database.RawExtents(*axis);
+  if (!extents) return tl::unexpected(extents.error());
+  std::string kept;
+  for (const RawExtent& extent : *extents) kept += fmt::format("{}{}", kept.empty() ? "" : ", ", extent.run);
+  if (name.run != 0) std::erase_if(*extents, [&](const RawExtent& extent) { return extent.run != name.run; });
+  if (extents->empty())
+    return BadInput("{}#{}: no raw rows are kept{}; runs with raw rows: {}", name.database, name.axis,
+                    name.run != 0 ? fmt::format(" of run {}", name.run) : "", kept.empty() ? "none" : kept);
+  return extents;
+}
+
+}  // namespace
+
+std::optional<RawName> ParseRawName(const std::string& log) {
+  const std::size_t hash = log.rfind('#');
+  std::error_code ignored;
+  if (hash == std::string::npos || hash == 0 || std::filesystem::exists(log, ignored)) return std::nullopt;
+  if (ParseAxisLog(log)) return std::nullopt;
+  RawName name;
+  name.database = log.substr(0, hash);
+  std::string rest = log.substr(hash + 1);
+  if (const std::size_t at = rest.rfind('@');
+      at != std::string::npos && ParseRange(rest.substr(at + 1), name))
+    rest.resize(at);
+  const std::size_t slash = rest.rfind('/');
+  const std::string last = slash == std::string::npos ? rest : rest.substr(slash + 1);
+  std::int64_t run = 0;
+  const auto [end, error] = std::from_chars(last.data(), last.data() + last.size(), run);
+  if (error == std::errc() && end == last.data() + last.size() && !last.empty()) {
+    name.run = run;
+    rest.resize(slash == std::string::npos ? 0 : slash);
+  }
+  name.axis = rest;
+  return name;
+}
+
+Result<std::unique_ptr<LogReader>> OpenRaw(const RawName& name, const Machine& machine) {
+  auto database = Database::OpenReadOnly(name.database);
+  if (!database) return tl::unexpected(database.error());
+  const auto runs = FindRuns(*database, name);
+  if (!runs) return tl::unexpected(runs.error());
+  if (!machine.live && !machine.log.sample_period)
+    return BadInput(
+        "{}: the machine file has no [live] grid_period; take the one the service ran with, or give [log] "
+        "sample_period",
+        name.database);
+  const double first = runs->front().first;
+  return std::unique_ptr<LogReader>(
+      std::make_unique<RawReader>(std::move(*database), *runs, name.from ? first + *name.from : -kForever,
+                                  name.to ? first + *name.to : kForever, machine));
+}
+
+Result<std::unique_ptr<LogReader>> OpenRawRun(const std::string& path, std::int64_t run, double from,
+                                              double to, const Machine& machine) {
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  RawExtent extent;
+  extent.run = run;
+  extent.first = from;
+  extent.last = to;
+  return std::unique_ptr<LogReader>(std::make_unique<RawReader>(
+      std::move(*database), std::vector<RawExtent>{extent}, -kForever, kForever, machine));
+}
+
+Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine) {
+  if (const auto name = ParseRawName(log)) return OpenRaw(*name, machine);
+  if (const auto named = ParseAxisLog(log)) {
+    const auto axis = AxisNamed(machine, named->axis);
+    if (!axis) return tl::unexpected(axis.error());
+    return OpenLog(named->path, MachineOfAxis(machine, *axis));
+  }
+  if (HasNamedAxes(machine) && LogHoldsAllAxes(machine))
+    return BadInput("{}: this log holds all axes; say which one is meant: {}#{}", log, log,
+                    machine.live->axes.front());
+  return OpenLog(log, machine);
+}
+
+Result<LogFingerprint> FingerprintRecording(const std::string& log) {
+  const auto name = ParseRawName(log);
+  if (!name) return FingerprintLog(PathOfLog(log));
+  auto database = Database::OpenReadOnly(name->database);
+  if (!database) return tl::unexpected(database.error());
+  const auto runs = FindRuns(*database, *name);
+  if (!runs) return tl::unexpected(runs.error());
+  LogFingerprint print;
+  const auto crc = [](std::uint32_t seed, double value) {
+    return static_cast<std::uint32_t>(crc32(seed, reinterpret_cast<const Bytef*>(&value), sizeof(value)));
+  };
+  for (const RawExtent& run : *runs) {
+    print.size += static_cast<std::uint64_t>(run.bytes);
+    print.head = crc(print.head, run.first);
+    print.tail = crc(print.tail, run.last);
+  }
+  print.middle = crc(crc(0, name->from.value_or(0)), name->to.value_or(0));
+  return print;
+}
+
+}  // namespace hydroscope

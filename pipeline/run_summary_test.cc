@@ -1,0 +1,46 @@
+#include "pipeline/run_summary.h"
+
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+TEST(RunSummary, ReadsBackWhatItWrote) {
+  RunSummary s;
+  s.sample_period = 0.002;
+  s.rows = 45000;
+  s.rejected_rows = 2;
+  s.gated = 300;
+  s.used = 200;
+  s.discarded_strokes = 1;
+  s.flagged = {{"p_A", {{"spike", 3}, {"missing", 4}}}};
+  s.absent = {"T_oil"};
+  s.findings = {{17, "p_A", "x", "a number"}};
+  s.stopped = "torn";
+  const RunSummary read = ParseRunSummary(FormatRunSummary(s));
+  EXPECT_EQ(FormatRunSummary(read), FormatRunSummary(s));
+  EXPECT_EQ(read.FlaggedValues(), 7);
+  EXPECT_EQ(read.findings.front().line, 17);
+  EXPECT_EQ(read.stopped, "torn");
+}
+
+TEST(RunSummary, WhatIsNoSummaryIsEmpty) {
+  EXPECT_EQ(ParseRunSummary("").rows, 0);
+  EXPECT_EQ(ParseRunSummary("[1, 2").rows, 0);
+  EXPECT_EQ(ParseRunSummary("{}").rows, 0);
+  EXPECT_EQ(ParseRunSummary(R"({"rows": "many"})").rows, 0);
+  EXPECT_EQ(ParseRunSummary(R"({"rows": 3, "findings": [7]})").rows, 0);
+}
+
+TEST(RunSummary, TextThatIsNoUtf8IsReplaced) {
+  RunSummary s;
+  s.findings = {{1, "p_A", "\xff\xfe", "a number"}};
+  EXPECT_EQ(ParseRunSummary(FormatRunSummary(s)).findings.front().expected, "a number");
+}
+
+TEST(FindingText, NamesLineColumnAndValue) {
+  EXPECT_EQ(FindingText({17, "p_A", "x", "a number"}), "line 17, column p_A: found 'x', expected a number");
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "monitor/axis_monitor.h"
+
+namespace hydroscope {
+
+/// HTML: the alarms that stand, in words, those of the press (`press`) before those of the axis; "" if none
+/// does.
+std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press = {});
+
+/// HTML: what the healthy machine was learned from, and per watched quantity the learned curve over oil
+/// temperature with its points and what was judged since, and the deviation over the strokes. While
+/// commissioning, how far it has come. Errors: the database cannot be read.
+Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning);
+
+}  // namespace hydroscope

@@ -1,0 +1,217 @@
+#include "report/explain_plots.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "core/constants.h"
+#include "core/interval_text.h"
+#include "diagnosis/residuals.h"
+#include "models/output_unit.h"
+#include "report/svg_rows.h"
+#include "report/svg_text.h"
+
+namespace hydroscope {
+namespace {
+
+/// Model error energy per equation left with a fit, in % of `base`, with its 95 % interval over the strokes.
+PlotRow ErrorLeft(const ExtendedFit& fit, double base) {
+  const double n = static_cast<double>(fit.excess.size());
+  const double mean = fit.excess.mean();
+  const double deviation = std::sqrt((fit.excess.array() - mean).square().sum() / std::max(1.0, n - 1) * n);
+  PlotRow row;
+  row.value = 100 * fit.excess.sum() / base;
+  row.low = row.value - kNormal95 * 100 * deviation / base;
+  row.high = row.value + kNormal95 * 100 * deviation / base;
+  return row;
+}
+
+/// Edges of the cells along one signal, as shown.
+std::vector<double> Edges(const ErrorMap& map, const std::vector<ResidualSignal>& signals, int axis) {
+  std::set<double> edges;
+  for (const MapCell& cell : map.cells) edges.insert({cell.from[axis], cell.to[axis]});
+  const ResidualSignal& signal = signals[static_cast<std::size_t>(map.signals[axis])];
+  std::vector<double> shown;
+  for (const double edge : edges) shown.push_back(edge * signal.factor + signal.offset);
+  return shown;
+}
+
+/// Whether the oil temperature, if it is one of the map's signals, moved enough to be worth an axis.
+bool OilMoves(const ErrorMap& map, const std::vector<ResidualSignal>& signals) {
+  constexpr double kWorthAnAxis = 2.0;  // K
+  for (std::size_t axis = 0; axis < map.signals.size(); ++axis) {
+    if (signals[static_cast<std::size_t>(map.signals[axis])].name != "T_oil") continue;
+    const std::vector<double> edges = Edges(map, signals, static_cast<int>(axis));
+    if (edges.back() - edges.front() < kWorthAnAxis) return false;
+  }
+  return true;
+}
+
+/// Of the pairs that explain the error about equally well, the first whose signals move.
+const ErrorMap& ShownPair(const ExplainResult& result) {
+  constexpr double kEqual = 0.05;
+  const std::vector<ErrorMap>& pairs = result.location.pairs;
+  for (const ErrorMap& pair : pairs)
+    if (pair.explained > pairs.front().explained - kEqual && OilMoves(pair, result.signals)) return pair;
+  return pairs.front();
+}
+
+std::string AxisName(const ResidualSignal& signal) {
+  const auto line = signal.name.find('_');
+  std::string name = signal.name;
+  if (line != std::string::npos && signal.name != "pressure_rate")
+    name = signal.name.substr(0, line + 1) + "{" + signal.name.substr(line + 1) + "}";
+  return signal.unit.empty() ? name : fmt::format("{} ({})", name, signal.unit);
+}
+
+double Rms(const StrokeResiduals& stroke) {
+  double sum = 0;
+  for (int w = 0; w < stroke.windows(); ++w) sum += std::pow(stroke.measured[w] - stroke.modelled[w], 2);
+  return stroke.windows() > 0 ? std::sqrt(sum / stroke.windows()) : 0.0;
+}
+
+}  // namespace
+
+std::string StaircasePlot(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  RowPlot plot;
+  plot.title = "error on strokes left out, step by step";
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  plot.x_label = fmt::format("error on strokes left out, rms ({})", unit.name);
+  plot.bars = true;
+  for (const ExplainStep& step : x.steps) {
+    const double rms = step.rms_holdout * unit.factor;
+    plot.rows.push_back({step.added.empty() ? "model as it is" : "+ " + step.added, rms, rms, rms,
+                         fmt::format("{} {}", FormatShort(rms), unit.name),
+                         step.added.empty() ? Ink::kBlue : Ink::kGreen, step.added.empty()});
+  }
+  plot.level = x.final.noise_floor * unit.factor;
+  plot.level_label = "sensor noise alone";
+  plot.note_width = 90;
+  return RenderRows(plot);
+}
+
+std::string RankingPlot(const ExplainResult& result) {
+  constexpr std::size_t kShown = 12;
+  const Explanation& x = result.explanation;
+  const double base = x.base.excess.sum();
+  RowPlot plot;
+  plot.title = "every effect tried alone";
+  plot.x_label = "model error energy left (% of the model as it is; 95 % interval over the strokes)";
+  plot.level = 100;
+  plot.level_label = "model as it is";
+  if (!(base > 0)) return "";
+  for (const RankedEffect& ranked : x.ranking) {
+    if (!ranked.fit.solved || !ranked.testable || plot.rows.size() >= kShown) continue;
+    PlotRow row = ErrorLeft(ranked.fit, base);
+    const EffectEstimate& size = ranked.fit.effects.back();
+    const Effect& effect = result.effect(ranked.effect);
+    const bool chosen = std::find(x.set.begin(), x.set.end(), ranked.id) != x.set.end();
+    row.label = ranked.id;
+    row.bold = chosen;
+    // Blue is for what lowers the error beyond its scatter over the strokes: a bar that spans 100 % is not.
+    const bool lowers = ranked.significant && row.high < plot.level;
+    row.ink = chosen ? Ink::kGreen : lowers ? Ink::kBlue : Ink::kNeutral;
+    row.note = fmt::format("{} = {}", effect.parameter, ShownWithInterval(size.size, size.std, effect.unit));
+    plot.rows.push_back(std::move(row));
+  }
+  return plot.rows.empty() ? "" : RenderRows(plot);
+}
+
+std::string ResidualMap(const ExplainResult& result, bool diverging) {
+  if (result.location.pairs.empty() || result.signals.empty()) return "";
+  const ErrorMap& map = ShownPair(result);
+  const std::vector<ResidualSignal>& signals = result.signals;
+  const std::vector<double> x = Edges(map, signals, 0), y = Edges(map, signals, 1);
+  if (x.size() < 2 || y.size() < 2) return "";
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  std::vector<double> values((x.size() - 1) * (y.size() - 1), std::numeric_limits<double>::quiet_NaN());
+  const auto place = [&](const std::vector<double>& edges, double si, const ResidualSignal& signal) {
+    const double shown = si * signal.factor + signal.offset;
+    return static_cast<std::size_t>(
+        std::lower_bound(edges.begin(), edges.end(), shown - 1e-9 * std::abs(shown)) - edges.begin());
+  };
+  for (const MapCell& cell : map.cells) {
+    if (cell.windows == 0) continue;
+    const std::size_t column = place(x, cell.from[0], signals[map.signals[0]]);
+    const std::size_t row = place(y, cell.from[1], signals[map.signals[1]]);
+    const double value = diverging ? cell.mean : std::sqrt(std::max(0.0, cell.excess));
+    if (column + 1 < x.size() && row + 1 < y.size())
+      values[row * (x.size() - 1) + column] = value * unit.factor;
+  }
+  SvgPlot::Options options;
+  options.width = 560;
+  options.height = 330;
+  options.title = diverging ? "mean of measured minus modelled" : "model error, sensor noise taken out";
+  options.x_label = AxisName(signals[map.signals[0]]);
+  options.y_label = AxisName(signals[map.signals[1]]);
+  SvgPlot plot(options);
+  plot.HeatMap(x, y, values, diverging,
+               fmt::format("{} ({})", diverging ? "measured − model" : "error, rms", unit.name));
+  return plot.Render();
+}
+
+std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {
+  if (result.log.stretches.empty()) return {};
+  const Explanation& x = result.explanation;
+  const auto residuals = [&](const ExtendedFit& fit) {
+    return ResidualsOf(x.model, result.log.stretches, result.log.window, ColumnWeights(*x.model, fit))
+        .strokes;
+  };
+  const std::vector<StrokeResiduals> base = residuals(x.base), extended = residuals(x.final);
+  std::vector<std::size_t> order(base.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return Rms(base[a]) < Rms(base[b]); });
+  std::vector<StrokeOverlay> overlays;
+  const double step = result.log.window.block * result.log.window.period;
+  for (const auto& [s, label] :
+       {std::pair(order[order.size() / 2], "median error"), std::pair(order.back(), "largest error")}) {
+    const StrokeResiduals& stroke = base[s];
+    StrokeOverlay overlay;
+    overlay.output = result.log.model->words.output;
+    overlay.unit = OutputUnit(result.log.model.get());
+    overlay.sequence = result.log.strokes[s].summary.index;
+    overlay.label = label;
+    double noise = 0;
+    for (int w = 0; w < stroke.windows(); ++w) {
+      overlay.time.push_back(w * step);
+      noise += stroke.noise_variance[w];
+    }
+    overlay.measured = stroke.measured;
+    overlay.modelled = stroke.modelled;
+    if (x.steps.size() > 1) overlay.extended = extended[s].modelled;
+    overlay.noise_floor = stroke.windows() > 0 ? std::sqrt(noise / stroke.windows()) : 0;
+    if (overlays.empty() || overlays.front().sequence != overlay.sequence)
+      overlays.push_back(std::move(overlay));
+  }
+  return overlays;
+}
+
+std::string HistoryPlot(const std::vector<ModelRecord>& history) {
+  RowPlot plot;
+  plot.title = "versions of the model";
+  DisplayUnit unit = DisplayUnitFor("m3/s");
+  for (const ModelRecord& record : history)
+    if (record.judged()) unit = DisplayUnitFor(record.unit);
+  plot.x_label = fmt::format("error on strokes left out, rms ({})", unit.name);
+  plot.bars = true;
+  plot.label_width = 250;
+  for (const ModelRecord& record : history) {
+    if (!record.judged()) continue;
+    const double rms = record.rms_holdout * unit.factor;
+    plot.rows.push_back(
+        {fmt::format("{}: {}", record.version, record.name), rms, rms, rms,
+         fmt::format("{} {}, {} strokes of {}", FormatShort(rms), unit.name, record.strokes, record.source),
+         Ink::kBlue, false});
+    plot.level = record.noise_floor * unit.factor;
+  }
+  plot.level_label = "sensor noise alone";
+  return plot.rows.size() < 2 ? "" : RenderRows(plot);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,256 @@
+#include "report/explain_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "core/interval_text.h"
+#include "core/relative_change.h"
+#include "models/output_unit.h"
+#include "report/explain_plots.h"
+#include "report/report_page.h"
+#include "report/report_plots.h"
+#include "report/svg_text.h"
+#include "workbench/what_to_record.h"
+
+namespace hydroscope {
+namespace {
+
+/// "<b>Internal leakage past the piston seal</b>: oil passes ...".
+std::string DescribedInPage(const ExplainResult& result, const std::string& id) {
+  const Effect* effect = result.FindEffect(id);
+  if (effect == nullptr) return "<b>" + EscapeText(id) + "</b>";
+  return fmt::format("<b>{}</b>: {}", EscapeText(effect->title), EscapeText(effect->plain));
+}
+
+const char* ToneOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAdequate:
+      return "steady";
+    case Verdict::kNamed:
+      return "changed";
+    case Verdict::kAmbiguous:
+      return "hint";
+    case Verdict::kUnknown:
+      return "unknown";
+  }
+  return "unknown";
+}
+
+std::string Headline(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  switch (x.verdict) {
+    case Verdict::kAdequate:
+      return "✓ The model describes these strokes: nothing is missing in it";
+    case Verdict::kNamed: {
+      std::string names;
+      for (std::size_t k = 0; k < x.set.size(); ++k) {
+        const Effect* effect = result.FindEffect(x.set[k]);
+        names += (k == 0                  ? ""
+                  : k + 1 == x.set.size() ? " and "
+                                          : ", ") +
+                 EscapeText(effect != nullptr ? effect->title : x.set[k]);
+      }
+      return "◆ The machine shows what the model lacks: " + names;
+    }
+    case Verdict::kAmbiguous:
+      return "△ The model lacks something; these strokes cannot tell which of several effects";
+    case Verdict::kUnknown:
+      if (!x.no_verdict.empty()) return "? These strokes carry no verdict";
+      return "? The model lacks something that no effect of the library explains";
+  }
+  return "";
+}
+
+std::string ErrorSentence(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const auto shown = [&](double si) {
+    return fmt::format("{} {}", FormatShort(si * unit.factor), unit.name);
+  };
+  std::string text =
+      fmt::format("On strokes it has not seen the model errs by {}; sensor noise alone would cause {}.",
+                  shown(x.base.rms_holdout), shown(x.base.noise_floor));
+  if (x.steps.size() > 1)
+    text +=
+        fmt::format(" With {} it errs by {}.", x.steps.size() > 2 ? "the effects found" : "the effect found",
+                    shown(x.final.rms_holdout));
+  return text;
+}
+
+std::vector<std::string> Sentences(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::vector<std::string> out = {ErrorSentence(result)};
+  if (x.verdict == Verdict::kNamed)
+    for (const std::string& id : x.set)
+      out.push_back("Check on the machine – " + DescribedInPage(result, id));
+  if (!x.doubt.empty())
+    out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
+                              EscapeText(x.doubt)));
+  if (x.verdict == Verdict::kAmbiguous)
+    for (const auto& group : x.groups)
+      for (const std::string& id : group)
+        out.push_back((group.size() > 1 ? "Possible – " : "Certain – ") + DescribedInPage(result, id));
+  if (x.verdict == Verdict::kUnknown && x.partial && !x.set.empty())
+    out.push_back("Nearest, not proven – " + DescribedInPage(result, x.set.front()));
+  if (x.verdict == Verdict::kUnknown)
+    out.push_back(
+        "Look at where the error lies (map below) and check the signals with <code>hydroscope check</code>.");
+  if (const auto experiment = WhatToRecord(result))
+    out.push_back("To record next: " + EscapeText(*experiment));
+  return out;
+}
+
+std::string Staircase(const ExplainResult& result) {
+  if (result.explanation.steps.size() < 2) return "";
+  return "<h2>The error falls</h2>\n" + Figure(StaircasePlot(result),
+                                               "Error on strokes that the fit did not see. The dashed line "
+                                               "is what sensor noise alone would leave; an "
+                                               "effect that brings the error down to it is enough.");
+}
+
+std::string Overlays(const ExplainResult& result) {
+  std::string out;
+  for (const StrokeOverlay& overlay : ExplainOverlays(result))
+    out += Figure(
+        OverlayPlot(overlay),
+        fmt::format(
+            "Stroke {}, the one of {}. Time counts inside the gate. Below: what is left, with the band "
+            "that holds 95 % of sensor noise.",
+            FormatCount(overlay.sequence), overlay.label));
+  return out.empty() ? "" : "<h2>Measured and modelled</h2>\n" + out;
+}
+
+std::string Maps(const ExplainResult& result) {
+  const std::string rms = ResidualMap(result, false), mean = ResidualMap(result, true);
+  if (rms.empty()) return "";
+  const std::string& sign = result.log.model->words.sign;
+  std::string out =
+      "<h2>Where the model errs</h2>\n<div class=\"halves\">" +
+      Figure(rms, "Model error with sensor noise taken out, over the two signals that explain it best.") +
+      Figure(mean,
+             "Mean of measured minus modelled" + (sign.empty() ? "." : ": the sign tells " + sign + ".")) +
+      "</div>\n";
+  if (result.location.located.empty())
+    return out + "<p class=\"note\">No range errs clearly more than the rest.</p>\n";
+  out +=
+      "<div class=\"sheet\"><table><tr><th>The error sits at</th><th class=\"number\">error, rms</th>"
+      "<th class=\"number\">share of the error</th><th class=\"number\">share of the data</th></tr>";
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  for (const Located& l : result.location.located)
+    out += fmt::format(
+        "<tr><td>{} from {} to {} {}</td><td class=\"number\">{} {}</td><td class=\"number\">{} %</td>"
+        "<td class=\"number\">{} %</td></tr>",
+        EscapeText(l.signal), FormatShort(l.from), FormatShort(l.to), EscapeText(l.unit),
+        FormatShort(l.rms * unit.factor), unit.name, FormatFixed(100 * l.share_error, 0),
+        FormatFixed(100 * l.share_windows, 0));
+  return out + "</table></div>\n";
+}
+
+std::string Ranking(const ExplainResult& result) {
+  std::string out =
+      "<h2>Every effect, tried alone</h2>\n" +
+      Figure(RankingPlot(result),
+             "Model error left when the effect is added, on strokes left out; best first. 0 % is the level "
+             "of sensor noise. Green: the verdict. Grey: not significant. Right: fitted size with its 95 % "
+             "interval.");
+  std::string rows;
+  const auto row = [&](const std::string& id, const std::string& why) {
+    rows += "<tr><td>" + EscapeText(id) + "</td><td>" + EscapeText(why) + "</td></tr>";
+  };
+  for (const RankedEffect& ranked : result.explanation.ranking)
+    if (!ranked.testable || !ranked.fit.solved) row(ranked.id, ranked.why_not);
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+    row(unmeasured.effect->id, WhyUnmeasured(unmeasured));
+  if (!rows.empty())
+    out +=
+        "<div class=\"sheet ids\"><table><tr><th>Not in the ranking</th><th>Why (which does not mean "
+        "absent)</th></tr>" +
+        rows + "</table></div>\n";
+  return out;
+}
+
+std::string Parameters(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const bool extended = x.steps.size() > 1;
+  const auto after = BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
+  std::string out =
+      "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it "
+      "is</th>";
+  out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const Estimate& before = result.base.parameters[i];
+    out += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(before.parameter),
+                       EscapeText(ShownWithInterval(before.value, before.std, before.unit)));
+    if (extended) {
+      const auto moved = RelativeChange(before.value, before.std, after[i].value - before.value);
+      out += fmt::format("<td class=\"number\">{}</td><td class=\"number\">{}</td>",
+                         EscapeText(ShownWithInterval(after[i].value, after[i].std, before.unit)),
+                         moved && before.unit != "1" ? FormatSigned(100 * *moved, 1) + " %" : "");
+    }
+    out += "</tr>";
+  }
+  for (std::size_t k = 0; k < x.final.effects.size(); ++k) {
+    const EffectEstimate& e = x.final.effects[k];
+    const Effect& effect = result.effect(e.choice.effect);
+    const std::string size = EscapeText(ShownWithInterval(e.size, e.std, effect.unit));
+    const bool present = static_cast<int>(k) < x.started;
+    out += fmt::format("<tr><td>{}, {}</td><td class=\"number\">{}</td>", EscapeText(effect.parameter),
+                       EscapeText(effect.id),
+                       present && !extended ? size
+                       : present            ? ""
+                                            : "–");
+    out += extended ? "<td class=\"number\">" + size + "</td><td></td></tr>" : "</tr>";
+  }
+  return out + "</table><p class=\"note\">± half of the 95 % interval, clustered by stroke.</p></div>\n";
+}
+
+std::string History(const ExplainResult& result) {
+  const std::string plot = HistoryPlot(result.log.machine.model_history);
+  return plot.empty() ? ""
+                      : "<h2>Versions of the model</h2>\n" +
+                            Figure(plot,
+                                   "Error on strokes left out, from version to version. The dashed line is "
+                                   "what sensor noise alone would leave.");
+}
+
+std::string VerdictBoxText(const ExplainResult& result) {
+  if (!result.described.empty()) return EscapeText(result.described);
+  return fmt::format("{} strokes, {} of {} rows used", FormatCount(static_cast<std::int64_t>(result.strokes)),
+                     FormatCount(result.log.totals.used), FormatCount(result.log.totals.samples));
+}
+
+}  // namespace
+
+std::string ExplainVerdictBox(const ExplainResult& result) {
+  std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>",
+                                ToneOf(result.explanation.verdict), Headline(result));
+  for (const std::string& sentence : Sentences(result)) out += "<li>" + sentence + "</li>";
+  return out + "</ul></section>\n";
+}
+
+std::string ExplainSections(const ExplainResult& result, bool overlays) {
+  return Staircase(result) + (overlays ? Overlays(result) : "") + Maps(result) + Ranking(result) +
+         Parameters(result) + History(result);
+}
+
+Status WriteExplainReport(const std::string& path, const std::vector<ExplainResult>& results) {
+  std::string body;
+  for (const ExplainResult& result : results) {
+    body += fmt::format(
+        "<header><div><h1>What the model misses: {}</h1><p class=\"soft\">{}</p></div></header>\n",
+        EscapeText(result.log.machine.name), VerdictBoxText(result));
+    body += ExplainVerdictBox(result) + ExplainSections(result);
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << HtmlPage("Hydroscope: what the model misses", body);
+  file.flush();
+  if (!file) return BadInput("cannot write the report {}: {}", path, std::strerror(errno));
+  return {};
+}
+
+}  // namespace hydroscope

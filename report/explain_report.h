@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "workbench/explain_log.h"
+
+namespace hydroscope {
+
+/// The explanation as sections of an HTML page: verdict in plain words with what to check on the machine,
+/// staircase of the error, model against measurement, residual map, ranking, parameters before and after,
+/// what cannot be tested, what to record next, versions of the model.
+/// Without `overlays` the model is not shown against the measurement.
+std::string ExplainSections(const ExplainResult& result, bool overlays = true);
+
+/// The verdict box alone, to lead a page.
+std::string ExplainVerdictBox(const ExplainResult& result);
+
+/// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4). Fails if the file
+/// cannot be written.
+Status WriteExplainReport(const std::string& path, const std::vector<ExplainResult>& results);
+
+}  // namespace hydroscope

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/records.h"
+#include "core/result.h"
+#include "core/units.h"
+#include "models/machine.h"
+#include "storage/database.h"
+#include "workbench/block_estimates.h"
+
+namespace hydroscope {
+
+/// Measured and modelled flow of one stroke, for the overlay plot.
+struct StrokeOverlay {
+  std::int64_t sequence = 0;
+  std::vector<double> time;      ///< s
+  std::vector<double> measured;  ///< m^3/s
+  std::vector<double> modelled;  ///< m^3/s
+  std::vector<double> extended;  ///< m^3/s, with the effects that were found; empty without any
+  std::string label;             ///< "median error", "largest error"
+  double noise_floor = 0;        ///< m^3/s, rms that sensor noise alone would cause
+  std::string output = "flow";   ///< what is compared, and the unit people read it in
+  DisplayUnit unit = DisplayUnitFor("m3/s");
+};
+
+/// What was left out and why: "values flagged stuck, p_A", 1234 rows.
+struct SkippedItem {
+  std::string what;
+  std::int64_t rows = 0;
+  std::string why;
+};
+
+struct ReportInput {
+  Machine machine;
+  std::vector<RunInfo> runs;
+  std::vector<StrokeSummary> strokes;  ///< in order; summary.index is the machine-wide sequence here
+  std::vector<TrendPoint> trends;      ///< all parameters, in order of sequence
+  /// Independent evidence of change and of what follows the oil; empty: nothing is said about either.
+  std::vector<BlockEstimates> blocks;
+  std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
+  std::vector<SkippedItem> skipped;
+  std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained
+  bool explanation_leads = false;           ///< it stands before the verdict on the parameters
+  std::string drift_verdict;                ///< HTML of DriftVerdictBox, "" = no alarm stands
+  std::string drift;                        ///< HTML of DriftSection
+  std::string explanation;                  ///< HTML of ExplainSections
+  std::int64_t rows = 0;                    ///< rows read
+  double noise_floor = 0, rms_holdout = 0;  ///< m^3/s; 0 = take the medians over the strokes
+  std::string not_judged;  ///< why the error of the model says nothing (ImpossibleFigures), "" if it does
+  std::optional<bool>
+      misses;  ///< whether the explanation finds that the model misses something; nothing = no verdict
+  std::string program_version;  ///< "" = not shown
+  std::string created;          ///< date and time as text, "" = not shown
+  /// One sentence about a parameter the report does not know by itself, shown in the glossary.
+  std::map<std::string, std::string> parameter_notes;
+};
+
+/// The page as text; the same input gives the same bytes.
+std::string FormatReport(const ReportInput& input);
+
+/// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4): verdict first,
+/// trends over strokes and over oil temperature with 95 % bands, model against measurement, what was skipped
+/// and why. Fails if the file cannot be written.
+Status WriteReport(const std::string& path, const ReportInput& input);
+
+}  // namespace hydroscope

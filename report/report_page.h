@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace hydroscope {
+
+/// The page around `body`: style sheet, theme button, print rules. `title` is plain text. The result is
+/// well-formed XML as well as HTML 5, loads nothing from elsewhere and needs no script (the script only adds
+/// the theme button).
+std::string HtmlPage(const std::string& title, const std::string& body);
+
+inline constexpr double kPageWidth = 920;  ///< px, of plots as wide as the page
+
+/// A plot with its caption, which may be empty; "" without a plot.
+std::string Figure(const std::string& svg, const std::string& caption);
+
+}  // namespace hydroscope

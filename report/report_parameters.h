@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace hydroscope {
+
+/// How a parameter is shown to people: shown = SI * factor + offset.
+struct ParameterInfo {
+  std::string id;        ///< "Q_vn"
+  std::string symbol;    ///< with subscript marks: "Q_{vn}"
+  std::string name;      ///< "nominal valve flow"
+  std::string sentence;  ///< for the glossary; "" if nothing is known
+  std::string unit;      ///< "l/min"
+  double factor = 1, offset = 0;
+  bool relative =
+      true;  ///< changes are told in % of the value; otherwise in the unit (y_0 is near zero by nature)
+
+  double Shown(double si) const { return si * factor + offset; }
+};
+
+/// Known for K, V0, Q_vn and y_0; any other parameter is shown by its id in DisplayUnitFor(si_unit).
+/// `typical` (SI) chooses between l and cm3.
+ParameterInfo InfoFor(const std::string& parameter, std::string_view si_unit, double typical);
+
+/// "Bulk modulus K (GPa)", as the axis of a plot says it.
+std::string AxisLabel(const ParameterInfo& info);
+
+}  // namespace hydroscope

@@ -1,0 +1,258 @@
+#include "report/report_statistics.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/constants.h"
+#include "core/quantile.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kMostCorrelation = 0.99;
+
+double EffectiveCount(std::size_t n, double correlation) {
+  return static_cast<double>(n) * (1 - correlation) / (1 + correlation);
+}
+
+/// Degrees of freedom of an error found from n values with p unknowns: all if the correlation was known
+/// beforehand, those of the effective count (at least 2) if it was found from the same values.
+double Degrees(double n, double effective, double p, bool correlation_found) {
+  return correlation_found ? std::clamp(effective - p, 2.0, n - p) : n - p;
+}
+
+/// The correlation to use: the one known beforehand unless the one found exceeds it by more than its own
+/// error.
+double Settle(double found, double known, std::size_t n) {
+  known = std::clamp(known, 0.0, kMostCorrelation);
+  const double tolerance = known > 0 ? 2 * std::sqrt((1 - known * known) / static_cast<double>(n)) : 0;
+  return found > known + tolerance ? std::min(found, kMostCorrelation) : known;
+}
+
+bool AllPositive(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
+}
+
+/// Weights about 1, from the stated standard deviations; one suspiciously certain value must not rule the
+/// fit.
+Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
+  if (std.size() != n || !AllPositive(std)) return weights;
+  const double typical = Median(std, kNaN);
+  for (std::size_t i = 0; i < n; ++i)
+    weights(static_cast<Eigen::Index>(i)) = typical / std::max(std[i], typical / 2);
+  return weights;
+}
+
+/// A lag-one correlation found from n residuals of p unknowns, freed from its bias -(p + (p + 2) phi)/n.
+double CorrectedCorrelation(double raw, double p, double n) {
+  return std::clamp((raw + p / n) / std::max(0.2, 1 - (p + 2) / n), 0.0, kMostCorrelation);
+}
+
+/// Correlation of successive residuals of y on the columns of x, about the one step that fits best beside
+/// them: a jump must not pass for slow wandering, which would hide it. The search for the step counts as two
+/// more unknowns.
+double CorrelationAboutStep(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
+  const Eigen::Index n = x.rows();
+  const Eigen::MatrixXd basis =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(n, x.cols());
+  const auto beside = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+    return v - basis * (basis.transpose() * v);
+  };
+  const Eigen::VectorXd residuals = beside(y);
+  Eigen::VectorXd best = residuals;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, n / 60);
+  for (Eigen::Index at = 2; at + 2 <= n; at += stride) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    step.tail(n - at).setOnes();
+    step = beside(step);
+    const Eigen::VectorXd left =
+        residuals - step * (step.dot(residuals) / std::max(step.squaredNorm(), 1e-12));
+    if (left.squaredNorm() < best.squaredNorm()) best = left;
+  }
+  const double square = best.squaredNorm();
+  if (square <= 0) return 0;
+  const double raw = best.head(n - 1).dot(best.tail(n - 1)) / square;
+  return CorrectedCorrelation(raw, static_cast<double>(x.cols() + 2), static_cast<double>(n));
+}
+
+/// A constant and a straight line over the number of a value.
+Eigen::MatrixXd Line(std::size_t n) {
+  Eigen::MatrixXd x(n, 2);
+  x << Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n)),
+      Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -1, 1);
+  return x;
+}
+
+Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
+  Eigen::MatrixXd out = rows;
+  out.row(0) *= std::sqrt(1 - correlation * correlation);
+  out.bottomRows(rows.rows() - 1) -= correlation * rows.topRows(rows.rows() - 1);
+  return out;
+}
+
+/// Mean square of successive differences without the largest twentieth (a jump is no scatter), raised
+/// by what the trimming takes from normal scatter: P(chi2_3 < q) / P(chi2_1 < q) at the trimming point q.
+double DifferenceSquare(const std::vector<double>& y) {
+  std::vector<double> squares;
+  for (std::size_t i = 1; i < y.size(); ++i) squares.push_back((y[i] - y[i - 1]) * (y[i] - y[i - 1]));
+  std::sort(squares.begin(), squares.end());
+  const std::size_t kept = squares.size() - squares.size() / 20;
+  const double share = static_cast<double>(kept) / static_cast<double>(squares.size());
+  using boost::math::chi_squared;
+  const double left =
+      kept == squares.size() ? 1 : cdf(chi_squared(3), quantile(chi_squared(1), share)) / share;
+  const double sum =
+      std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0);
+  return sum / static_cast<double>(kept) / left;
+}
+
+double WeightedMean(const double* y, const double* weight, std::size_t n) {
+  const double total = std::accumulate(weight, weight + n, 0.0);
+  return std::inner_product(y, y + n, weight, 0.0) / total;
+}
+
+}  // namespace
+
+TestedValue::TestedValue() : value(kNaN), std(kNaN) {}
+
+TestedValue::TestedValue(double value_in, double std_in, double degrees_in)
+    : value(value_in), std(std_in), degrees(degrees_in) {
+  if (!Known()) return;
+  if (std <= 0) {
+    p = value == 0 ? 1 : 0;
+    return;
+  }
+  const boost::math::students_t distribution(degrees);
+  p = 2 * boost::math::cdf(boost::math::complement(distribution, std::abs(value) / std));
+}
+
+bool TestedValue::Known() const { return std::isfinite(value) && std::isfinite(std) && degrees > 0; }
+
+double TestedValue::HalfWidth() const {
+  if (!Known()) return kNaN;
+  return std * boost::math::quantile(boost::math::students_t(degrees), 0.975);
+}
+
+Significance SignificanceOf(const TestedValue& tested) {
+  if (!tested.Known() || tested.p >= 0.05) return Significance::kNone;
+  return tested.p < 0.01 ? Significance::kClear : Significance::kHint;
+}
+
+void AdjustForFamily(const std::vector<double*>& family) {
+  std::vector<double*> sorted = family;
+  std::sort(sorted.begin(), sorted.end(), [](const double* a, const double* b) { return *a < *b; });
+  double largest = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    largest = std::max(largest, std::min(1.0, *sorted[k] * static_cast<double>(sorted.size() - k)));
+    *sorted[k] = largest;
+  }
+}
+
+double CorrelatedFit::JointP(std::size_t first) const {
+  const auto p = static_cast<Eigen::Index>(coefficients.size()), from = static_cast<Eigen::Index>(first);
+  if (p <= from) return 1;
+  Eigen::VectorXd tested(p - from);
+  for (Eigen::Index j = from; j < p; ++j) tested(j - from) = coefficients[static_cast<std::size_t>(j)].value;
+  const Eigen::Map<const Eigen::MatrixXd> all(covariance.data(), p, p);
+  const double f = tested.dot(all.bottomRightCorner(p - from, p - from).ldlt().solve(tested)) /
+                   static_cast<double>(p - from);
+  if (!(f >= 0)) return 1;
+  const boost::math::fisher_f distribution(static_cast<double>(p - from), coefficients.front().degrees);
+  return boost::math::cdf(boost::math::complement(distribution, f));
+}
+
+double CorrelatedFit::StdAt(const std::vector<double>& x) const {
+  const std::size_t n = coefficients.size();
+  double variance = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) variance += x[i] * covariance[i * n + j] * x[j];
+  return std::sqrt(std::max(variance, 0.0));
+}
+
+CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std::vector<double>& y,
+                            const std::vector<double>& std, double least_correlation) {
+  const auto n = static_cast<Eigen::Index>(y.size()), p = static_cast<Eigen::Index>(x.size());
+  if (n < p + 3) return {};
+  Eigen::MatrixXd rows(n, p + 1);
+  for (Eigen::Index j = 0; j < p; ++j)
+    rows.col(j) = Eigen::Map<const Eigen::VectorXd>(x[static_cast<std::size_t>(j)].data(), n);
+  rows.col(p) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
+  rows = RowWeights(std, y.size()).asDiagonal() * rows;
+
+  const double correlation =
+      Settle(CorrelationAboutStep(rows.leftCols(p), rows.col(p)), least_correlation, y.size());
+  const Eigen::MatrixXd white = Whitened(rows, correlation);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(white.leftCols(p));
+  qr.setThreshold(1e-10);
+  if (qr.rank() < p) return {};
+  const Eigen::VectorXd beta = qr.solve(white.col(p));
+  const double variance =
+      (white.col(p) - white.leftCols(p) * beta).squaredNorm() / static_cast<double>(n - p);
+  const Eigen::MatrixXd covariance = variance * (white.leftCols(p).transpose() * white.leftCols(p)).inverse();
+  const double degrees = Degrees(static_cast<double>(n), EffectiveCount(y.size(), correlation),
+                                 static_cast<double>(p), correlation > least_correlation);
+  CorrelatedFit fit;
+  fit.correlation = correlation;
+  fit.residual_std = std::sqrt(variance / (1 - correlation * correlation));
+  for (Eigen::Index j = 0; j < p; ++j)
+    fit.coefficients.emplace_back(beta(j), std::sqrt(covariance(j, j)), degrees);
+  for (Eigen::Index i = 0; i < p; ++i)
+    for (Eigen::Index j = 0; j < p; ++j) fit.covariance.push_back(covariance(i, j));
+  return fit;
+}
+
+ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<double>& std,
+                               double least_correlation) {
+  ThirdsComparison result;
+  if (y.size() < 6) return result;
+  result.count = y.size() / 3;
+  const Eigen::VectorXd row_weights = RowWeights(std, y.size());
+  const Eigen::VectorXd weights = row_weights.cwiseAbs2();
+  const std::size_t last = y.size() - result.count;
+  result.first = WeightedMean(y.data(), weights.data(), result.count);
+  result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
+
+  result.correlation = Settle(
+      CorrelationAboutStep(Line(y.size()),
+                           Eigen::Map<const Eigen::VectorXd>(y.data(), static_cast<Eigen::Index>(y.size()))),
+      least_correlation, y.size());
+  const double scatter = DifferenceSquare(y) / (2 * (1 - result.correlation));
+  const auto variance_of = [&](std::size_t begin) {
+    const double stated = std.size() == y.size()
+                              ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        std.begin() + static_cast<std::ptrdiff_t>(begin + result.count)},
+                                       kNaN)
+                              : 0;
+    const double one_value = std::max(scatter, std::isfinite(stated) ? stated * stated : 0);
+    return one_value / std::max(1.0, EffectiveCount(result.count, result.correlation));
+  };
+  const double effective = EffectiveCount(result.count, result.correlation);
+  const double degrees = Degrees(2 * static_cast<double>(result.count), 2 * effective, 2,
+                                 result.correlation > least_correlation);
+  result.first_std = std::sqrt(variance_of(0));
+  result.change =
+      TestedValue(result.last - result.first, std::sqrt(variance_of(0) + variance_of(last)), degrees);
+  return result;
+}
+
+double SquaredCorrelation(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto n = static_cast<double>(a.size());
+  const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / n,
+               mean_b = std::accumulate(b.begin(), b.end(), 0.0) / n;
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return aa > 0 && bb > 0 ? ab * ab / (aa * bb) : 0;
+}
+
+}  // namespace hydroscope

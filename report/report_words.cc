@@ -1,0 +1,465 @@
+#include "report/report_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/quantile.h"
+#include "core/relative_change.h"
+#include "models/machine_words.h"
+#include "report/svg_text.h"
+
+namespace hydroscope {
+namespace {
+
+std::string PText(const TestedValue& tested) {
+  return tested.p < 0.001 ? "p &lt; 0.001" : fmt::format("p = {:.{}f}", tested.p, tested.p < 0.1 ? 3 : 2);
+}
+
+/// Changes of a parameter are told in % of `base` (SI) or in the unit.
+struct Scale {
+  double factor = 1;
+  std::string unit;
+};
+Scale ScaleOf(const ParameterInfo& info, double base, double base_std, double change) {
+  if (info.relative && RelativeChange(base, base_std, change)) return {100 / std::abs(base), "%"};
+  return {info.factor, info.unit};
+}
+Scale ScaleOf(const ParameterInfo& info, const OilDependence& oil) {
+  const double std = oil.line.coefficients.empty() ? 0 : oil.line.coefficients[0].std;
+  return ScaleOf(info, oil.value_at_mean, std, oil.explained);
+}
+
+/// "+3.6 ± 0.3 %".
+std::string Signed(double value, double half_width, const Scale& scale, const std::string& per = "") {
+  const double shown = value * scale.factor, half = half_width * scale.factor;
+  const int decimals = DecimalsFor(shown, half);
+  const std::string width = std::isfinite(half) && half > 0 ? " ± " + FormatFixed(half, decimals) : "";
+  return FormatSigned(shown, decimals) + width + " " + EscapeText(scale.unit) + per;
+}
+std::string Signed(const TestedValue& tested, const Scale& scale, const std::string& per = "") {
+  return Signed(tested.value, tested.HalfWidth(), scale, per);
+}
+
+std::string Unsigned(double value, const Scale& scale, const std::string& per = "") {
+  const double shown = std::abs(value * scale.factor);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(std::max(shown, 1e-9)))), 0, 6);
+  return FormatFixed(shown, decimals) + " " + EscapeText(scale.unit) + per;
+}
+
+std::string WithUnit(const std::string& number, const ParameterInfo& info) {
+  return info.unit.empty() ? number : number + " " + EscapeText(info.unit);
+}
+
+std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  const ThirdsComparison& change = analysis.change;
+  if (!change.change.Known()) return "too few strokes to compare the ends of the record";
+  const Scale scale = ScaleOf(info, change.first, change.first_std, change.change.value);
+  const std::string numbers = Signed(change.change, scale);
+  switch (SignificanceOf(change.change)) {
+    case Significance::kNone:
+      return fmt::format("{}: none that stands out ({})", numbers, PText(change.change));
+    case Significance::kHint:
+      return analysis.by_estimates
+                 ? fmt::format(
+                       "{} in the estimates plotted: a hint, which blocks of strokes by themselves do not "
+                       "confirm",
+                       numbers)
+                 : fmt::format("{}: a hint, not conclusive ({})", numbers, PText(change.change));
+    case Significance::kClear:
+      break;
+  }
+  const int decimals = DecimalsFor(info.Shown(change.first), change.change.HalfWidth() * info.factor);
+  return fmt::format("{}: clear ({}), from {} to {}", numbers, PText(change.change),
+                     FormatFixed(info.Shown(change.first), decimals),
+                     WithUnit(FormatFixed(info.Shown(change.last), decimals), info));
+}
+
+std::string BeyondText(const OilDependence& oil, const Scale& scale) {
+  if (!oil.separable)
+    return fmt::format(
+        " Oil temperature and time ran together (r² = {}): what is left at equal temperature cannot be told.",
+        FormatFixed(oil.shared_with_time, 2));
+  switch (SignificanceOf(oil.beyond)) {
+    case Significance::kNone:
+      return fmt::format(" At equal oil temperature the change left is {}: none that stands out.",
+                         Signed(oil.beyond, scale));
+    case Significance::kHint:
+      return fmt::format(" At equal oil temperature {} are left: a hint ({}).", Signed(oil.beyond, scale),
+                         PText(oil.beyond));
+    case Significance::kClear:
+      return fmt::format(" At equal oil temperature {} are left: clear ({}).", Signed(oil.beyond, scale),
+                         PText(oil.beyond));
+  }
+  return "";
+}
+
+std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
+  const Scale scale = ScaleOf(info, oil);
+  switch (oil.outcome) {
+    case OilOutcome::kNotMeasured:
+      return "oil temperature not measured";
+    case OilOutcome::kTooFewStrokes:
+      return "too few strokes to ask";
+    case OilOutcome::kOilHardlyMoved:
+      return fmt::format(
+          "cannot be asked: averaged over blocks of strokes the oil temperature moved by {} K only",
+          FormatFixed(oil.warmest - oil.coldest, 1));
+    case OilOutcome::kNotSeen:
+      return fmt::format("no dependence seen: {} ({}); up to {} cannot be ruled out",
+                         Signed(oil.slope, scale, "/K"), PText(oil.slope),
+                         Unsigned(std::abs(oil.slope.value) + oil.slope.HalfWidth(), scale, "/K"));
+    case OilOutcome::kNotInStep:
+      return fmt::format(
+          "it moved while the oil temperature moved, but not along a straight line, so the oil alone is a "
+          "doubtful explanation.{}",
+          oil.separable ? BeyondText(oil, scale) : "");
+    case OilOutcome::kHint:
+    case OilOutcome::kFollows:
+      break;
+  }
+  const std::string lead =
+      oil.outcome == OilOutcome::kFollows ? "moves with it" : "a hint that it moves with it";
+  return fmt::format(
+      "{}: {} ({}). {} by {} K from the first to the last third, which accounts for {}.{}", lead,
+      Signed(oil.slope, scale, "/K"), PText(oil.slope),
+      oil.warming >= 0 ? "The oil warmed" : "The oil cooled", FormatFixed(std::abs(oil.warming), 1),
+      Signed(oil.explained, oil.slope.HalfWidth() * std::abs(oil.warming), scale), BeyondText(oil, scale));
+}
+
+std::string StrokesText(const LimitCheck& limits) {
+  return fmt::format("{} stroke{}, first stroke {}", FormatCount(limits.strokes),
+                     limits.strokes == 1 ? "" : "s", FormatCount(limits.first_sequence));
+}
+
+std::string LimitText(const LimitCheck& limits, const ParameterInfo& info) {
+  const std::string limit = WithUnit(FormatShort(info.Shown(limits.limit)), info);
+  switch (limits.outcome) {
+    case LimitOutcome::kNone:
+      return "none in the machine file";
+    case LimitOutcome::kWithin:
+      return "never touched";
+    case LimitOutcome::kIntervalReaches:
+      return fmt::format("not touched, but the 95&nbsp;% interval reaches over {}", limit);
+    case LimitOutcome::kWarned:
+      return fmt::format("warning limit {} crossed: {}{}", limit, StrokesText(limits),
+                         limits.over_now ? "" : "; back inside at the end");
+    case LimitOutcome::kAlarmed:
+      return fmt::format("alarm limit {} crossed: {}{}", limit, StrokesText(limits),
+                         limits.over_now ? "" : "; back inside at the end");
+  }
+  return "";
+}
+
+Standing StandingOf(const ParameterAnalysis& analysis) {
+  if (analysis.limits.outcome == LimitOutcome::kAlarmed) return Standing::kAlarmed;
+  if (analysis.limits.outcome == LimitOutcome::kWarned) return Standing::kWarned;
+  if (analysis.updated == 0) return Standing::kUnknown;
+  if (analysis.unexplained == Significance::kClear) return Standing::kChanged;
+  if (analysis.unexplained == Significance::kHint) return Standing::kHint;
+  if (analysis.oil.outcome == OilOutcome::kFollows) return Standing::kOil;
+  if (analysis.oil.outcome == OilOutcome::kHint) return Standing::kHint;
+  return analysis.change.change.Known() ? Standing::kSteady : Standing::kUnknown;
+}
+
+std::string PillOf(Standing standing, const ParameterAnalysis& analysis) {
+  switch (standing) {
+    case Standing::kSteady:
+      return "no change seen";
+    case Standing::kOil:
+      return "moves with the oil";
+    case Standing::kUnknown:
+      return analysis.updated == 0 ? "not identifiable" : "too few strokes";
+    case Standing::kHint:
+      return "a hint";
+    case Standing::kChanged:
+      return "changed";
+    case Standing::kWarned:
+      return "warning limit";
+    case Standing::kAlarmed:
+      return "alarm limit";
+  }
+  return "";
+}
+
+/// What stands in the way of blaming or clearing the oil for a clear change.
+std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  const OilDependence& oil = analysis.oil;
+  switch (oil.outcome) {
+    case OilOutcome::kNotMeasured:
+      return "It changed over the record. Whether the oil temperature did it cannot be told, as that was not "
+             "measured.";
+    case OilOutcome::kTooFewStrokes:
+      return "It changed over the record; there are too few strokes to tell whether the oil temperature did "
+             "it.";
+    case OilOutcome::kOilHardlyMoved:
+      return fmt::format(
+          "It changed over the record while the oil temperature, averaged over blocks of strokes, stayed "
+          "within {} K.",
+          FormatFixed(oil.warmest - oil.coldest, 1));
+    case OilOutcome::kNotSeen:
+      return "It changed over the record, and no dependence on the oil temperature is seen that would "
+             "account for it.";
+    case OilOutcome::kNotInStep:
+      return "It changed over the record, not in step with the oil temperature.";
+    case OilOutcome::kHint:
+    case OilOutcome::kFollows:
+      break;
+  }
+  return fmt::format("It changed by {} beyond what the oil temperature accounts for.",
+                     Signed(oil.beyond, ScaleOf(info, oil)));
+}
+
+std::string OilReading(const ParameterAnalysis& analysis) {
+  if (analysis.oil.separable)
+    return "It moves with the oil temperature; at equal temperature no change stands out.";
+  if (SignificanceOf(analysis.change.change) == Significance::kNone)
+    return "It moves with the oil temperature; over the record as a whole no change stands out.";
+  return "It moves in step with the oil temperature, which would account for its change over the record. A "
+         "steady change of the machine "
+         "at the same pace could not be told from that.";
+}
+
+std::string Reading(Standing standing, const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  std::string text;
+  if (standing == Standing::kAlarmed || standing == Standing::kWarned) {
+    const char* which = standing == Standing::kAlarmed ? "alarm" : "warning";
+    text = fmt::format("It {} the {} limit of the machine file{}. ",
+                       analysis.limits.over_now ? "is beyond" : "was beyond", which,
+                       analysis.limits.over_now ? "" : " for a time");
+  }
+  if (analysis.updated == 0)
+    return text + (analysis.why_not
+                       ? fmt::format("Not identifiable in this record: {}.", ReasonText(*analysis.why_not))
+                       : std::string("Not identified in this record."));
+  if (analysis.unexplained == Significance::kClear)
+    text += ChangedReading(analysis, info);
+  else if (analysis.oil.outcome == OilOutcome::kFollows && analysis.unexplained == Significance::kNone)
+    text += OilReading(analysis);
+  else if (analysis.unexplained == Significance::kHint)
+    text += "There is a hint of a change, too weak to rely on; more strokes will tell.";
+  else if (analysis.oil.outcome == OilOutcome::kHint)
+    text += "There is a hint that it moves with the oil temperature, too weak to rely on.";
+  else if (!analysis.change.change.Known())
+    text += "There are too few strokes to say whether it changes.";
+  else
+    text += "No change stands out in this record.";
+  if (analysis.why_not)
+    text += fmt::format(" The last stroke did not update it: {}.", ReasonText(*analysis.why_not));
+  return text;
+}
+
+std::string JoinNames(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
+/// Symbols of the parameters a predicate holds for.
+template <typename Predicate>
+std::vector<std::string> NamesWhere(const std::vector<ParameterInfo>& infos, Predicate holds) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < infos.size(); ++i)
+    if (holds(i)) names.push_back("<b>" + HtmlSymbol(infos[i].symbol) + "</b>");
+  return names;
+}
+
+void AddOilSentence(std::vector<std::string>& out, const ReportAnalysis& analysis,
+                    const std::vector<ParameterInfo>& infos) {
+  std::vector<std::string> follow;
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    const OilDependence& oil = analysis.parameters[i].oil;
+    if (oil.outcome != OilOutcome::kFollows) continue;
+    follow.push_back(fmt::format("<b>{}</b> ({})", HtmlSymbol(infos[i].symbol),
+                                 Signed(oil.slope, ScaleOf(infos[i], oil), "/K")));
+  }
+  const auto not_seen = NamesWhere(
+      infos, [&](std::size_t i) { return analysis.parameters[i].oil.outcome == OilOutcome::kNotSeen; });
+  const auto is = [](const auto& names, const char* one, const char* many) {
+    return names.size() == 1 ? one : many;
+  };
+  if (!follow.empty())
+    out.push_back(
+        fmt::format("{} {} the oil temperature{}.", JoinNames(follow), is(follow, "follows", "follow"),
+                    not_seen.empty() ? ""
+                                     : fmt::format("; {} {} not, as far as can be seen", JoinNames(not_seen),
+                                                   is(not_seen, "does", "do"))));
+  else if (!not_seen.empty())
+    out.push_back(fmt::format("No dependence on the oil temperature is seen in {}.", JoinNames(not_seen)));
+}
+
+bool ErrorGrew(const ThirdsComparison& ratio) {
+  return SignificanceOf(ratio.change) == Significance::kClear && ratio.change.value > 0.15 * ratio.first;
+}
+
+void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
+                      const ReportAnalysis& analysis) {
+  if (!input.not_judged.empty()) {
+    out.push_back(
+        fmt::format("The model cannot be judged on these strokes: {}.", EscapeText(input.not_judged)));
+    return;
+  }
+  const FlowErrors errors = OverallErrors(input);
+  if (!(errors.floor > 0) || !(errors.rms > 0)) return;
+  const double ratio = errors.rms / errors.floor;
+  const std::string times = FormatFixed(ratio, ratio < 10 ? 1 : 0);
+  if (ratio <= 1.3 && input.misses.value_or(false))
+    out.push_back(fmt::format(
+        "The model error is {} times what sensor noise alone leaves; single flows hardly show it, but summed "
+        "over the strokes the model misses something, and the parameters may have absorbed part of it.",
+        times));
+  else if (ratio > 1.3 && input.misses && !*input.misses)
+    out.push_back(fmt::format(
+        "The model error is {} times what white sensor noise would leave, and nothing in it goes with any "
+        "signal: the noise is not white.",
+        times));
+  else if (ratio <= 1.3)
+    out.push_back(
+        fmt::format("The model explains the measured {} about down to what sensor noise leaves ({} times "
+                    "the noise floor).",
+                    EscapeText(WordsOf(input.machine).output), times));
+  else if (ratio <= 2)
+    out.push_back(
+        fmt::format("The model error is {} times what sensor noise alone leaves: some of the machine's "
+                    "behaviour is not in the model.",
+                    times));
+  else
+    out.push_back(
+        fmt::format("The model error is {} times what sensor noise alone leaves: the model misses something, "
+                    "and the parameters may have absorbed part of it. Read their changes with that in mind.",
+                    times));
+  const ThirdsComparison& trend = analysis.error.ratio;
+  if (SignificanceOf(trend.change) == Significance::kClear &&
+      std::abs(trend.change.value) > 0.1 * trend.first)
+    out.push_back(
+        fmt::format("The model error {} over the record, from {} to {} times the noise floor: the model fits "
+                    "the machine {} at the end than at the start.",
+                    trend.change.value > 0 ? "grew" : "shrank", FormatFixed(trend.first, 1),
+                    FormatFixed(trend.last, 1), trend.change.value > 0 ? "less well" : "better"));
+}
+
+bool AnyChangeKnown(const ReportAnalysis& analysis) {
+  return std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
+                     [](const auto& p) { return p.change.change.Known(); });
+}
+
+std::string UnknownHeadline(const ReportAnalysis& analysis) {
+  const bool identified = std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
+                                      [](const auto& p) { return p.updated > 0; });
+  if (!identified) return "No verdict: nothing was identified";
+  return AnyChangeKnown(analysis) ? "No change stands out, but not every parameter could be identified"
+                                  : "No verdict yet: too few strokes";
+}
+
+std::string Headline(Standing worst, const ReportAnalysis& analysis, bool inseparable) {
+  switch (worst) {
+    case Standing::kAlarmed:
+      return "An alarm limit was crossed";
+    case Standing::kWarned:
+      return "A warning limit was crossed";
+    case Standing::kChanged:
+      return "A parameter changed, and the oil temperature does not account for it";
+    case Standing::kHint:
+      return "No clear change, but a hint worth watching";
+    case Standing::kUnknown:
+      return UnknownHeadline(analysis);
+    case Standing::kOil:
+      return inseparable ? "Changes are in step with the oil temperature; none beyond it can be seen"
+                         : "No change beyond what the oil temperature accounts for";
+    case Standing::kSteady:
+      return "No change stands out in this record";
+  }
+  return "";
+}
+
+}  // namespace
+
+ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+  ParameterWords words;
+  words.standing = StandingOf(analysis);
+  words.pill = PillOf(words.standing, analysis);
+  words.value = "not identified";
+  if (analysis.latest)
+    words.value = WithUnit(
+        FormatWithUncertainty(info.Shown(analysis.latest->value), 1.96 * analysis.latest->std * info.factor),
+        info);
+  words.reading = Reading(words.standing, analysis, info);
+  words.limits = LimitText(analysis.limits, info);
+  if (analysis.updated == 0) return words;
+  words.change = ChangeText(analysis, info);
+  words.oil = OilText(analysis.oil, info);
+  return words;
+}
+
+ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+                              const std::vector<ParameterInfo>& infos,
+                              const std::vector<ParameterWords>& words) {
+  ReportVerdict verdict;
+  bool inseparable = false;
+  verdict.standing = words.empty() ? Standing::kUnknown : Standing::kSteady;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    verdict.standing = std::max(verdict.standing, words[i].standing);
+    inseparable |= words[i].standing == Standing::kOil && !analysis.parameters[i].oil.separable;
+  }
+  if (ErrorGrew(analysis.error.ratio)) verdict.standing = std::max(verdict.standing, Standing::kHint);
+  verdict.headline = Headline(verdict.standing, analysis, inseparable);
+  const auto standing = [&](Standing wanted) {
+    return NamesWhere(infos, [&](std::size_t i) { return words[i].standing == wanted; });
+  };
+  const auto unexplained = NamesWhere(
+      infos, [&](std::size_t i) { return analysis.parameters[i].unexplained == Significance::kClear; });
+  auto& out = verdict.sentences;
+  if (input.strokes.empty())
+    out.push_back(
+        "No stroke was found in the record. Check the gate of the machine file against the log, and "
+        "what was skipped below.");
+  else if (!AnyChangeKnown(analysis))
+    out.push_back(
+        fmt::format("A change over the record can be judged from {} strokes on that identify a parameter; "
+                    "this record has "
+                    "{} stroke{}.",
+                    6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())),
+                    input.strokes.size() == 1 ? "" : "s"));
+  for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})
+    if (const auto names = standing(wanted); !names.empty())
+      out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),
+                                names.size() == 1 ? "its" : "their", text));
+  if (!unexplained.empty())
+    out.push_back(
+        fmt::format("{} changed over the record by more than the oil temperature accounts for. What changed "
+                    "may be the machine, the oil or a "
+                    "sensor; the numbers alone do not tell which.",
+                    JoinNames(unexplained)));
+  if (const auto names = standing(Standing::kHint); !names.empty())
+    out.push_back(fmt::format("{}: a hint of a change, too weak to rely on.", JoinNames(names)));
+  AddOilSentence(out, analysis, infos);
+  if (const auto names = standing(Standing::kSteady); !names.empty())
+    out.push_back(fmt::format("No change stands out in {}.", JoinNames(names)));
+  if (inseparable)
+    out.push_back(
+        "The oil warmed or cooled steadily along this record. A slow change of the machine at the same pace "
+        "would look the same; strokes at equal "
+        "oil temperature from another day would tell the two apart.");
+  const auto unidentified =
+      NamesWhere(infos, [&](std::size_t i) { return analysis.parameters[i].updated == 0; });
+  if (!unidentified.empty())
+    out.push_back(
+        fmt::format("{} could not be identified; the reason stands below.", JoinNames(unidentified)));
+  AddErrorSentence(out, input, analysis);
+  return verdict;
+}
+
+FlowErrors OverallErrors(const ReportInput& input) {
+  std::vector<double> rms, floor;
+  for (const StrokeSummary& stroke : input.strokes)
+    rms.push_back(stroke.rms_error), floor.push_back(stroke.noise_floor);
+  const auto known = [](double given, double median) {
+    return given > 0 ? given : std::isfinite(median) ? median : 0;
+  };
+  return {known(input.rms_holdout, Median(rms, kNaN)), known(input.noise_floor, Median(floor, kNaN))};
+}
+
+}  // namespace hydroscope

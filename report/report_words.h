@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/report_analysis.h"
+#include "report/report_parameters.h"
+
+namespace hydroscope {
+
+/// How a parameter stands, worst last.
+enum class Standing { kSteady, kOil, kUnknown, kHint, kChanged, kWarned, kAlarmed };
+
+/// What the report says about one parameter, as HTML (all names escaped). No sentence names a cause: a change
+/// may be the machine's, the oil's or a sensor's.
+struct ParameterWords {
+  Standing standing = Standing::kUnknown;
+  std::string pill;     ///< two or three words for `standing`
+  std::string value;    ///< "1.412 ± 0.021 GPa" or "not identified"
+  std::string reading;  ///< one or two sentences, the verdict
+  std::string change;   ///< over the record
+  std::string oil;      ///< dependence on oil temperature
+  std::string limits;   ///< against the machine file
+};
+ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info);
+
+/// The verdict over all parameters.
+struct ReportVerdict {
+  Standing standing = Standing::kUnknown;
+  std::string headline;                ///< HTML
+  std::vector<std::string> sentences;  ///< HTML
+};
+ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+                              const std::vector<ParameterInfo>& infos,
+                              const std::vector<ParameterWords>& words);
+
+/// Flow errors of the whole record in m^3/s, as given or the medians over the strokes; 0 if unknown.
+struct FlowErrors {
+  double rms = 0, floor = 0;
+};
+FlowErrors OverallErrors(const ReportInput& input);
+
+}  // namespace hydroscope

@@ -1,0 +1,261 @@
+#include "review/replay_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/constants.h"
+#include "core/units.h"
+#include "models/machine_words.h"
+#include "models/output_unit.h"
+#include "workbench/fit_output.h"
+#include "workbench/headline.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kFindingsShown = 3;
+
+std::string StatusText(const LogReplay& replay) {
+  switch (replay.status) {
+    case ReplayStatus::kReplayed:
+      return "replayed";
+    case ReplayStatus::kContinued:
+      return fmt::format("continued ({} strokes were there)", replay.stored_before);
+    case ReplayStatus::kAlready:
+      return "already replayed";
+    case ReplayStatus::kFailed:
+      return "LEFT OUT";
+  }
+  return "";
+}
+
+std::string Percent(std::int64_t part, std::int64_t whole) {
+  return whole > 0 ? fmt::format("{:.1f} %", 100.0 * static_cast<double>(part) / static_cast<double>(whole))
+                   : "-";
+}
+
+std::string LogTable(const ReplayOutcome& outcome) {
+  std::size_t width = 3;
+  for (const LogReplay& r : outcome.logs) width = std::max(width, r.log.size());
+  std::string text = fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", "log", width, "rows",
+                                 "strokes", "used", "rejected", "flagged", "");
+  for (const LogReplay& r : outcome.logs) {
+    if (r.status == ReplayStatus::kFailed)
+      text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, "-", "-", "-", "-",
+                          "-", StatusText(r));
+    else
+      text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, r.summary.rows,
+                          r.run.strokes, Percent(r.summary.used, r.summary.rows), r.summary.rejected_rows,
+                          r.summary.FlaggedValues(), StatusText(r));
+  }
+  return text;
+}
+
+std::string Troubles(const ReplayOutcome& outcome) {
+  std::string text;
+  for (const LogReplay& r : outcome.logs) {
+    for (const std::string& note : r.notes) text += fmt::format("note: {}: {}\n", r.log, note);
+    if (r.status == ReplayStatus::kFailed) {
+      text += fmt::format("LEFT OUT: {}\n", r.problem);
+      continue;
+    }
+    if (!r.summary.stopped.empty())
+      text +=
+          fmt::format("PARTLY: {}: read up to row {}, then: {}\n", r.log, r.summary.rows, r.summary.stopped);
+    if (r.summary.rejected_rows > 0) {
+      text += fmt::format("PARTLY: {}: {} rows could not be read\n", r.log, r.summary.rejected_rows);
+      for (std::size_t i = 0; i < std::min(kFindingsShown, r.summary.findings.size()); ++i)
+        text += "  " + FindingText(r.summary.findings[i]) + "\n";
+    }
+    if (r.run.strokes == 0)
+      text += fmt::format(
+          "NO STROKE: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine "
+          "M.toml\n",
+          r.log, r.summary.gated, r.summary.rows, r.log);
+  }
+  return text.empty() ? text : "\n" + text;
+}
+
+std::string ParameterTable(const ReplayOutcome& outcome) {
+  if (outcome.latest.empty())
+    return fmt::format("\nNo parameter is identified yet: it takes one {} or more with enough equations.\n",
+                       WordsOf(outcome.machine).stroke);
+  std::string text = fmt::format(
+      "\nafter stroke {} of this machine, counted from 0 ({} strokes of {} logs in the database)\n",
+      outcome.strokes - 1, outcome.strokes, outcome.runs.size());
+  text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
+  for (const Estimate& e : outcome.latest) {
+    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    text += fmt::format("{:<8} {:>12.5g} {:>12.5g} ... {:<9.5g}  {:<6}{}\n", e.parameter, shown(e.value),
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
+                        unit.name == "1" ? "-" : unit.name,
+                        e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
+  }
+  const DisplayUnit unit = OutputUnit(outcome.machine);
+  if (outcome.figures.noise_floor > 0)
+    text += fmt::format(
+        "model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
+        outcome.figures.rms_holdout * unit.factor, unit.name, outcome.figures.noise_floor * unit.factor,
+        unit.name);
+  if (outcome.figures.strokes > 0)
+    if (const ModelHeadline headline = HeadlineOf(outcome.figures, false);
+        headline.standing == ModelStanding::kNotJudged)
+      text += headline.text + "\n";
+  return text;
+}
+
+std::string SkippedTable(const ReplayOutcome& outcome) {
+  if (outcome.skipped.empty()) return {};
+  std::string text = "\nnot used, over all runs of this machine\n";
+  for (const SkippedItem& item : outcome.skipped)
+    if (item.rows > 0) text += fmt::format("{:>12}  {:<34} {}\n", item.rows, item.what, item.why);
+  return text;
+}
+
+std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  std::string text = fmt::format("\ndatabase: {} ({} strokes of \"{}\")\n", options.database, outcome.strokes,
+                                 outcome.machine.name);
+  if (!outcome.report.empty())
+    return text +
+           fmt::format("report:   {}\nnext:     open {} in a browser\n", outcome.report, outcome.report);
+  return text + fmt::format("next:     hydroscope trends --db {}\n", options.database);
+}
+
+nlohmann::json LogJson(const LogReplay& r) {
+  nlohmann::json findings = nlohmann::json::array();
+  for (const LogFinding& f : r.summary.findings)
+    findings.push_back(
+        {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
+  return {
+      {"log", r.log},
+      {"status", StatusName(r.status)},
+      {"error", r.problem.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.problem)},
+      {"stopped", r.summary.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(r.summary.stopped)},
+      {"run", r.run.id},
+      {"first_sequence", r.run.first_sequence},
+      {"strokes", r.run.strokes},
+      {"strokes_stored_before", r.stored_before},
+      {"rows", r.summary.rows},
+      {"rejected_rows", r.summary.rejected_rows},
+      {"gated_rows", r.summary.gated},
+      {"used_rows", r.summary.used},
+      {"discarded_strokes", r.summary.discarded_strokes},
+      {"flagged", r.summary.flagged},
+      {"absent", r.summary.absent},
+      {"findings", findings},
+      {"notes", r.notes}};
+}
+
+std::string AlarmTable(const std::vector<AlarmState>& alarms) {
+  std::string text;
+  for (const AlarmState& alarm : alarms)
+    text += fmt::format("  {:<5} {:<11} {}: {}\n", StateName(alarm), SeverityName(alarm.severity), alarm.id,
+                        alarm.text);
+  return text;
+}
+
+/// What watching for drift says, with every alarm that stands.
+std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
+  if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
+  const std::string notice = watch.notice.empty() ? "" : "\nNote: " + watch.notice + "\n";
+  if (watch.reference_version == 0)
+    return notice + fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n",
+                                watch.commissioning_strokes, watch.commissioning_needed);
+  std::string text =
+      notice + fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {} ({}); {}\n",
+                           watch.reference_version, watch.health, watch.health_text,
+                           watch.alarms.empty() ? "no alarm stands" : "alarms:");
+  text += AlarmTable(watch.alarms);
+  if (!watch.alarms.empty()) text += "  more: hydroscope alarms --db " + options.database + "\n";
+  return text;
+}
+
+nlohmann::json AlarmsJson(const std::vector<AlarmState>& standing) {
+  nlohmann::json alarms = nlohmann::json::array();
+  for (const AlarmState& a : standing)
+    alarms.push_back({{"alarm", a.id},
+                      {"state", StateName(a)},
+                      {"severity", SeverityName(a.severity)},
+                      {"text", a.text},
+                      {"cause", CauseText(a.cause)},
+                      {"raised_stroke", a.raised_stroke},
+                      {"first_stroke", a.first_stroke},
+                      {"last_stroke", a.last_stroke}});
+  return alarms;
+}
+
+nlohmann::json WatchJson(const WatchOutcome& watch) {
+  return {{"problem", watch.problem},
+          {"reference_version", watch.reference_version},
+          {"commissioning_strokes", watch.commissioning_strokes},
+          {"commissioning_needed", watch.commissioning_needed},
+          {"health", std::string(1, watch.health)},
+          {"health_text", watch.health_text},
+          {"notice", watch.notice},
+          {"alarms", AlarmsJson(watch.alarms)}};
+}
+
+std::string TextOfMachine(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) +
+         SkippedTable(outcome) + Next(options, outcome);
+}
+
+/// What the axes of the press show together.
+std::string PressText(const PressReplay& replay) {
+  if (replay.alarms.empty()) return "";
+  return fmt::format("\nAxes of \"{}\" together:\n{}", replay.press, AlarmTable(replay.alarms));
+}
+
+nlohmann::json JsonOfMachine(const ReplayOptions& options, const ReplayOutcome& outcome) {
+  nlohmann::json logs = nlohmann::json::array(), skipped = nlohmann::json::array();
+  for (const LogReplay& log : outcome.logs) logs.push_back(LogJson(log));
+  for (const SkippedItem& item : outcome.skipped)
+    skipped.push_back({{"what", item.what}, {"rows", item.rows}, {"why", item.why}});
+  const DisplayUnit unit = OutputUnit(outcome.machine);
+  return {{"machine", outcome.machine.name},
+          {"database", options.database},
+          {"report", outcome.report.empty() ? nlohmann::json(nullptr) : nlohmann::json(outcome.report)},
+          {"complete", outcome.Complete()},
+          {"logs", logs},
+          {"runs", outcome.runs.size()},
+          {"strokes", outcome.strokes},
+          {"parameters", ParametersJson(outcome.latest)},
+          {"watch", WatchJson(outcome.watch)},
+          {"rms_holdout", outcome.figures.rms_holdout * unit.factor},
+          {"noise_floor", outcome.figures.noise_floor * unit.factor},
+          {"unit", unit.name},
+          {"skipped", skipped}};
+}
+
+}  // namespace
+
+std::string ReplayText(const ReplayOptions& options, const PressReplay& replay) {
+  std::string text;
+  for (const ReplayOutcome& outcome : replay.machines) {
+    if (replay.machines.size() > 1)
+      text += fmt::format("{}{}\n", text.empty() ? "" : "\n", outcome.machine.name);
+    text += TextOfMachine(options, outcome);
+  }
+  return text + PressText(replay);
+}
+
+nlohmann::json ReplayJson(const ReplayOptions& options, const PressReplay& replay) {
+  nlohmann::json document;
+  if (replay.machines.size() == 1) {
+    document = JsonOfMachine(options, replay.machines.front());
+  } else {
+    document = {{"database", options.database},
+                {"complete", replay.Complete()},
+                {"machines", nlohmann::json::array()}};
+    for (const ReplayOutcome& outcome : replay.machines)
+      document["machines"].push_back(JsonOfMachine(options, outcome));
+  }
+  if (!replay.press.empty())
+    document["press"] = {{"machine", replay.press}, {"alarms", AlarmsJson(replay.alarms)}};
+  return document;
+}
+
+}  // namespace hydroscope

@@ -1,3 +1,0 @@
-#include "service/commands.h"
-
-int main(int argc, char** argv) { return hydroscope::RunCommandLine(argc, argv); }

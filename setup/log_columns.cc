@@ -1,0 +1,90 @@
+#include "setup/log_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/constants.h"
+#include "core/quantile.h"
+
+namespace hydroscope {
+namespace {
+
+bool IsUtf8(const std::string& text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80         ? 1
+                               : lead >> 5 == 0x6  ? 2
+                               : lead >> 4 == 0xe  ? 3
+                               : lead >> 3 == 0x1e ? 4
+                                                   : 0;
+    if (length == 0 || lead == 0xc0 || lead == 0xc1 || i + length > text.size()) return false;
+    for (std::size_t k = 1; k < length; ++k)
+      if ((static_cast<unsigned char>(text[i + k]) >> 6) != 0x2) return false;
+    i += length;
+  }
+  return true;
+}
+
+/// A name that a machine file can hold and that leads back to this column, else the column's number.
+std::string ReferenceOf(const LogLayout& layout, std::size_t column) {
+  const std::string& name = layout.names[column];
+  if (!name.empty() && IsUtf8(name) && layout.Find(name) == column) return name;
+  return std::to_string(column + 1);
+}
+
+double StandardDeviation(const std::vector<double>& values) {
+  if (values.empty()) return 0;
+  double mean = 0, square = 0;
+  for (const double value : values) mean += value / static_cast<double>(values.size());
+  for (const double value : values) square += (value - mean) * (value - mean);
+  return std::sqrt(square / static_cast<double>(values.size()));
+}
+
+void Describe(LogColumn& column) {
+  std::vector<double> values, steps;
+  std::size_t same = 0;
+  column.rising = true;
+  for (const double value : column.value) {
+    if (std::isnan(value)) continue;
+    if (!values.empty()) {
+      steps.push_back(value - values.back());
+      same += steps.back() == 0;
+      column.rising = column.rising && steps.back() > 0;
+    }
+    values.push_back(value);
+  }
+  column.rising = column.rising && values.size() > 2;
+  const double spread = StandardDeviation(values);
+  column.roughness = spread > 0 ? StandardDeviation(steps) / spread : 0;
+  column.repeated = steps.empty() ? 0 : static_cast<double>(same) / static_cast<double>(steps.size());
+  column.step = steps.empty() ? 0 : Quantile(steps, 0.5, kNaN);
+  column.low = Quantile(values, 0.01, kNaN);
+  column.high = Quantile(values, 0.99, kNaN);
+}
+
+}  // namespace
+
+Result<LogColumns> ReadLogColumns(const std::string& path) {
+  auto head = ReadLogHead(path, kRowsLookedAt);
+  if (!head) return tl::unexpected(head.error());
+  LogColumns log;
+  log.path = path;
+  log.rows = head->rows();
+  log.layout = std::move(head->layout);
+  for (std::size_t i = 0; i < log.layout.names.size(); ++i) {
+    LogColumn column;
+    column.reference = ReferenceOf(log.layout, i);
+    column.name = IsUtf8(log.layout.names[i]) ? log.layout.names[i] : "column " + column.reference;
+    column.unit = log.layout.units[i];
+    column.date = head->is_date[i];
+    column.value = std::move(head->columns[i]);
+    for (double& value : column.value)
+      if (!std::isfinite(value)) value = kNaN;
+    Describe(column);
+    log.columns.push_back(std::move(column));
+  }
+  return log;
+}
+
+}  // namespace hydroscope

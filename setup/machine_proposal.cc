@@ -1,0 +1,251 @@
+#include "setup/machine_proposal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/units.h"
+#include "models/machine_format.h"
+#include "models/machine_keys.h"
+#include "setup/column_meaning.h"
+#include "setup/cushion_direction.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kRepeating = 0.2;       ///< share of repeated readings above which a signal is coarse
+constexpr double kSlowestPeriod = 0.02;  ///< s, rows farther apart are too slow for valves and pressures
+
+class Proposer {
+ public:
+  Proposer(const LogColumns& head, const ProposalOptions& options) : head_(head), options_(options) {}
+
+  MachineProposal Propose() {
+    roles_ = AssignRoles(head_);
+    machine().name = std::filesystem::path(head_.path).stem().string();
+    if (!head_.layout.header) machine().log.header = false;
+    FindTime();
+    DecideModel();
+    AddSignals();
+    if (machine().model == "die_cushion") CompleteCushion();
+    if (machine().model == "expressions") CompleteExpressions();
+    ListUnused();
+    WriteNotes();
+    result_.text = FormatMachine(machine(), notes_);
+    return std::move(result_);
+  }
+
+ private:
+  Machine& machine() { return result_.machine; }
+  const ColumnRole* Find(Role role) const {
+    for (const ColumnRole& found : roles_)
+      if (found.role == role) return &found;
+    return nullptr;
+  }
+  bool Has(Role role) const { return Find(role) != nullptr; }
+
+  void FindTime() {
+    const ColumnRole* time = Find(Role::kTime);
+    if (time == nullptr) {
+      machine().log.time_column = "";
+      machine().log.sample_period = 0.001;
+      result_.open.emplace_back(
+          "[log] sample_period: no time column found; write the time between rows in s (0.001 is a guess)");
+      notes_.section["log"].emplace_back(
+          "<-- FILL IN sample_period: the log has no time column, 0.001 s is a guess");
+      return;
+    }
+    const LogColumn& column = head_.columns[time->column];
+    const UnitGuess guess = GuessUnit(Role::kTime, column, FindSharedSizes(head_, roles_));
+    machine().log.time_column = column.reference;
+    machine().log.time_unit = guess.unit;
+    seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
+    result_.columns.push_back(
+        {"time", column.name, guess.unit, time->why + "; " + guess.why, time->sure && guess.sure});
+    result_.decided.push_back(fmt::format("rows are {:.3g} ms apart", seconds_ * 1e3));
+    if (seconds_ > kSlowestPeriod)
+      result_.open.push_back(
+          fmt::format("the log has only {:.3g} rows per second; valve and pressure dynamics need 100 or more",
+                      1 / seconds_));
+  }
+
+  void DecideModel() {
+    if (Has(Role::kPressureA) && Has(Role::kPosition) && Has(Role::kSpool)) {
+      Decide("die_cushion", "pressure, position and spool are there");
+    } else if (Has(Role::kSpool) && Has(Role::kValveCommand)) {
+      Decide("valve", "spool and valve command are there, but not both pressure and position");
+    } else if (Has(Role::kPosition) && Has(Role::kPositionCommand) && !Has(Role::kPressureA)) {
+      Decide("valve", "a position and its command are there, no pressure and spool");
+      machine().valve = {"z_command", "z", 1.0};
+    } else {
+      std::string missing;
+      for (const auto& [role, name] :
+           {std::pair(Role::kPressureA, "pressure A"), std::pair(Role::kPosition, "position"),
+            std::pair(Role::kSpool, "spool")})
+        if (!Has(role)) missing += (missing.empty() ? "" : ", ") + std::string(name);
+      Decide("expressions", "a die cushion needs what was not found: " + missing);
+    }
+  }
+  void Decide(const std::string& model, const std::string& why) {
+    machine().model = model;
+    result_.decided.push_back(fmt::format("model {}: {}", model, why));
+  }
+
+  bool Required(const std::string& name) {
+    if (machine().model == "valve") return name == machine().valve.input || name == machine().valve.output;
+    for (const ModelInput& input : FindModelInputs(machine().model)->signals)
+      if (input.name == name) return input.required;
+    return machine().model == "expressions";
+  }
+
+  void AddSignals() {
+    const SharedSizes sizes = FindSharedSizes(head_, roles_);
+    for (const ColumnRole& found : roles_) {
+      if (found.role == Role::kTime) continue;
+      const LogColumn& column = head_.columns[found.column];
+      const UnitGuess guess = GuessUnit(found.role, column, sizes);
+      AddSignal(SignalNameOf(found.role), column, guess, found.why + "; " + guess.why,
+                found.sure && guess.sure);
+    }
+  }
+  void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, std::string why,
+                 bool sure) {
+    SignalSpec spec;
+    spec.name = name;
+    spec.column = column.reference;
+    spec.unit = guess.unit;
+    spec.scale = guess.scale;
+    spec.offset = guess.offset;
+    spec.required = Required(name);
+    if (column.repeated > kRepeating) {
+      spec.stuck_time = 0;
+      why += "; often repeats a reading, so it is never taken for stuck";
+    }
+    notes_.signals[name] = why + (sure ? "" : "  <-- check");
+    machine().signals.push_back(spec);
+    result_.columns.push_back({name, column.name, guess.unit, why, sure});
+  }
+
+  void CompleteCushion() {
+    for (const std::string& line : TurnCushionSignals(head_, seconds_, machine()))
+      result_.decided.push_back(line);
+    machine().gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
+    machine().geometry["dp_nom"] = {35e5, 0};
+    machine().geometry["p_t"] = {0, 0};
+    result_.decided.emplace_back(
+        "dp_nom = 35 bar: the pressure drop at which the nominal flow is stated, usual for servo valves");
+    if (!Has(Role::kTankPressure)) result_.decided.emplace_back("p_t = 0 bar: no tank pressure in the log");
+    if (options_.piston_area) {
+      machine().geometry["A_A"] = {*options_.piston_area, 0};
+      return;
+    }
+    result_.open.emplace_back(
+        "[geometry] A_A: the piston area on side A cannot be found from a log; write it from the drawing");
+    notes_.section["geometry"] = {
+        "<-- FILL IN the piston area on side A from the drawing and remove the leading '# ' of the next "
+        "line:",
+        "A_A = { value = 125, unit = \"cm2\" }"};
+  }
+
+  void CompleteExpressions() {
+    AddOtherColumns();
+    if (!Has(Role::kForce) || !Has(Role::kPressureA)) {
+      result_.open.emplace_back(
+          "[balance]: write which output equals which sum of terms, see docs/machine_file.md");
+      notes_.tail = {
+          "<-- FILL IN the balance: the output and the terms that explain it, over the signals above; e.g.",
+          "[balance]", "output = \"F\"", "terms = { A = \"p\", c = \"1\" }"};
+      return;
+    }
+    machine().balance.output = "F";
+    machine().balance.unit = "N";
+    machine().balance.terms = {{"A", "p_A", "m2"}};
+    if (Has(Role::kPressureB)) machine().balance.terms.push_back({"A_B", "-p_B", "m2"});
+    machine().balance.terms.push_back({"c", "1", "N"});
+    result_.decided.emplace_back("balance: force = area * pressure + constant, because both are there");
+    if (!Has(Role::kPosition)) return;
+    machine().user_effects = {
+        {"coulomb_friction", "Friction of constant size against the motion", {{"F_c", "sign(ddt(z))", "N"}}},
+        {"viscous_friction", "Friction that grows with speed", {{"d", "ddt(z)", "N s/m"}}},
+        {"pressure_friction", "Friction that grows with pressure", {{"mu", "p_A*sign(ddt(z))", "m2"}}}};
+    result_.decided.emplace_back("effects to try: friction, because a position is there");
+  }
+
+  /// In a machine of the user's own every column of numbers is a signal, under its name made fit for
+  /// expressions.
+  void AddOtherColumns() {
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      const LogColumn& column = head_.columns[i];
+      const bool row_counter = column.rising && column.step == 1;
+      if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
+      const bool known = FindUnit(column.unit).has_value();
+      const UnitGuess guess{known ? column.unit : "1", 1, 0, known ? "unit in the header" : "unit unknown",
+                            known};
+      AddSignal(FreeName(column.name), column, guess, guess.why, known);
+      others_.push_back(i);
+    }
+  }
+  std::string FreeName(const std::string& column) {
+    std::string name;
+    for (const char c : column)
+      if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_') name += c;
+    if (name.empty() || (name[0] >= '0' && name[0] <= '9')) name = "c" + name;
+    std::string free = name;
+    for (int n = 2; machine().SignalIndex(free) >= 0; ++n) free = fmt::format("{}_{}", name, n);
+    return free;
+  }
+  bool IsUsed(std::size_t column) const {
+    return std::any_of(roles_.begin(), roles_.end(),
+                       [&](const ColumnRole& r) { return r.column == column; }) ||
+           std::find(others_.begin(), others_.end(), column) != others_.end();
+  }
+  void ListUnused() {
+    for (std::size_t i = 0; i < head_.columns.size(); ++i) {
+      if (IsUsed(i)) continue;
+      const LogColumn& column = head_.columns[i];
+      result_.unused.push_back(column.name);
+      if (column.numeric() && !column.date && !RoleByName(column.name))
+        result_.decided.push_back(
+            fmt::format("column {} is not used; it looks like: {}", column.name, Look(column)));
+    }
+  }
+  /// What a column looks like, for a person to recognise it.
+  static std::string Look(const LogColumn& column) {
+    std::string text = fmt::format("{:.4g} ... {:.4g}", column.low, column.high);
+    if (!(column.span() > 0)) return text + ", never changes";
+    if (column.rising) return text + fmt::format(", rises in every row by {:.4g}", column.step);
+    text += column.roughness < 0.12 ? ", smooth"
+            : column.roughness > 1  ? ", noise about a level"
+                                    : ", moves and is noisy";
+    return text + (column.repeated > kRepeating ? ", often repeats a reading" : "");
+  }
+
+  void WriteNotes() {
+    notes_.head = {fmt::format("Proposed from {}: {} rows looked at.",
+                               std::filesystem::path(head_.path).filename().string(), head_.rows)};
+    for (const std::string& line : result_.decided) notes_.head.push_back("- " + line);
+    for (const std::string& line : result_.open) notes_.head.push_back("- TO DO BY YOU: " + line);
+    if (!result_.unused.empty())
+      notes_.head.push_back(fmt::format("- columns not used: {}", fmt::join(result_.unused, ", ")));
+    notes_.head.emplace_back("Lines marked \"<-- check\" are guesses.");
+    notes_.head.emplace_back();
+  }
+
+  const LogColumns& head_;
+  const ProposalOptions& options_;
+  std::vector<ColumnRole> roles_;
+  std::vector<std::size_t> others_;
+  double seconds_ = 0;
+  MachineNotes notes_;
+  MachineProposal result_;
+};
+
+}  // namespace
+
+MachineProposal ProposeMachine(const LogColumns& head, const ProposalOptions& options) {
+  return Proposer(head, options).Propose();
+}
+
+}  // namespace hydroscope

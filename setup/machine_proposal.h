@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/machine.h"
+#include "setup/log_columns.h"
+
+namespace hydroscope {
+
+/// What a person may know beforehand.
+struct ProposalOptions {
+  std::optional<double> piston_area;  ///< m^2, side A
+};
+
+/// One line of what was found.
+struct ProposedColumn {
+  std::string signal;  ///< name in the machine file, "time" for the time column
+  std::string column;  ///< column of the log
+  std::string unit;
+  std::string why;
+  bool sure = true;  ///< false: a person should have a look
+};
+
+/// A machine file proposed from a log, and the reasons.
+struct MachineProposal {
+  Machine machine;
+  std::string text;                     ///< the machine file with comments
+  std::vector<ProposedColumn> columns;  ///< what was inferred from which column
+  std::vector<std::string> unused;      ///< columns that mean nothing to the model
+  std::vector<std::string> decided;     ///< model, directions, sample period: what and why
+  std::vector<std::string> open;        ///< what cannot be inferred and has to be filled in
+};
+
+/// Proposes a machine file: time, pressures, position, spool, command and temperature by name and by
+/// behaviour; the model by what is there (die cushion; valve; else a balance of expressions). Never fails:
+/// what cannot be inferred is in `open` and marked in the file.
+MachineProposal ProposeMachine(const LogColumns& head, const ProposalOptions& options);
+
+}  // namespace hydroscope

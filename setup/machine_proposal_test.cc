@@ -1,0 +1,395 @@
+#include "setup/machine_proposal.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "setup/column_meaning.h"
+
+namespace hydroscope {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// One row of a press in SI.
+struct PressRow {
+  double t, p_A, p_B, p_0, z, y_v, U_v, T_oil;
+};
+
+/// Twelve seconds of a press: strokes of 1 s under pressure, 1 s back, with sensor noise.
+std::vector<PressRow> PressRows() {
+  std::mt19937 generator(7);
+  std::normal_distribution<double> noise;
+  std::vector<PressRow> rows;
+  for (int i = 0; i < 6000; ++i) {
+    const double t = 0.002 * (i + 1), phase = std::fmod(t, 2.0);
+    const bool stroke = phase < 1;
+    const double opening = stroke ? 0.3 + 0.1 * std::sin(9 * t) : -0.3;
+    rows.push_back({t, (stroke ? 180e5 : 20e5) + 2e5 * noise(generator), 60e5 + 2e5 * noise(generator),
+                    210e5 + 1e5 * noise(generator),
+                    (stroke ? 0.2 - 0.15 * phase : 0.05 + 0.15 * (phase - 1)) + 1e-4 * noise(generator),
+                    opening + 1e-3 * noise(generator), 10 * opening + 1e-2 * noise(generator),
+                    313 + 0.05 * noise(generator)});
+  }
+  return rows;
+}
+
+/// A log with `header` whose rows `write` makes from those of the press.
+std::string PressLog(const std::string& header, const std::function<std::string(const PressRow&)>& write) {
+  std::string text = header;
+  for (const PressRow& row : PressRows()) text += write(row) + "\n";
+  return text;
+}
+
+MachineProposal Propose(const std::string& text, double area = 0.0125) {
+  const auto path = std::filesystem::path(::testing::TempDir()) /
+                    fmt::format("{}.csv", ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::ofstream(path, std::ios::binary) << text;
+  const auto head = ReadLogColumns(path.string());
+  std::filesystem::remove(path);
+  if (!head) {
+    ADD_FAILURE() << head.error().text;
+    return {};
+  }
+  return ProposeMachine(*head, {area > 0 ? std::optional<double>(area) : std::nullopt});
+}
+
+/// column, unit of a signal of a proposed machine, e.g. "Weg mm".
+std::string ColumnOf(const Machine& machine, const std::string& signal) {
+  const int index = machine.SignalIndex(signal);
+  if (index < 0) return "none";
+  return machine.signals[index].column + " " + machine.signals[index].unit;
+}
+
+/// The proposed text loads, and as the very machine that was proposed.
+void ExpectLoads(const MachineProposal& proposal) {
+  const auto machine = ParseMachine(proposal.text, "log.toml");
+  ASSERT_TRUE(machine) << machine.error().text << "\n" << proposal.text;
+  EXPECT_EQ(*machine, proposal.machine) << proposal.text;
+}
+
+std::string SiRow(const PressRow& r) {
+  return fmt::format("{:.4f},{:.0f},{:.0f},{:.0f},{:.7f},{:.7f},{:.6f},{:.3f}", r.t, r.p_A, r.p_B, r.p_0, r.z,
+                     r.y_v, r.U_v, r.T_oil - 273.15);
+}
+
+TEST(MachineProposal, RecognisesTheExamplePressCompletely) {
+  const MachineProposal proposal = Propose(PressLog("t,p_A,p_B,p_0,z,y_v,U_v,T_oil\n", SiRow));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.model, "die_cushion");
+  EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "t s");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "p_A Pa");
+  EXPECT_EQ(ColumnOf(m, "p_B"), "p_B Pa");
+  EXPECT_EQ(ColumnOf(m, "p_0"), "p_0 Pa");
+  EXPECT_EQ(ColumnOf(m, "z"), "z m");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "y_v 1");
+  EXPECT_EQ(ColumnOf(m, "U_v"), "U_v V");
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "T_oil degC");
+  for (const ProposedColumn& column : proposal.columns)
+    EXPECT_TRUE(column.sure) << column.signal << ": " << column.why;
+  EXPECT_THAT(proposal.open, IsEmpty());
+  EXPECT_THAT(proposal.decided, Contains(HasSubstr("z falls while the pressure is high")));
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, RecognisesAGermanLogInPlantUnits) {
+  const MachineProposal proposal = Propose(PressLog(
+      "Zeit [ms];Druck A [bar];Druck B [bar];Systemdruck [bar];Weg [mm];Schieberstellung [%];Ventilspannung "
+      "[V];Öltemperatur [°C]\n",
+      [](const PressRow& r) {
+        std::string line =
+            fmt::format("{:.0f};{:.2f};{:.2f};{:.2f};{:.3f};{:.3f};{:.3f};{:.2f}", r.t * 1e3, r.p_A / 1e5,
+                        r.p_B / 1e5, r.p_0 / 1e5, r.z * 1e3, r.y_v * 100, r.U_v, r.T_oil - 273.15);
+        for (char& c : line)
+          if (c == '.') c = ',';
+        return line;
+      }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.model, "die_cushion");
+  EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "Zeit [ms] ms");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "Druck A [bar] bar");
+  EXPECT_EQ(ColumnOf(m, "p_B"), "Druck B [bar] bar");
+  EXPECT_EQ(ColumnOf(m, "p_0"), "Systemdruck [bar] bar");
+  EXPECT_EQ(ColumnOf(m, "z"), "Weg [mm] mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "Schieberstellung [%] %");
+  EXPECT_EQ(ColumnOf(m, "U_v"), "Ventilspannung [V] V");
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "Öltemperatur [°C] °C");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, FindsUnitsByTheSizeOfTheNumbers) {
+  const MachineProposal proposal =
+      Propose(PressLog("time,pressure_A,pressure_B,position,spool,command,oil_temp\n", [](const PressRow& r) {
+        return fmt::format("{:.0f},{:.4f},{:.4f},{:.3f},{:.3f},{:.3f},{:.2f}", r.t * 1e3, r.p_A / 1e6,
+                           r.p_B / 1e6, r.z * 1e3, r.y_v * 100, r.U_v, r.T_oil);
+      }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.log.time_unit, "ms");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "pressure_A MPa");
+  EXPECT_EQ(ColumnOf(m, "z"), "position mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "spool %");
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "oil_temp K");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, RecognisesColumnsWithoutNamesByTheirBehaviour) {
+  const MachineProposal proposal = Propose(PressLog("", SiRow));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.model, "die_cushion");
+  EXPECT_EQ(m.log.header, false);
+  EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "1 s");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "2 Pa");
+  EXPECT_EQ(ColumnOf(m, "p_B"), "3 Pa");
+  EXPECT_EQ(ColumnOf(m, "p_0"), "4 Pa");
+  EXPECT_EQ(ColumnOf(m, "z"), "5 m");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "6 1");
+  EXPECT_EQ(ColumnOf(m, "U_v"), "7 V");
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "8 degC");
+  EXPECT_THAT(proposal.text, HasSubstr("<-- check"));
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TurnsSignalsThatRunTheOtherWayRound) {
+  const MachineProposal proposal = Propose(PressLog("t,p_A,z,y_v\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.0f},{:.6f},{:.6f}", r.t, r.p_A, 0.25 - r.z, -r.y_v);
+  }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.signals[m.SignalIndex("z")].scale, -1);
+  EXPECT_GT(m.signals[m.SignalIndex("z")].offset, 0.15);
+  EXPECT_EQ(m.signals[m.SignalIndex("y_v")].scale, -1);
+  EXPECT_THAT(proposal.decided, Contains(HasSubstr("z rises while the pressure is high")));
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, MarksThePistonAreaAsToBeFilledIn) {
+  const MachineProposal proposal = Propose(PressLog("t,p_A,p_B,p_0,z,y_v,U_v,T_oil\n", SiRow), 0);
+  EXPECT_THAT(proposal.open, ElementsAre(HasSubstr("A_A")));
+  EXPECT_THAT(proposal.text, HasSubstr("<-- FILL IN the piston area"));
+  const auto refused = ParseMachine(proposal.text, "log.toml");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text, HasSubstr("A_A is missing"));
+  std::string filled = proposal.text;
+  filled.erase(filled.find("# A_A ="), 2);
+  const auto machine = ParseMachine(filled, "log.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  EXPECT_DOUBLE_EQ(machine->Geometry("A_A")->value, 0.0125);
+}
+
+TEST(MachineProposal, TakesCommandAndSpoolAloneForAValveSweep) {
+  std::string text = "t,U_v,y_v\n";
+  for (int i = 0; i < 2000; ++i)
+    text += fmt::format("{:.4f},{:.5f},{:.6f}\n", i * 1e-3, 0.5 * std::sin(0.3 * i),
+                        0.05 * std::sin(0.3 * i - 0.4));
+  const MachineProposal proposal = Propose(text);
+  EXPECT_EQ(proposal.machine.model, "valve");
+  EXPECT_EQ(ColumnOf(proposal.machine, "U_v"), "U_v V");
+  EXPECT_EQ(ColumnOf(proposal.machine, "y_v"), "y_v 1");
+  EXPECT_EQ(proposal.machine.signals[0].scale, 1);
+  EXPECT_THAT(proposal.open, IsEmpty());
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TellsVoltsFromShareOfFullCommandByTheSpool) {
+  for (const auto& [per_opening, scale] :
+       {std::pair(10.0, 1.0), std::pair(1.0, 10.0), std::pair(100.0, 0.1)}) {
+    std::string text = "t,U_v,y_v\n";
+    for (int i = 0; i < 2000; ++i)
+      text += fmt::format("{:.4f},{:.5f},{:.6f}\n", i * 1e-3, 0.05 * per_opening * std::sin(0.3 * i),
+                          0.05 * std::sin(0.3 * i - 0.4));
+    EXPECT_EQ(Propose(text).machine.signals[0].scale, scale) << per_opening;
+  }
+}
+
+TEST(MachineProposal, ProposesABalanceWhereForceAndPressureAreThere) {
+  std::string text = "Zeit,Kraft [N],Druck [bar],Weg [mm]\n";
+  for (int i = 0; i < 500; ++i)
+    text += fmt::format("{:.2f},{:.2f},{:.3f},{:.3f}\n", i * 0.01, 150 + std::sin(0.05 * i),
+                        3 + 0.01 * std::sin(0.2 * i), 20 + 10 * std::sin(0.05 * i));
+  const MachineProposal proposal = Propose(text);
+  EXPECT_EQ(proposal.machine.model, "expressions");
+  EXPECT_EQ(proposal.machine.balance.output, "F");
+  EXPECT_EQ(proposal.machine.user_effects.size(), 3u);
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, KeepsEveryColumnOfAnUnknownMachineAndAsksForItsBalance) {
+  std::string text = "t,torque (Nm),n-motor\n";
+  for (int i = 0; i < 100; ++i) text += fmt::format("{:.3f},{},{}\n", i * 0.001, 5 + i % 7, 100 + i % 3);
+  const MachineProposal proposal = Propose(text);
+  EXPECT_EQ(proposal.machine.model, "expressions");
+  EXPECT_EQ(ColumnOf(proposal.machine, "nmotor"), "n-motor 1");
+  EXPECT_THAT(proposal.open, Contains(HasSubstr("[balance]")));
+  EXPECT_THAT(proposal.text, HasSubstr("# [balance]"));
+}
+
+TEST(MachineProposal, NeverTakesACoarseSignalForStuck) {
+  const MachineProposal proposal = Propose(PressLog("t,p_A,z,y_v\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.0f},{:.3f},{:.6f}", r.t, r.p_A, r.z, r.y_v);
+  }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.signals[m.SignalIndex("z")].stuck_time, 0);
+  EXPECT_GT(m.signals[m.SignalIndex("p_A")].stuck_time, 0);
+}
+
+TEST(MachineProposal, NamesColumnsByNumberWhereTheHeaderIsNoUtf8OrTwice) {
+  const MachineProposal proposal =
+      Propose(PressLog("t,p_A,Stellung,y_v,\xd6ltemp,Stellung\n", [](const PressRow& r) {
+        return fmt::format("{:.4f},{:.0f},{:.6f},{:.6f},{:.2f},{:.6f}", r.t, r.p_A, r.z, r.y_v,
+                           r.T_oil - 273.15, r.z);
+      }));
+  EXPECT_EQ(ColumnOf(proposal.machine, "z"), "Stellung m");
+  EXPECT_EQ(ColumnOf(proposal.machine, "T_oil"), "5 degC");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, SaysWhenTheLogIsTooSlow) {
+  std::string text = "t,U_v,y_v\n";
+  for (int i = 0; i < 100; ++i)
+    text += fmt::format("{},{:.3f},{:.4f}\n", i * 0.1, std::sin(i), 0.1 * std::sin(i - 1));
+  EXPECT_THAT(Propose(text).open, Contains(HasSubstr("10 rows per second")));
+}
+
+TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {
+  const MachineProposal proposal = Propose(PressLog("Zeit,p_A,z,y_v\n", [](const PressRow& r) {
+    return fmt::format("{:.11f},{:.0f},{:.6f},{:.6f}", 45123.5 + r.t / 86400, r.p_A, r.z, r.y_v);
+  }));
+  EXPECT_EQ(proposal.machine.log.time_unit, "d");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TakesUnitsFromTheEndOfNames) {
+  const MachineProposal proposal =
+      Propose(PressLog("t_ms,pA_bar,pB_bar,p0_bar,s_mm,y_v,U_v,T_oil_C\n", [](const PressRow& r) {
+        return fmt::format("{:.0f},{:.3f},{:.3f},{:.3f},{:.4f},{:.6f},{:.5f},{:.2f}", r.t * 1e3, r.p_A / 1e5,
+                           r.p_B / 1e5, r.p_0 / 1e5, r.z * 1e3, r.y_v, r.U_v, r.T_oil - 273.15);
+      }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "t_ms ms");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "pA_bar bar");
+  EXPECT_EQ(ColumnOf(m, "p_B"), "pB_bar bar");
+  EXPECT_EQ(ColumnOf(m, "z"), "s_mm mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "y_v 1") << "no volt";
+  EXPECT_EQ(ColumnOf(m, "T_oil"), "T_oil_C degC");
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, TakesCurrentLoopsForAGuess) {
+  const auto loop = [](double share) { return 4 + 16 * share; };
+  const MachineProposal proposal = Propose(PressLog("t,p_A [mA],z [mA],y_v\n", [&](const PressRow& r) {
+    return fmt::format("{:.4f},{:.5f},{:.6f},{:.6f}", r.t, loop(r.p_A / 400e5), loop(r.z / 0.5), r.y_v);
+  }));
+  EXPECT_EQ(proposal.machine.model, "die_cushion");
+  for (const ProposedColumn& column : proposal.columns) {
+    if (column.signal != "p_A" && column.signal != "z") continue;
+    EXPECT_FALSE(column.sure) << column.signal;
+    EXPECT_THAT(column.why, HasSubstr("4 ... 20 mA")) << column.signal;
+  }
+  ExpectLoads(proposal);
+}
+
+TEST(MachineProposal, GuessesColumnsWithoutTellingNamesAndSaysSo) {
+  const MachineProposal proposal = Propose(PressLog("Time,AI_0,AI_1,AI_2,AI_3,AI_4\n", [](const PressRow& r) {
+    return fmt::format("{:.4f},{:.3f},{:.4f},{:.5f},{:.3f},{:.4f}", r.t, r.p_0 / 1e5, r.z * 1e3, r.y_v,
+                       r.p_A / 1e5, r.U_v);
+  }));
+  const Machine& m = proposal.machine;
+  EXPECT_EQ(m.model, "die_cushion");
+  EXPECT_EQ(ColumnOf(m, "z"), "AI_1 mm");
+  EXPECT_EQ(ColumnOf(m, "y_v"), "AI_2 1");
+  EXPECT_EQ(ColumnOf(m, "p_A"), "AI_3 bar");
+  for (const ProposedColumn& column : proposal.columns) {
+    const bool guessed = column.signal == "z" || column.signal == "y_v" || column.signal == "p_A";
+    EXPECT_FALSE(guessed && column.sure) << column.signal;
+  }
+}
+
+TEST(MachineProposal, TellsSlowRowsInSecondsFromFastOnesInMilliseconds) {
+  for (const int rate : {5, 1}) {
+    std::string text = "t,p_A,z,y_v\n";
+    for (int i = 0; i < 600; ++i) {
+      const double t = i / static_cast<double>(rate), phase = std::fmod(t, 12.0);
+      text += fmt::format("{:.2f},{:.0f},{:.5f},{:.3f}\n", t, phase < 6 ? 180e5 : 20e5,
+                          phase < 6 ? 0.2 - 0.02 * phase : 0.08 + 0.02 * (phase - 6), phase < 6 ? 0.3 : -0.3);
+    }
+    EXPECT_EQ(Propose(text).machine.log.time_unit, "s") << rate;
+  }
+}
+
+TEST(ColumnNames, AreUnderstoodInEnglishAndGerman) {
+  const std::vector<std::pair<std::string, Role>> names = {{"Time", Role::kTime},
+                                                           {"Zeit [s]", Role::kTime},
+                                                           {"timestamp", Role::kTime},
+                                                           {"t_ms", Role::kTime},
+                                                           {"pA", Role::kPressureA},
+                                                           {"p_A [bar]", Role::kPressureA},
+                                                           {"pressure_A", Role::kPressureA},
+                                                           {"Druck A", Role::kPressureA},
+                                                           {"Kolbendruck A", Role::kPressureA},
+                                                           {"DruckKolbenseite", Role::kPressureA},
+                                                           {"PressureB", Role::kPressureB},
+                                                           {"Druck Stangenseite", Role::kPressureB},
+                                                           {"Supply Pressure", Role::kSupplyPressure},
+                                                           {"Pumpendruck", Role::kSupplyPressure},
+                                                           {"Tankdruck", Role::kTankPressure},
+                                                           {"Weg", Role::kPosition},
+                                                           {"Position [mm]", Role::kPosition},
+                                                           {"cushion position", Role::kPosition},
+                                                           {"Ziehkissenhub", Role::kPosition},
+                                                           {"Schieber", Role::kSpool},
+                                                           {"spool position", Role::kSpool},
+                                                           {"Ventilstellung", Role::kSpool},
+                                                           {"valve command", Role::kValveCommand},
+                                                           {"Ventilsollwert", Role::kValveCommand},
+                                                           {"U_v", Role::kValveCommand},
+                                                           {"Temperatur", Role::kOilTemperature},
+                                                           {"oil temp", Role::kOilTemperature},
+                                                           {"Position Soll", Role::kPositionCommand},
+                                                           {"Kraft", Role::kForce},
+                                                           {"Pressenweg", Role::kPosition},
+                                                           {"Pressenkraft", Role::kForce}};
+  for (const auto& [name, role] : names) EXPECT_EQ(RoleByName(name), role) << name;
+  for (const char* name : {"", "CHANNEL0", "torque", "Druck Soll", "status", "Events"})
+    EXPECT_FALSE(RoleByName(name)) << name;
+}
+
+/// Folder of the measured and simulated logs that come with the development data.
+std::filesystem::path DataFolder() {
+  const char* named = std::getenv("HYDROSCOPE_DATA");
+  return named != nullptr ? std::filesystem::path(named)
+                          : std::filesystem::path(HYDROSCOPE_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+TEST(MachineProposal, ProposesForTheDevelopmentLogsWhatTheirMachineFilesSay) {
+  const auto folder = DataFolder() / "press";
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "no development data in " << folder << "; set HYDROSCOPE_DATA";
+  const auto press = LoadMachine(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/die_cushion.toml");
+  ASSERT_TRUE(press);
+  int logs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto head = ReadLogColumns(entry.path().string());
+    ASSERT_TRUE(head) << head.error().text;
+    const MachineProposal proposal = ProposeMachine(*head, {0.0125});
+    EXPECT_EQ(proposal.machine.model, "die_cushion") << entry.path();
+    for (const SignalSpec& signal : press->signals)
+      EXPECT_EQ(ColumnOf(proposal.machine, signal.name), signal.column + " " + signal.unit) << entry.path();
+    EXPECT_EQ(proposal.machine.geometry, press->geometry);
+    EXPECT_EQ(proposal.machine.gate.bounds.size(), press->gate.bounds.size());
+    ExpectLoads(proposal);
+    ++logs;
+  }
+  EXPECT_GT(logs, 0);
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,381 @@
+#include "studies/hidden_effects_benchmark.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "diagnosis/effect_ranking.h"
+#include "diagnosis/experiment.h"
+#include "diagnosis/explain.h"
+#include "diagnosis/locate.h"
+#include "diagnosis/whiteness.h"
+#include "host/output.h"
+#include "studies/random_effect.h"
+#include "studies/simulated_strokes.h"
+
+namespace hydroscope {
+namespace {
+
+enum Kind {
+  kOne,
+  kWeak,
+  kTooWeak,
+  kTwo,
+  kTwoOneWeak,
+  kOutside,
+  kOutsideWeak,
+  kHealthy,
+  kConstantSpeed,
+  kKinds
+};
+constexpr std::array<const char*, kKinds> kKindNames = {"one effect, error +10 % or more",
+                                                        "one weak effect, 2 ... 10 %",
+                                                        "one effect, below 2 %",
+                                                        "two effects at once",
+                                                        "two effects, one below 2 %",
+                                                        "effect outside the library",
+                                                        "outside the library, below 2 %",
+                                                        "healthy",
+                                                        "constant ram speed"};
+constexpr double kAtFloor = 0.05;  ///< held-out error over the noise floor with the right effect in the model
+/// What a simulated machine may do in an experiment beside what it does anyway, Pa.
+constexpr double kLowestRod = 20e5, kHighestRod = 100e5;
+
+struct Case {
+  Kind kind = kHealthy;
+  PressOptions options;
+  std::vector<std::string> truth;
+  double excess =
+      0;  ///< relative rise of the held-out error over that of the true model; of two effects the weaker one
+  Explanation explanation;
+  Experiment experiment;                    ///< proposed if ambiguous
+  bool located = false, patterned = false;  ///< healthy: an error is located, what is left is not white
+  Explanation after;                        ///< of both logs, once it is recorded
+  bool resolved = false;                    ///< the truth is then named alone
+};
+
+struct KindTally {
+  int cases = 0, first = 0, in_set = 0, all_found = 0, wrong = 0, adequate = 0, unknown = 0, partial = 0,
+      sets = 0;
+  int right_alone = 0, at_floor = 0;  ///< the one true effect named; its error within kAtFloor of the floor
+  int located = 0, patterned = 0;
+  int ambiguous = 0, proposed = 0, resolved = 0;  ///< ambiguous with the truth in the set
+  double set_size = 0;
+};
+
+bool Contains(const std::vector<std::string>& set, const std::string& id) {
+  return std::find(set.begin(), set.end(), id) != set.end();
+}
+
+Case Draw(int index, std::uint64_t seed, bool healthy) {
+  std::mt19937_64 random(seed * 1000003 + static_cast<std::uint64_t>(index));
+  Case c;
+  c.options = RandomMachine(random() >> 32);
+  c.options.seconds = 60 + 120 * Uniform(random);
+  c.options.oil_start = 298 + 10 * Uniform(random);
+  c.options.oil_end = c.options.oil_start + 5 + 20 * Uniform(random);
+  switch (index % 8) {
+    case 0:
+    case 1:
+    case 2:
+    case 3:
+      c.kind = kOne;
+      c.options.effects = {RandomEffect(random, 0.1, 2.0, false)};
+      break;
+    case 4:
+      c.kind = kTwo;
+      c.options.effects = {RandomEffect(random, 0.5, 2.0, true), RandomEffect(random, 0.5, 2.0, true)};
+      while (c.options.effects[1].id == c.options.effects[0].id)
+        c.options.effects[1] = RandomEffect(random, 0.5, 2.0, true);
+      break;
+    case 5:
+      c.kind = kOutside;
+      c.options.effects = {RandomEffect(random, 0.5, 2.0, true)};
+      break;
+    case 6:
+      c.kind = kHealthy;
+      break;
+    default:
+      c.kind = kConstantSpeed;
+      c.options.effects = {RandomEffect(random, 0.3, 2.0, false)};
+      c.options.motion.speed_min = c.options.motion.speed_max = 0.03 + 0.05 * Uniform(random);
+  }
+  if (healthy) {
+    c.kind = kHealthy;
+    c.options.effects.clear();
+  }
+  for (const EffectSetting& e : c.options.effects) c.truth.push_back(e.id);
+  return c;
+}
+
+Result<LogStrokes> StrokesFor(const PressOptions& options) {
+  return StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+}
+
+/// Sorts cases by how much the effect matters; of two effects the one that matters less on its own.
+void Grade(Case& c) {
+  c.excess = ErrorOverFloor(c.explanation.base);
+  if (c.kind == kOutside && c.excess < kNoticedError) c.kind = kOutsideWeak;
+  if (c.kind == kOne) c.kind = c.excess >= kStrongError ? kOne : c.excess >= kNoticedError ? kWeak : kTooWeak;
+  if (c.kind != kTwo) return;
+  for (const EffectSetting& effect : c.options.effects) {
+    PressOptions alone = c.options;
+    alone.effects = {effect};
+    if (const auto strokes = StrokesFor(alone)) {
+      const StrokeSet set(strokes->model, strokes->Grams(), strokes->window);
+      c.excess = std::min(c.excess, ErrorOverFloor(set.Fit({})));
+    }
+  }
+  if (c.excess < kNoticedError) c.kind = kTwoOneWeak;
+}
+
+/// Records the proposed experiment on the same machine and explains both logs together.
+void RunExperiment(const LogStrokes& first, const ExplainOptions& explain, Case& c) {
+  PressOptions options = c.options;
+  PressMotion& motion = options.motion;
+  motion.speeds = c.experiment.speeds;
+  motion.set_points = c.experiment.pressures;
+  motion.rod_pressures = c.experiment.rod;
+  motion.speed_max =
+      std::max(motion.speed_max, *std::max_element(motion.speeds.begin(), motion.speeds.end()));
+  double cycle = 0;
+  for (double speed : motion.speeds)
+    cycle += (motion.z_top - motion.z_bottom) * (1 / speed + 1 / motion.return_speed) + 2 * motion.ramp_time +
+             motion.dwell_min + motion.dwell_max;
+  options.seconds = c.experiment.strokes * cycle / static_cast<double>(motion.speeds.size()) + 5;
+  if (c.experiment.warm_up > 0) {
+    options.oil_end = options.oil_start + c.experiment.warm_up;
+  }
+  options.seed += 1;
+  const auto strokes = StrokesFor(options);
+  if (!strokes) return;
+  std::vector<StrokeStretches> both = first.stretches;
+  both.insert(both.end(), strokes->stretches.begin(), strokes->stretches.end());
+  c.after = ExplainSamples(first.model, both, first.window, explain);
+  const Explanation& x = c.after;
+  c.resolved = x.verdict == Verdict::kNamed && x.set.size() == c.truth.size() &&
+               std::is_permutation(x.set.begin(), x.set.end(), c.truth.begin());
+}
+
+/// What the machine may do in an experiment: what a random machine does, with the oil warming.
+MachineMoves MovesFor(const Case& c, const LogStrokes& strokes) {
+  const PressMotion usual = RandomMachine(c.options.seed).motion;
+  Machine machine = strokes.machine;
+  machine.experiment = {.speed_min = usual.speed_min,
+                        .speed_max = usual.speed_max,
+                        .pressure_min = std::min(usual.set_point_min, usual.rest_pressure),
+                        .pressure_max = usual.set_point_max,
+                        .rod_pressure_min = kLowestRod,
+                        .rod_pressure_max = kHighestRod,
+                        .warm_up = 20.0,
+                        .max_strokes = 400,
+                        .signals = {}};
+  return MovesOf(machine, strokes.stretches);
+}
+
+/// What `compare` would say of a log without an error.
+void LookForPatterns(const LogStrokes& strokes, Case& c) {
+  constexpr double kPattern = 1e-4;
+  const Explanation& x = c.explanation;
+  const Residuals residuals =
+      ResidualsOf(x.model, strokes.stretches, strokes.window, ColumnWeights(*x.model, x.base));
+  c.located = !Locate(residuals).located.empty();
+  c.patterned = WhitenessOf(residuals).p_value < kPattern;
+}
+
+void Count(const Case& c, KindTally& t) {
+  const Explanation& x = c.explanation;
+  const bool named = x.verdict == Verdict::kNamed || x.verdict == Verdict::kAmbiguous;
+  const auto found = [&](const std::string& id) { return Contains(x.set, id); };
+  ++t.cases;
+  t.adequate += x.verdict == Verdict::kAdequate;
+  t.unknown += x.verdict == Verdict::kUnknown;
+  t.located += c.located;
+  t.patterned += c.patterned;
+  if (!named) return;
+  t.partial += x.partial;
+  ++t.sets;
+  t.set_size += static_cast<double>(x.set.size());
+  const bool any = std::any_of(c.truth.begin(), c.truth.end(), found);
+  const bool all = !c.truth.empty() && std::all_of(c.truth.begin(), c.truth.end(), found);
+  t.first += !c.truth.empty() && Contains(c.truth, x.set.front());
+  t.in_set += any;
+  t.all_found += all;
+  // What is not in the library cannot be in the set: there a set is wrong unless it says that it is partial.
+  const bool outside = c.kind == kOutside || c.kind == kOutsideWeak;
+  t.wrong += !any && !(outside && x.partial);
+  if (x.set == c.truth) {
+    ++t.right_alone;
+    t.at_floor += x.final.rms_holdout <= (1 + kAtFloor) * x.final.noise_floor;
+  }
+  if (x.verdict == Verdict::kAmbiguous && all) {
+    ++t.ambiguous;
+    t.proposed += !c.experiment.pressures.empty();
+    t.resolved += c.resolved;
+  }
+}
+
+void PrintConfusion(const std::vector<Case>& cases) {
+  std::map<std::string, std::map<std::string, int>> confusion;
+  for (const Case& c : cases) {
+    if (c.kind != kOne && c.kind != kWeak) continue;
+    const Explanation& x = c.explanation;
+    ++confusion[c.truth.front()][x.set.empty() ? VerdictName(x.verdict) : x.set.front()];
+  }
+  std::cout << "\nsingle effects of +2 % or more: hidden -> first answer\n";
+  for (const auto& [truth, answers] : confusion) {
+    std::cout << fmt::format("  {:<28}", truth);
+    for (const auto& [answer, count] : answers)
+      std::cout << fmt::format(" {} x{}", answer == truth ? "found" : answer, count);
+    std::cout << "\n";
+  }
+}
+
+std::string Top(const std::vector<RankedEffect>& ranking, std::size_t count) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(count, ranking.size()); ++k) {
+    if (!ranking[k].fit.solved) continue;
+    const EffectEstimate& e = ranking[k].fit.effects.back();
+    text += fmt::format("{} {:.0f}/{:.1f} ", ranking[k].id, ranking[k].gain, e.size / e.std);
+  }
+  return text;
+}
+
+/// What came out of the experiment, if it was run.
+std::string AfterText(const Case& c) {
+  const Explanation& x = c.after;
+  if (!x.base.solved) return "";
+  return fmt::format(" -> separation {:.0f} -> {} {} | {} | {}", c.experiment.separation,
+                     VerdictName(x.verdict), fmt::join(x.set, " "), Top(x.ranking, 3), Top(x.second, 3));
+}
+
+void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
+  std::ofstream file(path);
+  file << "kind\ttruth=size\texcess\tbase_excess\tfinal_excess\tverdict\tset\tbest gain/t\tsecond "
+          "gain/t\tpartial"
+          "\tfit_excess\tstrokes\tremainder\tlaw\tmargin\tlaw\tnonlinear\tcase\tmodel_excess\texperiment\n";
+  int index = 0;
+  for (const Case& c : cases) {
+    const Explanation& x = c.explanation;
+    std::string truth, set;
+    for (std::size_t k = 0; k < c.truth.size(); ++k)
+      truth += fmt::format("{}={:.3g} ", c.truth[k], c.options.effects[k].size);
+    for (const std::string& id : x.set) set += id + " ";
+    std::string nonlinear;
+    for (const EffectChoice& choice : x.chosen)
+      nonlinear += fmt::format("{:.4g} ",
+                               fmt::join(x.model->effect_shapes[choice.effect][choice.shape].nonlinear, ","));
+    file << fmt::format(
+        "{}\t{}\t{:.3f}\t{:.3f}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{:.0f}\t{}\t{:.0f}\t{}\t{}\t{}\t{:."
+        "3f}\t{}\n",
+        kKindNames[c.kind], truth, c.excess, x.base.excess_ratio, x.final.excess_ratio,
+        VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
+        x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
+        nonlinear, index++, ErrorOverFloor(x.final),
+        c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment) + AfterText(c));
+  }
+}
+
+double Percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0.0; }
+
+void PrintTable(const std::array<KindTally, kKinds>& tallies) {
+  std::cout << fmt::format("{:<34}{:>6}{:>9}{:>9}{:>9}{:>8}{:>10}{:>10}{:>9}{:>10}\n", "", "cases", "first",
+                           "in set", "all", "wrong", "adequate", "unknown", "partial", "set size");
+  for (int k = 0; k < kKinds; ++k) {
+    const KindTally& t = tallies[k];
+    std::cout << fmt::format(
+        "{:<34}{:>6}{:>7.1f} %{:>7.1f} %{:>7.1f} %{:>6.1f} %{:>8.1f} %{:>8.1f} %{:>7.1f} %{:>10.2f}\n",
+        kKindNames[k], t.cases, Percent(t.first, t.cases), Percent(t.in_set, t.cases),
+        Percent(t.all_found, t.cases), Percent(t.wrong, t.cases), Percent(t.adequate, t.cases),
+        Percent(t.unknown, t.cases), Percent(t.partial, t.cases), t.sets > 0 ? t.set_size / t.sets : 0.0);
+  }
+}
+
+/// Sums over the classes in which the true effect is in the library.
+KindTally Known(const std::array<KindTally, kKinds>& tallies) {
+  KindTally sum;
+  for (int k : {kOne, kWeak, kTooWeak, kTwo, kTwoOneWeak, kConstantSpeed}) {
+    sum.right_alone += tallies[k].right_alone;
+    sum.at_floor += tallies[k].at_floor;
+    sum.ambiguous += tallies[k].ambiguous;
+    sum.proposed += tallies[k].proposed;
+    sum.resolved += tallies[k].resolved;
+  }
+  return sum;
+}
+
+bool Reached(const std::array<KindTally, kKinds>& t, bool experiments) {
+  const KindTally known = Known(t);
+  if (experiments && Percent(known.resolved, known.ambiguous) < 90) return false;
+  const auto wrong = [&](Kind kind) { return Percent(t[kind].wrong, t[kind].cases); };
+  return Percent(t[kOne].first, t[kOne].cases) >= 95 && Percent(t[kOne].in_set, t[kOne].cases) >= 99 &&
+         wrong(kOne) <= 1 && t[kOne].set_size <= 1.5 * t[kOne].sets &&
+         Percent(t[kWeak].in_set + t[kWeak].adequate, t[kWeak].cases) >= 80 && wrong(kWeak) <= 2 &&
+         t[kWeak].set_size <= 2.5 * t[kWeak].sets && Percent(t[kTwo].all_found, t[kTwo].cases) >= 85 &&
+         wrong(kTwo) <= 3 && Percent(t[kOutside].unknown + t[kOutside].partial, t[kOutside].cases) >= 95 &&
+         wrong(kOutside) <= 2 && Percent(t[kHealthy].adequate, t[kHealthy].cases) >= 99 &&
+         wrong(kConstantSpeed) <= 1;
+}
+
+}  // namespace
+
+int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
+  std::vector<Case> all;
+  ProgressBar progress("hidden effects", "logs");
+  for (int i = 0; i < o.cases; ++i) {
+    Case c = Draw(i, o.seed, o.healthy);
+    const auto strokes = StrokesFor(c.options);
+    if (!strokes) {
+      ReportError(strokes.error());
+      return 1;
+    }
+    ExplainOptions options;
+    if (c.kind == kOutside) {
+      options.exclude = c.truth;  // and what is the same law to the strokes
+      for (const std::string& id : c.truth)
+        for (const std::string& twin : TwinsOf(id)) options.exclude.push_back(twin);
+    }
+    c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
+    c.experiment =
+        ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
+    if (o.experiments && !c.experiment.pressures.empty()) RunExperiment(*strokes, options, c);
+    if (c.kind == kHealthy) LookForPatterns(*strokes, c);
+    Grade(c);
+    all.push_back(std::move(c));
+    progress.Update((i + 1.0) / o.cases, i + 1);
+  }
+  std::array<KindTally, kKinds> tallies;
+  for (const Case& c : all) Count(c, tallies[c.kind]);
+
+  std::cout << fmt::format("{} simulated logs of 60 ... 180 s, seed {}\n\n", o.cases, o.seed);
+  PrintTable(tallies);
+  PrintConfusion(all);
+  const KindTally known = Known(tallies);
+  std::cout << fmt::format(
+      "\nright effect named alone: {} cases, {:.1f} % of them within 5 % of the noise floor\n",
+      known.right_alone, Percent(known.at_floor, known.right_alone));
+  const KindTally& healthy = tallies[kHealthy];
+  std::cout << fmt::format(
+      "healthy: {} cases, an error located in {} ({:.1f} %), a pattern in time claimed in {} ({:.1f} %)\n",
+      healthy.cases, healthy.located, Percent(healthy.located, healthy.cases), healthy.patterned,
+      Percent(healthy.patterned, healthy.cases));
+  std::cout << fmt::format("ambiguous with the truth in the set: {} cases, experiment proposed for {}",
+                           known.ambiguous, known.proposed);
+  std::cout << (o.experiments ? fmt::format(", resolved by it {} ({:.1f} %)\n", known.resolved,
+                                            Percent(known.resolved, known.ambiguous))
+                              : "\n");
+  if (!o.details.empty()) WriteDetails(o.details, all);
+  const bool reached = Reached(tallies, o.experiments);
+  std::cout << (reached ? "\nall goals reached\n" : "\nNOT all goals reached\n");
+  return reached ? 0 : 1;
+}
+
+}  // namespace hydroscope

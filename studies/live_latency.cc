@@ -1,0 +1,88 @@
+#include <signal.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "host/output.h"
+#include "live/live_status.h"
+#include "studies/fault_table.h"
+#include "studies/live_benchmarks.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLatencyAllowed = 0.020;  // s, p99
+constexpr double kSettle = 5.0;            // s before anything is measured
+
+void Print(const char* what, const std::string& value, const std::string& required, bool reached) {
+  fmt::print("{:<52} {:>14}   {:<18} {}\n", what, value, required,
+             required.empty() ? ""
+             : reached        ? "reached"
+                              : "MISSED");
+}
+
+}  // namespace
+
+int RunLiveLatency(const LiveLatencyOptions& o) {
+  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
+  rig.StartPress();
+  rig.StartService();
+  const auto running = [](const nlohmann::json& s) {
+    return !s.at("axes").empty() && SumOverAxes(s, "rows") > 0;
+  };
+  if (!rig.WaitFor(running, 20))
+    return ReportError(
+        {ErrorKind::kInternal, "the service received nothing from the simulated press within 20 s"});
+  Sleep(kSettle);
+  const auto first = rig.Ask();
+  const double begin = Now();
+  const ProcessUse before = UseOf(std::to_string(rig.service().pid()));
+  ProgressBar progress("serving", "s");
+  while (Now() - begin < o.seconds) {
+    Sleep(0.5);
+    progress.Update((Now() - begin) / o.seconds, static_cast<std::int64_t>(Now() - begin));
+  }
+  const double measured = Now() - begin;
+  const ProcessUse after = UseOf(std::to_string(rig.service().pid()));
+  const auto last = rig.Ask();
+  if (!first || !last) return ReportError({ErrorKind::kInternal, "the service does not answer"});
+  const int ended = rig.service().End(SIGTERM);
+  const auto replays = CountReplays(rig.database());
+  if (!replays) return ReportError(replays.error());
+
+  const auto& writer = last->at("writer");
+  const double p99 = writer.at("latency_p99_s").get<double>();
+  const double share = (after.cpu - before.cpu) / measured;
+  const double rows = static_cast<double>(SumOverAxes(*last, "rows") - SumOverAxes(*first, "rows"));
+  const std::int64_t lost = SumOverAxes(*last, "missing_rows") - SumOverAxes(*first, "missing_rows") +
+                            SumOverAxes(*last, "skipped_rows") - SumOverAxes(*first, "skipped_rows");
+  const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
+                               writer.at("dropped_rows").get<std::int64_t>() +
+                               writer.at("dropped_strokes").get<std::int64_t>();
+  const bool four = o.axes <= 4 && o.rate <= 1000;  // the machine that the share is required of
+  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s\n", o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS",
+             measured);
+  Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
+  Print("stroke sent to estimate stored, p50",
+        fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);
+  Print("stroke sent to estimate stored, p99", fmt::format("{:.1f} ms", p99 * 1e3), "at most 20 ms",
+        p99 <= kLatencyAllowed);
+  Print("stroke sent to estimate stored, worst",
+        fmt::format("{:.1f} ms", writer.at("latency_max_s").get<double>() * 1e3), "", true);
+  Print("pipeline to estimate stored, p99",
+        fmt::format("{:.1f} ms", writer.at("commit_p99_s").get<double>() * 1e3), "", true);
+  Print("share of one core", fmt::format("{:.1f} %", share * 100), four ? "at most 15 %" : "", share <= 0.15);
+  Print("memory", fmt::format("{} MB", after.memory >> 20), "", true);
+  Print("rows per axis and second", fmt::format("{:.1f}", rows / o.axes / measured),
+        fmt::format("{:g} within 2 %", o.rate), std::abs(rows / o.axes / measured / o.rate - 1) < 0.02);
+  Print("rows missing", fmt::format("{}", lost), "none", lost == 0);
+  Print("dropped in queues", fmt::format("{}", dropped), "none", dropped == 0);
+  Print("runs whose replay is the same to the last bit",
+        fmt::format("{} of {}", replays->same, replays->same + replays->different), "all", replays->ok());
+  Print("exit code after SIGTERM", fmt::format("{}", ended), "0", ended == 0);
+  const bool reached = (!four || (p99 <= kLatencyAllowed && share <= 0.15)) && lost == 0 && dropped == 0 &&
+                       replays->ok() && ended == 0 && std::abs(rows / o.axes / measured / o.rate - 1) < 0.02;
+  return reached ? 0 : 1;
+}
+
+}  // namespace hydroscope

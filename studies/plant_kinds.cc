@@ -1,0 +1,174 @@
+#include "studies/plant_kinds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulator/imperfections.h"
+#include "simulator/press.h"
+#include "studies/random_effect.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kSecondEffect = "second_effect";
+constexpr double kSecondShare = 0.12;  ///< of the typical size, of the second effect
+
+double Between(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * Uniform(random);
+}
+double LogBetween(std::mt19937_64& random, double low, double high) {
+  return low * std::pow(high / low, Uniform(random));
+}
+
+/// Sizes between these shares of the typical one.
+constexpr double kSmallest = 0.4, kLargest = 1.6;
+
+/// Further numbers of the kinds where the defaults are places on somebody's grid.
+void DrawExtras(std::mt19937_64& random, ImperfectionSetting& s) {
+  if (s.kind == "coloured_noise") {
+    s.size = LogBetween(random, 0.05, 1);
+    s.extra = {{"phi", Between(random, 0.5, 0.97)}, {"white", Uniform(random) < 0.5 ? 0.0 : 1.0}};
+  }
+  if (s.kind == "periodic_disturbance" || s.kind == "sensor_hum")
+    s.extra = {{"frequency", LogBetween(random, 1.5, 60)}, {"phase", Between(random, 0, 6.28)}};
+  if (s.kind == "quadratic_relief") s.extra["crack"] = Between(random, 130e5, 180e5);
+  if (s.kind == "rectangular_zone")
+    s.extra = {{"centre", Between(random, 0.04, 0.15)}, {"width", Between(random, 0.012, 0.03)}};
+  if (s.kind == "two_gain_spool") s.extra["knee"] = Between(random, 0.08, 0.25);
+  if (s.kind == "leakage_temperature") s.extra["rate"] = Between(random, 0.02, 0.05);
+  if (s.kind == "exponential_viscosity") s.extra["rate"] = Between(random, 0.03, 0.08);
+  if (s.kind == "leaky_stretch" || s.kind == "bad_stretch")
+    s.extra = {{"begin", Between(random, 0.1, 0.7)}, {"length", Between(random, 0.08, 0.25)}};
+  if (s.kind == "stuck" || s.kind == "frozen") {
+    s.extra["begin"] = Between(random, 5, 45);
+    s.channel = Uniform(random) < 0.5 ? "y_v" : "p_A";
+  }
+  if (s.kind == "saturation") s.size = Between(random, 110, 180) * 1e5;
+  if (s.kind == "wrong_unit") s.size = Uniform(random) < 0.5 ? 1e-5 : 1e-3;
+  if (s.kind == "one_signal_early") {
+    const char* channels[] = {"p_A", "z", "y_v"};
+    s.channel = channels[random() % 3];
+  }
+  if (s.kind == "time_jitter") s.size = Between(random, 0.05, 0.4);
+}
+
+/// Signed sizes of kinds that go both ways.
+bool GoesBothWays(const std::string& kind) {
+  return kind.ends_with("_drift") || kind == "pressure_zero" || kind == "pressure_gain" ||
+         kind == "wrong_area" || kind == "bad_stretch" || kind == "exponential_viscosity";
+}
+
+ImperfectionSetting DrawImperfection(std::mt19937_64& random, const std::string& kind) {
+  const auto& known = PressImperfections();
+  const auto info =
+      std::find_if(known.begin(), known.end(), [&](const ImperfectionInfo& i) { return i.name == kind; });
+  ImperfectionSetting setting{kind, info->typical_size * LogBetween(random, kSmallest, kLargest), {}, ""};
+  if (GoesBothWays(kind) && Uniform(random) < 0.5) setting.size = -setting.size;
+  DrawExtras(random, setting);
+  if (kind == "intermittent_effects") setting.size = info->typical_size;
+  setting.size = std::clamp(setting.size, info->low, info->high);
+  return setting;
+}
+
+/// What names all signals but one that are late.
+std::vector<std::string> LateSignals(const std::string& early) {
+  std::vector<std::string> right;
+  if (early != "p_A") right.emplace_back("pressure_signal_delay");
+  if (early != "y_v") right.emplace_back("spool_signal_delay");
+  if (early != "z") right.emplace_back("position_signal_delay");
+  return right;
+}
+
+}  // namespace
+
+const std::vector<PlantKind>& PlantKinds() {
+  using enum PlantNature;
+  static const std::vector<PlantKind> kinds = {
+      {"coloured_noise", kNoise, {}},
+      {"heavy_tails", kNoise, {}},
+      {"plc_filter", kNoise, {"signal_lag"}},
+      {"quantisation", kNoise, {}},
+      {"spikes", kNoise, {}},
+      {"time_jitter", kNoise, {}},
+      {"dropped_rows", kNoise, {}},
+      {"slow_sampling", kNoise, {}},
+      {"wrong_area", kNoise, {}},
+      {"return_line_resistance", kLibrary, {"return_line_resistance"}},
+      {"tank_pressure", kLibrary, {"tank_pressure"}},
+      {"check_valve", kRelative, {"tank_pressure", "return_line_resistance"}},
+      {"laminar_edge", kLibrary, {"laminar_edge"}},
+      {"pressure_dependent_bulk_modulus", kLibrary, {"pressure_dependent_bulk_modulus"}},
+      {"leakage_temperature", kLibrary, {"leakage_temperature", "internal_leakage"}},
+      {"periodic_disturbance", kLibrary, {"periodic_disturbance"}},
+      {"sensor_hum", kLibrary, {"periodic_disturbance"}},
+      {"K_drift", kLibrary, {"K_drift"}},
+      {"V0_drift", kLibrary, {"V0_drift"}},
+      {"Q_vn_drift", kLibrary, {"Q_vn_drift"}},
+      {"y_0_drift", kLibrary, {"y_0_drift"}},
+      {"pressure_gain", kLibrary, {"pressure_gain"}},
+      {"pressure_zero", kLibrary, {"pressure_offset"}},
+      {"pressure_offset_drift", kLibrary, {"pressure_offset_drift"}},
+      {"pressure_signal_lag", kLibrary, {"pressure_signal_lag"}},
+      {"spool_signal_lag", kLibrary, {"spool_signal_lag"}},
+      {"position_signal_lag", kLibrary, {"position_signal_lag"}},
+      {"signal_lag", kLibrary, {"signal_lag"}},
+      {"one_signal_early", kRelative, {}},
+      {"intermittent_leakage", kLibrary, {"internal_leakage"}},
+      {"intermittent_effects", kLibrary, {}, true},
+      {"leaky_stretch", kLibrary, {"internal_leakage"}},
+      {"bad_stretch", kRelative, {"pressure_offset", "pressure_offset_drift"}},
+      {kSecondEffect, kLibrary, {}, true},
+      {"quadratic_relief", kRelative, {"relief_valve"}},
+      {"rectangular_zone", kRelative, {"position_dependent_leakage"}},
+      {"exponential_viscosity", kRelative, {"oil_viscosity"}},
+      {"two_gain_spool", kRelative, {"valve_flow_curvature"}},
+      {"stuck", kFlagged, {}},
+      {"frozen", kFault, {}},
+      {"saturation", kFault, {}},
+      {"wrong_unit", kRefused, {}},
+  };
+  return kinds;
+}
+
+PressOptions PlantCase::ToBeFound() const {
+  PressOptions found = options;
+  const PlantNature nature = kind->nature;
+  if (nature == PlantNature::kFlagged || nature == PlantNature::kFault || nature == PlantNature::kRefused)
+    found.imperfections.clear();
+  return found;
+}
+
+PressOptions PlantCase::Reference() const {
+  PressOptions reference = options;
+  reference.effects.clear();
+  if (kind->nature != PlantNature::kNoise) reference.imperfections.clear();
+  return reference;
+}
+
+PlantCase DrawPlantCase(int index, std::uint64_t seed, const std::vector<const PlantKind*>& kinds) {
+  std::mt19937_64 random(seed * 1000003 + static_cast<std::uint64_t>(index));
+  PlantCase c;
+  const std::size_t count = kinds.size(), number = static_cast<std::size_t>(index);
+  c.kind = kinds[number % count];
+  c.options = RandomMachine(random() >> 32);
+  c.options.seconds = Between(random, 60, 180);
+  c.options.oil_start = Between(random, 298, 308);
+  c.options.oil_end = c.options.oil_start + Between(random, 5, 25);
+  c.has_effect = c.kind->needs_effect || number / count % 2 == 1;
+  if (c.has_effect) c.options.effects = {RandomEffect(random, 0.3, 2.0, true)};
+  if (c.kind->name == kSecondEffect) {
+    EffectSetting second = RandomEffect(random, kSecondShare, kSecondShare * 1.001, true);
+    while (second.id == c.options.effects[0].id)
+      second = RandomEffect(random, kSecondShare, kSecondShare * 1.001, true);
+    c.options.effects.push_back(second);
+  } else {
+    c.options.imperfections = {DrawImperfection(random, c.kind->name)};
+  }
+  for (const EffectSetting& effect : c.options.effects) c.right.push_back(effect.id);
+  c.right.insert(c.right.end(), c.kind->right.begin(), c.kind->right.end());
+  if (c.kind->name == "one_signal_early")
+    for (const std::string& id : LateSignals(c.options.imperfections[0].channel)) c.right.push_back(id);
+  return c;
+}
+
+}  // namespace hydroscope

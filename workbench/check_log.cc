@@ -1,0 +1,129 @@
+#include "workbench/check_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/geometry_tolerance.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/raw_log.h"
+#include "replay/log_reader.h"
+#include "workbench/fit_log.h"
+#include "workbench/identifiability.h"
+#include "workbench/machine_model.h"
+#include "workbench/plausibility.h"
+
+namespace hydroscope {
+namespace {
+
+/// How all strokes were driven.
+void AddDriving(const StrokeSummary& s, Driving& driving) {
+  const bool first = driving.strokes++ == 0;
+  const auto widen = [first](double x, double& low, double& high) {
+    low = first ? x : std::min(low, x);
+    high = first ? x : std::max(high, x);
+  };
+  widen(s.mean_speed, driving.speed_min, driving.speed_max);
+  widen(s.mean_pressure, driving.pressure_min, driving.pressure_max);
+  widen(s.oil_temperature, driving.oil_min, driving.oil_max);
+}
+
+void TakeSignals(const SignalSurvey& survey, CheckResult& check) {
+  for (std::size_t s = 0; s < check.machine.signals.size(); ++s) {
+    const SignalSpec& spec = check.machine.signals[s];
+    const auto& absent = check.pass.summary.absent;
+    const bool present = std::find(absent.begin(), absent.end(), spec.name) == absent.end();
+    check.signals.push_back({spec, survey.ranges()[s], check.pass.channels[s].noise_std, present});
+  }
+}
+
+void TakeConfoundings(const std::vector<Confounding>& confounded, CheckResult& check) {
+  for (CheckedParameter& p : check.parameters) {
+    const Confounding* confounding = FindConfounding(confounded, p.estimate.parameter);
+    if (confounding == nullptr || p.estimate.reason != EstimateReason::kConfounded) continue;
+    p.verdict = Identifiability::kNot;
+    p.reason = confounding->reason;
+    p.advice = confounding->advice;
+    p.confounded_with = confounding->effects;
+    p.confounded_bias = confounding->bias;
+  }
+}
+
+/// Rows too far apart tell no parameter.
+void DoubtSlowRows(CheckResult& check) {
+  const SamplingRate& rate = check.trust.rate;
+  if (rate.fast_enough) return;
+  for (CheckedParameter& parameter : check.parameters) {
+    parameter.verdict = Identifiability::kNot;
+    parameter.reason = "sampled too slowly";
+    parameter.advice = fmt::format("record a row every {:.3g} ms or faster", 1e3 * rate.needed_period);
+  }
+}
+
+void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
+  if (!fitted) {
+    check.no_fit = fitted.error().text;
+    check.parameters = ParametersWithoutFit(model, check.no_fit, check.driving);
+    return;
+  }
+  check.figures = std::move(fitted->fit);
+  check.trust = std::move(fitted->trust);
+  check.suspicion = std::move(fitted->suspicion);
+  check.parameters = JudgeParameters(check.figures.parameters, check.driving);
+  TakeConfoundings(fitted->confounded, check);
+  DoubtSlowRows(check);
+}
+
+}  // namespace
+
+bool CheckResult::Clean() const {
+  return pass.summary.rejected_rows == 0 && pass.summary.stopped.empty() && pass.summary.FlaggedValues() == 0;
+}
+
+Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file) {
+  auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  AssumeTolerances(*machine);
+  auto reader = OpenRecording(log, *machine);
+  if (!reader) return tl::unexpected(reader.error());
+  CheckResult check;
+  check.log = log;
+  check.machine = *machine;
+  check.sample_period = (*reader)->SamplePeriod();
+
+  check.driving.words = WordsOf(check.machine);
+  StrokeCollector strokes(check.machine, KeepSamples::kThinned);
+  std::unique_ptr<Pipeline> pipeline;
+  if (machine->model != "valve") {
+    auto created = Pipeline::Create(*machine, check.sample_period,
+                                    [&check, keep = strokes.Sink()](StrokeRecord&& record) {
+                                      AddDriving(record.summary, check.driving);
+                                      keep(std::move(record));
+                                    });
+    if (!created) return tl::unexpected(created.error());
+    pipeline = std::move(*created);
+    pipeline->set_tap(strokes.Tap());
+  }
+  SignalSurvey survey(check.machine, check.sample_period);
+  LogPassHooks hooks;
+  hooks.observe = [&](const SampleBlock& block) { survey.Observe(block); };
+  auto pass = PassLog(**reader, check.machine, pipeline.get(), "checking", hooks);
+  if (!pass) return tl::unexpected(pass.error());
+  if (pass->summary.rows == 0)
+    return BadInput("{}: no row could be read{}{}", log, pass->summary.stopped.empty() ? "" : ": ",
+                    pass->summary.stopped);
+  check.pass = std::move(*pass);
+  check.time = survey.time();
+  TakeSignals(survey, check);
+  if (pipeline) {
+    check.conditions = survey.conditions();
+    check.driving.too_short = pipeline->discarded_strokes();
+    TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
+    check.hints = PlausibilityHints(check);
+  }
+  return check;
+}
+
+}  // namespace hydroscope

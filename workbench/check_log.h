@@ -1,0 +1,71 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "estimation/gram_fit.h"
+#include "models/machine.h"
+#include "models/machine_words.h"
+#include "pipeline/log_pass.h"
+#include "pipeline/log_trust.h"
+#include "pipeline/signal_survey.h"
+#include "workbench/fit_suspicion.h"
+
+namespace hydroscope {
+
+/// One signal of the log as `hydroscope check` shows it.
+struct CheckedSignal {
+  SignalSpec spec;
+  SignalRange range;
+  double noise_std = 0;  ///< SI, white sensor noise; NaN if not known
+  bool present = true;   ///< false: optional and not in this log
+};
+
+/// What can be said about one parameter from this log.
+enum class Identifiability { kGood, kWeak, kNot };
+const char* IdentifiabilityName(Identifiability verdict);
+
+struct CheckedParameter {
+  Estimate estimate;  ///< of the batch fit; only `parameter` and `unit` if there is no fit
+  Identifiability verdict = Identifiability::kNot;
+  std::string reason;                        ///< why it is not good, "" if it is
+  std::string advice;                        ///< what to record to get it, "" if it is good
+  std::vector<std::string> confounded_with;  ///< Confounding::effects
+  double confounded_bias = 0;                ///< SI
+};
+
+/// How the machine was driven inside the gate.
+struct Driving {
+  int strokes = 0;
+  std::int64_t too_short = 0;
+  double speed_min = 0, speed_max = 0;        ///< m/s, of the strokes' mean speeds
+  double pressure_min = 0, pressure_max = 0;  ///< Pa, of the strokes' mean pressures
+  double oil_min = 0, oil_max = 0;            ///< K, NaN if not measured
+  MachineWords words = WordsOf({});
+};
+
+struct CheckResult {
+  std::string log;
+  Machine machine;
+  LogPass pass;
+  double sample_period = 0;  ///< s
+  TimeSurvey time;
+  std::vector<CheckedSignal> signals;
+  std::vector<ConditionSurvey> conditions;
+  Driving driving;
+  std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
+  GramFit figures;                           ///< FitResult::fit; all 0 if there is no fit
+  std::string no_fit;                        ///< why there is no fit, "" if there is one
+  LogTrust trust;                            ///< of noise and sampling rate
+  FitSuspicion suspicion;                    ///< what the model may miss
+  std::vector<std::string> hints;            ///< what looks wrong in units, signs, gate
+
+  /// No row or value had to be left out because of its quality.
+  bool Clean() const;
+};
+
+/// Looks at a log without changing anything. Errors: machine file or log cannot be used at all.
+Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_file);
+
+}  // namespace hydroscope

@@ -1,0 +1,272 @@
+#include "workbench/check_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/constants.h"
+#include "core/units.h"
+#include "models/output_unit.h"
+#include "workbench/fit_output.h"
+#include "workbench/headline.h"
+#include "workbench/identifiability.h"
+#include "workbench/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLeastJitter = 1e-7;  // s; less is rounding of the time stamps
+
+DisplayUnit UnitOf(const SignalSpec& spec) {
+  const auto unit = FindUnit(spec.unit);
+  return DisplayUnitFor(unit ? unit->si : std::string_view("1"));
+}
+
+std::string Dash(std::string_view unit) { return unit == "1" || unit.empty() ? "-" : std::string(unit); }
+
+/// Flags of the time stamp are the same in every signal; they are told once.
+constexpr Quality kTimeFlags =
+    quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate | quality::kLate;
+
+std::string FlagText(const SignalRange& range, Quality which) {
+  std::string text;
+  for (const auto& [flag, name] : quality::kFlagNames)
+    for (std::size_t bit = 0; bit < range.flagged.size(); ++bit)
+      if (flag == 1u << bit && (flag & which) != 0 && range.flagged[bit] > 0)
+        text += fmt::format("{}{} x {}, first at {:.4g} s", text.empty() ? "" : "; ", range.flagged[bit],
+                            name, range.first[bit]);
+  return text;
+}
+
+std::string SignalFlags(const CheckedSignal& signal) {
+  if (!signal.present) return "not in this log (optional)";
+  const std::string text = FlagText(signal.range, static_cast<Quality>(~kTimeFlags));
+  return text.empty() ? "none" : text;
+}
+
+std::string Sampling(const CheckResult& check) {
+  const TimeSurvey& t = check.time;
+  std::string text = fmt::format("{}: {} rows, {:.4g} s of data at {:.4g} ms ({:.4g} Hz)", check.log, t.rows,
+                                 static_cast<double>(t.rows) * check.sample_period, check.sample_period * 1e3,
+                                 1 / check.sample_period);
+  text += t.jitter > kLeastJitter ? fmt::format(", jitter {:.2g} ms", t.jitter * 1e3) : ", no jitter";
+  text += t.gaps > 0 ? fmt::format(", gaps: {}, the longest {:.4g} s", t.gaps, t.longest_gap) : ", no gaps";
+  if (t.not_forward > 0) text += fmt::format(", steps not forward in time: {}", t.not_forward);
+  text += "\n";
+  for (const CheckedSignal& signal : check.signals) {
+    const std::string flags = FlagText(signal.range, kTimeFlags);
+    if (!signal.present || flags.empty()) continue;
+    text += fmt::format("time stamps: {}\n", flags);
+    break;
+  }
+  const RunSummary& s = check.pass.summary;
+  if (s.rejected_rows > 0) text += fmt::format("{} rows could not be read\n", s.rejected_rows);
+  if (!s.stopped.empty()) text += fmt::format("read up to row {}, then: {}\n", s.rows, s.stopped);
+  for (const LogFinding& finding : s.findings) text += "  " + FindingText(finding) + "\n";
+  return text;
+}
+
+std::string Signals(const CheckResult& check) {
+  std::size_t column = 6;
+  for (const CheckedSignal& s : check.signals) column = std::max(column, s.spec.column.size());
+  std::string text = fmt::format("\n{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", "signal", "column",
+                                 column, "lowest", "highest", "noise std", "unit", "good", "flagged");
+  for (const CheckedSignal& s : check.signals) {
+    const DisplayUnit unit = UnitOf(s.spec);
+    const auto number = [&](double si, double offset) {
+      return std::isfinite(si) ? fmt::format("{:.4g}", si * unit.factor + offset) : std::string("-");
+    };
+    const double good = 100.0 * static_cast<double>(s.range.good) /
+                        static_cast<double>(std::max<std::int64_t>(1, check.time.rows));
+    text +=
+        fmt::format("{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, s.spec.column,
+                    column, number(s.range.min, unit.offset), number(s.range.max, unit.offset),
+                    s.present ? number(s.noise_std, 0) : "-", Dash(unit.name),
+                    s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-", SignalFlags(s));
+  }
+  return text;
+}
+
+std::string Gate(const CheckResult& check) {
+  const Driving& d = check.driving;
+  const RunSummary& s = check.pass.summary;
+  std::string text = fmt::format(
+      "\ngate: {} of {} rows inside ({:.1f} %), {} strokes", s.gated, s.rows,
+      100.0 * static_cast<double>(s.gated) / static_cast<double>(std::max<std::int64_t>(1, s.rows)),
+      d.strokes);
+  if (d.too_short > 0)
+    text += fmt::format(", {} more shorter than {:g} s", d.too_short, check.machine.gate.min_stroke);
+  text += "\n";
+  for (const ConditionSurvey& c : check.conditions)
+    text += fmt::format("  {:<34} holds in {:5.1f} % of the log\n", c.condition, 100 * c.share);
+  if (d.strokes > 0 && d.words.hydraulic) {
+    text += fmt::format("  mean speed of the strokes          {:.0f} to {:.0f} mm/s\n", d.speed_min * 1e3,
+                        d.speed_max * 1e3);
+    text += fmt::format("  mean pressure of the strokes       {:.0f} to {:.0f} bar\n", d.pressure_min / 1e5,
+                        d.pressure_max / 1e5);
+    if (std::isfinite(d.oil_min))
+      text += fmt::format("  oil temperature                    {:.1f} to {:.1f} °C\n",
+                          d.oil_min - kZeroCelsius, d.oil_max - kZeroCelsius);
+  }
+  return text;
+}
+
+std::string Identification(const CheckResult& check) {
+  if (check.machine.model == "valve")
+    return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
+  std::string text = "\nwhat this log can tell";
+  if (!check.machine.added_effects.empty())
+    text +=
+        fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
+  text += "\n";
+  std::size_t width = 8;
+  for (const CheckedParameter& p : check.parameters) width = std::max(width, p.estimate.parameter.size());
+  for (const CheckedParameter& p : check.parameters) {
+    const DisplayUnit unit = DisplayUnitFor(p.estimate.unit);
+    const double half = kNormal95 * p.estimate.std * unit.factor;
+    const char* mark = p.verdict == Identifiability::kGood   ? "yes"
+                       : p.verdict == Identifiability::kWeak ? "weak"
+                                                             : "NO";
+    text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
+    if (std::isfinite(half))
+      text += fmt::format("{:>10.4g} +- {:<9.3g} {:<6}", p.estimate.value * unit.factor + unit.offset, half,
+                          Dash(unit.name));
+    if (p.estimate.unit != "1" && std::isfinite(half))
+      text += fmt::format("(+- {:.2g} %)", 100 * HalfWidth(p.estimate));
+    text += "\n";
+    if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason);
+    if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice);
+  }
+  if (check.figures.noise_floor > 0) {
+    const DisplayUnit unit = OutputUnit(check.machine);
+    text +=
+        fmt::format("  model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n",
+                    check.figures.rms_holdout * unit.factor, unit.name,
+                    check.figures.noise_floor * unit.factor, unit.name);
+    if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+      text += fmt::format("  {}\n", impossible);
+  }
+  return text;
+}
+
+std::string Next(const CheckResult& check, const std::string& machine_file) {
+  std::string text;
+  if (const std::string suspicion = SuspicionText(check.suspicion); !suspicion.empty())
+    text += "\n" + suspicion;
+  if (!check.hints.empty()) text += "\nlook at this first\n";
+  for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
+  if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
+  const char* next = check.machine.model == "valve" ? "frf" : check.driving.strokes > 0 ? "fit" : nullptr;
+  if (next != nullptr)
+    text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, check.log, machine_file);
+  return text;
+}
+
+nlohmann::json SignalJson(const CheckedSignal& s) {
+  const auto unit = FindUnit(s.spec.unit);
+  nlohmann::json flags = nlohmann::json::object();
+  for (const auto& [flag, name] : quality::kFlagNames)
+    for (std::size_t bit = 0; bit < s.range.flagged.size(); ++bit)
+      if (s.present && flag == 1u << bit && s.range.flagged[bit] > 0)
+        flags[std::string(name)] = {{"count", s.range.flagged[bit]}, {"first_s", s.range.first[bit]}};
+  return {{"signal", s.spec.name}, {"column", s.spec.column},  {"unit", unit ? unit->si : "1"},
+          {"present", s.present},  {"min", s.range.min},       {"max", s.range.max},
+          {"good", s.range.good},  {"noise_std", s.noise_std}, {"flags", flags}};
+}
+
+nlohmann::json GateJson(const CheckResult& check) {
+  nlohmann::json conditions = nlohmann::json::array();
+  for (const ConditionSurvey& c : check.conditions)
+    conditions.push_back({{"condition", c.condition}, {"share", c.share}});
+  const Driving& d = check.driving;
+  return {{"rows", check.pass.summary.gated},
+          {"used_rows", check.pass.summary.used},
+          {"share", static_cast<double>(check.pass.summary.gated) /
+                        static_cast<double>(std::max<std::int64_t>(1, check.time.rows))},
+          {"conditions", conditions},
+          {"strokes", d.strokes},
+          {"too_short", d.too_short},
+          {"speed_m_s", {d.speed_min, d.speed_max}},
+          {"pressure_Pa", {d.pressure_min, d.pressure_max}},
+          {"oil_temperature_K", {d.oil_min, d.oil_max}}};
+}
+
+nlohmann::json ParametersCheckJson(const CheckResult& check) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const CheckedParameter& p : check.parameters) {
+    nlohmann::json one = ParametersJson({p.estimate})[p.estimate.parameter];
+    one["verdict"] = IdentifiabilityName(p.verdict);
+    one["half_width"] = HalfWidth(p.estimate);
+    one["why"] = p.reason;
+    one["advice"] = p.advice;
+    if (!p.confounded_with.empty()) {
+      one["confounded_with"] = p.confounded_with;
+      one["confounded_bias"] = p.confounded_bias;
+    }
+    out[p.estimate.parameter] = one;
+  }
+  return out;
+}
+
+std::vector<std::string> Warnings(const CheckResult& check) {
+  std::vector<std::string> warnings;
+  if (!(check.figures.noise_floor > 0)) return warnings;
+  if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+    warnings.push_back(impossible);
+  return warnings;
+}
+
+}  // namespace
+
+std::string CheckText(const CheckResult& check, const std::string& machine_file) {
+  std::string text = Sampling(check) + Signals(check);
+  if (check.machine.model != "valve") text += Gate(check);
+  return text + Identification(check) + Next(check, machine_file);
+}
+
+nlohmann::json CheckJson(const CheckResult& check) {
+  const TimeSurvey& t = check.time;
+  const RunSummary& s = check.pass.summary;
+  const DisplayUnit unit = OutputUnit(check.machine);
+  nlohmann::json signals = nlohmann::json::array(), findings = nlohmann::json::array();
+  for (const CheckedSignal& signal : check.signals) signals.push_back(SignalJson(signal));
+  for (const LogFinding& f : s.findings)
+    findings.push_back(
+        {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
+  nlohmann::json out = {{"log", check.log},
+                        {"machine", check.machine.name},
+                        {"rows", s.rows},
+                        {"rejected_rows", s.rejected_rows},
+                        {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
+                        {"findings", findings},
+                        {"clean", check.Clean()},
+                        {"duration_s", t.last - t.first},
+                        {"data_s", static_cast<double>(t.rows) * check.sample_period},
+                        {"sampling",
+                         {{"period_s", check.sample_period},
+                          {"rate_hz", 1 / check.sample_period},
+                          {"jitter_std_s", t.jitter},
+                          {"gaps", t.gaps},
+                          {"longest_gap_s", t.longest_gap},
+                          {"not_forward", t.not_forward},
+                          {"fast_enough", check.trust.rate.fast_enough},
+                          {"needed_period_s", check.trust.rate.needed_period}}},
+                        {"noise", NoiseJson(check.trust.floor)},
+                        {"signals", signals},
+                        {"gate", GateJson(check)},
+                        {"strokes", check.driving.strokes},
+                        {"parameters", ParametersCheckJson(check)},
+                        {"rms_holdout", check.figures.rms_holdout * unit.factor},
+                        {"noise_floor", check.figures.noise_floor * unit.factor},
+                        {"unit", unit.name},
+                        {"model_version", check.machine.model_version},
+                        {"effects", check.machine.added_effects},
+                        {"warnings", Warnings(check)},
+                        {"hints", check.hints}};
+  AddSuspicion(check.suspicion, out);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,129 @@
+#include "workbench/compare_log.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnosis/free_run.h"
+#include "workbench/explain_log.h"
+
+namespace hydroscope {
+namespace {
+
+/// Sums of squares of one stroke.
+struct Energy {
+  double measured = 0, modelled = 0, residual = 0, noise = 0, windows = 0;
+
+  void Add(const StrokeResiduals& stroke) {
+    for (int w = 0; w < stroke.windows(); ++w) {
+      const double error = stroke.measured[w] - stroke.modelled[w];
+      measured += stroke.measured[w] * stroke.measured[w];
+      modelled += stroke.modelled[w] * stroke.modelled[w];
+      residual += error * error;
+      noise += stroke.noise_variance[w];
+      windows += 1;
+    }
+  }
+  StrokeComparison Comparison() const {
+    StrokeComparison out;
+    out.windows = static_cast<int>(windows);
+    if (windows <= 0) return out;
+    out.rms_measured = std::sqrt(measured / windows);
+    out.rms_modelled = std::sqrt(modelled / windows);
+    out.rms_residual = std::sqrt(residual / windows);
+    out.noise_floor = std::sqrt(noise / windows);
+    return out;
+  }
+};
+
+void AddFreeRun(CompareResult& out) {
+  const auto runs = FreeRun(*out.model.structure, out.log.stretches, out.log.window,
+                            ColumnWeights(*out.model.structure, out.model.fit));
+  if (!runs) return;
+  double error = 0, pressure = 0, blocks = 0;
+  for (std::size_t s = 0; s < out.strokes; ++s) {
+    const FreeRunStroke& run = (*runs)[s];
+    out.per_stroke[s].free_run = run.rms;
+    error += run.rms * run.rms * static_cast<double>(run.measured.size());
+    for (const double p : run.measured) pressure += p * p;
+    blocks += static_cast<double>(run.measured.size());
+  }
+  if (blocks <= 0) return;
+  out.overall.free_run = std::sqrt(error / blocks);
+  out.rms_pressure = std::sqrt(pressure / blocks);
+}
+
+void TakeVerdict(CompareResult& out) {
+  const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
+  if (!judged.explanation.base.solved) return;
+  out.verdict = judged.explanation.verdict;
+  out.warnings = judged.explanation.warnings;
+  if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.base.noise_floor, out.residuals);
+}
+
+}  // namespace
+
+std::size_t CompareResult::WorstStroke() const {
+  const auto excess = [](const StrokeComparison& s) {
+    const double above = s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor;
+    return std::isnan(above) ? -std::numeric_limits<double>::infinity() : above;
+  };
+  const auto worst = std::max_element(per_stroke.begin(), per_stroke.end(),
+                                      [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
+  return static_cast<std::size_t>(worst - per_stroke.begin());
+}
+
+StrokeComparison OverallOf(const GramFit& figures) {
+  StrokeComparison out;
+  out.rms_measured = figures.rms_measured;
+  out.rms_modelled = figures.rms_modelled;
+  out.rms_residual = figures.rms_residual;
+  out.noise_floor = figures.noise_floor;
+  return out;
+}
+
+Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const std::string& hold_out) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto chosen = ChooseLogs(logs, hold_out);
+  if (!chosen) return tl::unexpected(chosen.error());
+  auto strokes = ReadStrokes(chosen->fitted, *machine, KeepSamples::kYes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  CompareResult out;
+  out.log = std::move(*strokes);
+  out.strokes = out.log.stretches.size();
+  if (out.strokes < 2)
+    return BadInput(
+        "{}: {} strokes inside the gate, expected at least 2: record longer, or see what the gate of {} lets "
+        "through with 'hydroscope check'",
+        fmt::join(chosen->fitted, ", "), out.strokes, machine_file);
+  auto model = FitMachineModel(out.log);
+  if (!model) return tl::unexpected(model.error());
+  out.model = std::move(*model);
+  out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
+                              ColumnWeights(*out.model.structure, out.model.fit));
+  if (out.strokes >= kMinExplainStrokes) TakeVerdict(out);
+  for (std::size_t s = 0; s < out.strokes; ++s) {
+    Energy stroke;
+    stroke.Add(out.residuals.strokes[s]);
+    out.per_stroke.push_back(stroke.Comparison());
+    out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
+    out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
+  }
+  out.overall = OverallOf(out.model.figures);
+  for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
+  AddFreeRun(out);
+  out.whiteness = WhitenessOf(out.residuals);
+  out.correlations = CorrelationsOf(out.residuals);
+  out.location = Locate(out.residuals);
+  if (chosen->held_out.empty()) return out;
+  auto held_out = ErrorHeldOut(out.log, chosen->held_out);
+  if (!held_out) return tl::unexpected(held_out.error());
+  out.held_out = std::move(*held_out);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,281 @@
+#include "workbench/compare_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/non_negative.h"
+#include "models/output_unit.h"
+#include "workbench/explain_log.h"
+#include "workbench/fit_output.h"
+#include "workbench/headline.h"
+#include "workbench/located_output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kBar = 1e-5;
+/// Chance of calling the residual correlated with any signal when it is not.
+constexpr double kFamilyError = 0.01;
+/// Flow error over the noise floor from which model error is seen with the eye.
+constexpr double kVisible = 1.05;
+/// p-value of the whiteness test below which a pattern in time is called model error.
+constexpr double kPatternP = 1e-4;
+constexpr std::size_t kPairMaps = 3;
+
+double LagSeconds(const CompareResult& result, const SignalCorrelation& c) {
+  return c.lag * result.log.window.block * result.log.window.period;
+}
+
+bool IsSignificant(const CompareResult& result, const SignalCorrelation& c) {
+  return c.p_value < kFamilyError / static_cast<double>(result.correlations.size());
+}
+
+double PercentOfSignal(const StrokeComparison& s) {
+  return s.rms_measured > 0 ? 100 * s.rms_residual / s.rms_measured : 0.0;
+}
+
+double PercentOfPressure(const CompareResult& result) {
+  return result.rms_pressure > 0 ? 100 * *result.overall.free_run / result.rms_pressure : 0.0;
+}
+
+/// rms of what is above the noise.
+double ModelError(const StrokeComparison& s) {
+  return std::sqrt(NonNegative(s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor));
+}
+
+std::vector<std::string> AddedEffects(const CompareResult& result) {
+  std::vector<std::string> ids;
+  for (const EffectChoice& choice : result.model.choices)
+    ids.push_back(result.model.structure->effects[choice.effect]->id);
+  return ids;
+}
+
+/// "flow" -> "Flow"; a name with more than a word stays as it is written.
+std::string Capital(std::string word) {
+  if (word == "flow") word[0] = 'F';
+  return word;
+}
+
+std::string OverallText(const CompareResult& result) {
+  const StrokeComparison& o = result.overall;
+  const std::vector<std::string> added = AddedEffects(result);
+  std::string text = fmt::format("Model: {}{}, fitted to these strokes\n", result.log.machine.model,
+                                 added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")));
+  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used\n", result.strokes,
+                                                 result.log.totals.used, result.log.totals.samples)
+                                   : result.described;
+  if (result.strokes < result.log.strokes.size())
+    text += fmt::format("The log is very long: compared on its first {} strokes of {}.\n", result.strokes,
+                        result.log.strokes.size());
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  const MachineWords& words = result.log.model->words;
+  text += fmt::format(
+      "\n{}, rms in {}\n"
+      "  measured               {:>8.3g}\n"
+      "  modelled               {:>8.3g}\n"
+      "  difference             {:>8.3g}   {:.2g} % of the measured {}\n"
+      "  ... strokes left out   {:>8.3g}\n"
+      "  sensor noise alone     {:>8.3g}\n"
+      "  model error            {:>8.3g}   what is above the noise\n",
+      Capital(words.output), unit.name, o.rms_measured * unit.factor, o.rms_modelled * unit.factor,
+      o.rms_residual * unit.factor, PercentOfSignal(o), words.output,
+      result.model.figures.rms_holdout * unit.factor, o.noise_floor * unit.factor,
+      ModelError(o) * unit.factor);
+  if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
+  if (o.free_run)
+    text += fmt::format(
+        "\nPressure that the model runs by itself from the begin of each stroke, rms in bar\n"
+        "  measured               {:>8.4g}\n"
+        "  difference             {:>8.3g}   {:.2g} % of the measured pressure\n",
+        result.rms_pressure * kBar, *o.free_run * kBar, PercentOfPressure(result));
+  return text;
+}
+
+std::string StrokesText(const CompareResult& result) {
+  constexpr std::size_t kShown = 40;
+  const std::size_t worst = result.WorstStroke();
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  std::string text = fmt::format("\nPer stroke, {}; free run in bar\n", unit.name) +
+                     "  stroke   begin s  measured  modelled  difference   %      noise  free run\n";
+  for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
+    if (k >= kShown && k != worst) continue;
+    const StrokeComparison& s = result.per_stroke[k];
+    text += fmt::format("  {:>6} {:>9} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g} {:>9}{}\n", s.stroke,
+                        std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
+                        s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
+                        s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
+                        s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar) : std::string("-"),
+                        k == worst ? "   worst" : "");
+  }
+  if (result.per_stroke.size() > kShown)
+    text +=
+        fmt::format("  ... the first {} of {} strokes; --json has all\n", kShown, result.per_stroke.size());
+  return text;
+}
+
+std::string WhitenessText(const CompareResult& result) {
+  const Whiteness& w = result.whiteness;
+  if (w.autocorrelation.empty()) return "";
+  return fmt::format(
+      "\nWhat is left, block by block\n"
+      "  variance {:.3g} times that of sensor noise; correlation with the block before {:+.3f}\n"
+      "  {} (Ljung-Box over {} lags, p = {:.2g})\n",
+      w.variance_ratio, w.autocorrelation.front(),
+      w.p_value < kPatternP ? "NOT WHITE: the rest has a pattern in time"
+                            : "white: no pattern in time is left",
+      w.lags, w.p_value);
+}
+
+/// "; +0.31 when it follows 40 ms later", if that is clearly more than at the same time.
+std::string LaggedText(const CompareResult& result, const SignalCorrelation& c) {
+  constexpr double kClearlyMore = 1.25;
+  const bool shown = c.lag != 0 &&
+                     c.lagged_p < kFamilyError / static_cast<double>(result.correlations.size()) &&
+                     std::abs(c.lagged) > kClearlyMore * std::abs(c.correlation);
+  if (!shown) return "";
+  return fmt::format("; {:+.2f} when it {} by {:.0f} ms", c.lagged, c.lag > 0 ? "follows" : "precedes",
+                     1e3 * std::abs(LagSeconds(result, c)));
+}
+
+std::string CorrelationsText(const CompareResult& result) {
+  if (result.location.single.empty()) return "";
+  std::string text =
+      "\nWhat the difference follows (error energy that each signal predicts on strokes left out)\n";
+  for (const ErrorMap& map : result.location.single) {
+    const int signal = map.signals.front();
+    text += fmt::format("  {:<14} {:>4.0f} %", result.residuals.signals[signal].name,
+                        100 * std::max(0.0, map.explained));
+    for (const SignalCorrelation& c : result.correlations)
+      if (c.signal == signal)
+        text += fmt::format("   correlation {:+.2f}, p = {:.2g}{}{}", c.correlation, c.p_value,
+                            IsSignificant(result, c) ? " *" : "", LaggedText(result, c));
+    text += "\n";
+  }
+  if (!result.location.pairs.empty() && result.location.pairs.front().explained > 0) {
+    const ErrorMap& pair = result.location.pairs.front();
+    text += fmt::format("  {} and {} together: {:.0f} %\n", result.residuals.signals[pair.signals[0]].name,
+                        result.residuals.signals[pair.signals[1]].name, 100 * pair.explained);
+  }
+  return text;
+}
+
+/// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is
+/// located, or a pattern in time.
+bool HasModelError(const CompareResult& result) {
+  if (result.verdict) return *result.verdict != Verdict::kAdequate;
+  return !result.location.located.empty() || result.location.excess > 4 * result.location.excess_std ||
+         result.overall.rms_residual > kVisible * result.overall.noise_floor ||
+         (!result.whiteness.autocorrelation.empty() && result.whiteness.p_value < kPatternP);
+}
+
+ModelHeadline HeadlineOf(const CompareResult& result) {
+  return HeadlineOf(result.model.figures, HasModelError(result));
+}
+
+std::vector<std::string> Warnings(const CompareResult& result) {
+  std::vector<std::string> warnings = result.warnings;
+  if (const std::string impossible = ImpossibleFigures(result.model.figures); !impossible.empty())
+    warnings.insert(warnings.begin(), impossible);
+  return warnings;
+}
+
+nlohmann::json StrokeJson(const StrokeComparison& s, double factor) {
+  return {{"windows", s.windows},
+          {"rms_measured", s.rms_measured * factor},
+          {"rms_modelled", s.rms_modelled * factor},
+          {"rms_residual", s.rms_residual * factor},
+          {"residual_percent", PercentOfSignal(s)},
+          {"noise_floor", s.noise_floor * factor},
+          {"model_error", ModelError(s) * factor},
+          {"free_run_bar", s.free_run ? nlohmann::json(*s.free_run * kBar) : nlohmann::json()}};
+}
+
+nlohmann::json StrokesJson(const CompareResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const StrokeComparison& s : result.per_stroke) {
+    out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor));
+    out.back()["stroke"] = s.stroke;
+    out.back()["begin"] = std::isfinite(s.begin) ? nlohmann::json(s.begin) : nlohmann::json();
+  }
+  return out;
+}
+
+nlohmann::json CorrelationsJson(const CompareResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const SignalCorrelation& c : result.correlations)
+    out.push_back({{"signal", result.residuals.signals[c.signal].name},
+                   {"correlation", c.correlation},
+                   {"p_value", c.p_value},
+                   {"significant", IsSignificant(result, c)},
+                   {"lag_s", LagSeconds(result, c)},
+                   {"lagged", c.lagged},
+                   {"lagged_p_value", c.lagged_p}});
+  return out;
+}
+
+nlohmann::json MapsJson(const CompareResult& result) {
+  const double factor = OutputUnit(result.log.model.get()).factor;
+  nlohmann::json out = nlohmann::json::array();
+  for (const ErrorMap& map : result.location.single)
+    out.push_back(MapJson(map, result.residuals.signals, factor));
+  for (std::size_t k = 0; k < std::min(kPairMaps, result.location.pairs.size()); ++k)
+    out.push_back(MapJson(result.location.pairs[k], result.residuals.signals, factor));
+  return out;
+}
+
+}  // namespace
+
+std::string CompareText(const CompareResult& result) {
+  const ModelHeadline headline = HeadlineOf(result);
+  std::string text = headline.text + "\n" + WarningsText(Warnings(result));
+  text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
+          LocatedText(result.location.located, OutputUnit(result.log.model.get()));
+  if (headline.standing == ModelStanding::kMisses)
+    text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
+  return text;
+}
+
+nlohmann::json CompareJson(const CompareResult& result) {
+  const Whiteness& w = result.whiteness;
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  nlohmann::json out = StrokeJson(result.overall, unit.factor);
+  out["unit"] = unit.name;
+  out["strokes"] = result.strokes;
+  out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
+  out["free_run_percent"] =
+      result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
+  const ModelStanding standing = HeadlineOf(result).standing;
+  out["model_error_seen"] = standing == ModelStanding::kNotJudged
+                                ? nlohmann::json()
+                                : nlohmann::json(standing == ModelStanding::kMisses);
+  out["verdict"] = result.verdict ? nlohmann::json(VerdictName(*result.verdict)) : nlohmann::json();
+  out["warnings"] = Warnings(result);
+  out["noise"] = NoiseJson(result.model.trust.floor);
+  out["sampling"] = SamplingJson(result.model.trust.rate, result.log.model.get());
+  out["model_version"] = result.log.machine.model_version;
+  out["rms_holdout"] = result.model.figures.rms_holdout * unit.factor;
+  out["held_out"] = result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json();
+  out["effects"] = AddedEffects(result);
+  out["parameters"] = ParametersJson(result.model.figures.parameters);
+  out["per_stroke"] = StrokesJson(result);
+  out["worst_stroke"] = result.per_stroke[result.WorstStroke()].stroke;
+  if (w.autocorrelation.empty())
+    out["whiteness"] = nullptr;
+  else
+    out["whiteness"] = {{"lag1", w.autocorrelation.front()},
+                        {"autocorrelation", w.autocorrelation},
+                        {"lags", w.lags},
+                        {"ljung_box", w.ljung_box},
+                        {"p_value", w.p_value},
+                        {"variance_ratio", w.variance_ratio}};
+  out["correlations"] = CorrelationsJson(result);
+  out["located"] = LocatedJson(result.location.located, unit.factor);
+  out["maps"] = MapsJson(result);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,50 @@
+#include "workbench/fit_log.h"
+
+namespace hydroscope {
+namespace {
+
+Result<FitResult> FitAndSuspect(LogStrokes strokes) {
+  auto explained = ExplainStrokes(strokes);
+  FitSuspicion suspicion = SuspicionOf(explained);
+  if (explained)
+    return FitResult{std::move(explained->log), std::move(explained->base), std::move(suspicion),
+                     explained->trust};
+  auto fit = FitFigures(strokes);
+  if (!fit) return tl::unexpected(fit.error());
+  const LogTrust trust = JudgeLog(strokes, fit->theta, fit->noise_floor);
+  for (std::string& warning : trust.Warnings()) suspicion.warnings.push_back(std::move(warning));
+  return FitResult{std::move(strokes), std::move(*fit), std::move(suspicion), trust};
+}
+
+}  // namespace
+
+Result<FitResult> FitStrokes(LogStrokes strokes) {
+  auto out = FitAndSuspect(std::move(strokes));
+  if (!out) return out;
+  std::vector<double> speeds;
+  for (const StrokeRecord& stroke : out->log.strokes) speeds.push_back(stroke.summary.mean_speed);
+  out->confounded =
+      ConfoundingsOf(out->log.machine, out->log.model, out->log.Grams(), out->log.window, speeds, out->fit);
+  MarkConfounded(out->confounded, out->fit);
+  return out;
+}
+
+Result<FitResult> FitLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                          const std::string& hold_out) {
+  auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto chosen = ChooseLogs(logs, hold_out);
+  if (!chosen) return tl::unexpected(chosen.error());
+  auto strokes = ReadStrokes(chosen->fitted, *machine, KeepSamples::kYes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  auto out = FitStrokes(std::move(*strokes));
+  if (!out) return out;
+  out->assumed = AssumeTolerances(*machine);
+  if (chosen->held_out.empty()) return out;
+  auto held_out = ErrorHeldOut(out->log, chosen->held_out);
+  if (!held_out) return tl::unexpected(held_out.error());
+  out->held_out = std::move(*held_out);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,125 @@
+#include "workbench/fit_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/constants.h"
+#include "core/units.h"
+#include "models/effect.h"
+#include "models/output_unit.h"
+#include "workbench/headline.h"
+#include "workbench/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+std::string Meaning(const FitResult& result, const std::string& parameter) {
+  if (parameter == "K") return "effective bulk modulus";
+  if (parameter == "V0") return "dead volume";
+  if (parameter == "Q_vn") return "nominal valve flow";
+  if (parameter == "y_0") return "spool null";
+  for (const auto& effect : result.log.model->effects)
+    if (parameter == effect->id + "." + effect->parameter) return effect->title;
+  return "";
+}
+
+std::string WhyNot(const FitResult& result, const Estimate& e) {
+  const Confounding* confounding = FindConfounding(result.confounded, e.parameter);
+  if (e.reason != EstimateReason::kConfounded) return ReasonText(e.reason);
+  if (confounding == nullptr)
+    return fmt::format("{}; vary {}", ReasonText(e.reason), result.log.model->words.vary);
+  return confounding->reason + "; " + confounding->advice;
+}
+
+std::vector<std::string> Warnings(const FitResult& result) {
+  const std::string impossible = ImpossibleFigures(result.fit);
+  return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
+}
+
+}  // namespace
+
+std::string FitText(const FitResult& result) {
+  const Machine& machine = result.log.machine;
+  std::size_t width = 6;
+  for (const Estimate& e : result.fit.parameters) width = std::max(width, e.parameter.size());
+  std::string text = machine.model_version > 1 || !machine.added_effects.empty()
+                         ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
+                                       ModelName(machine))
+                         : "";
+  text += fmt::format("{:<{}} {:>12} {:>26}  {:<6} {}\n", "", width, "value", "95 % interval", "unit", "");
+  for (const Estimate& e : result.fit.parameters) {
+    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    const bool trusted = e.reason == EstimateReason::kUpdated;
+    text +=
+        fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
+                    shown(e.value), shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
+                    unit.name == "1" ? "-" : unit.name, Meaning(result, e.parameter),
+                    !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
+                    : trusted                      ? ""
+                              : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
+  }
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  text += fmt::format(
+      "\nmodel error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n"
+      "{} strokes, {} of {} rows used\n",
+      result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
+      result.fit.strokes, result.log.totals.used, result.log.totals.samples);
+  if (result.held_out) text += HeldOutText(*result.held_out, unit);
+  for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
+  const ModelHeadline headline = HeadlineOf(result.fit, result.suspicion.suspected);
+  if (headline.standing == ModelStanding::kNotJudged) text += headline.text + "\n";
+  return text + SuspicionText(result.suspicion);
+}
+
+nlohmann::json ParametersJson(const std::vector<Estimate>& parameters) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const Estimate& e : parameters)
+    out[e.parameter] = {{"value", e.value},
+                        {"std", e.std},
+                        {"unit", e.unit},
+                        {"interval95", {e.value - kNormal95 * e.std, e.value + kNormal95 * e.std}},
+                        {"excitation", e.excitation},
+                        {"identifiable", e.reason == EstimateReason::kUpdated},
+                        {"reason", ReasonName(e.reason)}};
+  return out;
+}
+
+nlohmann::json FitJson(const FitResult& result) {
+  const DisplayUnit unit = OutputUnit(result.log.model.get());
+  nlohmann::json assumed = nlohmann::json::array();
+  for (const AssumedTolerance& tolerance : result.assumed)
+    assumed.push_back({{"name", tolerance.name}, {"std", tolerance.std}});
+  nlohmann::json parameters = ParametersJson(result.fit.parameters);
+  if (!result.trust.rate.fast_enough)
+    for (auto& parameter : parameters) {
+      parameter["identifiable"] = false;
+      parameter["reason"] = "sampled_too_slowly";
+    }
+  for (const Confounding& c : result.confounded) {
+    nlohmann::json& parameter = parameters[c.parameter];
+    parameter["confounded_with"] = c.effects;
+    parameter["confounded_bias"] = c.bias;
+    parameter["why"] = c.reason;
+    parameter["advice"] = c.advice;
+  }
+  nlohmann::json out = {
+      {"parameters", parameters},
+      {"strokes", result.fit.strokes},
+      {"samples", result.log.totals.used},
+      {"rows", result.log.totals.samples},
+      {"rms_holdout", result.fit.rms_holdout * unit.factor},
+      {"noise_floor", result.fit.noise_floor * unit.factor},
+      {"unit", unit.name},
+      {"model_version", result.log.machine.model_version},
+      {"effects", result.log.machine.added_effects},
+      {"assumed_tolerances", assumed},
+      {"held_out", result.held_out ? HeldOutJson(*result.held_out, unit) : nlohmann::json()},
+      {"warnings", Warnings(result)}};
+  AddSuspicion(result.suspicion, out);
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,67 @@
+#include "workbench/identifiability.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+using testing::HasSubstr;
+
+Estimate Known(double value, double std, const std::string& unit = "Pa") {
+  Estimate e;
+  e.parameter = std::string("K");
+  e.value = value;
+  e.std = std;
+  e.unit = unit;
+  e.reason = EstimateReason::kUpdated;
+  return e;
+}
+Driving Varied(int strokes) { return {strokes, 0, 0.02, 0.12, 50e5, 150e5, 310, 315}; }
+
+CheckedParameter Judge(const Estimate& estimate, const Driving& driving) {
+  return JudgeParameters({&estimate, 1}, driving).front();
+}
+
+TEST(Identifiability, ANarrowIntervalIsGoodAndNeedsNoAdvice) {
+  const CheckedParameter p = Judge(Known(1.2e9, 0.02e9), Varied(20));
+  EXPECT_EQ(p.verdict, Identifiability::kGood);
+  EXPECT_EQ(p.advice, "");
+}
+
+TEST(Identifiability, AWideIntervalAsksForAsManyStrokesAsHalveIt) {
+  const CheckedParameter p = Judge(Known(1.0e9, 0.2e9 / 1.96), Varied(20));  // 20 %, twice the goal
+  EXPECT_EQ(p.verdict, Identifiability::kWeak);
+  EXPECT_THAT(p.advice, HasSubstr("at least 80 strokes"));
+}
+
+TEST(Identifiability, ConstantSpeedAsksForVariedSpeed) {
+  Driving constant = Varied(20);
+  constant.speed_min = 0.049;
+  constant.speed_max = 0.051;
+  Estimate e = Known(1.0e9, 0.9e9);
+  e.reason = EstimateReason::kConfounded;
+  const CheckedParameter p = Judge(e, constant);
+  EXPECT_EQ(p.verdict, Identifiability::kNot);
+  EXPECT_THAT(p.advice, HasSubstr("vary ram speed between strokes: all of these ran at 49 to 51 mm/s"));
+}
+
+TEST(Identifiability, DimensionlessParametersAreJudgedByTheirAbsoluteWidth) {
+  EXPECT_EQ(Judge(Known(0.0001, 0.004, "1"), Varied(20)).verdict, Identifiability::kGood);
+  EXPECT_EQ(Judge(Known(0.0001, 0.02, "1"), Varied(20)).verdict, Identifiability::kWeak);
+}
+
+TEST(Identifiability, OneStrokeGivesNoInterval) {
+  const CheckedParameter p = Judge(Known(1e9, 1e6), Varied(1));
+  EXPECT_EQ(p.verdict, Identifiability::kNot);
+  EXPECT_THAT(p.advice, HasSubstr("at least 10 strokes, this log has 1"));
+}
+
+TEST(Identifiability, AForbiddenValuePointsAtTheMachineFile) {
+  Estimate e = Known(-1e9, 1e6);
+  e.reason = EstimateReason::kOutsidePhysics;
+  EXPECT_THAT(Judge(e, Varied(20)).advice, HasSubstr("signs"));
+}
+
+}  // namespace
+}  // namespace hydroscope

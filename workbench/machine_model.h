@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "diagnosis/extended_fit.h"
+#include "pipeline/batch_fit.h"
+#include "pipeline/log_trust.h"
+
+namespace hydroscope {
+
+/// The model of a machine file as fitted to a log: base and the effects added to it (Machine::added_effects).
+struct MachineModel {
+  std::shared_ptr<const ModelStructure> structure;  ///< has the shapes that `choices` name
+  std::vector<EffectChoice> choices;                ///< in order of adding
+  ExtendedFit fit;
+  LogTrust trust = {};  ///< what makes conclusions from the log doubtful; nothing without samples
+  /// What every command prints of it: theta as in `fit`; parameters are the physical ones of the base balance,
+  /// then the size of each added effect as "internal_leakage.G".
+  GramFit figures;
+};
+
+/// Fits it to the kept strokes; nonlinear parameters of added effects come from the best grid value, refined.
+/// Where an effect has free ones, standard deviations hold what their own scatter adds.
+/// Errors: an added effect is not in the library or its signal is not measured; the strokes cannot separate
+/// the parameters.
+Result<MachineModel> FitMachineModel(const LogStrokes& log);
+
+/// MachineModel::figures of a log. Without added effects no samples need be kept: all strokes of the log count.
+Result<GramFit> FitFigures(const LogStrokes& log);
+
+/// MachineModel::figures from the fit of a model with added effects to `strokes` independent units.
+GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strokes);
+
+/// Physical base parameters of an extended fit, SI, as FitBaseModel gives them for the base model.
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes);
+
+}  // namespace hydroscope

@@ -1,0 +1,85 @@
+#include "workbench/plausibility.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A signal whose readings go from `min` to `max`, SI.
+CheckResult With(const std::string& name, const std::string& unit, double min, double max) {
+  CheckResult check;
+  check.driving.strokes = 5;
+  CheckedSignal signal;
+  signal.spec.name = signal.spec.column = name;
+  signal.spec.unit = unit;
+  signal.range.min = min;
+  signal.range.max = max;
+  signal.range.readings = 1000;
+  signal.range.sum = 1000 * 0.5 * (min + max);
+  check.signals = {signal};
+  return check;
+}
+
+TEST(Plausibility, APressureThatIsBarIsToldFromPascal) {
+  EXPECT_THAT(PlausibilityHints(With("p_A", "Pa", 3, 210)), ElementsAre(HasSubstr("set unit = \"bar\"")));
+  EXPECT_THAT(PlausibilityHints(With("p_A", "bar", 3e10, 210e10)),
+              ElementsAre(HasSubstr("set unit = \"Pa\"")));
+}
+
+TEST(Plausibility, ASpoolInPerCentIsToldFromAShare) {
+  EXPECT_THAT(PlausibilityHints(With("y_v", "1", -20, 45)), ElementsAre(HasSubstr("set unit = \"%\"")));
+  EXPECT_THAT(PlausibilityHints(With("y_v", "%", -0.002, 0.0045)),
+              ElementsAre(HasSubstr("set unit = \"1\"")));
+}
+
+TEST(Plausibility, AnOilTemperatureInTheWrongScaleIsNamed) {
+  EXPECT_THAT(PlausibilityHints(With("T_oil", "K", 35, 52)), ElementsAre(HasSubstr("set unit = \"degC\"")));
+  EXPECT_THAT(PlausibilityHints(With("T_oil", "degC", 583, 590)), ElementsAre(HasSubstr("set unit = \"K\"")));
+}
+
+TEST(Plausibility, APositionInMillimetresIsToldFromMetres) {
+  EXPECT_THAT(PlausibilityHints(With("z", "m", 10, 200)), ElementsAre(HasSubstr("set unit = \"mm\"")));
+}
+
+TEST(Plausibility, RightUnitsGiveNoHint) {
+  EXPECT_THAT(PlausibilityHints(With("p_A", "Pa", 1e5, 210e5)), IsEmpty());
+  EXPECT_THAT(PlausibilityHints(With("z", "m", 0.01, 0.2)), IsEmpty());
+  EXPECT_THAT(PlausibilityHints(With("y_v", "1", -0.2, 0.45)), IsEmpty());
+  EXPECT_THAT(PlausibilityHints(With("T_oil", "degC", 300, 330)), IsEmpty());
+}
+
+TEST(Plausibility, ASignalWithoutGoodReadingsExplainsWhyThereIsNoStroke) {
+  CheckResult check = With("p_A", "Pa", 1e5, 210e5);
+  check.driving.strokes = 0;
+  check.time.rows = 1000;
+  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("0 of 1000 readings are good")));
+  check.signals[0].range.good = 900;
+  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
+}
+
+TEST(Plausibility, ASignalThatNeverMovesIsNamed) {
+  EXPECT_THAT(PlausibilityHints(With("U_v", "V", 2, 2)), ElementsAre(HasSubstr("one and the same reading")));
+}
+
+TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
+  CheckResult check;
+  check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};
+  EXPECT_THAT(PlausibilityHints(check),
+              ElementsAre(testing::AllOf(HasSubstr("ddt(z)"), HasSubstr("scale = -1"))));
+}
+
+TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {
+  CheckResult check;
+  check.driving = {10, 0, 0.049, 0.050, 1e7, 1.5e7, 313, 313};
+  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("49 to 50 mm/s")));
+  check.driving.speed_max = 0.12;
+  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
+}
+
+}  // namespace
+}  // namespace hydroscope
