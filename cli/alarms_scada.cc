@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/utc_text.h"
 #include "host/output.h"
 #include "live/scada_client.h"
@@ -62,7 +63,7 @@ std::string AxisText(const ScadaAxis& axis) {
                                  HealthName(axis.health.state), axis.health.text, axis.strokes);
   if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
   for (const ScadaParameter& p : axis.parameters)
-    text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, 1.96 * p.std,
+    text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, kNormal95 * p.std,
                         QualityText(p.quality));
   return text + "\n";
 }
@@ -96,7 +97,7 @@ void Print(const Seen& seen, const std::string& endpoint) {
   for (const ScadaAlarm& a : seen.alarms)
     std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
                              a.severity, AxisName(seen, a.axis), a.name,
-                             UtcText(static_cast<double>(a.raised)), a.value, 1.96 * a.std);
+                             UtcText(static_cast<double>(a.raised)), a.value, kNormal95 * a.std);
   if (!seen.alarms.empty())
     std::cout << "acknowledge with `hydroscope alarms --modbus " << endpoint << " --ack NUMBER`\n";
   std::cout << "\nnewest of " << seen.rows.size() << " journal rows in the ring\n";

@@ -129,9 +129,9 @@ std::string FrfBodePlot(const FrequencyResponse& response, const std::string& ti
   std::vector<Mark> gain, phase, model_gain, model_phase;
   for (const FrequencyPoint& p : response.points) {
     if (p.reason != PointReason::kUsed) continue;
-    gain.push_back(
-        {p.frequency, 20 * std::log10(p.gain()), 1.96 * p.GainStd() / p.gain() * 20 / std::numbers::ln10});
-    phase.push_back({p.frequency, p.phase * kDegrees, 1.96 * p.PhaseStd() * kDegrees});
+    gain.push_back({p.frequency, 20 * std::log10(p.gain()),
+                    kNormal95 * p.GainStd() / p.gain() * 20 / std::numbers::ln10});
+    phase.push_back({p.frequency, p.phase * kDegrees, kNormal95 * p.PhaseStd() * kDegrees});
   }
   Panel top{64, 300, 0, 0, gain.front().frequency / 1.15, gain.back().frequency * 1.15};
   Panel bottom{324, 546, 0, 0, top.f_low, top.f_high};

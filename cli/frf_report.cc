@@ -18,7 +18,7 @@ constexpr std::size_t kMostRows = 40;     // of the table for people
 
 /// "183.88 +- 0.04": both with the decimals that show the uncertainty with two digits.
 std::string WithInterval(ValueWithStd v, double factor, const char* unit) {
-  const double value = v.value * factor, half = 1.96 * v.std * factor;
+  const double value = v.value * factor, half = kNormal95 * v.std * factor;
   if (!std::isfinite(half) || half <= 0) return fmt::format("{:.6g} {}", value, unit);
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 9);
   return fmt::format("{:.{}f} ± {:.{}f} {}", value, decimals, half, decimals, unit);
@@ -86,8 +86,8 @@ std::string SineTable(const FrequencyResponse& response, const CommandUnit& unit
     }
     text +=
         fmt::format("{:>10.5g} {:>10.5f} {:>9.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>11.4g} {:>8} {:>8.0f}  {}\n",
-                    p->frequency, p->gain(), 1.96 * p->GainStd(), 20 * std::log10(p->gain()),
-                    p->phase * kDegrees, 1.96 * p->PhaseStd() * kDegrees, p->amplitude * unit.factor,
+                    p->frequency, p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()),
+                    p->phase * kDegrees, kNormal95 * p->PhaseStd() * kDegrees, p->amplitude * unit.factor,
                     Percent(p->output_distortion), p->periods, Note(p->reason));
   }
   return text;
@@ -98,8 +98,8 @@ std::string WelchTable(const FrequencyResponse& response) {
                                  "dB", "phase °", "± 95 %", "coherence");
   for (const FrequencyPoint* p : RowsToShow(response)) {
     text += fmt::format("{:>10.5g} {:>10.5f} {:>9.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>10.4f}\n", p->frequency,
-                        p->gain(), 1.96 * p->GainStd(), 20 * std::log10(p->gain()), p->phase * kDegrees,
-                        1.96 * p->PhaseStd() * kDegrees, p->coherence);
+                        p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()), p->phase * kDegrees,
+                        kNormal95 * p->PhaseStd() * kDegrees, p->coherence);
   }
   return text;
 }

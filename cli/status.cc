@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/constants.h"
 #include "host/output.h"
 #include "live/http_endpoint.h"
 #include "live/live_status.h"
@@ -21,7 +22,7 @@ struct StatusArguments {
 
 /// A value with its 95 % interval; "-" if there is none.
 std::string Interval(double value, double std) {
-  return std::isfinite(value) ? fmt::format("{:.5g} +- {:.2g}", value, 1.96 * std) : "-";
+  return std::isfinite(value) ? fmt::format("{:.5g} +- {:.2g}", value, kNormal95 * std) : "-";
 }
 
 /// The history of valve checks, from the database; no service is needed.

@@ -24,11 +24,6 @@ std::vector<int> FirstColumns(int count) {
   return columns;
 }
 
-/// A std beyond which the value says nothing useful about the parameter.
-double UsefulStd(const DerivedParameter& parameter) {
-  return parameter.unit == "1" ? 0.05 : 0.3 * std::abs(parameter.value);
-}
-
 void PutVector(ByteWriter& out, const Eigen::VectorXd& v) {
   for (double x : v) out.Put(x);
 }
@@ -276,7 +271,7 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
   estimate.value = parameter.value;
   estimate.unit = parameter.unit;
   estimate.std = std::hypot(std::max(promised, scattered), parameter.geometry_std);
-  const double useful = UsefulStd(parameter);
+  const double useful = parameter.useful_std();
   estimate.excitation = useful / std::hypot(useful, own_std);
   if (!parameter.admissible)
     estimate.reason = EstimateReason::kOutsidePhysics;

@@ -1,5 +1,6 @@
 #include "models/model_structure.h"
 
+#include "core/limits.h"
 #include "models/die_cushion.h"
 #include "models/effect.h"
 #include "models/expression_balance.h"
@@ -23,12 +24,29 @@ std::vector<int> ModelStructure::WalkingParameters(const std::vector<int>& added
   return entries;
 }
 
-Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
+namespace {
+
+Result<std::shared_ptr<const ModelStructure>> BuildKind(const Machine& machine) {
   if (machine.model == "die_cushion") return BuildDieCushion(machine);
   if (machine.model == "expressions") return BuildExpressionBalance(machine);
   return BadInput(
       "machine '{}': model '{}' cannot be identified from strokes; known models: die_cushion, expressions",
       machine.name, machine.model);
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
+  auto model = BuildKind(machine);
+  if (!model) return model;
+  const std::size_t effects = machine.added_effects.size();
+  if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
+    return BadInput(
+        "machine '{}': {} parameters and {} added effects, at most {} can be fitted at once: take an effect "
+        "out "
+        "with 'hydroscope model remove'",
+        machine.name, (*model)->base_count, effects, kMaxParameters);
+  return model;
 }
 
 }  // namespace hydroscope

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -65,6 +66,9 @@ struct DerivedParameter {
   Eigen::VectorXd gradient;   ///< d value / d theta, SI
   bool admissible = true;     ///< sign and size that physics allows
   double geometry_std = 0.0;  ///< standard uncertainty from the machine file's geometry alone
+
+  /// A std beyond which the value says nothing useful about the parameter.
+  double useful_std() const { return unit == "1" ? 0.05 : 0.3 * std::abs(value); }
 };
 
 /// The model of a machine, linear in its regression parameters:

@@ -11,7 +11,8 @@ DisplayUnit OutputUnit(const ModelStructure* model) {
 }
 
 DisplayUnit OutputUnit(const Machine& machine) {
-  DisplayUnit unit = DisplayUnitFor(machine.model == "expressions" ? std::string_view(machine.balance.unit) : "m3/s");
+  DisplayUnit unit =
+      DisplayUnitFor(machine.model == "expressions" ? std::string_view(machine.balance.unit) : "m3/s");
   unit.offset = 0;
   return unit;
 }

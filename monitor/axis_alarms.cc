@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 
@@ -138,7 +139,7 @@ void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook
         AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
                                  severity, "",    stroke.sequence, stroke.sequence};
         condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter,
-                                     shown(e.value), 1.96 * e.std * unit.factor, unit.name,
+                                     shown(e.value), kNormal95 * e.std * unit.factor, unit.name,
                                      high ? "above" : "below", name, shown(*limit), unit.name);
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));

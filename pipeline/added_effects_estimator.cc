@@ -13,14 +13,9 @@ namespace {
 
 /// Strokes kept while they do not yet tell the effects apart.
 constexpr std::size_t kMostWaiting = 64;
-constexpr std::size_t kMostParameters = 16;  ///< physical parameters and effects
+constexpr std::size_t kLeastStored = 16;  ///< "last excited at" of a stored state, whatever the parameters
 /// Share of a regressor's energy that must be more than sensor noise for a stroke to count as moving it.
 constexpr double kSignalShare = 0.5;
-
-/// A std beyond which the value says nothing useful about the parameter.
-double UsefulStd(const DerivedParameter& parameter) {
-  return parameter.unit == "1" ? 0.05 : 0.3 * std::abs(parameter.value);
-}
 
 SymmetricMatrix Congruence(const SymmetricMatrix& gram, const Eigen::MatrixXd& weights) {
   const auto columns = weights.rows();
@@ -147,7 +142,7 @@ void AddedEffectsEstimator::Begin() {
 void AddedEffectsEstimator::JudgeGivenOthers(const StrokeSummary& stroke, const StrokeGram& reduced,
                                              std::vector<Estimate>& estimates) {
   const Eigen::VectorXd present = inner_->theta();
-  last_excited_.resize(kMostParameters, std::numeric_limits<double>::quiet_NaN());
+  last_excited_.resize(StoredTimes(), std::numeric_limits<double>::quiet_NaN());
   if (present.size() == 0 || reduced.integral.dimension() == 0) return;
   std::vector<int> columns(static_cast<std::size_t>(regressors()));
   std::iota(columns.begin(), columns.end(), 0);
@@ -159,7 +154,7 @@ void AddedEffectsEstimator::JudgeGivenOthers(const StrokeSummary& stroke, const 
     Estimate& estimate = estimates[k];
     int own = 0;
     derived[k].gradient.cwiseProduct(present).cwiseAbs().maxCoeff(&own);
-    const double useful = UsefulStd(derived[k]);
+    const double useful = derived[k].useful_std();
     const double given =
         std::abs(derived[k].gradient[own]) * std::sqrt(variance / std::max(clean.h(own, own), 1e-300));
     const bool moved = clean.h(own, own) > kSignalShare * raw.h(own, own);
@@ -242,6 +237,11 @@ Eigen::VectorXd AddedEffectsEstimator::ColumnWeights(const Eigen::VectorXd& thet
   return weights_.leftCols(regressors()) * theta;
 }
 
+std::size_t AddedEffectsEstimator::StoredTimes() const {
+  return std::max(kLeastStored,
+                  model_->derive(Eigen::VectorXd::Ones(model_->base_count)).size() + effects_.size());
+}
+
 void AddedEffectsEstimator::Save(ByteWriter& out) const {
   out.Put<std::uint8_t>(inner_ != nullptr);
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(effects_.size()));
@@ -249,7 +249,7 @@ void AddedEffectsEstimator::Save(ByteWriter& out) const {
   if (!inner_) return;
   for (const EffectChoice& choice : choices_) out.Put<std::int32_t>(choice.shape);
   for (const double w : weights_.reshaped()) out.Put(w);
-  for (std::size_t k = 0; k < kMostParameters; ++k)
+  for (std::size_t k = 0; k < StoredTimes(); ++k)
     out.Put(k < last_excited_.size() ? last_excited_[k] : std::numeric_limits<double>::quiet_NaN());
   inner_->Save(out);
 }
@@ -271,7 +271,7 @@ bool AddedEffectsEstimator::Restore(ByteReader& in) {
   }
   weights_.resize(model_->column_count(), regressors() + 1);
   for (double& w : weights_.reshaped()) w = in.Get<double>();
-  last_excited_.resize(kMostParameters);
+  last_excited_.resize(StoredTimes());
   for (double& t : last_excited_) t = in.Get<double>();
   Begin();
   return inner_->Restore(in);

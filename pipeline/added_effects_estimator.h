@@ -49,6 +49,7 @@ class AddedEffectsEstimator : public StrokeEstimator {
   Eigen::VectorXd ColumnWeights(const Eigen::VectorXd& theta) const;
 
  private:
+  std::size_t StoredTimes() const;  ///< entries of last_excited_
   /// A stroke seen before the start.
   struct Waiting {
     std::vector<SpanEquations> spans;

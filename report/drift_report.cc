@@ -81,8 +81,8 @@ std::string CurvePlot(const drift::TemperatureModel& curve, const Blocks& blocks
     x.push_back(low + (high - low) * k / kCurvePoints);
     const auto p = curve.At(x.back() + kZeroCelsius);
     value.push_back(info.Shown(p.value));
-    below.push_back(info.Shown(p.value - 1.96 * p.std));
-    above.push_back(info.Shown(p.value + 1.96 * p.std));
+    below.push_back(info.Shown(p.value - kNormal95 * p.std));
+    above.push_back(info.Shown(p.value + kNormal95 * p.std));
   }
   plot.Band(x, below, above, Ink::kGreen, "95 % of the curve");
   plot.Line(x, value, {Ink::kGreen, Dash::kSolid, 1.8}, "healthy: " + curve.FormName());
@@ -111,8 +111,8 @@ std::string DeviationPlot(const Blocks& blocks, const ParameterInfo& info, doubl
   std::vector<double> low, high, middle;
   for (std::size_t k = 0; k < blocks.stroke.size(); ++k) {
     middle.push_back(factor * blocks.deviation[k]);
-    low.push_back(factor * (blocks.deviation[k] - 1.96 * blocks.std[k]));
-    high.push_back(factor * (blocks.deviation[k] + 1.96 * blocks.std[k]));
+    low.push_back(factor * (blocks.deviation[k] - kNormal95 * blocks.std[k]));
+    high.push_back(factor * (blocks.deviation[k] + kNormal95 * blocks.std[k]));
   }
   plot.Borders(std::move(changes));
   plot.ErrorBars(blocks.stroke, low, high, Ink::kBlue);

@@ -193,7 +193,7 @@ LimitCheck CheckPair(const std::vector<TrendSample>& samples, const std::optiona
     check.outcome = touched;
   }
   if (latest != nullptr && check.outcome == LimitOutcome::kWithin &&
-      Beyond(latest->value, low, high) + 1.96 * latest->std >= 0) {
+      Beyond(latest->value, low, high) + kNormal95 * latest->std >= 0) {
     check.outcome = LimitOutcome::kIntervalReaches;
     check.limit = NearerLimit(latest->value, low, high);
   }

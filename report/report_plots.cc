@@ -29,7 +29,7 @@ AxisRange ValueRange(const std::vector<TrendSample>& samples, const ParameterInf
     high = any ? std::max(high, shown) : shown;
     any = true;
     if (sample.updated && std::isfinite(sample.std))
-      half_widths.push_back(1.96 * sample.std * std::abs(info.factor));
+      half_widths.push_back(kNormal95 * sample.std * std::abs(info.factor));
   }
   const double typical = Median(half_widths, 0);
   double widest = typical;
@@ -57,7 +57,7 @@ void AddLevels(SvgPlot& plot, const ReportInput& input, const ParameterAnalysis&
 std::string PointTitle(const TrendSample& sample, const ParameterInfo& info) {
   std::string title = fmt::format(
       "stroke {}: {} {}", FormatCount(sample.sequence),
-      FormatWithUncertainty(info.Shown(sample.value), 1.96 * sample.std * info.factor), info.unit);
+      FormatWithUncertainty(info.Shown(sample.value), kNormal95 * sample.std * info.factor), info.unit);
   if (std::isfinite(sample.temperature))
     title += fmt::format(", oil {} °C", FormatFixed(sample.temperature - kZeroCelsius, 1));
   if (!sample.updated) title += std::string(", not updated: ") + ReasonText(sample.reason);
@@ -75,7 +75,7 @@ Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& 
   Columns columns;
   for (const TrendSample& sample : samples) {
     if (sample.updated != updated || !std::isfinite(x_of(sample))) continue;
-    const double half = std::isfinite(sample.std) ? 1.96 * sample.std : 0;
+    const double half = std::isfinite(sample.std) ? kNormal95 * sample.std : 0;
     columns.x.push_back(x_of(sample));
     columns.y.push_back(info.Shown(sample.value));
     columns.low.push_back(info.Shown(sample.value - half));

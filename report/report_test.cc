@@ -108,7 +108,7 @@ TEST(FormatReport, IsSoundWithoutAnyStroke) {
   const std::string page = FormatReport(input);
   ExpectSound(page);
   EXPECT_TRUE(Has(VerdictText(page), "No verdict"));
-  EXPECT_TRUE(Has(VerdictText(page), "No drawing stroke was found"));
+  EXPECT_TRUE(Has(VerdictText(page), "No stroke was found"));
 }
 
 TEST(FormatReport, IsSoundWithOneStroke) {

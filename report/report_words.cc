@@ -383,9 +383,9 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
   words.pill = PillOf(words.standing, analysis);
   words.value = "not identified";
   if (analysis.latest)
-    words.value = WithUnit(
-        FormatWithUncertainty(info.Shown(analysis.latest->value), 1.96 * analysis.latest->std * info.factor),
-        info);
+    words.value = WithUnit(FormatWithUncertainty(info.Shown(analysis.latest->value),
+                                                 kNormal95 * analysis.latest->std * info.factor),
+                           info);
   words.reading = Reading(words.standing, analysis, info);
   words.limits = LimitText(analysis.limits, info);
   if (analysis.updated == 0) return words;

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <vector>
 
+#include "core/constants.h"
 #include "host/output.h"
 #include "studies/simulated_strokes.h"
 
@@ -23,7 +24,7 @@ struct Score {
     const double error = estimate.value - truth;
     const double z = error / estimate.std;
     ++cases;
-    held += std::abs(z) <= 1.96;
+    held += std::abs(z) <= kNormal95;
     sum_z += z;
     sum_z2 += z * z;
     const double unit =

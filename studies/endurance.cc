@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "acquisition/quality_monitor.h"
+#include "core/constants.h"
 #include "estimation/information_filter.h"
 #include "estimation/recursive_least_squares.h"
 #include "host/output.h"
@@ -228,7 +229,7 @@ bool RunPipeline(const EnduranceOptions& o) {
     const double z = (e.value - truth[i]) / e.std;
     right = right && std::abs(z) < 3;
     std::cout << fmt::format("  {:<5} {:.5g} ± {:.2g} {}, truth {:.5g}, {:+.1f} standard deviations\n",
-                             e.parameter, e.value, 1.96 * e.std, e.unit, truth[i], z);
+                             e.parameter, e.value, kNormal95 * e.std, e.unit, truth[i], z);
   }
   return unchanged && right && strokes.size() > strokes_before;
 }

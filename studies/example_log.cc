@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "core/constants.h"
 #include "host/output.h"
 #include "workbench/fit_log.h"
 
@@ -24,14 +25,14 @@ struct Row {
 bool PrintRow(const Row& row, const Estimate& estimate) {
   const double deviation = (estimate.value - row.truth) / (row.absolute ? 1.0 : row.truth);
   const bool within = std::abs(deviation) <= row.limit;
-  const bool held = std::abs(estimate.value - row.truth) <= 1.96 * estimate.std;
+  const bool held = std::abs(estimate.value - row.truth) <= kNormal95 * estimate.std;
   const std::string error =
       row.absolute ? fmt::format("{:+.5f}", deviation) : fmt::format("{:+.2f} %", 100 * deviation);
   const std::string limit =
       row.absolute ? fmt::format("{:.4f}", row.limit) : fmt::format("{:.1f} %", 100 * row.limit);
   std::cout << fmt::format(
       "{:<5} {:>10.5g} ± {:<9.3g} {:<6} truth {:>8.5g}  deviation {:>9}  limit {:>7}  {}, interval {} it\n",
-      row.name, estimate.value * row.factor, 1.96 * estimate.std * row.factor, row.unit,
+      row.name, estimate.value * row.factor, kNormal95 * estimate.std * row.factor, row.unit,
       row.truth * row.factor, error, limit, within ? "within" : "MISSED", held ? "holds" : "misses");
   return within;
 }

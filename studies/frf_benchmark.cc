@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/constants.h"
 #include "estimation/frequency_response.h"
 #include "simulator/valve_sweep.h"
 
@@ -67,7 +68,7 @@ struct IntervalTally {
   void Add(const ValueWithStd& v) {
     sum += v.value;
     worst = std::max(worst, std::abs(v.value - truth));
-    inside += std::abs(v.value - truth) <= 1.96 * v.std;
+    inside += std::abs(v.value - truth) <= kNormal95 * v.std;
   }
 };
 

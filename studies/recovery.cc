@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 
+#include "core/constants.h"
 #include "host/output.h"
 #include "simulator/effects.h"
 #include "studies/random_effect.h"
@@ -95,7 +96,7 @@ struct RecoveryTally {
 
   void Add(const RecoveredValue& value) {
     const double deviation = std::abs(value.Deviation());
-    const bool holds = deviation <= 1.96;
+    const bool holds = deviation <= kNormal95;
     ++values;
     inside += holds;
     far += !(deviation <= kMostDeviation);

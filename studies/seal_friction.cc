@@ -11,6 +11,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/constants.h"
 #include "host/output.h"
 #include "workbench/explain_log.h"
 
@@ -94,7 +95,7 @@ int RunSealFriction(const SealFrictionOptions& options) {
                            x.doubt.empty() ? "" : fmt::format(" ({})", x.doubt));
   for (const EffectEstimate& e : x.final.effects)
     std::cout << fmt::format("  {:<18} {} = {:.4g} ± {:.2g} {}\n", result->effect(e.choice.effect).id,
-                             result->effect(e.choice.effect).parameter, e.size, 1.96 * e.std,
+                             result->effect(e.choice.effect).parameter, e.size, kNormal95 * e.std,
                              result->effect(e.choice.effect).unit);
 
   double bore = NAN;
@@ -102,7 +103,7 @@ int RunSealFriction(const SealFrictionOptions& options) {
     if (e.parameter != "bore") continue;
     bore = e.value;
     std::cout << fmt::format("  bore               {:.2f} ± {:.2f} mm (95 % interval); gauge: 25.7 mm\n",
-                             1e3 * e.value, 1e3 * 1.96 * e.std);
+                             1e3 * e.value, 1e3 * kNormal95 * e.std);
   }
   const bool named = std::set<std::string>(x.set.begin(), x.set.end()) == kTrue;
   const bool falls = x.final.rms_holdout < kRequiredFall * x.base.rms_holdout;

@@ -39,7 +39,7 @@ class LargeModel : public CommandLine {
     }
     return File("large.csv");
   }
-  std::string Machine(int terms) {
+  std::string Machine(int terms, const std::string& library = "", const std::string& added = "") {
     std::string signals, balance;
     for (int k = 0; k < terms; ++k) {
       signals += fmt::format("x{0} = {{ column = \"x{0}\", unit = \"1\", stuck_time = 0 }}\n", k);
@@ -47,14 +47,15 @@ class LargeModel : public CommandLine {
     }
     WriteText(
         File("large.toml"),
-        "[machine]\nname = \"large\"\n[log]\ntime = { column = \"t\", unit = \"s\" }\n[signals]\n"
-        "U = { column = \"U\", unit = \"V\", stuck_time = 0 }\n"
-        "g = { column = \"g\", unit = \"1\", stuck_time = 0 }\n" +
+        "[machine]\nname = \"large\"\n" + added +
+            "[log]\ntime = { column = \"t\", unit = \"s\" }\n[signals]\n"
+            "U = { column = \"U\", unit = \"V\", stuck_time = 0 }\n"
+            "g = { column = \"g\", unit = \"1\", stuck_time = 0 }\n" +
             signals +
             "[gate]\nconditions = { g = { min = 0.5, unit = \"1\" } }\nstroke_gap = 0.05\nmin_stroke = 0.3\n"
             "[window]\nblock = 0.02\nspan = 0.3\nhalf_width = 0.04\n"
             "[balance]\noutput = \"U\"\nunit = \"V\"\nterms = { " +
-            balance + " }\n");
+            balance + " }\n" + library);
     return File("large.toml");
   }
 };
@@ -75,6 +76,24 @@ TEST_F(LargeModel, OfAllSizesIsFittedExplainedAndReplayed) {
     EXPECT_NEAR(replay.Json()["parameters"]["a0"]["value"].get<double>(), Truth(0), 0.05) << terms;
     EXPECT_EQ(Run({"explain", "--db", db}).exit_code, 0) << terms;
   }
+}
+
+/// Effects count as well: as many as fit are followed, one more is refused.
+TEST_F(LargeModel, WithAddedEffectsUpToTheLimit) {
+  const std::string effect =
+      "[[effect]]\nid = \"square\"\ndescription = \"Square\"\nterms = { s = \"x0^2\" }\nunit = \"V\"\nmin = "
+      "-10\n";
+  const std::string added = "effects = [\"square\"]\n";
+  const std::string log = Log(kMaxParameters);
+  for (const int terms : {16, kMaxParameters - 1}) {
+    const std::string machine = Machine(terms, effect, added);
+    const Ran replay = Run({"replay", log, "-m", machine, "--db", File(fmt::format("more_{}.db", terms))});
+    EXPECT_EQ(replay.exit_code, 0) << terms << replay.err;
+    EXPECT_THAT(replay.out, HasSubstr("square.s")) << replay.out;
+  }
+  const Ran ran = Run({"fit", log, "-m", Machine(kMaxParameters, effect, added)});
+  EXPECT_EQ(ran.exit_code, 3);
+  EXPECT_THAT(ran.err, HasSubstr("32 parameters and 1 added effects, at most 32"));
 }
 
 TEST_F(LargeModel, BeyondTheLimitIsRefusedWithTheLimit) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/effect_units.h"
 #include "core/units.h"
 #include "models/die_cushion.h"
@@ -114,7 +115,7 @@ std::string ModelText(const Machine& machine) {
   for (const auto& [name, known] : machine.geometry) {
     const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
     text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
-    if (known.std > 0) text += fmt::format(" ± {:.2g}", 1.96 * known.std * unit.factor);
+    if (known.std > 0) text += fmt::format(" ± {:.2g}", kNormal95 * known.std * unit.factor);
     text += fmt::format(" {}\n", unit.name);
   }
   text += "\nSignals\n";

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/relative_change.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_monitor.h"
@@ -15,7 +16,7 @@ std::string PartText(const FindingPart& part) {
   if (part.unit == "m3/(s Pa)") {
     const double factor = 6e4 * kLeakagePressure;
     return fmt::format("{} {:+.2f} ± {:.2f} l/min at 200 bar", part.quantity, part.size * factor,
-                       1.96 * part.std * factor);
+                       kNormal95 * part.std * factor);
   }
   if (part.unit == "1")
     return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
@@ -26,7 +27,7 @@ std::string PartText(const FindingPart& part) {
     return fmt::format("{} {:+.1f} ± {:.1f} % ({})", part.quantity, 100 * *share,
                        196 * part.std / std::abs(part.reference), values);
   return fmt::format("{} {:+.3g} ± {:.2g} {} ({})", part.quantity, part.size * unit.factor,
-                     1.96 * part.std * unit.factor, unit.name, values);
+                     kNormal95 * part.std * unit.factor, unit.name, values);
 }
 
 }  // namespace

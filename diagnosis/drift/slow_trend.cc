@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/constants.h"
+
 namespace hydroscope::drift {
 namespace {
 
@@ -64,7 +66,7 @@ TimeToLimit SlowTrend::Reach(const TrendFigures& figures, double limit) {
   const auto strokes = [&](double slope) {
     return slope * way > 0 ? way / slope : std::numeric_limits<double>::infinity();
   };
-  const double away = std::copysign(1.96 * figures.slope_std, way);
+  const double away = std::copysign(kNormal95 * figures.slope_std, way);
   return {strokes(figures.slope), strokes(figures.slope + away), strokes(figures.slope - away)};
 }
 
