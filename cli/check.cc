@@ -8,6 +8,7 @@
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "live/check_live.h"
+#include "models/machine_kind.h"
 #include "workbench/check_output.h"
 
 namespace hydroscope {
@@ -43,7 +44,7 @@ int Run(const CheckArguments& arguments) {
   if (!arguments.json.empty())
     if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
       return ReportError(written.error());
-  const bool no_stroke = check->machine.model != "valve" && check->driving.strokes == 0;
+  const bool no_stroke = KindOf(check->machine).build != nullptr && check->driving.strokes == 0;
   return check->Clean() && !no_stroke ? kDone : kPartlyDone;
 }
 

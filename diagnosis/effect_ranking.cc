@@ -8,8 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "diagnosis/generic_laws.h"
-
 namespace hydroscope {
 namespace {
 
@@ -181,7 +179,7 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
     const std::string& id = strokes_.model().effects[e]->id;
     const bool excluded =
         std::find(options_.exclude.begin(), options_.exclude.end(), id) != options_.exclude.end();
-    if (!Uses(on, e) && !excluded && !IsGeneric(*strokes_.model().effects[e])) ranking.push_back(Try(on, e));
+    if (!Uses(on, e) && !excluded && !strokes_.model().effects[e]->generic) ranking.push_back(Try(on, e));
   }
   BestFirst(ranking);
   PreferStored(ranking);
@@ -204,7 +202,7 @@ void EffectRanking::PreferStored(std::vector<RankedEffect>& ranking) const {
 std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) const {
   std::vector<RankedEffect> ranking;
   for (int e = 0; e < static_cast<int>(strokes_.model().effects.size()); ++e)
-    if (IsGeneric(*strokes_.model().effects[e])) ranking.push_back(Try(on, e));
+    if (strokes_.model().effects[e]->generic) ranking.push_back(Try(on, e));
   BestFirst(ranking);
   return ranking;
 }

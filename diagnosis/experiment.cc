@@ -11,7 +11,7 @@
 #include "diagnosis/played_stroke.h"
 #include "diagnosis/refine.h"
 #include "diagnosis/rival_separation.h"
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/explain_own_machine.h"
-#include "diagnosis/generic_laws.h"
 
 namespace hydroscope {
 namespace {
@@ -228,7 +227,8 @@ void Explainer::FindMargin(Explanation& out) const {
 
 /// Little of the law is left beside an effect that may be the one.
 bool Explainer::IsSame(const RankedEffect& law, const Explanation& found) const {
-  const double least = (IsPlainFlow(law.id) ? kSameFlow : kSameLaw) * law.fit.effects.back().independent;
+  const double least = (strokes_.model().effects[law.effect]->plain_flow ? kSameFlow : kSameLaw) *
+                       law.fit.effects.back().independent;
   const auto& group = found.groups.front();
   return std::any_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& named) {
     if (std::find(group.begin(), group.end(), named.id) == group.end()) return false;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/generic_laws.h"
 #include "diagnosis/subset_search.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -70,7 +70,7 @@ class OwnMachineExplainer {
                                     [&](const EffectChoice& c) { return c.effect == e; });
       const bool excluded = std::find(options_.exclude.begin(), options_.exclude.end(), library[e]->id) !=
                             options_.exclude.end();
-      if (!used && !excluded && !IsGeneric(*library[e])) out.push_back(e);
+      if (!used && !excluded && !library[e]->generic) out.push_back(e);
     }
     return out;
   }
@@ -144,7 +144,7 @@ class OwnMachineExplainer {
 
 }  // namespace
 
-bool IsOwnMachine(const ModelStructure& model) { return model.name == "expressions"; }
+bool IsOwnMachine(const ModelStructure& model) { return model.kind != nullptr && model.kind->own_library; }
 
 Explanation ExplainBySubsets(const StrokeSet& strokes, const ExplainOptions& options,
                              const CandidateModel& start) {

@@ -7,12 +7,13 @@
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/effect_swap.h"
 #include "diagnosis/explain.h"
-#include "diagnosis/generic_laws.h"
+#include "diagnosis/explain_own_machine.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/odd_strokes.h"
 #include "diagnosis/residuals.h"
 #include "diagnosis/testability.h"
 #include "diagnosis/tone_search.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

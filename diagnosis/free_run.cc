@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

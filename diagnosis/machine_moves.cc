@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/quantile.h"
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 #include "models/smooth_rate.h"
 
 namespace hydroscope {

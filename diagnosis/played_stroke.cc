@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

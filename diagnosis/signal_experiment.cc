@@ -12,6 +12,7 @@
 #include "diagnosis/moved_stroke.h"
 #include "diagnosis/rival_separation.h"
 #include "models/expression_check.h"
+#include "models/machine_kind.h"
 #include "models/machine_table.h"
 
 namespace hydroscope {
@@ -333,7 +334,7 @@ bool SignalExperiment::settles() const { return strokes > 0 && separation >= kSe
 SignalExperiment ProposeSignalExperiment(const Explanation& explanation, const Machine& machine,
                                          std::span<const StrokeStretches> recorded,
                                          const WindowSamples& window) {
-  if (explanation.verdict != Verdict::kAmbiguous || machine.model != "expressions" || recorded.empty())
+  if (explanation.verdict != Verdict::kAmbiguous || !KindOf(machine).own_library || recorded.empty())
     return {};
   return SignalSearch(explanation, machine, recorded, window).Run();
 }

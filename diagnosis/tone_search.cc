@@ -7,7 +7,7 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <numbers>
 
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 #include "models/machine.h"
 
 namespace hydroscope {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/non_negative.h"
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 #include "simulator/random.h"
 
 namespace hydroscope {

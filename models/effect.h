@@ -37,7 +37,7 @@ struct EffectVariant {
 /// The common case: one column with weight 1.
 EffectVariant PlainVariant(Column::Fill column);
 
-/// A physical effect that the base model may be missing. One law, one file in models/effects/.
+/// A physical effect that the base model may be missing. One law, one file in machines/die_cushion/effects/.
 struct Effect {
   std::string id;           ///< fixed, see docs/effects.md
   std::string title;        ///< "Internal leakage past the piston seal"
@@ -74,6 +74,10 @@ struct Effect {
   std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
   /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.
   std::vector<std::vector<double>> grid = {{}};
+  /// A law without a name, one of the first powers and products of the signals. It never becomes a verdict; it tells
+  /// whether a named effect has left something, and whether a law that nobody thought of would do as well.
+  bool generic = false;
+  bool plain_flow = false;  ///< generic, and a flow that goes with a signal, like a leak
   /// Its columns are in no stored Gram: it is tried where samples are at hand (AddSampleEffects).
   bool needs_samples = false;
   /// Its law lives on a signal that must move: below this span over the strokes, in SI of the channel, even a size of several
@@ -85,13 +89,6 @@ struct Effect {
   std::optional<LeastSpan> least_span;
 };
 
-/// Geometry the effects need.
-struct CushionGeometry {
-  double piston_area = 0.0;    ///< m^2
-  double tank_pressure = 0.0;  ///< Pa
-  double stroke = 0.2;         ///< m, working stroke, positions run 0 ... stroke
-};
-
 /// Appends the effect's columns at these nonlinear values to the model as one more shape of effect `index`, if asked for on
 /// the signals as another effect corrects them. Returns the shape's index.
 int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlinear,
@@ -100,11 +97,11 @@ int AddShape(ModelStructure& model, int index, const std::vector<double>& nonlin
 /// Appends every effect whose channels the machine measures, with the shapes of its grid.
 void AddLibrary(std::vector<std::shared_ptr<const Effect>> effects, ModelStructure& model);
 
+/// Appends ModelStructure::generic_laws.
+void AddGenericLaws(ModelStructure& model);
+
 /// Appends the effects of ModelStructure::sample_effects that the model does not have yet, with the shapes of their grids.
 /// Only those of `ids`, if it is not empty.
 void AddSampleEffects(ModelStructure& model, const std::vector<std::string>& ids = {});
-
-/// All effects of the die cushion, built for one machine, in fixed order.
-std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry);
 
 }  // namespace hydroscope

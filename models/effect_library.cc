@@ -3,31 +3,12 @@
 
 #include <algorithm>
 
-#include "models/effects/effects.h"
+#include "models/effect.h"
 
 namespace hydroscope {
 
 EffectVariant PlainVariant(Column::Fill column) {
   return {{std::move(column)}, [](const ShapeContext&) { return std::vector<double>{1.0}; }};
-}
-
-std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry) {
-  using namespace effects;
-  std::vector<std::shared_ptr<const Effect>> library;
-  for (auto make : {InternalLeakage, ExternalLeakage, OrificeLeakage, EntrainedAir, Accumulator, ReliefValve,
-                    TankBackPressure, ValveFlowCurvature, ValveFlowAsymmetry, SpoolOverlap, SpoolHysteresis,
-                    OilViscosity, PressureOffset, SpoolSignalDelay, PressureSignalDelay, PositionSignalDelay,
-                    PositionDependentLeakage, LineInertance})
-    library.push_back(std::make_shared<const Effect>(make(geometry)));
-  for (auto make :
-       {ReturnLineResistance, TankPressure, LaminarEdge, PressureDependentBulkModulus, LeakageTemperature,
-        PressureGain, PressureOffsetDrift, PressureSignalLag, SpoolSignalLag, PositionSignalLag, SignalLag,
-        PeriodicDisturbance, BulkModulusDrift, DeadVolumeDrift, FlowGainDrift, SpoolNullDrift}) {
-    Effect effect = make(geometry);
-    effect.needs_samples = true;
-    library.push_back(std::make_shared<const Effect>(std::move(effect)));
-  }
-  return library;
 }
 
 namespace {
@@ -88,5 +69,7 @@ void AddSampleEffects(ModelStructure& model, const std::vector<std::string>& ids
   }
   AddLibrary(std::move(missing), model);
 }
+
+void AddGenericLaws(ModelStructure& model) { AddLibrary(model.generic_laws, model); }
 
 }  // namespace hydroscope

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_sections.h"
 
 namespace hydroscope {
@@ -35,7 +36,7 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   section.Number("warm_up", spec.warm_up, {.si = "K", .default_unit = "K", .difference = true, .low = 0});
   section.Integer("max_strokes", spec.max_strokes, 12);
   spec.signals = ReadBounds(section, "signals", "experiment.signals", machine);
-  const bool own = machine.model == "expressions";
+  const bool own = KindOf(machine).own_library;
   if (!own && section.Has("signals"))
     section.Problem(
         "signals is for machines of your own; here: ram_speed, pressure, rod_pressure and warm_up");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/machine_kind.h"
 #include "models/user_effect.h"
 
 namespace hydroscope {
@@ -116,14 +117,12 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
 
 ExpressionNames NamesForDerived(const Machine& machine) { return Derivation::DerivedNames(machine); }
 
-Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machine& machine) {
+Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& machine) {
   const BalanceSpec& balance = machine.balance;
   if (balance.output.empty() || balance.terms.empty())
     return BadInput("machine '{}': model \"expressions\" needs a [balance] with output and terms",
                     machine.name);
   auto model = std::make_shared<ModelStructure>();
-  model->name = "expressions";
-  model->words = WordsOf(machine);
   model->output_unit = balance.unit;
 
   std::vector<Expression> trees;

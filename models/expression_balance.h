@@ -13,6 +13,6 @@ ExpressionNames NamesForDerived(const Machine& machine);
 /// enters linearly the balance is integrated (integral form, a ddt is a difference); without one it holds
 /// sample by sample (level form). The effects of the file are its library. Errors: what CheckExpression says,
 /// with the key.
-Result<std::shared_ptr<const ModelStructure>> BuildExpressionBalance(const Machine& machine);
+Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& machine);
 
 }  // namespace hydroscope

@@ -10,6 +10,7 @@
 
 #include "core/units.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_table.h"
 
 namespace hydroscope {
@@ -156,10 +157,10 @@ ExpressionNames ExpressionNamesOf(const Machine& machine) {
   ExpressionNames names;
   names.units["pi"] = Dimension{};
   names.constants["pi"] = std::numbers::pi;
-  const ModelInputs* model = FindModelInputs(machine.model);
+  const MachineKind* model = FindKind(machine.model);
   for (const auto& [name, known] : machine.geometry) {
     std::string si = known.unit;
-    for (const ModelInput& input : model->geometry)
+    for (const MachineInput& input : model->geometry)
       if (input.name == name) si = input.si;
     names.units[name] = si.empty() ? std::nullopt : ParseSiUnit(si);
     names.constants[name] = known.value;

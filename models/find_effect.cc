@@ -7,6 +7,7 @@
 
 #include "core/units.h"
 #include "models/effect.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -27,8 +28,8 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
           "effect '{}' cannot be judged on stored strokes, which keep no columns of it: give a log", id);
   std::vector<std::string> ids;
   for (const auto& effect : model.effects) ids.push_back(effect->id);
-  for (const auto& effect : DieCushionEffects({})) {
-    if (model.name != "die_cushion") break;
+  const bool built_in = model.kind != nullptr && model.kind->effects != nullptr;
+  for (const auto& effect : built_in ? model.kind->effects({}) : model.sample_effects) {
     ids.push_back(effect->id);
     if (effect->id != id) continue;
     std::vector<std::string> missing;

@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "models/machine.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -76,10 +77,10 @@ TEST(MachineFilePage, DescribesEverySectionModelAndInput) {
   const std::string page = ReadPage();
   for (const std::string& section : MachineFileKeys(""))
     EXPECT_NE(page.find("[" + section), std::string::npos) << section;
-  for (const std::string& model : ModelNames()) {
+  for (const std::string& model : KindNames()) {
     EXPECT_NE(page.find("`\"" + model + "\"`"), std::string::npos) << model;
-    for (const auto& inputs : {FindModelInputs(model)->signals, FindModelInputs(model)->geometry})
-      for (const ModelInput& input : inputs)
+    for (const auto& inputs : {FindKind(model)->signals, FindKind(model)->geometry})
+      for (const MachineInput& input : inputs)
         EXPECT_NE(page.find("| `" + std::string(input.name) + "` | " + std::string(input.si)),
                   std::string::npos)
             << model << ": " << input.name;

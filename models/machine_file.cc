@@ -4,6 +4,7 @@
 
 #include "models/machine.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_sections.h"
 
 namespace hydroscope {
@@ -23,7 +24,8 @@ Result<toml::table> ParseToml(const std::string& text, const std::string& origin
 /// Defaults that depend on what the file says.
 void FillDefaults(const std::string& origin, Machine& machine) {
   if (machine.name.empty()) machine.name = std::filesystem::path(origin).stem().string();
-  if (machine.model == "die_cushion") machine.geometry.try_emplace("p_t", KnownValue{0.0, 0.0});
+  for (const MachineInput& input : KindOf(machine).geometry)
+    if (!input.given) machine.geometry.try_emplace(std::string(input.name), KnownValue{input.otherwise, 0.0});
 }
 
 }  // namespace

@@ -6,26 +6,14 @@
 
 #include "core/units.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_table.h"
+#include "models/toml_text.h"
 
 namespace hydroscope {
 namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      quoted += std::string("\\") + c;
-    else if (byte < 0x20 || byte == 0x7f)
-      quoted += fmt::format("\\u{:04X}", byte);
-    else
-      quoted += c;
-  }
-  return quoted + "\"";
-}
 
 std::string Key(const std::string& key) {
   const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
@@ -161,8 +149,8 @@ std::string SignalsSection(const Machine& machine, const MachineNotes& notes) {
                  notes, "signals");
 }
 
-std::string SiOfInput(std::span<const ModelInput> inputs, const std::string& name) {
-  for (const ModelInput& input : inputs)
+std::string SiOfInput(std::span<const MachineInput> inputs, const std::string& name) {
+  for (const MachineInput& input : inputs)
     if (input.name == name) return std::string(input.si);
   return "";
 }
@@ -184,7 +172,7 @@ std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
   Pairs pairs;
   for (const auto& [name, known] : machine.geometry) {
     const std::string si =
-        known.unit.empty() ? SiOfInput(FindModelInputs(machine.model)->geometry, name) : known.unit;
+        known.unit.empty() ? SiOfInput(FindKind(machine.model)->geometry, name) : known.unit;
     const std::string unit = si == "m2" ? si : ReadableUnit(si, {{known.value, false}, {known.std, true}});
     Pairs value = {{"value", NumberIn(known.value, unit)}};
     if (known.std != 0.0) value.emplace_back("std", NumberIn(known.std, unit, true));
@@ -265,7 +253,7 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
     for (const auto& [key, value] : limits)
       if (value) values.emplace_back(*value, false);
     const std::string unit =
-        ReadableUnit(SiOfInput(FindModelInputs(machine.model)->parameters, monitor.parameter), values);
+        ReadableUnit(SiOfInput(FindKind(machine.model)->parameters, monitor.parameter), values);
     Pairs pairs;
     if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
     for (const auto& [key, value] : limits)
@@ -277,7 +265,7 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
 }
 
 std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
-  if (machine.valve == ValveSpec{} && machine.model != "valve") return "";
+  if (machine.valve == ValveSpec{} && KindOf(machine).build != nullptr) return "";
   // A file with this section must have both signals; a built-in default may lack them.
   return Section("[valve]", "Frequency response: gain = output / (input / full_scale), full_scale in SI.",
                  {{"input", Quoted(machine.valve.input)},
@@ -304,7 +292,7 @@ std::string ExperimentSection(const Machine& machine, const MachineNotes& notes)
   if (spec.rod_pressure_min || spec.rod_pressure_max)
     pairs.emplace_back("rod_pressure", range(spec.rod_pressure_min, spec.rod_pressure_max, "Pa"));
   if (!spec.signals.empty()) pairs.emplace_back("signals", Inline(BoundPairs(machine, spec.signals)));
-  if (machine.model != "expressions") pairs.emplace_back("warm_up", Plain(spec.warm_up));
+  if (!KindOf(machine).own_library) pairs.emplace_back("warm_up", Plain(spec.warm_up));
   pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
   return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",
                  pairs, notes, "experiment");

@@ -1,40 +1,6 @@
 #include "models/machine_keys.h"
 
-#include <array>
-
 namespace hydroscope {
-namespace {
-
-constexpr std::array<ModelInput, 8> kCushionSignals = {{
-    {"p_A", "Pa", true, "pressure in the cylinder chamber A"},
-    {"z", "m", true, "position of the cushion"},
-    {"y_v", "1", true, "spool position, -1 to 1"},
-    {"p_B", "Pa", false, "pressure in chamber B"},
-    {"p_0", "Pa", false, "supply pressure"},
-    {"p_t", "Pa", false, "tank pressure"},
-    {"U_v", "V", false, "valve command"},
-    {"T_oil", "K", false, "oil temperature"},
-}};
-constexpr std::array<ModelInput, 4> kCushionGeometry = {{
-    {"A_A", "m2", true, "piston area on side A", true},
-    {"dp_nom", "Pa", true, "pressure drop at which the valve's nominal flow is stated", true},
-    {"p_t", "Pa", false, "tank pressure where it is not measured"},
-    {"stroke", "m", false, "working stroke of the cushion", true},
-}};
-constexpr std::array<ModelInput, 4> kCushionParameters = {{
-    {"K", "Pa", true, "effective bulk modulus"},
-    {"V0", "m3", true, "dead volume"},
-    {"Q_vn", "m3/s", true, "nominal flow of the valve"},
-    {"y_0", "1", true, "spool offset"},
-}};
-const std::array<ModelInputs, 3> kModels = {{
-    {"die_cushion", kCushionSignals, kCushionGeometry, kCushionParameters},
-    {"valve", {}, {}, {}},
-    {"expressions", {}, {}, {}},
-}};
-
-}  // namespace
-
 const std::vector<MachineSection>& MachineFileSections() {
   static const std::vector<MachineSection> sections = {
       {"",
@@ -91,18 +57,6 @@ const std::vector<std::string>& MachineFileKeys(std::string_view name) {
   for (const MachineSection& section : MachineFileSections())
     if (section.name == name) return section.keys;
   return none;
-}
-
-const ModelInputs* FindModelInputs(std::string_view model) {
-  for (const ModelInputs& inputs : kModels)
-    if (inputs.model == model) return &inputs;
-  return nullptr;
-}
-
-std::vector<std::string> ModelNames() {
-  std::vector<std::string> names;
-  for (const ModelInputs& inputs : kModels) names.emplace_back(inputs.model);
-  return names;
 }
 
 }  // namespace hydroscope

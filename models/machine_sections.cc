@@ -6,6 +6,7 @@
 
 #include "core/units.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 
@@ -114,16 +115,17 @@ bool IsIdentifier(const std::string& name) {
 }  // namespace
 
 void ReadMachineSection(TableReader& file, Machine& machine) {
-  if (file.Has("balance")) machine.model = "expressions";
+  const std::string own(OwnKind().id);
+  if (file.Has("balance")) machine.model = own;
   Section(file, "machine", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("machine"));
     section.Text("name", machine.name);
     section.Text("description", machine.description);
     section.Integer("model_version", machine.model_version, 1);
-    if (const auto model = section.Choice("model", ModelNames())) {
-      if (file.Has("balance") && ModelNames()[*model] != "expressions")
-        section.Wrong("model", "\"expressions\", because the file has its own [balance]");
-      machine.model = ModelNames()[*model];
+    if (const auto model = section.Choice("model", KindNames())) {
+      if (file.Has("balance") && KindNames()[*model] != own)
+        section.Wrong("model", "\"" + own + "\", because the file has its own [balance]");
+      machine.model = KindNames()[*model];
     }
     section.Texts("effects", machine.added_effects);
     ReadEffectValues(section, machine);
@@ -175,14 +177,14 @@ void ReadSignals(TableReader& file, Machine& machine) {
 }
 
 void ReadGeometry(TableReader& file, Machine& machine) {
-  const ModelInputs& model = *FindModelInputs(machine.model);
+  const MachineKind& model = *FindKind(machine.model);
   Section(file, "geometry", [&](TableReader& section) {
     std::vector<std::string> known;
-    for (const ModelInput& input : model.geometry) known.emplace_back(input.name);
+    for (const MachineInput& input : model.geometry) known.emplace_back(input.name);
     if (!known.empty()) section.AllowOnly(known);
     for (const TableReader::Entry& entry : section.Entries()) {
       const auto input = std::find_if(model.geometry.begin(), model.geometry.end(),
-                                      [&](const ModelInput& i) { return i.name == entry.key; });
+                                      [&](const MachineInput& i) { return i.name == entry.key; });
       const bool is_known = input != model.geometry.end();
       const std::string si(is_known ? input->si : "");
       KnownValue& value = machine.geometry[entry.key];

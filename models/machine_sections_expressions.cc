@@ -5,6 +5,7 @@
 #include "models/effect.h"
 #include "models/expression_balance.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_sections.h"
 #include "models/user_effect.h"
 
@@ -97,8 +98,9 @@ void CheckId(TableReader& section, const Machine& machine, const UserEffectSpec&
     return;
   }
   if (!ids.insert(effect.id).second) section.Wrong("id", "an id that no other effect has");
-  if (machine.model != "die_cushion") return;
-  for (const auto& built_in : DieCushionEffects({}))
+  const MachineKind& kind = KindOf(machine);
+  if (kind.effects == nullptr) return;
+  for (const auto& built_in : kind.effects({}))
     if (built_in->id == effect.id) section.Wrong("id", "another id: an effect of the library is called so");
 }
 
@@ -117,7 +119,7 @@ void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machi
   ReadUnit(section, unit);
   for (TermSpec& term : effect.terms)
     if (term.unit.empty()) term.unit = unit;
-  const std::string output = machine.model == "die_cushion" ? "m3/s" : machine.balance.unit;
+  const std::string output(OutputSi(machine));
   CheckTermUnits(section, "terms", effect.terms, units, output);
   section.Number("min", effect.min, {.si = ""});
   section.Number("max", effect.max, {.si = ""});
@@ -189,8 +191,8 @@ void CheckTermUnits(TableReader& section, const std::string& key, const std::vec
 void ReadBalance(TableReader& file, Machine& machine) {
   const toml::table* table = file.Table("balance");
   if (table == nullptr) {
-    if (machine.model == "expressions")
-      file.Problem("model \"expressions\" needs a section [balance] with output and terms");
+    if (KindOf(machine).own_library)
+      file.Problem("model \"" + machine.model + "\" needs a section [balance] with output and terms");
     return;
   }
   TableReader section(*table, "balance", file.problems());

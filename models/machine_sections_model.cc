@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/machine_sections.h"
 
 namespace hydroscope {
@@ -19,23 +20,23 @@ bool SameButCase(std::string_view a, std::string_view b) {
 }
 
 /// Signals that are none of the model's: one of them may be a misspelt one.
-std::vector<std::string> OwnSignalNames(const Machine& machine, const ModelInputs& model) {
+std::vector<std::string> OwnSignalNames(const Machine& machine, const MachineKind& model) {
   std::vector<std::string> names;
   for (const SignalSpec& signal : machine.signals)
     if (std::none_of(model.signals.begin(), model.signals.end(),
-                     [&](const ModelInput& input) { return input.name == signal.name; }))
+                     [&](const MachineInput& input) { return input.name == signal.name; }))
       names.push_back(signal.name);
   return names;
 }
 
-void CheckModelSignals(TableReader& file, const Machine& machine, const ModelInputs& model) {
+void CheckModelSignals(TableReader& file, const Machine& machine, const MachineKind& model) {
   const toml::table* table = file.Table("signals");
   if (table == nullptr || table->empty()) {
     file.Problem("section [signals] is missing: it says which column of the log is which signal");
     return;
   }
   TableReader section(*table, "signals", file.problems());
-  for (const ModelInput& input : model.signals) {
+  for (const MachineInput& input : model.signals) {
     const int index = machine.SignalIndex(std::string(input.name));
     if (index >= 0) {
       const std::string si = SiOf(machine.signals[index].unit);
@@ -51,18 +52,18 @@ void CheckModelSignals(TableReader& file, const Machine& machine, const ModelInp
     if (input.required)
       section.Problem(fmt::format(
           "{} is missing: model \"{}\" needs the {}; {}write e.g. {} = {{ column = \"...\", unit = \"{}\" }}",
-          input.name, model.model, input.meaning, DidYouMean(input.name, OwnSignalNames(machine, model)),
+          input.name, model.id, input.meaning, DidYouMean(input.name, OwnSignalNames(machine, model)),
           input.name, input.si));
   }
 }
 
-void CheckModelGeometry(TableReader& file, const Machine& machine, const ModelInputs& model) {
+void CheckModelGeometry(TableReader& file, const Machine& machine, const MachineKind& model) {
   const toml::table* table = file.Table("geometry");
-  for (const ModelInput& input : model.geometry) {
+  for (const MachineInput& input : model.geometry) {
     if (!input.required || machine.Geometry(std::string(input.name))) continue;
     const std::string text = fmt::format(
         "{} is missing: model \"{}\" needs the {}; write e.g. {} = {{ value = ..., unit = \"{}\" }}",
-        input.name, model.model, input.meaning, input.name, input.si);
+        input.name, model.id, input.meaning, input.name, input.si);
     if (table == nullptr)
       file.Problem("[geometry] " + text);
     else
@@ -71,7 +72,7 @@ void CheckModelGeometry(TableReader& file, const Machine& machine, const ModelIn
 }
 
 void CheckValveSignals(TableReader& file, const Machine& machine) {
-  if (machine.model != "valve" && !file.Has("valve")) return;
+  if (KindOf(machine).build != nullptr && !file.Has("valve")) return;
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) >= 0) continue;
     file.Problem(fmt::format("[valve] signal {} is not in [signals]; {}signals: {}", name,
@@ -84,7 +85,7 @@ void CheckValveSignals(TableReader& file, const Machine& machine) {
 void ReadMonitors(TableReader& file, Machine& machine) {
   const toml::table* table = file.Table("monitor");
   if (table == nullptr) return;
-  const ModelInputs& model = *FindModelInputs(machine.model);
+  const MachineKind& model = *FindKind(machine.model);
   TableReader section(*table, "monitor", file.problems());
   for (const TableReader::Entry& entry : section.Entries()) {
     const toml::table* limits = section.Table(entry.key);
@@ -92,7 +93,7 @@ void ReadMonitors(TableReader& file, Machine& machine) {
     TableReader reader(*limits, "monitor." + entry.key, file.problems());
     reader.AllowOnly(MachineFileKeys("monitor.<parameter>"));
     const auto parameter = std::find_if(model.parameters.begin(), model.parameters.end(),
-                                        [&](const ModelInput& i) { return i.name == entry.key; });
+                                        [&](const MachineInput& i) { return i.name == entry.key; });
     const std::string si(parameter == model.parameters.end() ? "" : parameter->si);
     std::string unit = si;
     reader.UnitName("unit", unit, si);
@@ -129,7 +130,7 @@ void ReadValve(TableReader& file, Machine& machine) {
 }
 
 void CheckMachine(TableReader& file, const Machine& machine) {
-  const ModelInputs& model = *FindModelInputs(machine.model);
+  const MachineKind& model = *FindKind(machine.model);
   CheckModelSignals(file, machine, model);
   CheckModelGeometry(file, machine, model);
   CheckValveSignals(file, machine);

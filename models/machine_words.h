@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "models/machine.h"
-
 namespace hydroscope {
 
 /// What sentences and plots call the things of a machine.
@@ -14,7 +12,5 @@ struct MachineWords {
   std::string sign;        ///< what the sign of measured minus modelled tells, "" if nothing is known of it
   bool hydraulic = false;  ///< pressures, strokes and temperatures are as hydraulic machines have them
 };
-
-MachineWords WordsOf(const Machine& machine);
 
 }  // namespace hydroscope

@@ -4,28 +4,10 @@
 
 #include "models/machine_keys.h"
 #include "models/machine_sections.h"
+#include "models/toml_text.h"
 
 namespace hydroscope {
 namespace {
-
-std::string Quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      out += fmt::format("\\{}", c);
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-/// A number that TOML reads back to the same double as a floating point number.
-std::string Plain(double value) {
-  const std::string text = fmt::format("{}", value);
-  return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-}
 
 ModelRecord ReadRecord(TableReader& section) {
   ModelRecord record;
@@ -65,13 +47,13 @@ std::string FormatModelHistory(const std::vector<ModelRecord>& history) {
     for (const std::string& id : record.effects) effects += (effects.empty() ? "" : ", ") + Quoted(id);
     for (const RecordedValue& p : record.parameters)
       parameters += fmt::format("{} = {{ value = {}, std = {}, unit = {} }}\n", Quoted(p.name),
-                                Plain(p.value), Plain(p.std), Quoted(p.unit));
+                                FloatText(p.value), FloatText(p.std), Quoted(p.unit));
     text += fmt::format("[[model_history]]\nversion = {}\nname = {}\neffects = [{}]\n", record.version,
                         Quoted(record.name), effects);
     if (record.judged()) {
       text += fmt::format("source = {}\nstrokes = {}\nrms_holdout = {}\nnoise_floor = {}\nunit = {}\n",
-                          Quoted(record.source), record.strokes, Plain(record.rms_holdout),
-                          Plain(record.noise_floor), Quoted(record.unit));
+                          Quoted(record.source), record.strokes, FloatText(record.rms_holdout),
+                          FloatText(record.noise_floor), Quoted(record.unit));
       text += "[model_history.parameters]\n" + parameters;
     }
   }
@@ -112,7 +94,7 @@ std::string FormatEffectValues(const std::map<std::string, std::map<std::string,
   for (const auto& [effect, numbers] : values) {
     std::string inner;
     for (const auto& [name, value] : numbers)
-      inner += fmt::format("{}{} = {}", inner.empty() ? "" : ", ", name, Plain(value));
+      inner += fmt::format("{}{} = {}", inner.empty() ? "" : ", ", name, FloatText(value));
     text += fmt::format("{}{} = {{ {} }}", text.empty() ? "" : ", ", effect, inner);
   }
   return "{ " + text + " }";

@@ -1,9 +1,11 @@
 #include "models/model_structure.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "core/limits.h"
-#include "models/die_cushion.h"
 #include "models/effect.h"
-#include "models/expression_balance.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 
@@ -26,19 +28,28 @@ std::vector<int> ModelStructure::WalkingParameters(const std::vector<int>& added
 
 namespace {
 
-Result<std::shared_ptr<const ModelStructure>> BuildKind(const Machine& machine) {
-  if (machine.model == "die_cushion") return BuildDieCushion(machine);
-  if (machine.model == "expressions") return BuildExpressionBalance(machine);
-  return BadInput(
-      "machine '{}': model '{}' cannot be identified from strokes; known models: die_cushion, expressions",
-      machine.name, machine.model);
+Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  if (kind.build != nullptr) {
+    auto model = kind.build(machine);
+    if (!model) return model;
+    (*model)->name = kind.id;
+    (*model)->kind = &kind;
+    (*model)->words = kind.words(machine);
+    return model;
+  }
+  std::vector<std::string_view> known;
+  for (const MachineKind* other : MachineKinds())
+    if (other->build != nullptr) known.push_back(other->id);
+  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
+                  machine.name, machine.model, fmt::join(known, ", "));
 }
 
 }  // namespace
 
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
-  auto model = BuildKind(machine);
-  if (!model) return model;
+  const auto model = BuildKind(machine);
+  if (!model) return tl::unexpected(model.error());
   const std::size_t effects = machine.added_effects.size();
   if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
     return BadInput(
@@ -46,7 +57,7 @@ Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine)
         "out "
         "with 'hydroscope model remove'",
         machine.name, (*model)->base_count, effects, kMaxParameters);
-  return model;
+  return *model;
 }
 
 }  // namespace hydroscope

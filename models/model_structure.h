@@ -71,12 +71,15 @@ struct DerivedParameter {
   double useful_std() const { return unit == "1" ? 0.05 : 0.3 * std::abs(value); }
 };
 
+struct MachineKind;
+
 /// The model of a machine, linear in its regression parameters:
 ///   output = sum_i theta_i base_i + (effects).
 /// Columns are stacked base first, then the output, then the library of effects that may be missing.
 struct ModelStructure {
   std::string name;
-  MachineWords words;  ///< how people call the things of the machine
+  const MachineKind* kind = nullptr;  ///< never nullptr in a model that BuildModel gave
+  MachineWords words;                 ///< how people call the things of the machine
   std::vector<Column> columns;
   int base_count = 0;  ///< base columns 0 ... base_count - 1; the output is column base_count
   std::vector<std::string> parameters;     ///< names of the base regression parameters
@@ -86,6 +89,7 @@ struct ModelStructure {
   std::vector<std::shared_ptr<const Effect>> effects;   ///< library effects whose columns are in `columns`
   std::vector<std::vector<EffectShape>> effect_shapes;  ///< shapes of each of `effects`
   std::vector<std::shared_ptr<const Effect>> sample_effects;  ///< Effect::needs_samples: see AddSampleEffects
+  std::vector<std::shared_ptr<const Effect>> generic_laws;    ///< Effect::generic: see AddGenericLaws
   double piston_area = 0.0;                                   ///< m^2, die cushion
   std::string output_unit;                                    ///< SI unit of the flow form, "m3/s"
   /// The balance has no derivative with respect to time: columns fill values (one per sample) in place of increments,

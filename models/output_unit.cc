@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "models/machine_kind.h"
+
 namespace hydroscope {
 
 DisplayUnit OutputUnit(const ModelStructure* model) {
@@ -11,8 +13,7 @@ DisplayUnit OutputUnit(const ModelStructure* model) {
 }
 
 DisplayUnit OutputUnit(const Machine& machine) {
-  DisplayUnit unit =
-      DisplayUnitFor(machine.model == "expressions" ? std::string_view(machine.balance.unit) : "m3/s");
+  DisplayUnit unit = DisplayUnitFor(OutputSi(machine));
   unit.offset = 0;
   return unit;
 }

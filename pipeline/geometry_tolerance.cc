@@ -4,15 +4,18 @@
 
 #include <cmath>
 
+#include "models/machine_kind.h"
+
 namespace hydroscope {
 
 std::vector<AssumedTolerance> AssumeTolerances(Machine& machine) {
   std::vector<AssumedTolerance> assumed;
-  if (machine.model != "die_cushion") return assumed;
-  const auto area = machine.geometry.find("A_A");
-  if (area == machine.geometry.end() || area->second.std > 0) return assumed;
-  area->second.std = kAreaTolerance * std::abs(area->second.value);
-  assumed.push_back({area->first, area->second.std});
+  for (const MachineInput& input : KindOf(machine).geometry) {
+    const auto known = machine.geometry.find(std::string(input.name));
+    if (!input.toleranced || known == machine.geometry.end() || known->second.std > 0) continue;
+    known->second.std = kAreaTolerance * std::abs(known->second.value);
+    assumed.push_back({known->first, known->second.std});
+  }
   return assumed;
 }
 

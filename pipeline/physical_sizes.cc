@@ -9,6 +9,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
 
 namespace hydroscope {
@@ -47,7 +48,7 @@ std::optional<Plausible> PlausibleFor(const Machine& machine, const SignalSpec& 
 
 constexpr double kFastest = 20, kSlowest = 1e-3;  ///< m/s, of a cushion's fastest movement
 
-std::string Shown(double si, const Unit& unit, const std::string& name) {
+std::string Shown(double si, const Unit& unit, std::string_view name) {
   return fmt::format("{:.4g} {}", (si - unit.offset) / unit.scale, name);
 }
 
@@ -172,26 +173,17 @@ Status SizeWatch::Judge() const {
 }
 
 Status JudgeGeometry(const Machine& machine) {
-  struct Value {
-    const char* name;
-    double low, high;  ///< SI
-    const char *unit, *meaning;
-  };
-  // A cushion's piston: 1 cm2 to 1 m2. Valves state their flow at 1 bar (cartridges) to 350 bar.
-  static constexpr Value kValues[] = {{"A_A", 1e-4, 1.0, "cm2", "piston area"},
-                                      {"dp_nom", 1e5, 350e5, "bar", "pressure drop of the nominal flow"},
-                                      {"p_t", -1e5, 50e5, "bar", "tank pressure"}};
-  if (machine.model != "die_cushion") return {};
-  for (const Value& value : kValues) {
-    const auto known = machine.Geometry(value.name);
-    if (!known || (known->value >= value.low && known->value <= value.high)) continue;
+  for (const MachineInput& value : KindOf(machine).geometry) {
+    const auto known = machine.Geometry(std::string(value.name));
+    const bool any = !(value.highest > value.lowest);
+    if (!known || any || (known->value >= value.lowest && known->value <= value.highest)) continue;
     const Unit unit = FindUnit(value.unit).value_or(Unit{});
     return BadInput(
         "{}: {} = {} is no {} of such a machine; plausible: {} to {}. Check value and unit of {} in "
         "[geometry] "
         "of the machine file",
         machine.name, value.name, Shown(known->value, unit, value.unit), value.meaning,
-        Shown(value.low, unit, value.unit), Shown(value.high, unit, value.unit), value.name);
+        Shown(value.lowest, unit, value.unit), Shown(value.highest, unit, value.unit), value.name);
   }
   return {};
 }

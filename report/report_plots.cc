@@ -8,7 +8,7 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
-#include "models/machine_words.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "report/report_page.h"
 #include "report/svg_plot.h"

@@ -8,7 +8,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "core/relative_change.h"
-#include "models/machine_words.h"
+#include "models/machine_kind.h"
 #include "report/svg_text.h"
 
 namespace hydroscope {

@@ -7,7 +7,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
-#include "models/machine_words.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/fit_output.h"
 #include "workbench/headline.h"

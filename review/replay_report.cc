@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "models/machine_words.h"
+#include "models/machine_kind.h"
 #include "workbench/headline.h"
 #include "workbench/model_record.h"
 

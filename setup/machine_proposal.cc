@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "models/machine_format.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "setup/column_meaning.h"
 #include "setup/cushion_direction.h"
 
@@ -95,7 +96,7 @@ class Proposer {
 
   bool Required(const std::string& name) {
     if (machine().model == "valve") return name == machine().valve.input || name == machine().valve.output;
-    for (const ModelInput& input : FindModelInputs(machine().model)->signals)
+    for (const MachineInput& input : FindKind(machine().model)->signals)
       if (input.name == name) return input.required;
     return machine().model == "expressions";
   }

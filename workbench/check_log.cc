@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "models/machine_kind.h"
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -96,7 +97,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.driving.words = WordsOf(check.machine);
   StrokeCollector strokes(check.machine, KeepSamples::kThinned);
   std::unique_ptr<Pipeline> pipeline;
-  if (machine->model != "valve") {
+  if (KindOf(*machine).build != nullptr) {
     auto created = Pipeline::Create(*machine, check.sample_period,
                                     [&check, keep = strokes.Sink()](StrokeRecord&& record) {
                                       AddDriving(record.summary, check.driving);

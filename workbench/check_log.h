@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
-#include "models/machine_words.h"
+#include "models/machine_kind.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/signal_survey.h"

@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/fit_output.h"
 #include "workbench/headline.h"
@@ -114,7 +115,7 @@ std::string Gate(const CheckResult& check) {
 }
 
 std::string Identification(const CheckResult& check) {
-  if (check.machine.model == "valve")
+  if (KindOf(check.machine).build == nullptr)
     return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
   std::string text = "\nwhat this log can tell";
   if (!check.machine.added_effects.empty())
@@ -158,7 +159,9 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (!check.hints.empty()) text += "\nlook at this first\n";
   for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
-  const char* next = check.machine.model == "valve" ? "frf" : check.driving.strokes > 0 ? "fit" : nullptr;
+  const char* next = KindOf(check.machine).build == nullptr ? "frf"
+                     : check.driving.strokes > 0            ? "fit"
+                                                            : nullptr;
   if (next != nullptr)
     text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, check.log, machine_file);
   return text;
@@ -222,7 +225,7 @@ std::vector<std::string> Warnings(const CheckResult& check) {
 
 std::string CheckText(const CheckResult& check, const std::string& machine_file) {
   std::string text = Sampling(check) + Signals(check);
-  if (check.machine.model != "valve") text += Gate(check);
+  if (KindOf(check.machine).build != nullptr) text += Gate(check);
   return text + Identification(check) + Next(check, machine_file);
 }
 

@@ -8,7 +8,7 @@
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 #include "models/find_effect.h"
 #include "workbench/headline.h"
 #include "workbench/machine_model.h"

@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/machine_kind.h"
 #include "workbench/headline.h"
 
 namespace hydroscope {
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
   std::vector<UnmeasuredEffect> out;
-  if (model.name != "die_cushion") return out;
-  CushionGeometry geometry;
-  if (const auto area = machine.Geometry("A_A")) geometry.piston_area = area->value;
-  for (auto& effect : DieCushionEffects(geometry)) {
+  const MachineKind& kind = KindOf(machine);
+  if (kind.effects == nullptr) return out;
+  for (auto& effect : kind.effects(machine)) {
     UnmeasuredEffect entry{effect, {}};
     for (int channel : effect->channels)
       if (model.channel_source[channel] < 0) entry.missing.push_back(model.channel_names[channel]);
@@ -106,7 +106,7 @@ std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
 
 JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
                            GramFit& figures, const ExplainOptions& options) {
-  const bool own_balance = model->name == "expressions";
+  const bool own_balance = model->kind->own_library;
   JudgedModel out;
   out.trust = JudgeLog(log, figures.theta, figures.noise_floor);
   const FloorTrust& floor = out.trust.floor;
@@ -161,7 +161,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   if (out.explanation.verdict == Verdict::kUnknown)
     out.remainder = ShapeOfRemainder(residuals_of(out.explanation.final));
   if (out.explanation.verdict != Verdict::kAmbiguous) return out;
-  if (model->name == "expressions")
+  if (model->kind->own_library)
     out.signal_experiment =
         ProposeSignalExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
   else

@@ -10,9 +10,10 @@
 #include "core/constants.h"
 #include "core/effect_units.h"
 #include "core/units.h"
-#include "models/die_cushion.h"
+#include "machines/die_cushion/balance.h"
 #include "models/effect.h"
 #include "models/machine_keys.h"
+#include "models/machine_kind.h"
 #include "models/user_effect.h"
 
 namespace hydroscope {
@@ -30,8 +31,8 @@ std::vector<std::string> NeededSignals(const Effect& effect) {
 
 /// SI unit of a geometry value, "" if the model does not know it.
 std::string_view SiOf(const Machine& machine, const std::string& name) {
-  if (const auto* inputs = FindModelInputs(machine.model))
-    for (const ModelInput& input : inputs->geometry)
+  if (const auto* inputs = FindKind(machine.model))
+    for (const MachineInput& input : inputs->geometry)
       if (input.name == name) return input.si;
   return "";
 }
@@ -43,12 +44,12 @@ std::string OrDash(const std::vector<std::string>& words) {
 /// The library of the machine's balance, then its own effects.
 std::vector<Effect> EffectsOf(const Machine* machine) {
   std::vector<Effect> effects;
-  const bool die_cushion = machine == nullptr || machine->model == "die_cushion";
-  if (die_cushion)
-    for (const auto& effect : DieCushionEffects({})) effects.push_back(*effect);
+  const MachineKind& kind = machine == nullptr ? *MachineKinds().front() : KindOf(*machine);
+  if (kind.effects != nullptr)
+    for (const auto& effect : kind.effects({})) effects.push_back(*effect);
   if (machine != nullptr)
     for (const UserEffectSpec& spec : machine->user_effects)
-      effects.push_back(DescribeUserEffect(*machine, spec, die_cushion ? "m3/s" : machine->balance.unit));
+      effects.push_back(DescribeUserEffect(*machine, spec, std::string(OutputSi(*machine))));
   return effects;
 }
 

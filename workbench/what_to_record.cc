@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "models/machine_kind.h"
+
 namespace hydroscope {
 namespace {
 
@@ -158,7 +160,7 @@ std::string Exciting(const std::vector<RankedEffect>& ranking) {
 
 std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  if (result.log.model->name == "expressions") {
+  if (result.log.model->kind->own_library) {
     if (x.verdict != Verdict::kAmbiguous) return std::nullopt;
     if (!result.signal_experiment.inputs.empty()) return SignalExperimentText(result.signal_experiment);
     return "Record strokes in which the expressions of these effects go different ways; explain the logs "

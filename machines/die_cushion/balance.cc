@@ -1,0 +1,199 @@
+#include "machines/die_cushion/balance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "machines/die_cushion/generic_laws.h"
+#include "machines/die_cushion/library.h"
+#include "models/machine_kind.h"
+#include "models/smooth_rate.h"
+#include "models/user_effect.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope {
+
+HYDROSCOPE_WIDE void FillLogarithms(Stretch& s) {
+  const double *p = s[kPressureA], *y = s[kSpool];
+  double *pressure = s[kLogPressure], *absolute = s[kLogAbsolute], *opening = s[kLogOpening];
+  for (int k = 0; k < s.samples; ++k) pressure[k] = Log(std::max(p[k], 1.0));
+  for (int k = 0; k < s.samples; ++k) absolute[k] = Log(std::max(p[k] * (1.0 / kAirPressure) + 1.0, 1.0));
+  for (int k = 0; k < s.samples; ++k) opening[k] = Log(std::max(std::abs(y[k]), 1e-3));
+}
+
+namespace {
+
+constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
+constexpr double kLeastRoot =
+    300.0;  ///< sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least
+
+/// Whether the open edge leads to the tank; without a reading of the supply pressure (NaN) it is taken to do
+/// so.
+bool LeadsToTank(double spool, double supply, bool has_supply) {
+  return (spool >= 0.0) | !has_supply | (supply != supply);
+}
+
+/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put
+/// back.
+double NoiseCorrectedRoot(double dp, double variance) {
+  const double magnitude = std::abs(dp);
+  const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
+  return std::copysign(std::sqrt(magnitude) * correction, dp);
+}
+
+HYDROSCOPE_WIDE void FillFlowRoot(double tank_pressure, bool has_supply, Stretch& s) {
+  const double *p = s[kPressureA], *y = s[kSpool], *supply = s[kSupplyPressure];
+  double* const root = s[kFlowRoot];
+  const double variance = WhiteNoiseVariance(p, s.samples);
+  for (int k = -s.before; k < s.samples + s.after; ++k) {
+    const double dp = LeadsToTank(y[k], supply[k], has_supply) ? p[k] - tank_pressure : supply[k] - p[k];
+    root[k] = NoiseCorrectedRoot(dp, variance);
+  }
+}
+
+void DeriveChannels(double tank_pressure, bool has_supply, Stretch& s) {
+  FillFlowRoot(tank_pressure, has_supply, s);
+  const int half = std::max(1, static_cast<int>(std::lround(kRateHalfWidth / s.period))),
+            known = s.before + s.samples + s.after;
+  const auto rate = [&](int of, Ends ends, int into) {
+    SmoothRate(s[of] - s.before, known, half, s.period, ends, s[into] - s.before);
+  };
+  rate(kPosition, Ends::kExtend, kSpeed);
+  rate(kSpeed, Ends::kHold, kAcceleration);
+  // A regressor of the signal delays: smeared pressure steps would make them come out large, noise small.
+  SharpRate(s[kPressureA] - s.before, known, half, s.period, s[kPressureRate] - s.before);
+  for (int k = -s.before; k < s.samples + s.after; ++k) s[kTime][k] = s.begin + k * s.period;
+  FillLogarithms(s);
+}
+
+std::vector<Column> BaseColumns(double area) {
+  return {
+      {"flow_area",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double *root = s[kFlowRoot], *y = s[kSpool];
+         wide::IntegrateOverTime(
+             s, [=](int k) { return root[k] * y[k]; }, out);
+       },
+       true},
+      {"dead_volume",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double* p = s[kPressureA];
+         wide::Differences(
+             s, [=](int k) { return p[k]; }, out);
+       }},
+      {"stroke_volume",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double *p = s[kPressureA], *z = s[kPosition];
+         wide::IntegrateOver(
+             s, [=](int k) { return z[k]; }, [=](int k) { return p[k]; }, out);
+       }},
+      {"flow_null",
+       [](const Stretch& s, double&, std::span<double> out) {
+         const double* root = s[kFlowRoot];
+         wide::IntegrateOverTime(
+             s, [=](int k) { return root[k]; }, out);
+       },
+       true},
+      {"piston_volume",
+       [area](const Stretch& s, double&, std::span<double> out) {
+         const double* z = s[kPosition];
+         wide::Differences(
+             s, [=](int k) { return area * z[k]; }, out);
+       }},
+  };
+}
+
+/// Noise of p_A, which every flow has in its root of the pressure drop: d(root)/dp = +-1 / (2 root). Beyond
+/// the end of `s` its last sample stands.
+void DisturbPressure(bool has_supply, const Stretch& s, int first, int step, Stretch& twice) {
+  const int count = twice.samples / 2;
+  twice.period = s.period * step;
+  twice.channel.resize(s.channel.size());
+  for (std::size_t c = 0; c < s.channel.size(); ++c) {
+    const double* from = s[static_cast<int>(c)];
+    std::vector<double>& to = twice.channel[c];
+    to.resize(twice.samples);
+    for (int k = 0; k < count; ++k) to[k] = to[count + k] = from[std::min(first + k * step, s.samples - 1)];
+  }
+  const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
+  for (int k = count; k < twice.samples; ++k) {
+    const double rise = 0.5 * std / std::max(std::abs(twice[kFlowRoot][k]), kLeastRoot);
+    twice[kPressureA][k] += std;
+    twice[kFlowRoot][k] +=
+        LeadsToTank(twice[kSpool][k], twice[kSupplyPressure][k], has_supply) ? rise : -rise;
+  }
+  FillLogarithms(twice);
+}
+
+DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
+                         bool admissible, double geometry_std) {
+  return {name, unit, value, gradient, admissible && std::isfinite(value), geometry_std};
+}
+
+/// Eq. 13-16 of the press paper with their gradients.
+std::vector<DerivedParameter> Derive(double area, double area_std, double root_dp_nom,
+                                     const Eigen::VectorXd& t) {
+  const double bulk = -area / t[2], dead = area * t[1] / t[2];
+  const double flow = -root_dp_nom * t[0], null = -t[3] / t[0];
+  const double relative_area = area > 0 ? area_std / area : 0.0;
+  return {
+      Derived("K", "Pa", bulk, {0, 0, area / (t[2] * t[2]), 0}, bulk > 1e7 && bulk < 5e9, 0.0),
+      Derived("V0", "m3", dead, {0, area / t[2], -area * t[1] / (t[2] * t[2]), 0}, dead > 0 && dead < 1.0,
+              std::abs(dead) * relative_area),
+      Derived("Q_vn", "m3/s", flow, {-root_dp_nom, 0, 0, 0}, flow > 0, std::abs(flow) * relative_area),
+      Derived("y_0", "1", null, {t[3] / (t[0] * t[0]), 0, 0, -1 / t[0]}, std::abs(null) < 0.3, 0.0),
+  };
+}
+
+}  // namespace
+
+Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) {
+  const auto area = machine.Geometry("A_A");
+  const auto dp_nom = machine.Geometry("dp_nom");
+  if (!area || !dp_nom || area->value <= 0 || dp_nom->value <= 0)
+    return BadInput(
+        "machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom (nominal pressure drop "
+        "of the valve), both > 0",
+        machine.name);
+  auto model = std::make_shared<ModelStructure>();
+  model->parameters = {"theta1", "theta2", "theta3", "theta4"};
+  model->base_count = 4;
+  model->output_unit = "m3/s";
+  model->channel_names = {"p_A",     "z",           "y_v",     "p_B",          "p_0",
+                          "T_oil",   "flow_root",   "speed",   "acceleration", "pressure_rate",
+                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|", "time"};
+  for (int c = 0; c < kMeasuredChannels; ++c)
+    model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
+  for (int c : {kPressureA, kPosition, kSpool}) {
+    if (model->channel_source[c] < 0)
+      return BadInput("machine '{}': model die_cushion needs signal {} in [signals]", machine.name,
+                      model->channel_names[c]);
+    model->needed_signals.push_back(model->channel_source[c]);
+  }
+  model->columns = BaseColumns(area->value);
+  model->piston_area = area->value;
+
+  const CushionGeometry geometry = CushionGeometryOf(machine);
+  static_assert(kDieCushionChannels == 14);
+  const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
+  model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
+    DeriveChannels(tank, has_supply, s);
+  };
+  model->disturb = [has_supply](const Stretch& s, int first, int step, Stretch& twice) {
+    DisturbPressure(has_supply, s, first, step, twice);
+  };
+  model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
+                      const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
+  std::vector<std::shared_ptr<const Effect>> stored;
+  for (auto& effect : DieCushionEffects(geometry))
+    (effect->needs_samples ? model->sample_effects : stored).push_back(std::move(effect));
+  AddLibrary(std::move(stored), *model);
+  model->generic_laws = CushionLaws();
+  if (!machine.added_effects.empty()) AddSampleEffects(*model, machine.added_effects);
+  // Own effects are flows out of chamber A, as leaks are.
+  if (const Status added = AddUserEffects(machine, -1.0, *model); !added)
+    return tl::unexpected(added.error());
+  return model;
+}
+
+}  // namespace hydroscope

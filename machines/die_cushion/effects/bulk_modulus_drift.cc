@@ -1,0 +1,47 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// K moves during the log at the relative rate d: its reciprocal is (1 - d t) / K, t from the beginning
+/// of the log, where K is stated.
+Effect BulkModulusDrift(const CushionGeometry&) {
+  Effect e;
+  e.id = "K_drift";
+  e.title = "Bulk modulus moves during the log";
+  e.law = "1/K(t) = (1 - d t) / K";
+  e.source = "local linear trend, Harvey 1989, sec. 2.3";
+  e.parameter = "d";
+  e.unit = "1/s";
+  e.min = -0.02;
+  e.max = 0.02;
+  e.typical = 2e-4;
+  e.confused_with = {"V0_drift"};
+  e.hidden_in = "K";
+  e.plain =
+      "The oil column gets softer or stiffer while the log runs; look for: air drawn in or coming out, oil "
+      "that warms.";
+  e.told_apart_by =
+      "the same strokes once more later, at the same oil temperature: what drifts goes on, what follows the "
+      "temperature comes back";
+  e.drifting = "K";
+
+  e.variant = [](const auto&) {
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double *p = s[kPressureA], *t = s[kTime];
+      wide::IntegrateOver(
+          s, [=](int k) { return -t[k]; }, [=](int k) { return p[k]; }, out);
+    };
+    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double *p = s[kPressureA], *z = s[kPosition], *t = s[kTime];
+      wide::IntegrateOver(
+          s, [=](int k) { return -t[k] * z[k]; }, [=](int k) { return p[k]; }, out);
+    };
+    return EffectVariant{{dead_volume, stroke_volume}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[1], c.theta[2]};
+                         }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

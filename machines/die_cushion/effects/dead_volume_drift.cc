@@ -1,0 +1,41 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// V_0 moves during the log at the relative rate d, V_0(t) = V_0 (1 + d t), t from the beginning of
+/// the log.
+Effect DeadVolumeDrift(const CushionGeometry&) {
+  Effect e;
+  e.id = "V0_drift";
+  e.title = "Dead volume moves during the log";
+  e.law = "V0(t) = V0 (1 + d t)";
+  e.source = "local linear trend, Harvey 1989, sec. 2.3";
+  e.parameter = "d";
+  e.unit = "1/s";
+  e.min = -0.02;
+  e.max = 0.02;
+  e.typical = 5e-4;
+  e.confused_with = {"K_drift"};
+  e.hidden_in = "V0";
+  e.plain =
+      "The oil volume beside the stroke changes while the log runs; look for: a hose or accumulator that "
+      "fills, a wandering zero of the position.";
+  e.told_apart_by =
+      "the same strokes once more later, at the same oil temperature: what drifts goes on, what follows the "
+      "temperature comes back";
+  e.drifting = "V0";
+
+  e.variant = [](const auto&) {
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double *p = s[kPressureA], *t = s[kTime];
+      wide::IntegrateOver(
+          s, [=](int k) { return t[k]; }, [=](int k) { return p[k]; }, out);
+    };
+    return EffectVariant{{dead_volume},
+                         [](const ShapeContext& c) { return std::vector<double>{c.theta[1]}; }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,46 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// Q_vn moves during the log at the relative rate d, Q_vn(t) = Q_vn (1 + d t), t from the beginning of
+/// the log.
+Effect FlowGainDrift(const CushionGeometry&) {
+  Effect e;
+  e.id = "Q_vn_drift";
+  e.title = "Flow gain of the valve moves during the log";
+  e.law = "Q_vn(t) = Q_vn (1 + d t)";
+  e.source = "local linear trend, Harvey 1989, sec. 2.3";
+  e.parameter = "d";
+  e.unit = "1/s";
+  e.min = -1e-3;  // 6 % a minute: faster, and it is the oil or a failure, no drift
+  e.max = 1e-3;
+  e.typical = 1e-4;
+  e.confused_with = {"oil_viscosity", "y_0_drift"};
+  e.hidden_in = "Q_vn";
+  e.plain =
+      "The valve lets through more or less as the log goes on; look for: oil that warms, dirt on the edge, a "
+      "spool that sticks.";
+  e.told_apart_by =
+      "strokes with the oil at one temperature for a long time, then strokes with cold and with warm oil";
+  e.drifting = "Q_vn";
+  e.walks = true;
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return t[k] * root[k] * y[k]; }, out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *t = s[kTime];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return t[k] * root[k]; }, out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,34 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// Laminar gap flow past the piston seal from A to B, Q = G (p_A - p_B) (Merritt 1967, eq. 2-32 for annular
+/// gaps).
+Effect InternalLeakage(const CushionGeometry&) {
+  Effect e;
+  e.id = "internal_leakage";
+  e.title = "Internal leakage past the piston seal";
+  e.law = "Q = G (p_A - p_B)";
+  e.source = "Merritt 1967, eq. 2-32 (laminar annular gap)";
+  e.parameter = "G";
+  e.unit = "m3/(s Pa)";
+  e.max = 1e-9;
+  e.typical = 2e-12;
+  e.confused_with = {"external_leakage", "orifice_leakage", "position_dependent_leakage"};
+  e.hidden_in = "Q_vn, y_0";
+  e.plain =
+      "Oil passes the piston seal from one chamber to the other; look for: the cushion sinks when held, warm "
+      "cylinder barrel, worn or cut piston seal.";
+  e.channels = {kPressureB};
+  e.variant = [](const auto&) {
+    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return b[k] - a[k]; }, out);
+    });
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

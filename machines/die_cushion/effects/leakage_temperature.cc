@@ -1,0 +1,44 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kLeakReference = 313.15;  ///< K, 40 degC, at which G is stated
+constexpr double kLeastOilSpan = 3.0;      ///< K; below it the leak is one like any other
+
+}  // namespace
+
+/// A laminar leak past the seal that grows as the oil thins: viscosity falls exponentially with temperature
+/// (Reynolds 1886), Q = G (p_A - p_B) exp(beta (T - 40 degC)); mineral oils have beta of 0.02 to 0.05 1/K.
+Effect LeakageTemperature(const CushionGeometry&) {
+  Effect e;
+  e.id = "leakage_temperature";
+  e.title = "Leakage that grows with oil temperature";
+  e.law = "Q = G (p_A - p_B) exp(beta (T_oil - 40 degC))";
+  e.source = "Merritt 1967, eq. 2-32 with the viscosity of Reynolds 1886";
+  e.parameter = "G";
+  e.unit = "m3/(s Pa)";
+  e.max = 1e-9;
+  e.typical = 2e-12;
+  e.nonlinear = {{"beta", "1/K", 0.005, 0.1}};
+  e.confused_with = {"internal_leakage", "external_leakage", "Q_vn_drift"};
+  e.hidden_in = "Q_vn, y_0";
+  e.plain =
+      "Oil leaks past the seal, and more so when it is warm; look for: worn rings, oil of too low a "
+      "viscosity, the cooler.";
+  e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
+  e.channels = {kPressureB, kOilTemperature};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan};
+  e.variant = [](const std::vector<double>& nonlinear) {
+    return PlainVariant([beta = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB], *t = s[kOilTemperature];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return -(a[k] - b[k]) * Exp(beta * (t[k] - kLeakReference)); }, out);
+    });
+  };
+  e.grid = {{0.02}, {0.04}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

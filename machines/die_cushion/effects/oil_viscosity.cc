@@ -1,0 +1,56 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kReferenceTemperature = 313.15;  // K, 40 degC
+// K; over less, 1 % per K (five times the typical size) would not stand out of what drifts by itself.
+constexpr double kLeastWarming = 2.0;
+
+}  // namespace
+
+/// Flow gain changes with oil temperature through viscosity and density: Q_vn (1 + c (T - 40 degC)) (press
+/// paper, fig. 18: nominal flow follows the oil from 26 to 32 degC).
+Effect OilViscosity(const CushionGeometry&) {
+  Effect e;
+  e.id = "oil_viscosity";
+  e.title = "Flow gain follows the oil temperature";
+  e.law = "Q = (1 + c (T_oil - 40 degC)) Q";
+  e.source = "press paper, fig. 18";
+  e.parameter = "c";
+  e.unit = "1/K";
+  e.min = -0.02;
+  e.max = 0.02;
+  e.typical = 0.002;
+  e.confused_with = {"Q_vn_drift"};
+  e.hidden_in = "Q_vn";
+  e.plain =
+      "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
+      "of order, the "
+      "wrong oil grade.";
+  e.told_apart_by =
+      "strokes with cold and with warm oil, then the same again in the other order: what follows the "
+      "temperature comes back, what drifts does not";
+  e.channels = {kOilTemperature};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming};
+  e.walks = true;
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kOilTemperature];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * y[k] * (t[k] - kReferenceTemperature); }, out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *t = s[kOilTemperature];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * (t[k] - kReferenceTemperature); }, out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,36 @@
+#include <cmath>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// Turbulent leak through a sharp-edged opening, Q = C sign(dp) sqrt|p_A - p_B| (Merritt 1967, eq. 3-5).
+Effect OrificeLeakage(const CushionGeometry&) {
+  Effect e;
+  e.id = "orifice_leakage";
+  e.title = "Orifice-like leakage from A to B";
+  e.law = "Q = C sign(p_A - p_B) sqrt|p_A - p_B|";
+  e.source = "Merritt 1967, eq. 3-5 (sharp-edged orifice)";
+  e.parameter = "C";
+  e.unit = "m3/(s sqrt(Pa))";
+  e.max = 1e-5;
+  e.typical = 1e-8;
+  e.confused_with = {"internal_leakage", "external_leakage", "spool_overlap"};
+  e.hidden_in = "y_0";
+  e.plain =
+      "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored "
+      "bore, a "
+      "check valve that does not close, an open bypass.";
+  e.channels = {kPressureB};
+  e.variant = [](const auto&) {
+    return PlainVariant([](const Stretch& s, double&, std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return std::copysign(std::sqrt(std::abs(a[k] - b[k])), b[k] - a[k]); }, out);
+    });
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

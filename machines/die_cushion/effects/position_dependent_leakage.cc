@@ -1,0 +1,45 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// A worn zone of the bore: laminar leak in a bell-shaped window over the position,
+/// Q = G (p_A - p_B) exp(-((z - c)/w)^2).
+Effect PositionDependentLeakage(const CushionGeometry& geometry) {
+  Effect e;
+  e.id = "position_dependent_leakage";
+  e.title = "Leakage in a worn zone of the bore";
+  e.law = "Q = G (p_A - p_B) exp(-((z - c)/w)^2)";
+  e.source = "Merritt 1967, eq. 2-32 within a window over z";
+  e.parameter = "G";
+  e.unit = "m3/(s Pa)";
+  e.max = 1e-9;
+  e.typical = 4e-12;
+  e.nonlinear = {{"c", "m", 0.0, geometry.stroke}, {"w", "m", 0.02 * geometry.stroke, 0.5 * geometry.stroke}};
+  e.confused_with = {"internal_leakage"};
+  e.hidden_in = "Q_vn, y_0";
+  e.plain =
+      "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the "
+      "position named, "
+      "side load, dirt.";
+  e.channels = {kPressureB};
+  e.variant = [](const std::vector<double>& nonlinear) {
+    return PlainVariant([centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&,
+                                                                              std::span<double> out) {
+      const double *a = s[kPressureA], *b = s[kPressureB], *z = s[kPosition];
+      wide::IntegrateOverTime(
+          s,
+          [=](int k) {
+            const double x = (z[k] - centre) * inverse;
+            return (b[k] - a[k]) * Exp(-x * x);
+          },
+          out);
+    });
+  };
+  e.grid.clear();
+  for (double share : {0.15, 0.35, 0.55, 0.75, 0.95})
+    e.grid.push_back({share * geometry.stroke, 0.1 * geometry.stroke});
+  return e;
+}
+
+}  // namespace hydroscope::effects

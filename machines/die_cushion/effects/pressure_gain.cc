@@ -1,0 +1,71 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/pressure_root.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// The pressure sensor reads (1 + g) times the pressure: flow and compression go with p / (1 + g). To a tank
+/// without pressure that is another Q_vn and another K, and no stroke shows it; edges to the supply do.
+Effect PressureGain(const CushionGeometry&) {
+  Effect e;
+  e.id = "pressure_gain";
+  e.title = "Scale error of the pressure sensor of chamber A";
+  e.law = "p_A = p_measured / (1 + g)";
+  e.source = "eq. 1-2 of the press paper with the pressure scaled";
+  e.parameter = "g";
+  e.unit = "1";
+  e.min = -0.3;
+  e.max = 0.3;
+  e.typical = 0.02;
+  e.nonlinear = {{"gain", "1", -0.3, 0.3}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"pressure_offset", "tank_pressure"};
+  e.hidden_in = "K, Q_vn";
+  e.plain =
+      "The pressure sensor reads too much or too little in proportion; look for: a wrong range in the "
+      "controller, a sensor of another range, a wrong scale in the machine file.";
+  e.told_apart_by =
+      "a reference gauge beside the sensor at two pressures: strokes alone take a wrong scale for another "
+      "Q_vn and K";
+  e.walks = true;
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double gain = nonlinear[0], too_much = gain / (1.0 + gain);
+    const auto flow = [=](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] * RootShift(root[k], y[k], too_much * p[k]) * (1.0 / gain); }, out);
+    };
+    const auto dead_volume = [=](const Stretch& s, double&, std::span<double> out) {
+      const double* p = s[kPressureA];
+      wide::Differences(
+          s, [=](int k) { return -p[k] / (1.0 + gain); }, out);
+    };
+    const auto stroke_volume = [=](const Stretch& s, double&, std::span<double> out) {
+      const double *p = s[kPressureA], *z = s[kPosition];
+      wide::IntegrateOver(
+          s, [=](int k) { return z[k]; }, [=](int k) { return -p[k] / (1.0 + gain); }, out);
+    };
+    const auto null = [=](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *p = s[kPressureA];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return RootShift(root[k], y[k], too_much * p[k]) * (1.0 / gain); }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double gain, double&, Stretch& s) {
+    double *p = s[kPressureA], *root = s[kFlowRoot], *rate = s[kPressureRate];
+    const double* y = s[kSpool];
+    for (int k = -s.before; k < s.samples + s.after; ++k) {
+      root[k] += RootShift(root[k], y[k], gain / (1.0 + gain) * p[k]);
+      p[k] /= 1.0 + gain;
+      rate[k] /= 1.0 + gain;
+    }
+    FillLogarithms(s);
+  };
+  e.grid = {{0.05}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,71 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/pressure_root.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// The zero of the pressure sensor moves during the log at r Pa/s: the true pressure is p - r t, t
+/// from the beginning of the log, at which the zero is right.
+Effect PressureOffsetDrift(const CushionGeometry&) {
+  Effect e;
+  e.id = "pressure_offset_drift";
+  e.title = "Zero of the pressure sensor moves during the log";
+  e.law = "p_A = p_measured - r t";
+  e.source = "eq. 2 of the press paper with a moving zero";
+  e.parameter = "r";
+  e.unit = "Pa/s";
+  e.min = -1e5;
+  e.max = 1e5;
+  e.typical = 2e3;
+  e.nonlinear = {{"rate", "Pa/s", -1e5, 1e5}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"y_0_drift", "Q_vn_drift"};
+  e.hidden_in = "-";
+  e.plain =
+      "The zero of the pressure sensor wanders while the machine runs; look for: a sensor that warms up, a "
+      "loose connector, moisture in the plug.";
+  e.told_apart_by =
+      "the pressure sensor with the cushion relieved, before and after the run: both readings must be zero";
+  e.drifting = "the zero of the pressure sensor";
+  e.drifts_by = "Pa";
+  e.walks = true;
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] * RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
+    };
+    const auto null = [rate = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *t = s[kTime];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return RootShift(root[k], y[k], rate * t[k]) * (1.0 / rate); }, out);
+    };
+    // A zero that moves looks like a pressure that does: small, and yet part of the balance.
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* t = s[kTime];
+      Differences(
+          s, [=](int k) { return -t[k]; }, out);
+    };
+    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* z = s[kPosition];
+      IntegrateOverTime(
+          s, [=](int k) { return -z[k]; }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double rate, double&, Stretch& s) {
+    double *p = s[kPressureA], *root = s[kFlowRoot];
+    const double *y = s[kSpool], *t = s[kTime];
+    for (int k = -s.before; k < s.samples + s.after; ++k) {
+      root[k] += RootShift(root[k], y[k], rate * t[k]);
+      p[k] -= rate * t[k];
+    }
+    FillLogarithms(s);
+  };
+  e.grid = {{1e3}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

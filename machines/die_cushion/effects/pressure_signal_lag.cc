@@ -1,0 +1,61 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/low_passed_signal.h"
+#include "machines/die_cushion/effects/pressure_root.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+/// The pressure reading follows the pressure as a first-order lag: p_A = p + tau dp/dt of what was measured,
+/// in the flow through the valve and in the compressed volume alike.
+Effect PressureSignalLag(const CushionGeometry&) {
+  Effect e = FirstOrderLag();
+  e.id = "pressure_signal_lag";
+  e.title = "Pressure signal lags (first-order filter)";
+  e.law = "p_A = p_measured + tau dp_measured/dt";
+  e.source = "eq. 1-2 of the press paper with the signal filtered";
+  e.confused_with = {"pressure_signal_delay", "spool_signal_delay", "line_inertance"};
+  e.hidden_in = "V0, K";
+  e.plain =
+      "The pressure is smoothed before it is recorded; look for: a filter in the amplifier or the "
+      "controller, "
+      "a long thin sensor line.";
+  e.told_apart_by = "the filter setting of the pressure input, or a step of pressure recorded at rest";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const double lag = nonlinear[0];
+    const auto flow = [lag](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] * RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
+    };
+    const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double* rate = s[kPressureRate];
+      wide::Differences(
+          s, [=](int k) { return rate[k]; }, out);
+    };
+    const auto stroke_volume = [](const Stretch& s, double&, std::span<double> out) {
+      const double *z = s[kPosition], *rate = s[kPressureRate];
+      wide::IntegrateOver(
+          s, [=](int k) { return z[k]; }, [=](int k) { return rate[k]; }, out);
+    };
+    const auto null = [lag](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *rate = s[kPressureRate];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
+    };
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double lag, double&, Stretch& s) {
+    double *p = s[kPressureA], *root = s[kFlowRoot];
+    const double *y = s[kSpool], *rate = s[kPressureRate];
+    for (int k = -s.before; k < s.samples + s.after; ++k) {
+      root[k] += RootShift(root[k], y[k], -lag * rate[k]);
+      p[k] += lag * rate[k];
+    }
+    FillLogarithms(s);
+  };
+  e.grid = {{0.006}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

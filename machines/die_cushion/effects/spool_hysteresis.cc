@@ -1,0 +1,85 @@
+#include <algorithm>
+
+#include "core/wide.h"
+#include "machines/die_cushion/effects/effects.h"
+
+namespace hydroscope::effects {
+
+namespace {
+
+/// Edge minus spool where a stroke begins: the spool's way just before tells most of it.
+double FirstLag(const Stretch& s, double reach) {
+  const double* y = s[kSpool];
+  double edge = y[-s.before];
+  for (int k = -s.before; k <= 0; ++k) edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
+  return edge - y[0];
+}
+
+/// Increments of root times lag, per width. `lag` is edge minus spool, within +- width / 2; it lives on from
+/// stretch to stretch. Only the edge waits for the sample before.
+HYDROSCOPE_WIDE void FollowEdge(const Stretch& s, double width, double& lag, std::span<double> out) {
+  const double *root = s[kFlowRoot], *y = s[kSpool];
+  const double reach = 0.5 * width, scale = 0.5 * s.period / width;
+  if (!s.continues) lag = FirstLag(s, reach);
+  double edge = y[0] + lag, left = root[0] * lag;
+  for (int k = 0; k + 1 < s.samples; ++k) {
+    edge = std::min(std::max(edge, y[k + 1] - reach), y[k + 1] + reach);
+    lag = edge - y[k + 1];
+    const double right = root[k + 1] * lag;
+    out[k] = scale * (left + right);
+    left = right;
+  }
+}
+
+/// The edge in place of the spool, as far as the spool is known.
+void PutEdge(double width, double& lag, Stretch& s) {
+  double* y = s[kSpool];
+  const double reach = 0.5 * width;
+  if (!s.continues) lag = FirstLag(s, reach);
+  double edge = y[0] + lag, last = lag;
+  for (int k = 0; k < s.samples + s.after; ++k) {
+    edge = std::min(std::max(edge, y[k] - reach), y[k] + reach);
+    if (k == s.samples - 1) last = edge - y[k];
+    y[k] = edge;
+  }
+  for (int k = -s.before; k < 0; ++k) y[k] += lag;
+  lag = last;
+}
+
+}  // namespace
+
+/// The metering edge follows the measured spool with play: it moves only after the spool has turned by the
+/// width w (play operator, Visintin 1994, sec. III.1).
+Effect SpoolHysteresis(const CushionGeometry&) {
+  Effect e;
+  e.id = "spool_hysteresis";
+  e.title = "Play between measured spool and metering edge";
+  e.law = "y_eff = play(y_v; w)";
+  e.source = "Visintin 1994, sec. III.1 (play operator)";
+  e.parameter = "w";
+  e.unit = "1";
+  e.max = 0.1;
+  e.typical = 0.004;
+  e.nonlinear = {{"play", "1", 0.0005, 0.1}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"spool_signal_delay"};
+  e.hidden_in = "-";
+  e.plain =
+      "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a "
+      "sticking "
+      "spool, silt in the pilot stage.";
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
+      FollowEdge(s, width, lag, out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.correct = [](double width, double& lag, Stretch& s) {
+    PutEdge(width, lag, s);
+    FillLogarithms(s);
+  };
+  e.grid = {{0.002}, {0.005}, {0.01}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

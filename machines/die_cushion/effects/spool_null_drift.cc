@@ -1,0 +1,38 @@
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// y_0 moves during the log at the rate r, y_0(t) = y_0 + r t.
+Effect SpoolNullDrift(const CushionGeometry&) {
+  Effect e;
+  e.id = "y_0_drift";
+  e.title = "Null of the spool moves during the log";
+  e.law = "y_0(t) = y_0 + r t";
+  e.source = "local linear trend, Harvey 1989, sec. 2.3";
+  e.parameter = "r";
+  e.unit = "1/s";
+  e.min = -1e-3;
+  e.max = 1e-3;
+  e.typical = 2e-5;
+  e.confused_with = {"Q_vn_drift", "pressure_offset_drift"};
+  e.hidden_in = "y_0";
+  e.plain =
+      "The spool position at which no oil flows moves while the log runs; look for: a transducer or "
+      "amplifier that warms up, a pilot stage that wanders.";
+  e.told_apart_by = "the spool position at which the ram stands still, before and after the run";
+  e.drifting = "y_0";
+  e.drifts_by = "1";
+  e.walks = true;
+  e.variant = [](const auto&) {
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *t = s[kTime];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return -t[k] * root[k]; }, out);
+    };
+    return EffectVariant{{null}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

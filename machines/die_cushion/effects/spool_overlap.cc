@@ -1,0 +1,44 @@
+#include <algorithm>
+#include <cmath>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// Dead band around the null: the edge opens only once |y_v| exceeds d (Merritt 1967, sec. 5-3, closed-centre
+/// valve). Fully open the dead band looks like a shifted null, so it shows only where the spool passes the
+/// band.
+Effect SpoolOverlap(const CushionGeometry&) {
+  Effect e;
+  e.id = "spool_overlap";
+  e.title = "Overlap of the spool";
+  e.law = "y_eff = sign(y_v) max(|y_v| - d, 0)";
+  e.source = "Merritt 1967, sec. 5-3 (closed-centre valve)";
+  e.parameter = "d";
+  e.unit = "1";
+  e.max = 0.2;
+  e.typical = 0.02;
+  e.nonlinear = {{"band", "1", 0.002, 0.2}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"valve_flow_curvature", "orifice_leakage"};
+  e.hidden_in = "y_0";
+  e.plain =
+      "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
+      "a zero-lap "
+      "one, the wrong valve after a repair, a mechanical null far off.";
+  e.walks = true;
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOverTime(
+          s, [=, scale = -1.0 / band](int k) { return scale * root[k] * std::clamp(y[k], -band, band); },
+          out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.grid = {{0.02}, {0.04}, {0.08}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,46 @@
+#include <vector>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/low_passed_signal.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// The spool reading follows the spool as a first-order lag: y_v = y + tau dy/dt of what was measured. The
+/// flow it lacks, integrated, is the integral of root(dp) over y, without any rate.
+Effect SpoolSignalLag(const CushionGeometry&) {
+  Effect e = FirstOrderLag();
+  e.id = "spool_signal_lag";
+  e.title = "Spool signal lags (first-order filter)";
+  e.law = "y_v = y_measured + tau dy_measured/dt";
+  e.source = "eq. 2 of the press paper with the signal filtered";
+  e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
+  e.hidden_in = "V0, K";
+  e.plain =
+      "The spool position is smoothed before it is recorded; look for: a filter in the transducer, in the "
+      "amplifier or in the controller.";
+  e.told_apart_by = "the filter setting of the spool input, or a step of the valve command recorded at rest";
+  e.variant = [](const std::vector<double>&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOver(
+          s, [=](int k) { return root[k]; }, [=](int k) { return y[k]; }, out);
+    };
+    return EffectVariant{{flow}, [](const ShapeContext& c) { return std::vector<double>{c.theta[0]}; }};
+  };
+  e.correct = [](double lag, double&, Stretch& s) {
+    double* const y = s[kSpool];
+    const int first = -s.before, last = s.samples + s.after - 1;
+    double before = y[first];
+    for (int k = first; k <= last; ++k) {
+      const double now = y[k], after = y[k < last ? k + 1 : k];
+      y[k] += lag * (after - before) / (2.0 * s.period);
+      before = now;
+    }
+    FillLogarithms(s);
+  };
+  e.grid = {{0.006}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/pressure_root.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// The tank line stands b above the pressure that the machine file gives (check valve, tank head): what flows
+/// to tank goes with root(p_A - p_t - b), what comes from the supply as ever (press paper, eq. 2).
+Effect TankPressure(const CushionGeometry&) {
+  Effect e;
+  e.id = "tank_pressure";
+  e.title = "Tank line not at the pressure of the machine file";
+  e.law = "p_T = p_t + b";
+  e.source = "eq. 2 of the press paper with the tank pressure shifted";
+  e.parameter = "b";
+  e.unit = "Pa";
+  e.min = -20e5;
+  e.max = 60e5;
+  e.typical = 2e5;
+  e.nonlinear = {{"pressure", "Pa", -20e5, 60e5}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"pressure_offset", "orifice_leakage", "external_leakage"};
+  e.hidden_in = "Q_vn, y_0";
+  e.plain =
+      "The tank line stands at another pressure than the machine file says; look for: a check valve with a "
+      "strong spring, a preloaded tank, p_t of the machine file.";
+  e.told_apart_by =
+      "the pressure sensor with chamber A relieved to tank and no flow: it reads zero if the sensor is right "
+      "and the tank line empty, the preload if a check valve holds it; a gauge on the tank line decides "
+      "between sensor and line";
+  e.walks = true;
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return std::max(y[k], 0.0) * RootShift(root[k], y[k], b) * (1.0 / b); }, out);
+    };
+    const auto null = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] >= 0 ? RootShift(root[k], y[k], b) * (1.0 / b) : 0.0; }, out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double b, double&, Stretch& s) {
+    double* root = s[kFlowRoot];
+    const double* y = s[kSpool];
+    for (int k = -s.before; k < s.samples + s.after; ++k)
+      root[k] += y[k] >= 0 ? RootShift(root[k], y[k], b) : 0.0;
+  };
+  e.grid = {{-5e5}, {5e5}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

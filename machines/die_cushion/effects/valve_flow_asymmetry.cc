@@ -1,0 +1,45 @@
+#include <algorithm>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+
+/// The edge used for u = y_v - y_0 < 0 has another gain: flow (1 + a) there (Jelali and Kroll 2003,
+/// sec. 4.3); y_0 enters by its slope. Needs strokes that use both edges.
+Effect ValveFlowAsymmetry(const CushionGeometry&) {
+  Effect e;
+  e.id = "valve_flow_asymmetry";
+  e.title = "Different gain of the two metering edges";
+  e.law = "Q = (1 + a) Q for y_v < y_0";
+  e.source = "Jelali and Kroll 2003, sec. 4.3";
+  e.parameter = "a";
+  e.unit = "1";
+  e.min = -0.8;
+  e.max = 2.0;
+  e.typical = 0.05;
+  e.confused_with = {"spool_overlap"};
+  e.hidden_in = "Q_vn";
+  e.plain =
+      "One control edge lets through more than the other; look for: one-sided wear or dirt of the valve.";
+  e.channels = {kSupplyPressure};
+  e.walks = true;
+  e.variant = [](const auto&) {
+    const auto flow = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return root[k] * std::min(y[k], 0.0); }, out);
+    };
+    const auto null = [](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool];
+      wide::IntegrateOverTime(
+          s, [=](int k) { return y[k] < 0 ? root[k] : 0.0; }, out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
+  };
+  return e;
+}
+
+}  // namespace hydroscope::effects

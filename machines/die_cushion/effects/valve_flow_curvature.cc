@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cmath>
+
+#include "machines/die_cushion/effects/effects.h"
+#include "models/wide_stretch.h"
+
+namespace hydroscope::effects {
+namespace {
+
+constexpr double kLeastOpening = 1e-3;  // of kLogOpening
+
+/// |y|^a; openings below 0.1 % count as 0.1 %.
+double Power(double log_opening, double a) { return Exp(a * log_opening); }
+
+}  // namespace
+
+/// Metering edge progressive (a > 0) or degressive (a < 0): flow ~ u |u|^a, u = y_v - y_0 (Jelali and Kroll
+/// 2003, sec. 4.3, curved flow gain); y_0 enters by its slope (1 + a) |y|^a.
+Effect ValveFlowCurvature(const CushionGeometry&) {
+  Effect e;
+  e.id = "valve_flow_curvature";
+  e.title = "Curved flow gain of the metering edge";
+  e.law = "Q ~ u |u|^a, u = y_v - y_0";
+  e.source = "Jelali and Kroll 2003, sec. 4.3";
+  e.parameter = "a";
+  e.unit = "1";
+  e.min = -0.6;
+  e.max = 1.0;
+  e.typical = 0.05;
+  e.nonlinear = {{"exponent", "1", -0.6, 1.0}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.confused_with = {"tank_back_pressure", "spool_overlap"};
+  e.hidden_in = "Q_vn, y_0";
+  e.plain =
+      "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
+      "a spool with "
+      "another notch shape than the data sheet says.";
+  e.walks = true;
+  e.variant = [](const std::vector<double>& nonlinear) {
+    const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *y = s[kSpool], *log = s[kLogOpening];
+      wide::IntegrateOverTime(
+          s, [=, inverse = 1.0 / a](int k) { return root[k] * y[k] * (Power(log[k], a) - 1.0) * inverse; },
+          out);
+    };
+    const auto null = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
+      const double *root = s[kFlowRoot], *log = s[kLogOpening];
+      wide::IntegrateOverTime(
+          s,
+          [=, inverse = 1.0 / a](int k) { return root[k] * ((1.0 + a) * Power(log[k], a) - 1.0) * inverse; },
+          out);
+    };
+    return EffectVariant{{flow, null}, [](const ShapeContext& c) {
+                           return std::vector<double>{c.theta[0], c.theta[3]};
+                         }};
+  };
+  e.correct = [](double a, double&, Stretch& s) {
+    double* y = s[kSpool];
+    for (int k = -s.before; k < s.samples + s.after; ++k)
+      y[k] *= Power(Log(std::max(std::abs(y[k]), kLeastOpening)), a);
+    FillLogarithms(s);
+  };
+  e.grid = {{-0.1}, {0.1}};
+  return e;
+}
+
+}  // namespace hydroscope::effects

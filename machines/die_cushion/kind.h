@@ -1,0 +1,10 @@
+#pragma once
+
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+
+/// A die cushion of a deep-drawing press: one cylinder with its valve to tank.
+extern const MachineKind kDieCushion;
+
+}  // namespace hydroscope

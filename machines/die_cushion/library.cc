@@ -1,0 +1,34 @@
+#include "machines/die_cushion/library.h"
+
+#include "machines/die_cushion/effects/effects.h"
+
+namespace hydroscope {
+
+CushionGeometry CushionGeometryOf(const Machine& machine) {
+  CushionGeometry geometry;
+  geometry.piston_area = machine.Geometry("A_A").value_or(KnownValue{}).value;
+  geometry.tank_pressure = machine.Geometry("p_t").value_or(KnownValue{}).value;
+  geometry.stroke = machine.Geometry("stroke").value_or(KnownValue{geometry.stroke, 0}).value;
+  return geometry;
+}
+
+std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry) {
+  using namespace effects;
+  std::vector<std::shared_ptr<const Effect>> library;
+  for (auto make : {InternalLeakage, ExternalLeakage, OrificeLeakage, EntrainedAir, Accumulator, ReliefValve,
+                    TankBackPressure, ValveFlowCurvature, ValveFlowAsymmetry, SpoolOverlap, SpoolHysteresis,
+                    OilViscosity, PressureOffset, SpoolSignalDelay, PressureSignalDelay, PositionSignalDelay,
+                    PositionDependentLeakage, LineInertance})
+    library.push_back(std::make_shared<const Effect>(make(geometry)));
+  for (auto make :
+       {ReturnLineResistance, TankPressure, LaminarEdge, PressureDependentBulkModulus, LeakageTemperature,
+        PressureGain, PressureOffsetDrift, PressureSignalLag, SpoolSignalLag, PositionSignalLag, SignalLag,
+        PeriodicDisturbance, BulkModulusDrift, DeadVolumeDrift, FlowGainDrift, SpoolNullDrift}) {
+    Effect effect = make(geometry);
+    effect.needs_samples = true;
+    library.push_back(std::make_shared<const Effect>(std::move(effect)));
+  }
+  return library;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,18 @@
+#include <array>
+
+#include "machines/die_cushion/kind.h"
+#include "machines/own_balance/kind.h"
+#include "machines/valve/kind.h"
+
+namespace hydroscope {
+
+std::span<const MachineKind* const> MachineKinds() {
+  static constexpr std::array<const MachineKind*, 3> kKinds = {
+      &kDieCushion,
+      &kValve,
+      &kOwnBalance,
+  };
+  return kKinds;
+}
+
+}  // namespace hydroscope

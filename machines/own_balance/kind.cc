@@ -1,0 +1,46 @@
+#include "machines/own_balance/kind.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "models/expression_balance.h"
+
+namespace hydroscope {
+namespace {
+
+/// Signals that the terms of a balance read, in the order of the machine file.
+std::vector<std::string> SignalsOfTerms(const Machine& machine) {
+  std::set<std::string> names;
+  for (const TermSpec& term : machine.balance.terms)
+    if (const auto tree = ParseExpression(term.expression)) names.merge(NamesIn(**tree));
+  std::vector<std::string> signals;
+  for (const SignalSpec& signal : machine.signals)
+    if (names.contains(signal.name)) signals.push_back(signal.name);
+  return signals;
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  if (names.size() < 2) return names.empty() ? "the signals of its terms" : names.front();
+  const std::vector<std::string> first(names.begin(), names.end() - 1);
+  return fmt::format("{} and {}", fmt::join(first, ", "), names.back());
+}
+
+MachineWords OwnWords(const Machine& machine) {
+  return {machine.balance.output, "stroke", Joined(SignalsOfTerms(machine)), "", false};
+}
+
+}  // namespace
+
+const MachineKind kOwnBalance = {.id = "expressions",
+                                 .signals = {},
+                                 .geometry = {},
+                                 .parameters = {},
+                                 .output_unit = "",
+                                 .own_library = true,
+                                 .words = OwnWords,
+                                 .build = BuildExpressionBalance,
+                                 .effects = nullptr};
+
+}  // namespace hydroscope
