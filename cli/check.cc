@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -45,7 +46,11 @@ int Run(const CheckArguments& arguments) {
     if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
       return ReportError(written.error());
   const bool no_stroke = KindOf(check->machine).build != nullptr && check->driving.strokes == 0;
-  return check->Clean() && !no_stroke ? kDone : kPartlyDone;
+  const bool nothing =
+      !check->parameters.empty() &&
+      std::all_of(check->parameters.begin(), check->parameters.end(),
+                  [](const CheckedParameter& p) { return p.verdict == Identifiability::kNot; });
+  return check->Clean() && !no_stroke && !nothing ? kDone : kPartlyDone;
 }
 
 }  // namespace
@@ -63,7 +68,8 @@ void AddCheckCommand(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
-      "Exit code 4: rows or values are bad and would be left out; they are listed.\n"
+      "Exit code 4: rows or values are bad and would be left out, there is no stroke, or no parameter can be "
+      "identified.\n"
       "Examples:\n"
       "  hydroscope check press.csv --machine press.toml\n"
       "  hydroscope check press.csv -m press.toml --json check.json\n"

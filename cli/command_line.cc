@@ -1,10 +1,57 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
 
 #include "cli/commands.h"
+#include "core/units.h"
 
 namespace hydroscope {
+namespace {
+
+std::vector<std::string> CommandsOf(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> OptionsOf(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// What in the words nobody knows, and what comes nearest; "" if every command and option is known.
+std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) {
+  const CLI::App* at = &app;
+  const auto sentence = [](const char* what, const std::string& word, const std::vector<std::string>& known) {
+    const std::string near = Nearest(word, known);
+    return fmt::format("unknown {} '{}'{}", what, word,
+                       near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+  };
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--") break;
+    const std::vector<std::string> commands = CommandsOf(*at);
+    if (word.starts_with("--")) {
+      const std::string name = word.substr(0, word.find('='));
+      const std::vector<std::string> options = OptionsOf(*at);
+      if (std::find(options.begin(), options.end(), name) == options.end())
+        return sentence("option", name, options);
+    } else if (std::find(commands.begin(), commands.end(), word) != commands.end()) {
+      at = at->get_subcommand(word);
+    } else if (at == &app && !word.starts_with("-")) {
+      return sentence("command", word, commands);
+    }
+  }
+  return "";
+}
+
+}  // namespace
 
 int RunCommandLine(int argc, const char* const* argv) {
   CLI::App app{
@@ -13,6 +60,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   app.name("hydroscope");
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all commands");
+  app.set_version_flag("--version", "hydroscope " HYDROSCOPE_VERSION, "Print the version and exit");
   app.footer(
       "Examples:\n"
       "  hydroscope simulate press --out press.csv --seconds 120 --seed 1\n"
@@ -40,6 +88,11 @@ int RunCommandLine(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (const std::string unknown = UnknownWord(app, argc, argv);
+        error.get_exit_code() != 0 && !unknown.empty()) {
+      std::cerr << "hydroscope: " << unknown << "\nRun with --help for more information.\n";
+      return kWrongUse;
+    }
     return app.exit(error) == 0 ? kDone : kWrongUse;
   } catch (const std::exception& error) {
     std::cerr << "hydroscope: internal error: " << error.what() << "\n";

@@ -4,11 +4,13 @@
 #include <array>
 #include <utility>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 42> kUnits = {{
+constexpr std::array<Named, 54> kUnits = {{
     {"1", {1, 0, "1"}},         {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},         {"ms", {1e-3, 0, "s"}},
     {"us", {1e-6, 0, "s"}},     {"ns", {1e-9, 0, "s"}},
@@ -30,6 +32,12 @@ constexpr std::array<Named, 42> kUnits = {{
     {"K", {1, 0, "K"}},         {"degC", {1, 273.15, "K"}},
     {"°C", {1, 273.15, "K"}},   {"Hz", {1, 0, "Hz"}},
     {"rad/s", {1, 0, "rad/s"}}, {"m3/(s Pa)", {1, 0, "m3/(s Pa)"}},
+    {"rad", {1, 0, "rad"}},     {"deg", {kTwoPi / 360, 0, "rad"}},
+    {"1/s", {1, 0, "1/s"}},     {"1/min", {1.0 / 60, 0, "1/s"}},
+    {"W", {1, 0, "W"}},         {"kW", {1e3, 0, "W"}},
+    {"Nm", {1, 0, "N m"}},      {"rpm", {kTwoPi / 60, 0, "rad/s"}},
+    {"m/s2", {1, 0, "m/s2"}},   {"kg", {1, 0, "kg"}},
+    {"1/K", {1, 0, "1/K"}},     {"%/K", {0.01, 0, "1/K"}},
 }};
 
 }  // namespace
@@ -54,6 +62,7 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
   if (si == "m3") return {1e3, 0, "l"};
   if (si == "m3/s") return {6e4, 0, "l/min"};
   if (si == "m3/(s Pa)") return {6e9, 0, "l/min/bar"};
+  if (si == "N m") return {1, 0, "Nm"};
   if (si == "K") return {1, -273.15, "°C"};
   return {1, 0, si};
 }

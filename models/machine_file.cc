@@ -12,7 +12,30 @@ namespace {
 
 constexpr std::uintmax_t kMaxBytes = 4u << 20;
 
+/// Parts of one dotted key: more, and the parser calls itself until the stack is gone.
+constexpr int kMaxKeyParts = 32;
+
+/// Number of the first line whose key or header has too many parts, 0 if none has. Text in quotes counts as well: what a
+/// machine file states is far below.
+int LineOfDeepKey(const std::string& text) {
+  int line = 1, parts = 1;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      parts = 1;
+    } else if (c == '=' || c == ' ' || c == '"' || c == '#') {
+      parts = 1;
+    } else if (c == '.' && ++parts > kMaxKeyParts) {
+      return line;
+    }
+  }
+  return 0;
+}
+
 Result<toml::table> ParseToml(const std::string& text, const std::string& origin) {
+  if (const int line = LineOfDeepKey(text); line > 0)
+    return BadInput("{}:{}: a key of more than {} parts; is this a machine file?", origin, line,
+                    kMaxKeyParts);
   try {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {

@@ -188,6 +188,29 @@ void CheckTermUnits(TableReader& section, const std::string& key, const std::vec
   }
 }
 
+/// Names an expression reads outside of ddt(...).
+void AddLevels(const ExpressionNode& node, std::set<std::string>& names) {
+  if (node.kind == ExpressionNode::Kind::kCall && node.text == "ddt") return;
+  if (node.kind == ExpressionNode::Kind::kName) names.insert(node.text);
+  for (const Expression& arg : node.args) AddLevels(*arg, names);
+}
+
+/// An output that is a signal must not explain itself: its term would take everything.
+void RefuseOutputAsTerm(TableReader& section, const BalanceSpec& balance) {
+  if (!IsName(balance.output)) return;
+  for (const TermSpec& term : balance.terms) {
+    const auto tree = ParseExpression(term.expression);
+    if (!tree) continue;
+    std::set<std::string> levels;
+    AddLevels(**tree, levels);
+    if (levels.contains(balance.output))
+      section.Wrong(
+          "terms",
+          fmt::format("terms without the output itself; {} = \"{}\" reads {}, and would explain all of it",
+                      term.parameter, term.expression, balance.output));
+  }
+}
+
 void ReadBalance(TableReader& file, Machine& machine) {
   const toml::table* table = file.Table("balance");
   if (table == nullptr) {
@@ -202,6 +225,7 @@ void ReadBalance(TableReader& file, Machine& machine) {
   std::vector<ExpressionUnit> units;
   machine.balance.terms = ReadTerms(section, "terms", names, units);
   CheckTermUnits(section, "terms", machine.balance.terms, units, machine.balance.unit);
+  RefuseOutputAsTerm(section, machine.balance);
   if (section.Has("derived"))
     machine.balance.derived = ReadTerms(section, "derived", NamesForDerived(machine), units);
   if (machine.balance.terms.size() > kMaxParameters)

@@ -3,6 +3,7 @@
 #   scripts/setup.sh           to build and to run the tests
 #   scripts/setup.sh --bench   and the benchmarks with the programs they compare with
 #   scripts/setup.sh --fuzz    and the fuzz targets
+#   scripts/setup.sh --style   and what formats the sources
 set -euo pipefail
 
 packages=(
@@ -17,8 +18,9 @@ packages=(
 for option in "$@"; do
   case "$option" in
     --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev python3-numpy python3-pandas python3-sklearn) ;;
+    --style) packages+=(clang-format) ;;
     --fuzz) packages+=(clang libclang-rt-14-dev) ;;
-    *) echo "setup.sh: unknown option '$option', expected --bench or --fuzz" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown option '$option', expected --bench, --fuzz or --style" >&2; exit 2 ;;
   esac
 done
 

@@ -47,6 +47,56 @@ TEST_F(CommandLine, WrongUseIsTwoAndHelpIsZero) {
   }
 }
 
+TEST_F(CommandLine, AnUnknownWordNamesTheNearestOne) {
+  const Ran command = Run({"replya", "x.csv"});
+  EXPECT_EQ(command.exit_code, 2);
+  EXPECT_THAT(command.err, HasSubstr("unknown command 'replya'; did you mean 'replay'?"));
+  const Ran option = Run({"fit", "x.csv", "--machin", "m.toml"});
+  EXPECT_EQ(option.exit_code, 2);
+  EXPECT_THAT(option.err, HasSubstr("unknown option '--machin'; did you mean '--machine'?"));
+  const Ran version = Run({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.out, testing::MatchesRegex("hydroscope [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST_F(CommandLine, AKeyOfFiftyThousandPartsIsRefused) {
+  std::string key = "a";
+  for (int k = 0; k < 50'000; ++k) key += ".a";
+  for (const std::string& text : {key + " = 1\n", "[" + key + "]\nb = 1\n"}) {
+    WriteText(File("deep.toml"), "[machine]\nname = \"deep\"\n" + text);
+    const Ran ran = Run({"check", File("none.csv"), "-m", File("deep.toml")});
+    EXPECT_EQ(ran.exit_code, 3);
+    EXPECT_THAT(ran.err, HasSubstr("deep.toml:3: a key of more than 32 parts"));
+  }
+}
+
+TEST_F(CommandLine, AnOutputThatExplainsItselfIsRefused) {
+  const std::string log = "t,x,U\n0,1,1\n0.01,1,2\n";
+  WriteText(File("own.csv"), log);
+  const auto machine = [&](const std::string& terms) {
+    WriteText(File("own.toml"),
+              "[machine]\nname = \"own\"\n[log]\ntime = { column = \"t\", unit = \"s\" }\n[signals]\n"
+              "x = { column = \"x\", unit = \"m\" }\nU = { column = \"U\", unit = \"V\" }\n"
+              "[balance]\noutput = \"U\"\nunit = \"V\"\nterms = { " +
+                  terms + " }\n");
+    return Run({"fit", File("own.csv"), "-m", File("own.toml")}).err;
+  };
+  EXPECT_THAT(machine("a = \"x\", b = \"2*U\""),
+              HasSubstr("terms without the output itself; b = \"2*U\" reads U"));
+  EXPECT_THAT(machine("a = \"x\", b = \"ddt(U)\""), Not(HasSubstr("the output itself")));
+}
+
+TEST_F(CommandLine, AFileSizeLimitIsAnErrorAndNoCrash) {
+  const std::string log = Simulate("press.csv", 20, 3);
+  const std::string command = "ulimit -f 100; exec " HYDROSCOPE_BINARY " replay " + log + " -m " + kMachine +
+                              " --db " + File("limited.db") + " > /dev/null 2> " + File("limited.err");
+  const int state = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(state)) << "ended by a signal";
+  EXPECT_NE(WEXITSTATUS(state), 0);
+  EXPECT_LT(WEXITSTATUS(state), 5);
+  EXPECT_THAT(ReadText(File("limited.err")), HasSubstr("limited.db"));
+}
+
 TEST_F(CommandLine, EveryCommandAndOptionIsDocumented) {
   const std::string text = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/docs/command_line.md");
   const std::vector<std::vector<std::string>> commands = {{"init"},
