@@ -149,6 +149,19 @@ TEST_F(OneAnswer, OfAnOwnMachineOfRatesWithAndWithoutItsEffect) {
   ExpectOneAnswer(log, machine);
 }
 
+/// A parameter that follows from others must not stop the drift watch: it watches as many as there are regressors.
+TEST_F(OneAnswer, TheDriftOfAMachineWithDerivedParametersIsWatched) {
+  std::string text = OwnMachine("k = \"x\", d = \"ddt(x)\", c = \"1\"");
+  const std::string machine = Machine(text + "derived = { time = { expression = \"d/k\", unit = \"s\" } }\n");
+  const Ran ran =
+      Run({"replay", VoltageLog(File("a.csv"), {}), "-m", machine, "--db", File("a.db"), "--json", "-"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_TRUE(ran.Json()["parameters"].contains("time")) << ran.Json()["parameters"].dump(1);
+  const Ran again = Run({"replay", File("a.csv"), "-m", machine, "--db", File("a.db")});
+  EXPECT_THAT(again.out, Not(HasSubstr("not watched"))) << again.out;
+  EXPECT_THAT(again.out, HasSubstr("learning the healthy machine"));
+}
+
 TEST_F(OneAnswer, UnderColouredNoise) {
   ExpectOneAnswer(Simulate("coloured.csv", 60, 4, {"--imperfection", "coloured_noise"}), Cushion());
 }

@@ -6,6 +6,24 @@
 #include "models/effect.h"
 
 namespace hydroscope::drift {
+namespace {
+
+/// The first parameters, as many as `count`, of which none follows from those before.
+std::vector<std::size_t> Independent(const std::vector<DerivedParameter>& derived, int count) {
+  constexpr double kLeast = 1e-9;  ///< share of a gradient that those before do not hold
+  std::vector<std::size_t> picked;
+  std::vector<Eigen::VectorXd> basis;
+  for (std::size_t i = 0; i < derived.size() && static_cast<int>(picked.size()) < count; ++i) {
+    Eigen::VectorXd rest = derived[i].gradient.normalized();
+    for (const Eigen::VectorXd& b : basis) rest -= b.dot(rest) * b;
+    if (!(rest.norm() > kLeast)) continue;
+    basis.push_back(rest.normalized());
+    picked.push_back(i);
+  }
+  return picked;
+}
+
+}  // namespace
 
 Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> model,
                                           const std::vector<std::string>& effects) {
@@ -14,13 +32,17 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   watched.columns_.resize(model->base_count);
   std::iota(watched.columns_.begin(), watched.columns_.end(), 0);
   const auto derived = model->derive(Eigen::VectorXd::Ones(model->base_count));
-  if (static_cast<int>(derived.size()) != model->base_count)
+  watched.picked_ = Independent(derived, model->base_count);
+  if (static_cast<int>(watched.picked_.size()) != model->base_count)
     return BadInput(
-        "model {} has {} parameters of {} regressors; drift can only be watched if they are as many",
-        model->name, derived.size(), model->base_count);
-  for (const DerivedParameter& p : derived)
+        "the {} parameters of model {} follow from fewer than its {} regressors; drift can only be watched "
+        "of as many",
+        derived.size(), model->name, model->base_count);
+  for (const std::size_t picked : watched.picked_) {
+    const DerivedParameter& p = derived[picked];
     watched.quantities_.push_back(
         {p.name, p.unit, p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false});
+  }
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];
     if (std::find(effects.begin(), effects.end(), effect.id) == effects.end()) continue;
@@ -61,7 +83,8 @@ Eigen::VectorXd WatchedModel::Solve(const NormalEquations& equations) const {
 Eigen::VectorXd WatchedModel::Values(const Eigen::VectorXd& theta) const {
   Eigen::VectorXd values = theta;
   const auto derived = model_->derive(theta.head(base_count()));
-  for (std::size_t i = 0; i < derived.size(); ++i) values[i] = derived[i].value;
+  for (std::size_t i = 0; i < picked_.size(); ++i)
+    values[static_cast<Eigen::Index>(i)] = derived[picked_[i]].value;
   return values;
 }
 
@@ -69,7 +92,8 @@ Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
   const int n = base_count();
   Eigen::MatrixXd gradients(n, n);
   const auto derived = model_->derive(theta.head(n));
-  for (int i = 0; i < n; ++i) gradients.row(i) = derived[i].gradient.transpose();
+  for (int i = 0; i < n; ++i)
+    gradients.row(i) = derived[picked_[static_cast<std::size_t>(i)]].gradient.transpose();
   // Rows and columns differ by twenty orders of magnitude: scaled to about one before the inverse.
   const Eigen::VectorXd column = theta.head(n).cwiseAbs().cwiseMax(1e-300);
   const Eigen::VectorXd row =

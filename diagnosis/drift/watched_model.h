@@ -44,7 +44,8 @@ struct Score {
 /// The watched quantities of a model with the map between them and the regression parameters.
 class WatchedModel {
  public:
-  /// Parameters of the model, then those of `effects` (ids) that its Gram carries and that have no nonlinear
+  /// Parameters of the model (of more than it has regressors the first that are independent: the others follow from them),
+  /// then those of `effects` (ids) that its Gram carries and that have no nonlinear
   /// parameter.
   static Result<WatchedModel> Create(std::shared_ptr<const ModelStructure> model,
                                      const std::vector<std::string>& effects);
@@ -69,6 +70,8 @@ class WatchedModel {
   Eigen::VectorXd SolveBase(const NormalEquations& equations) const;
   std::shared_ptr<const ModelStructure> model_;
   std::vector<Quantity> quantities_;
+  std::vector<std::size_t>
+      picked_;  ///< parameters of the model that are watched: as many as there are regressors
   std::vector<int> columns_;
 };
 
