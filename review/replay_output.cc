@@ -95,6 +95,8 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
   const DisplayUnit unit = OutputUnit(outcome.machine);
+  if (outcome.figures.clusters.unit != ClusterUnit::kStroke)
+    text += "strokes of the last run hang together: intervals are at least those of groups of them\n";
   if (outcome.figures.noise_floor > 0)
     text += fmt::format(
         "model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",

@@ -125,6 +125,19 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   return {};
 }
 
+/// The recursive estimate takes strokes for independent. Where those of the last run hang together, its intervals are at
+/// least those of the fit to them.
+void WidenByLastRun(ReplayOutcome& outcome) {
+  if (outcome.figures.clusters.unit == ClusterUnit::kStroke) return;
+  for (Estimate& latest : outcome.latest)
+    for (const Estimate& fitted : outcome.figures.parameters)
+      if (fitted.parameter == latest.parameter && std::isfinite(fitted.std) && fitted.std > latest.std) {
+        latest.std = fitted.std;
+        if (fitted.reason == EstimateReason::kConfounded && latest.reason == EstimateReason::kUpdated)
+          latest.reason = fitted.reason;
+      }
+}
+
 }  // namespace
 
 Status CollectOutcome(const Database& database, std::int64_t machine_id, const ModelStructure& model,
@@ -141,7 +154,9 @@ Status CollectOutcome(const Database& database, std::int64_t machine_id, const M
   const auto trend = database.Trend(machine_id, "", std::max<std::int64_t>(0, outcome.strokes - 1));
   if (!trend) return tl::unexpected(trend.error());
   outcome.latest = LatestOf(*trend);
-  return FitLastRun(database, machine_id, model, outcome);
+  if (const Status fitted = FitLastRun(database, machine_id, model, outcome); !fitted) return fitted;
+  WidenByLastRun(outcome);
+  return {};
 }
 
 Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machine_id,

@@ -84,6 +84,7 @@ const char kFriction[] =
 
 struct Voltage {
   double speed = 0.3, friction = 0, noise = 2e-3;
+  double wander = 0;  ///< V, amplitude of an offset that comes and goes over 50 s
 };
 /// 30 s of a voltage 2 x + speed x' + friction sign(x') + 0.1.
 std::string VoltageLog(const std::string& path, const Voltage& of) {
@@ -96,7 +97,8 @@ std::string VoltageLog(const std::string& path, const Voltage& of) {
     const double t = 0.002 * row;
     const double x = 0.05 * std::sin(kSlow * t) + 0.02 * std::sin(kFast * t + 1);
     const double v = 0.05 * kSlow * std::cos(kSlow * t) + 0.02 * kFast * std::cos(kFast * t + 1);
-    const double u = 2 * x + of.speed * v + of.friction * (v > 0 ? 1 : -1) + 0.1;
+    const double offset = of.wander * std::sin(2 * std::numbers::pi * t / 50);
+    const double u = offset + 2 * x + of.speed * v + of.friction * (v > 0 ? 1 : -1) + 0.1;
     out << t << ',' << x + 1e-5 * normal(random) << ',' << u + of.noise * normal(random) << '\n';
   }
   return path;
@@ -160,6 +162,20 @@ TEST_F(OneAnswer, TheDriftOfAMachineWithDerivedParametersIsWatched) {
   const Ran again = Run({"replay", File("a.csv"), "-m", machine, "--db", File("a.db")});
   EXPECT_THAT(again.out, Not(HasSubstr("not watched"))) << again.out;
   EXPECT_THAT(again.out, HasSubstr("learning the healthy machine"));
+}
+
+/// Strokes that hang together are not independent, and a replay must not take them for it either.
+TEST_F(OneAnswer, ReplayIsNoSurerThanTheFitWhereStrokesHangTogether) {
+  const std::string machine = Machine(OwnMachine("k = \"x\", c = \"1\""));
+  const std::string log = VoltageLog(File("wander.csv"), {.speed = 0, .wander = 0.02});
+  const nlohmann::json fit = Json({"fit", log, "-m", machine}),
+                       explain = Json({"explain", log, "-m", machine}),
+                       replay = Json({"replay", log, "-m", machine, "--db", File("wander.db")});
+  ASSERT_NE(explain["interval_units"]["unit"], "stroke");
+  for (const char* name : {"k", "c"})
+    EXPECT_GE(replay["parameters"][name]["std"].get<double>(),
+              0.9 * fit["parameters"][name]["std"].get<double>())
+        << name;
 }
 
 TEST_F(OneAnswer, UnderColouredNoise) {

@@ -91,6 +91,7 @@ GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strok
   figures.noise_floor = fit.noise_floor;
   figures.strokes = strokes;
   figures.indispensable_strokes = fit.indispensable_strokes;
+  figures.clusters = fit.clusters;
   return figures;
 }
 
