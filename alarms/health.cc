@@ -52,6 +52,7 @@ void TakeAlarms(const std::vector<AlarmState>& alarms, Health& health) {
 }
 
 std::string LearningText(const HealthEvidence& e) {
+  if (!e.not_learned.empty()) return "nothing is judged: " + e.not_learned;
   if (e.learned >= e.needed)
     return fmt::format("nothing is judged: {} strokes wait for `hydroscope learn`", e.learned);
   return fmt::format("learning the healthy machine, {} of {} strokes", e.learned, e.needed);

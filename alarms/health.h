@@ -58,6 +58,7 @@ struct HealthEvidence {
   const std::vector<AlarmState>& alarms;
   bool has_reference = false;            ///< there is something to judge by
   std::int64_t learned = 0, needed = 0;  ///< strokes of commissioning, told if there is no reference
+  std::string not_learned = {};          ///< why they will not be learned; "" if they will
   std::string not_judged = {};           ///< why the last strokes were not judged; "" if they were
   ServiceTrouble trouble = {};
 };

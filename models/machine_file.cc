@@ -48,7 +48,8 @@ Result<toml::table> ParseToml(const std::string& text, const std::string& origin
 void FillDefaults(const std::string& origin, Machine& machine) {
   if (machine.name.empty()) machine.name = std::filesystem::path(origin).stem().string();
   for (const MachineInput& input : KindOf(machine).geometry)
-    if (!input.given) machine.geometry.try_emplace(std::string(input.name), KnownValue{input.otherwise, 0.0});
+    if (input.otherwise)
+      machine.geometry.try_emplace(std::string(input.name), KnownValue{*input.otherwise, 0.0});
 }
 
 }  // namespace

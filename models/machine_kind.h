@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,9 +24,8 @@ struct MachineInput {
   /// Of known values, where `highest` is above `lowest`: no machine has one outside, in `unit` for messages.
   double lowest = 0, highest = 0;
   std::string_view unit = "";
-  bool toleranced = false;  ///< made, and so known, within a usual tolerance if none is stated
-  double otherwise = 0;     ///< value where the machine file states none and `given` is false ...
-  bool given = true;        ///< ... true: without it there is none
+  bool toleranced = false;               ///< made, and so known, within a usual tolerance if none is stated
+  std::optional<double> otherwise = {};  ///< SI, value where the machine file states none
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.

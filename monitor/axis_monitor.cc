@@ -75,6 +75,7 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
                       .has_reference = monitor_.has_value(),
                       .learned = commissioning_strokes(),
                       .needed = rules_.commissioning,
+                      .not_learned = why_not_learned_,
                       .not_judged = judged ? "" : drift::JudgementText(why_not_judged_),
                       .trouble = {}});
 }
@@ -229,10 +230,13 @@ Result<bool> AxisMonitor::Commission(double wall) {
       if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
     }
   }
-  if (!rules_.automatic) return false;
+  if (!rules_.automatic || !why_not_learned_.empty()) return false;
   const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
-  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_))
-    return BadInput("nothing is learned from strokes {} to {}: {}", part.first, part.last - 1, doubt->text);
+  if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
+    why_not_learned_ =
+        fmt::format("nothing is learned from strokes {} to {}: {}", part.first, part.last - 1, doubt->text);
+    return false;
+  }
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
   if (learned) return true;
   if (learned.error().kind != ErrorKind::kBadInput) return tl::unexpected(learned.error());

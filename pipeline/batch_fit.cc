@@ -24,10 +24,6 @@ void Label(LogStrokes& read, int log) {
     for (Stretch& stretch : stroke) stretch.log = log;
 }
 
-}  // namespace
-
-namespace {
-
 /// s, from the origin of Stretch::begin to the end of the last stretch.
 double LastTime(const LogStrokes& log) {
   double last = 0;
@@ -57,6 +53,7 @@ Pipeline::RecordSink StrokeCollector::Sink() {
   return [this](StrokeRecord&& record) {
     if (record.summary.index % stride_ == 0) Keep(std::move(record));
     pending_.clear();
+    pending_samples_ = 0;
     if (keep_ == KeepSamples::kThinned &&
         (kept_ >= kMaxKeptSamples || out_.strokes.size() > kMaxThinnedStrokes))
       Thin();
@@ -95,7 +92,8 @@ void StrokeCollector::Thin() {
 Pipeline::EquationTap StrokeCollector::Tap() {
   if (keep_ == KeepSamples::kNo) return {};
   return [this](const Stretch& stretch, const SpanEquations& equations) {
-    if (kept_ >= kMaxKeptSamples) return;
+    if (kept_ + pending_samples_ >= kMaxKeptSamples) return;  // a gate that never closes is one stroke
+    pending_samples_ += stretch.samples;
     pending_.emplace_back(equations.begin, stretch);
   };
 }

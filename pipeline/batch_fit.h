@@ -54,6 +54,7 @@ class StrokeCollector {
   KeepSamples keep_;
   std::int64_t stride_ = 1;
   std::int64_t kept_ = 0;
+  std::int64_t pending_samples_ = 0;
   std::vector<std::pair<double, Stretch>> pending_;  ///< stretches with their begin, stroke not over yet
 };
 

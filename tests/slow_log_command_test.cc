@@ -1,3 +1,4 @@
+#include <regex>
 #include <sstream>
 
 #include "tests/command_line_fixture.h"
@@ -49,6 +50,20 @@ TEST_F(SlowLog, GivesNoVerdictFromTheDatabaseAndIsNotLearned) {
   const Ran learn = Run({"learn", "--db", db, "--json", "-"});
   EXPECT_NE(learn.exit_code, 0);
   EXPECT_EQ(learn.Json()["refused"][0]["doubts"][0]["kind"], "too_slow") << learn.out;
+}
+
+/// As many strokes as the healthy machine is learned from: the log is replayed all the same, and nothing is learned.
+TEST_F(SlowLog, OfAllOfCommissioningIsReplayedAndNotLearned) {
+  const std::string log = Thinned(Simulate("long.csv", 760, 4), 50), machine = File("slow.toml"),
+                    db = File("slow.db");
+  WriteText(machine, ReadText(kMachine));
+  const std::string rules = ReadText(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/die_cushion_rules.toml");
+  WriteText(File("slow_rules.toml"),
+            std::regex_replace(rules, std::regex("commissioning = \\d+"), "commissioning = 100"));
+  const Ran ran = Run({"replay", log, "-m", machine, "--db", db});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("Drift is not watched: nothing is learned from strokes 0 to 99"));
+  EXPECT_THAT(ran.out, HasSubstr("sampled too slowly"));
 }
 
 }  // namespace

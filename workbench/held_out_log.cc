@@ -41,12 +41,17 @@ Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& hel
   return out;
 }
 
+Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const LogStrokes& held_out,
+                                  const std::string& log) {
+  const auto model = FitMachineModel(fitted);
+  if (!model) return tl::unexpected(model.error());
+  return ErrorOnLog(*model, held_out, log);
+}
+
 Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& log) {
   const auto held_out = ReadStrokes(log, fitted.machine, KeepSamples::kYes);
   if (!held_out) return tl::unexpected(held_out.error());
-  const auto model = FitMachineModel(fitted);
-  if (!model) return tl::unexpected(model.error());
-  return ErrorOnLog(*model, *held_out, log);
+  return ErrorHeldOut(fitted, *held_out, log);
 }
 
 std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit) {

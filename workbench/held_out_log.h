@@ -32,6 +32,9 @@ Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& hel
                                 const std::string& log);
 
 /// The same of the model that `fitted` names, fitted to its strokes.
+Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const LogStrokes& held_out,
+                                  const std::string& log);
+/// ... on a log that is read first.
 Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& log);
 
 /// "error on x.csv, held out: 0.35 l/min, 12 strokes".

@@ -29,9 +29,7 @@ Result<std::pair<HeldOutError, HeldOutError>> OnHeldOut(const std::string& log, 
   std::vector<HeldOutError> errors;
   for (const Machine* machine : {&before, &next}) {
     strokes.machine = *machine;
-    const auto model = FitMachineModel(strokes);
-    if (!model) return tl::unexpected(model.error());
-    auto error = ErrorOnLog(*model, *held_out, log);
+    auto error = ErrorHeldOut(strokes, *held_out, log);
     if (!error) return tl::unexpected(error.error());
     errors.push_back(std::move(*error));
   }

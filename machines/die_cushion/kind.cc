@@ -23,8 +23,7 @@ constexpr std::array<MachineInput, 4> kCushionGeometry = {{
     // Valves state their flow at 1 bar (cartridges) to 350 bar.
     {"dp_nom", "Pa", true, "pressure drop at which the valve's nominal flow is stated", true, 1e5, 350e5,
      "bar"},
-    {"p_t", "Pa", false, "tank pressure where it is not measured", false, -1e5, 50e5, "bar", false, 0.0,
-     false},
+    {"p_t", "Pa", false, "tank pressure where it is not measured", false, -1e5, 50e5, "bar", false, 0.0},
     {"stroke", "m", false, "working stroke of the cushion", true},
 }};
 constexpr std::array<MachineInput, 4> kCushionParameters = {{
