@@ -99,18 +99,16 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
                       "Log the models are not fitted to: their errors on it are given as well");
   command->add_option("--machine,-m", change.machine,
                       "Machine file (TOML); without it the model of --db is changed");
-  command->add_option(
-      "--out,-o", change.out,
-      "Write the new version here; without it the machine file itself is changed and the version "
-      "before kept beside it");
+  command->add_option("--out,-o", change.out,
+                      "Write the new version here; without it the machine file itself is changed and the "
+                      "version before kept beside it");
   command->add_option("--name", change.name, "Name of the new version, for 'model history'");
   AddHistoryOptions(*command, change.history);
   AddJsonOption(*command, options->json);
   command->footer(fmt::format(
       "Examples:\n  hydroscope model {0} internal_leakage press.csv --machine press.toml\n"
       "  hydroscope model {0} internal_leakage -m press.toml --out press_next.toml\n"
-      "  hydroscope model {0} pressure_friction -m seal.toml 1bar.csv 3bar.csv 5bar.csv --hold-out "
-      "3bar.csv\n"
+      "  hydroscope model {0} pressure_friction -m seal.toml 1bar.csv 3bar.csv 5bar.csv --hold-out 3bar.csv\n"
       "  hydroscope model {0} internal_leakage --db press.db",
       name));
   command->callback([options, make_next, &exit_code] {

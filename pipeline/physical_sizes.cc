@@ -158,9 +158,7 @@ Status SizeWatch::JudgeSpeed(std::size_t signal) const {
       "{}: signal {} moves at {:.3g} mm/s at most, which no such machine does; plausible: {:g} to {:g} mm/s. "
       "Rows are "
       "{:.4g} s apart with the time in {}: check the unit of time (or sample_period) in [log] of the machine "
-      "file, "
-      "and the unit "
-      "of {}",
+      "file, and the unit of {}",
       machine_.name, machine_.signals[signal].name, *top * 1e3, kSlowest * 1e3, kFastest * 1e3,
       piece_time_ / kPiece, machine_.log.time_unit, machine_.signals[signal].name);
 }
@@ -180,8 +178,7 @@ Status JudgeGeometry(const Machine& machine) {
     const Unit unit = FindUnit(value.unit).value_or(Unit{});
     return BadInput(
         "{}: {} = {} is no {} of such a machine; plausible: {} to {}. Check value and unit of {} in "
-        "[geometry] "
-        "of the machine file",
+        "[geometry] of the machine file",
         machine.name, value.name, Shown(known->value, unit, value.unit), value.meaning,
         Shown(value.lowest, unit, value.unit), Shown(value.highest, unit, value.unit), value.name);
   }

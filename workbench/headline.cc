@@ -20,8 +20,7 @@ std::string ImpossibleFigures(const GramFit& f) {
   for (const double x : {f.rms_measured, f.rms_modelled, f.rms_residual, f.rms_holdout, f.noise_floor})
     if (!IsNumber(x))
       return "the error of the model is no number: a signal it needs was bad in some of these strokes. See "
-             "which "
-             "with 'hydroscope check'";
+             "which with 'hydroscope check'";
   if (f.rms_measured <= 0)
     return "no stroke is long enough for an error of the model: see gate and window of the machine file with "
            "'hydroscope check'";
@@ -31,8 +30,8 @@ std::string ImpossibleFigures(const GramFit& f) {
            "which with 'hydroscope check'";
   if (f.noise_floor >= f.rms_measured)
     return fmt::format(
-        "sensor noise alone would be {:.0f} % of the measured output: longer blocks ([window]), or a "
-        "better sensor",
+        "sensor noise alone would be {:.0f} % of the measured output: longer blocks ([window]), or a better "
+        "sensor",
         100 * f.noise_floor / f.rms_measured);
   if (f.rms_residual > f.rms_measured)
     return fmt::format(
