@@ -23,7 +23,7 @@ Result<CheckedExpression> CheckedText(const Machine& machine, const std::string&
   return *checked;
 }
 
-/// Quantities computed from the parameters, with gradients by central differences.
+/// Quantities computed from the parameters, with their gradients.
 class Derivation {
  public:
   Derivation(const Machine& machine, std::vector<std::string> units)
@@ -33,9 +33,11 @@ class Derivation {
     for (const TermSpec& term : machine.balance.derived) {
       const auto tree = CheckExpression(term.expression, DerivedNames(machine));
       if (!tree) continue;  // refused when the machine file was read
-      derived_.push_back({term.parameter, term.unit,
-                          std::make_shared<const ExpressionEvaluator>(
-                              *WithValues(tree->tree, DerivedNames(machine).constants), index)});
+      ExpressionGraph graph;
+      std::vector<int> wanted = {graph.Add(*WithValues(tree->tree, DerivedNames(machine).constants), index)};
+      const auto count = static_cast<int>(terms_.size());
+      for (int i = 0; i < count; ++i) wanted.push_back(graph.Derivative(wanted.front(), i));
+      derived_.push_back({term.parameter, term.unit, ExpressionProgram(graph, wanted, count)});
     }
   }
 
@@ -63,26 +65,17 @@ class Derivation {
  private:
   struct Quantity {
     std::string name, unit;
-    std::shared_ptr<const ExpressionEvaluator> evaluator;
+    ExpressionProgram program;  ///< value, then the gradient
   };
 
-  static double Value(const Quantity& quantity, const Eigen::VectorXd& theta) {
-    std::vector<std::vector<double>> channels;
-    for (double x : theta) channels.push_back({x});
-    return quantity.evaluator->Over(channels).At(0);
-  }
-
   static DerivedParameter Of(const Quantity& quantity, const Eigen::VectorXd& theta) {
-    constexpr double kStep = 1e-5;
-    DerivedParameter out{quantity.name, quantity.unit, Value(quantity, theta),
-                         Eigen::VectorXd::Zero(theta.size())};
-    for (Eigen::Index i = 0; i < theta.size(); ++i) {
-      const double step = kStep * std::max(std::abs(theta[i]), 1e-30);
-      Eigen::VectorXd up = theta, down = theta;
-      up[i] += step;
-      down[i] -= step;
-      out.gradient[i] = (Value(quantity, up) - Value(quantity, down)) / (2 * step);
-    }
+    std::vector<double> registers = quantity.program.Registers();
+    std::copy(theta.begin(), theta.end(), registers.begin());
+    quantity.program.Run(registers.data());
+    DerivedParameter out{quantity.name, quantity.unit, registers[quantity.program.output(0)],
+                         Eigen::VectorXd(theta.size())};
+    for (Eigen::Index i = 0; i < theta.size(); ++i)
+      out.gradient[i] = registers[quantity.program.output(static_cast<std::size_t>(i) + 1)];
     out.admissible = std::isfinite(out.value) && out.gradient.allFinite();
     if (!out.admissible) out.gradient.setZero();
     return out;

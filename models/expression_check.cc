@@ -46,21 +46,33 @@ Checked CheckNames(const ExpressionNode& node, const ExpressionNames& names, boo
   return {};
 }
 
-/// What values an expression can take, rates and signals being anything.
-struct Range {
-  double low = -kInfinity, high = kInfinity;
-};
+using Range = ValueRange;
 
-bool IsNumber(const Range& range) { return range.low == range.high && range.low != 0; }
-
-Range Scaled(const Range& range, double factor) {
-  return factor > 0 ? Range{range.low * factor, range.high * factor}
-                    : Range{range.high * factor, range.low * factor};
+/// Products of the ends; zero times anything is zero, since what is infinite here stands for what is large.
+Range ProductOf(const Range& a, const Range& b) {
+  const auto product = [](double x, double y) { return x == 0 || y == 0 ? 0.0 : x * y; };
+  const auto [low, high] = std::minmax(
+      {product(a.low, b.low), product(a.low, b.high), product(a.high, b.low), product(a.high, b.high)});
+  return {low, high};
 }
 
-Range RangeOf(const ExpressionNode& node) {
-  const auto arg = [&](std::size_t i) { return RangeOf(*node.args[i]); };
+Range QuotientOf(const Range& a, const Range& b) {
+  if (b.low > 0 || b.high < 0) return ProductOf(a, {1 / b.high, 1 / b.low});
+  return {};
+}
+
+Range RangeOfName(const std::string& name, const ExpressionNames& names) {
+  if (const auto constant = names.constants.find(name); constant != names.constants.end())
+    return {constant->second, constant->second};
+  const auto found = names.found.find(name);
+  return found == names.found.end() ? Range{} : found->second;
+}
+
+/// What values an expression can take, rates and signals being anything, and names what `names` says.
+Range RangeOf(const ExpressionNode& node, const ExpressionNames& names) {
+  const auto arg = [&](std::size_t i) { return RangeOf(*node.args[i], names); };
   if (node.kind == Kind::kNumber) return {node.number, node.number};
+  if (node.kind == Kind::kName) return RangeOfName(node.text, names);
   if (node.kind == Kind::kNegate) return {-arg(0).high, -arg(0).low};
   if (node.kind == Kind::kConditional)
     return {std::min(arg(1).low, arg(2).low), std::max(arg(1).high, arg(2).high)};
@@ -69,13 +81,8 @@ Range RangeOf(const ExpressionNode& node) {
   if (node.kind == Kind::kBinary) {
     if (f == "+") return {arg(0).low + arg(1).low, arg(0).high + arg(1).high};
     if (f == "-") return {arg(0).low - arg(1).high, arg(0).high - arg(1).low};
-    if (f == "*" || f == "/") {
-      const Range a = arg(0), b = arg(1);
-      const bool both_positive = a.low >= 0 && (f == "*" ? b.low >= 0 : b.low > 0);
-      if (IsNumber(b)) return Scaled(a, f == "*" ? b.low : 1 / b.low);
-      if (f == "*" && IsNumber(a)) return Scaled(b, a.low);
-      return {both_positive ? 0.0 : -kInfinity, kInfinity};
-    }
+    if (f == "*") return ProductOf(arg(0), arg(1));
+    if (f == "/") return QuotientOf(arg(0), arg(1));
     if (f == "^") {
       const Range power = arg(1);
       const bool even = power.low == power.high && std::fmod(power.low, 2.0) == 0.0;
@@ -119,23 +126,23 @@ Checked Refuse(const ExpressionNode& node, const std::string& what, const std::s
                   what, instead)});
 }
 
-Checked CheckRates(const ExpressionNode& node) {
+Checked CheckRates(const ExpressionNode& node, const ExpressionNames& names) {
   for (const Expression& arg : node.args)
-    if (const Checked fine = CheckRates(*arg); !fine) return fine;
+    if (const Checked fine = CheckRates(*arg, names); !fine) return fine;
   if (node.kind == Kind::kBinary && node.text == "/" && ContainsDdt(*node.args[1])) {
-    const Range below = RangeOf(*node.args[1]);
+    const Range below = RangeOf(*node.args[1], names);
     if (!(below.low > 0 || below.high < 0))
       return Refuse(node, "division by an expression", "e.g. max(abs(ddt(x)), 0.001)");
   }
   if (node.kind == Kind::kBinary && node.text == "^" &&
       (ContainsDdt(*node.args[0]) || ContainsDdt(*node.args[1]))) {
-    const Range base = RangeOf(*node.args[0]), power = RangeOf(*node.args[1]);
+    const Range base = RangeOf(*node.args[0], names), power = RangeOf(*node.args[1], names);
     const bool whole = power.low == power.high && power.low >= 0 && std::fmod(power.low, 1.0) == 0.0;
     const bool root = base.low >= 0 && power.low == power.high && power.low >= 0;
     if (!whole && !root) return Refuse(node, "a power", "e.g. abs(ddt(x))^0.5");
   }
   if (node.kind == Kind::kCall && node.args.size() == 1 && node.text != "ddt" && ContainsDdt(*node.args[0])) {
-    const Range domain = Domain(node.text), range = RangeOf(*node.args[0]);
+    const Range domain = Domain(node.text), range = RangeOf(*node.args[0], names);
     if (!(range.low >= domain.low && range.high <= domain.high))
       return Refuse(node, node.text,
                     fmt::format("e.g. {}(max(abs(ddt(x)), 0.001)) or limit it with min and max", node.text));
@@ -177,7 +184,7 @@ ExpressionNames ExpressionNamesOf(const Machine& machine, const UserEffectSpec& 
   for (const ShapeSpec& shape : effect.shape) {
     names.units[shape.name] = shape.unit.empty() ? std::nullopt : ParseSiUnit(shape.unit);
     names.constants.erase(shape.name);
-    names.found.insert(shape.name);
+    names.found[shape.name] = {shape.min, shape.max};
   }
   return names;
 }
@@ -188,7 +195,7 @@ ExpressionResult<CheckedExpression> CheckExpression(const std::string& text, con
   if (const Checked fine = CheckNames(**tree, names, false); !fine) return tl::unexpected(fine.error());
   const auto unit = UnitOf(**tree, names.units);
   if (!unit) return tl::unexpected(unit.error());
-  if (const Checked fine = CheckRates(**tree); !fine) return tl::unexpected(fine.error());
+  if (const Checked fine = CheckRates(**tree, names); !fine) return tl::unexpected(fine.error());
   return CheckedExpression{*tree, *unit};
 }
 

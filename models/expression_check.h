@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -10,11 +11,17 @@
 
 namespace hydroscope {
 
+/// What values something can take.
+struct ValueRange {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+};
+
 /// What an expression of a machine file may name.
 struct ExpressionNames {
   NameUnits units;                          ///< every name
   std::map<std::string, double> constants;  ///< values from [geometry], and pi
-  std::set<std::string> found;              ///< names whose value is found from the data: ShapeSpec
+  std::map<std::string, ValueRange>
+      found;  ///< names whose value is found from the data, and where: ShapeSpec
 };
 /// Signals and [geometry] of the machine, and pi. A signal hides a constant of the same name.
 ExpressionNames ExpressionNamesOf(const Machine& machine);

@@ -1,6 +1,7 @@
 #include "models/expression_columns.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "models/smooth_rate.h"
@@ -88,8 +89,8 @@ std::function<void(Stretch&)> ExpressionChannels::Derivation() const {
     for (const Rate& rate : rates) {
       double* const inner = s[rate.inner];
       if (rate.evaluator) {
-        const auto run = rate.evaluator->Over(s.channel, s.before);
-        for (int k = -s.before; k < s.samples + s.after; ++k) inner[k] = run.At(k);
+        const auto count = static_cast<std::size_t>(s.before + s.samples + s.after);
+        rate.evaluator->Values(s.channel, 0, std::span(inner - s.before, count));
       }
       SmoothRate(inner - s.before, s.before + s.samples + s.after, half, s.period, Ends::kHold,
                  s[rate.channel] - s.before);
@@ -113,47 +114,41 @@ ExpressionParts::ExpressionParts(const std::vector<ExpressionPart>& parts,
 void ExpressionParts::Increments(const Stretch& s, std::span<double> increments) const {
   std::fill(increments.begin(), increments.end(), 0.0);
   const int steps = static_cast<int>(increments.size());
+  std::array<double, kChunk + 1> weight, level;
   // Trapezoid by trapezoid: mean weight times the step of the level, or of time.
-  const auto add = [&](auto weight, auto level) {
-    double w = weight(0), l = level(0);
-    for (int k = 0; k < steps; ++k) {
-      const double next_w = weight(k + 1), next_l = level(k + 1);
-      increments[static_cast<std::size_t>(k)] += 0.5 * (w + next_w) * (next_l - l);
-      w = next_w;
-      l = next_l;
+  for (const Compiled& part : parts_)
+    for (int first = 0; first < steps; first += kChunk) {
+      const auto count = static_cast<std::size_t>(std::min(kChunk, steps - first));
+      weight.fill(1);
+      if (part.weight) part.weight->Values(s.channel, s.before + first, std::span(weight).first(count + 1));
+      if (part.level)
+        part.level->Values(s.channel, s.before + first, std::span(level).first(count + 1));
+      else
+        for (std::size_t k = 0; k <= count; ++k) level[k] = (first + static_cast<int>(k)) * s.period;
+      for (std::size_t k = 0; k < count; ++k)
+        increments[static_cast<std::size_t>(first) + k] +=
+            0.5 * (weight[k] + weight[k + 1]) * (level[k + 1] - level[k]);
     }
-  };
-  const auto one = [](int) { return 1.0; };
-  const auto time = [period = s.period](int k) { return k * period; };
-  for (const Compiled& part : parts_) {
-    if (part.weight && part.level) {
-      const auto weight = part.weight->Over(s.channel, s.before),
-                 level = part.level->Over(s.channel, s.before);
-      add([&](int k) { return weight.At(k); }, [&](int k) { return level.At(k); });
-    } else if (part.level) {
-      const auto level = part.level->Over(s.channel, s.before);
-      add(one, [&](int k) { return level.At(k); });
-    } else {
-      const auto weight = part.weight->Over(s.channel, s.before);
-      add([&](int k) { return weight.At(k); }, time);
-    }
-  }
 }
 
 void ExpressionParts::Values(const Stretch& s, std::span<double> values) const {
   std::fill(values.begin(), values.end(), 0.0);
-  for (const Compiled& part : parts_) {
-    const auto weight = part.weight->Over(s.channel, s.before);
-    for (int k = 0; k < s.samples; ++k) values[static_cast<std::size_t>(k)] += weight.At(k);
-  }
+  std::array<double, kChunk> weight;
+  for (const Compiled& part : parts_)
+    for (std::size_t first = 0; first < values.size(); first += kChunk) {
+      const std::size_t count = std::min<std::size_t>(kChunk, values.size() - first);
+      part.weight->Values(s.channel, s.before + static_cast<int>(first), std::span(weight).first(count));
+      for (std::size_t k = 0; k < count; ++k) values[first + k] += weight[k];
+    }
 }
 
 double ExpressionParts::Contrast(const Stretch& s, int sample) const {
   double sum = 0;
+  std::array<double, 4> weight;
   for (const Compiled& part : parts_) {
     if (part.level) continue;
-    const auto weight = part.weight->Over(s.channel, s.before);
-    sum += weight.At(sample - 2) - weight.At(sample - 1) - weight.At(sample) + weight.At(sample + 1);
+    part.weight->Values(s.channel, s.before + sample - 2, weight);
+    sum += weight[0] - weight[1] - weight[2] + weight[3];
   }
   return 0.5 * sum;
 }

@@ -1,10 +1,12 @@
 #include "models/expression_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
 #include "models/expression_check.h"
+#include "models/stretch.h"
 
 namespace hydroscope {
 namespace {
@@ -74,10 +76,13 @@ void ExpressionGuard::Watch(const Machine& machine, const Expression& expression
 
 void ExpressionGuard::Flag(SampleBlock& block, std::size_t rows) const {
   for (const auto& expression : watched_) {
-    const auto run = expression->Over(block.signal);
     const std::vector<int>& signals = expression->channels();
+    std::array<double, kChunk> value;
     for (std::size_t row = 0; row < rows; ++row) {
-      if (std::isfinite(run.At(static_cast<int>(row)))) continue;
+      if (row % kChunk == 0)
+        expression->Values(block.signal, static_cast<int>(row),
+                           std::span(value).first(std::min<std::size_t>(kChunk, rows - row)));
+      if (std::isfinite(value[row % kChunk])) continue;
       const bool good = std::all_of(signals.begin(), signals.end(), [&](int s) {
         return (block.quality[static_cast<std::size_t>(s)][row] & ~quality::kExpression) == quality::kGood;
       });

@@ -14,7 +14,7 @@ namespace {
 using Kind = ExpressionNode::Kind;
 
 constexpr std::size_t kMaxLength = 2000;
-constexpr int kMaxParts = 200;  ///< operators and brackets; bounds the depth of the tree as well
+constexpr int kMaxParts = kMaxExpressionParts;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }

@@ -37,6 +37,9 @@ struct ExpressionFunction {
 /// All of them, ddt included.
 const std::vector<ExpressionFunction>& ExpressionFunctions();
 
+/// Operators and brackets of an expression; bounds the depth of its tree, its names and the time it takes as well.
+inline constexpr int kMaxExpressionParts = 200;
+
 /// Parses `condition ? a : b`, `|| && < <= > >= == != + - * / ! ^` (right associative, before a sign: -x^2 =
 /// -(x^2)), numbers, names and function calls. Names are not looked up. Errors: text longer than 2000
 /// characters, more than 200 operators and brackets, unknown function (suggests the nearest), wrong number of

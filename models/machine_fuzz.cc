@@ -1,6 +1,7 @@
 // libFuzzer target: whatever the text, ParseMachine gives a machine or an error, a machine it gives reads
 // back equal after writing, and its balance and effects can be computed. The text is also taken as an
 // expression: what parses reads back equal from its canonical text and has a value.
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -56,9 +57,23 @@ void TakeAsExpression(const std::string& text) {
     Stop("reads back differently: " + canonical);
   const auto checked = CheckExpression(text, names);
   if (!checked) return;
-  const ExpressionEvaluator evaluator(*WithRates(checked->tree, -1), {{"x", 0}, {"p", 1}});
-  const std::vector<std::vector<double>> channels = {{0.1}, {1e5}};
-  evaluator.Over(channels).At(0);
+  const Expression level = WithRates(checked->tree, -1);
+  const std::map<std::string, int> inputs = {{"x", 0}, {"p", 1}};
+  const std::vector<std::vector<double>> channels = {std::vector<double>(150, 0.1),
+                                                     std::vector<double>(150, 1e5)};
+  std::vector<double> values(150);
+  const ExpressionEvaluator evaluator(*level, inputs);
+  evaluator.Values(channels, 0, values);
+  ExpressionGraph graph;
+  const int value = graph.Add(*level, inputs);
+  const ExpressionProgram program(graph, {value, graph.Derivative(value, 0), graph.Derivative(value, 1)}, 2);
+  std::vector<double> registers = program.Registers();
+  registers[0] = 0.1;
+  registers[1] = 1e5;
+  program.Run(registers.data());
+  const double alone = registers[program.output(0)];
+  if (!(alone == values[0] && alone == values[149]) && !(std::isnan(alone) && std::isnan(values[149])))
+    Stop("a column differs from a point");
 }
 
 }  // namespace

@@ -54,6 +54,15 @@ TEST(UserPhysicsFile, DerivesAndChecksTheUnitOfAParameter) {
               AllOf(StartsWith("seal.toml:7:"), HasSubstr("the SI unit of F")));
 }
 
+TEST(UserPhysicsFile, TakesStribecksFrictionWithASpeedThatIsFound) {
+  const std::string effect =
+      "[[effect]]\nid = \"stribeck\"\nterms = { F_s = \"sign(ddt(x))*exp(-abs(ddt(x))/v_s)\" }\n";
+  const std::string found = "shape = { v_s = { min = 1, max = 100, unit = \"mm/s\" } }\n";
+  EXPECT_TRUE(BuildModel(Parse(Balance("A = \"p\"") + effect + found)));
+  const std::string from_zero = "shape = { v_s = { min = 0, max = 100, unit = \"mm/s\" } }\n";
+  EXPECT_THAT(Refusal(Balance("A = \"p\"") + effect + from_zero), HasSubstr("exp of a rate"));
+}
+
 TEST(UserPhysicsFile, AnEffectHasOneParameterAndAnIdOfItsOwn) {
   const std::string base = Balance("A = \"p\"");
   EXPECT_THAT(Refusal(base + "[[effect]]\nid = \"a\"\nterms = { k = \"x\", l = \"p\" }\n"),

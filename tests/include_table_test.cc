@@ -67,7 +67,6 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
     {"<CLI/", {"cli/", "workbench/history_options", "live/", "host/"}},
-    {"<muParser", {"models/expression_evaluator"}},
 };
 const std::vector<Reserved> kReservedWords = {
     {"steady_clock", {"host/", "live/", "studies/", "cli/"}},
