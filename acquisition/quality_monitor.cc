@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/wide.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -115,6 +116,14 @@ HYDROSCOPE_WIDE Counts Count(const double* x, std::size_t rows, const Thresholds
           std::min(std::min(lowest[0], lowest[1]), std::min(lowest[2], lowest[3]))};
 }
 
+/// A command may stay at its limit for long.
+bool IsCommand(const Machine& machine, const std::string& signal) {
+  if (signal == machine.valve.input) return true;
+  for (const StandstillRule& rule : KindOf(machine).standstill)
+    if (rule.command == signal) return true;
+  return false;
+}
+
 }  // namespace
 
 QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
@@ -129,7 +138,7 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
           std::max<std::int64_t>(2, std::llround(std::ceil(spec.stuck_time / sample_period - 1e-9)) + 1);
     track.before.fill(kNaN);
     track.extremes.fill({-kInfinity, 0, 0, false});
-    track.can_saturate = spec.name != "U_v" && spec.name != machine.valve.input;
+    track.can_saturate = !IsCommand(machine, spec.name);
     if (track.stuck_rows > 0)
       hold_ = std::max({hold_, static_cast<std::size_t>(track.stuck_rows) + kAhead,
                         static_cast<std::size_t>(kRunsToBeStuck * kLongestMeanRun) + 1 + kAhead});

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -15,39 +16,61 @@ constexpr int kFewestRows = 4;       // in a piece
 constexpr double kRangeOfNoise = 8.0;
 // The noise is that of the quieter pieces: steps between rows hold the motion as well.
 constexpr double kNoiseFalls = 0.2, kNoiseRises = 1.02;  // share of a quieter piece; factor at most per piece
-constexpr double kFullCommand = 10.0;                    // V
 constexpr double kCommandMoves = 0.1;                    // of full command
 constexpr double kIgnores = 0.1;                         // share of the movement it is told to make
-constexpr double kFullyOpen = 0.97;                      // of the spool: it may rest at its stop
-constexpr double kOpen = 0.05;                           // of the spool, either way: beyond any overlap
-constexpr double kGoes = 0.01;                           // m/s
 constexpr int kPiecesToProve = 4;                        // of each kind of movement
 
 }  // namespace
 
 std::optional<Standstill> Standstill::For(const Machine& machine, double sample_period) {
-  if (machine.model != "die_cushion" || !(sample_period > 0) || sample_period > kPieceTime / 2)
-    return std::nullopt;
+  if (!(sample_period > 0) || sample_period > kPieceTime / 2) return std::nullopt;
   const int rows = std::max(kFewestRows, static_cast<int>(std::lround(kPieceTime / sample_period)));
   Standstill out(rows);
   out.piece_time_ = rows * sample_period;
-  constexpr std::array<const char*, kSignals> kNames = {"y_v", "U_v", "p_A", "z"};
-  for (int s = 0; s < kSignals; ++s) out.channel_[s] = machine.SignalIndex(kNames[s]);
-  for (const Signal needed : {kSpool, kPressure, kPosition})
-    if (out.channel_[needed] < 0) return std::nullopt;
-  for (Piece& piece : out.piece_) piece.last = kNaN;
-  out.commands_.fill(kNaN);
-  return out;
+  for (const StandstillRule& rule : KindOf(machine).standstill) out.Add(machine, rule);
+  return out.watches_.empty() ? std::nullopt : std::optional(std::move(out));
+}
+
+/// The piece of a signal; nothing if the machine does not measure it.
+std::optional<std::size_t> Standstill::AddPiece(const Machine& machine, const std::string& signal) {
+  const int index = machine.SignalIndex(signal);
+  if (index < 0) return std::nullopt;
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    if (pieces_[p].signal == static_cast<std::size_t>(index)) return p;
+  Piece piece;
+  piece.signal = static_cast<std::size_t>(index);
+  piece.last = kNaN;
+  pieces_.push_back(piece);
+  return pieces_.size() - 1;
+}
+
+/// Nothing to judge if the machine does not measure all that the rule needs.
+void Standstill::Add(const Machine& machine, const StandstillRule& rule) {
+  Watch watch;
+  const auto piece = AddPiece(machine, rule.signal);
+  if (!piece) return;
+  watch.piece = *piece;
+  if (!rule.command.empty()) {
+    watch.command = AddPiece(machine, rule.command);
+    if (!watch.command) return;
+  }
+  for (const GateBound& bound : rule.movements) {
+    const auto moved = AddPiece(machine, bound.signal);
+    if (!moved) return;
+    watch.movements.push_back({*moved, bound});
+  }
+  watch.full_command = rule.full_command;
+  watch.at_stop = rule.at_stop;
+  watch.commands.fill(kNaN);
+  watches_.push_back(std::move(watch));
 }
 
 void Standstill::Judge(SampleBlock& block) {
   const std::size_t rows = block.rows();
   for (std::size_t row = 0; row < rows;) {
     const std::size_t count = std::min<std::size_t>(rows - row, static_cast<std::size_t>(rows_ - filled_));
-    for (int s = 0; s < kSignals; ++s) {
-      if (channel_[s] < 0) continue;
-      Piece& piece = piece_[s];
-      const double* x = block.signal[static_cast<std::size_t>(channel_[s])].data() + row;
+    for (Piece& piece : pieces_) {
+      const double* x = block.signal[piece.signal].data() + row;
       double sum = 0, steps = 0, last = piece.last;
       for (std::size_t i = 0; i < count; ++i) {
         const double step = x[i] - last;
@@ -59,8 +82,7 @@ void Standstill::Judge(SampleBlock& block) {
       piece.sum += sum;
       piece.steps += steps;
     }
-    Flag(kSpool, spool_, row, row + count, block);
-    Flag(kPressure, pressure_, row, row + count, block);
+    for (const Watch& watch : watches_) Flag(watch, row, row + count, block);
     row += count;
     filled_ += static_cast<int>(count);
     if (filled_ == rows_) EndPiece();
@@ -69,7 +91,8 @@ void Standstill::Judge(SampleBlock& block) {
 
 void Standstill::EndPiece() {
   filled_ = 0;
-  for (Piece& piece : piece_) {
+  for (Piece& piece : pieces_) {
+    piece.before = piece.mean;
     piece.mean = piece.sum / rows_;
     const double variance = piece.steps / (2.0 * rows_);
     piece.whole = std::isfinite(piece.mean) && std::isfinite(variance);
@@ -79,8 +102,11 @@ void Standstill::EndPiece() {
                                              : std::min(variance, kNoiseRises * piece.noise);
     piece.sum = piece.steps = 0;
   }
-  JudgeSpool();
-  JudgePressure();
+  for (Watch& watch : watches_) {
+    const bool stays = Extend(pieces_[watch.piece], watch.run);
+    if (watch.command) JudgeCommand(watch, stays);
+    if (!watch.movements.empty()) JudgeMovements(watch, stays);
+  }
 }
 
 /// False if the signal moved: a new run begins with this piece.
@@ -98,42 +124,41 @@ bool Standstill::Extend(const Piece& piece, Run& run) const {
   return goes_on;
 }
 
-void Standstill::JudgeSpool() {
-  if (channel_[kCommand] < 0) return;
-  const bool stays = Extend(piece_[kSpool], spool_);
-  const double command = commands_.front();  // the spool had time to follow it
+void Standstill::JudgeCommand(Watch& watch, bool stays) const {
+  const double command = watch.commands.front();  // the signal had time to follow it
   // Commands from before it stood say nothing: it followed them.
-  if (!stays || spool_.rows <= (kLag + 1) * rows_) {
-    command_low_ = command_high_ = kNaN;
+  if (!stays || watch.run.rows <= (kLag + 1) * rows_) {
+    watch.command_low = watch.command_high = kNaN;
   } else if (std::isfinite(command)) {
-    command_low_ = std::isfinite(command_low_) ? std::min(command_low_, command) : command;
-    command_high_ = std::isfinite(command_high_) ? std::max(command_high_, command) : command;
+    watch.command_low = std::isfinite(watch.command_low) ? std::min(watch.command_low, command) : command;
+    watch.command_high = std::isfinite(watch.command_high) ? std::max(watch.command_high, command) : command;
   }
-  std::rotate(commands_.begin(), commands_.begin() + 1, commands_.end());
-  commands_.back() = piece_[kCommand].whole ? piece_[kCommand].mean : kNaN;
-  const bool at_stop = std::abs(piece_[kSpool].mean) >= kFullyOpen;
+  std::rotate(watch.commands.begin(), watch.commands.begin() + 1, watch.commands.end());
+  const Piece& now = pieces_[*watch.command];
+  watch.commands.back() = now.whole ? now.mean : kNaN;
+  const bool at_stop = watch.at_stop > 0 && std::abs(pieces_[watch.piece].mean) >= watch.at_stop;
   // Beside a noise that is overrated after fast motion: it moves by a small share of what it is told to.
-  const double told = (command_high_ - command_low_) / kFullCommand;
-  const bool ignores = spool_.high - spool_.low < kIgnores * told;
-  if (stays && !at_stop && ignores && told >= kCommandMoves) spool_.stands = true;
+  const double told = (watch.command_high - watch.command_low) / watch.full_command;
+  const bool ignores = watch.run.high - watch.run.low < kIgnores * told;
+  if (stays && !at_stop && ignores && told >= kCommandMoves) watch.run.stands = true;
 }
 
-void Standstill::JudgePressure() {
-  const Piece &spool = piece_[kSpool], &position = piece_[kPosition];
-  if (!Extend(piece_[kPressure], pressure_)) opening_ = closing_ = down_ = up_ = 0;
-  opening_ += spool.whole && spool.mean > kOpen;
-  closing_ += spool.whole && spool.mean < -kOpen;
-  const double speed = (position.mean - position_before_) / piece_time_;
-  down_ += speed < -kGoes;
-  up_ += speed > kGoes;
-  position_before_ = position.mean;
-  if (std::min({opening_, closing_, down_, up_}) >= kPiecesToProve) pressure_.stands = true;
+void Standstill::JudgeMovements(Watch& watch, bool stays) const {
+  bool all = true;
+  for (Movement& movement : watch.movements) {
+    if (!stays) movement.pieces = 0;
+    const Piece& piece = pieces_[movement.piece];
+    const double x = movement.bound.rate ? (piece.mean - piece.before) / piece_time_ : piece.mean;
+    movement.pieces += piece.whole && x >= movement.bound.min.value_or(-INFINITY) &&
+                       x <= movement.bound.max.value_or(INFINITY);
+    all = all && movement.pieces >= kPiecesToProve;
+  }
+  if (all) watch.run.stands = true;
 }
 
-void Standstill::Flag(Signal signal, const Run& run, std::size_t begin, std::size_t end,
-                      SampleBlock& block) const {
-  if (!run.stands) return;
-  std::vector<Quality>& quality = block.quality[static_cast<std::size_t>(channel_[signal])];
+void Standstill::Flag(const Watch& watch, std::size_t begin, std::size_t end, SampleBlock& block) const {
+  if (!watch.run.stands) return;
+  std::vector<Quality>& quality = block.quality[pieces_[watch.piece].signal];
   for (std::size_t k = begin; k < end; ++k) quality[k] |= quality::kStuck;
 }
 

@@ -39,7 +39,8 @@ Status FillMachine(Database& database, std::size_t axis, std::int64_t strokes, P
   if (!log) return tl::unexpected(log.error());
   const auto id = database.MachineId(machine.name);
   if (!id) return tl::unexpected(id.error());
-  const auto version = database.PutModelVersion(*id, {1, FormatMachine(machine), log->model->ColumnNames()});
+  const auto version = database.PutModelVersion(
+      *id, {1, FormatMachine(machine), log->model->ColumnNames(), 0, log->model->ConditionNames()});
   if (!version) return tl::unexpected(version.error());
   const auto run = database.BeginRun(*id, *version, "simulated", "history_bench");
   if (!run) return tl::unexpected(run.error());

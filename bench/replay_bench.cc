@@ -98,8 +98,9 @@ Result<std::int64_t> IdentifyAndStore(const std::string& log, const Machine& mac
     if (run < 0) {
       const auto id = database->MachineId(machine.name);
       if (!id) return tl::unexpected(id.error());
-      const auto version =
-          database->PutModelVersion(*id, {1, FormatMachine(machine), pipeline.model().ColumnNames()});
+      const auto version = database->PutModelVersion(
+          *id,
+          {1, FormatMachine(machine), pipeline.model().ColumnNames(), 0, pipeline.model().ConditionNames()});
       if (!version) return tl::unexpected(version.error());
       const auto info = database->BeginRun(*id, *version, log, "bench");
       if (!info) return tl::unexpected(info.error());

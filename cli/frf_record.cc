@@ -5,6 +5,7 @@
 
 #include "core/quality.h"
 #include "host/output.h"
+#include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
 #include "replay/log_reader.h"
 
@@ -119,7 +120,8 @@ Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine)
   result.record.sample_period = (*reader)->SamplePeriod();
   RunBuilder runs(machine.SignalIndex(machine.valve.input), machine.SignalIndex(machine.valve.output),
                   machine.valve.full_scale, result);
-  Mean pressure(machine.SignalIndex("p_0")), oil(machine.SignalIndex("T_oil"));
+  Mean pressure(machine.SignalIndex(KindOf(machine).supply)),
+      oil(machine.SignalIndex(KindOf(machine).temperature));
   ProgressBar progress("reading", "rows");
   SampleBlock block;
   while (true) {

@@ -9,6 +9,7 @@
 
 #include "cli/commands.h"
 #include "host/output.h"
+#include "models/machine_kind.h"
 #include "setup/machine_proposal.h"
 
 namespace hydroscope {
@@ -49,7 +50,8 @@ void Report(const InitArguments& arguments, const MachineProposal& proposal, std
   for (const std::string& line : proposal.open) out << "  " << line << "\n";
   if (!arguments.out.empty())
     out << fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
-                       proposal.machine.model == "valve" ? "frf" : "check", arguments.log, arguments.out);
+                       KindOf(proposal.machine).build == nullptr ? "frf" : "check", arguments.log,
+                       arguments.out);
 }
 
 Status WriteFile(const InitArguments& arguments, const std::string& text) {
@@ -68,7 +70,10 @@ int RunInit(const InitArguments& arguments) {
   const auto head = ReadLogColumns(arguments.log);
   if (!head) return ReportError(head.error());
   ProposalOptions options;
-  if (arguments.area_cm2 > 0) options.piston_area = arguments.area_cm2 * 1e-4;
+  if (arguments.area_cm2 > 0)  // the piston area of whatever machine it turns out to be
+    for (const MachineKind* kind : MachineKinds())
+      for (const MachineInput& known : kind->geometry)
+        if (known.si == "m2") options.known[std::string(known.name)] = arguments.area_cm2 * 1e-4;
   const MachineProposal proposal = ProposeMachine(*head, options);
   if (!arguments.out.empty()) {
     if (const Status written = WriteFile(arguments, proposal.text); !written)

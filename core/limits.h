@@ -9,5 +9,7 @@ inline constexpr int kMaxParameters = 32;
 inline constexpr int kMaxDerived = 32;
 /// Constants of one effect that are found from the data.
 inline constexpr int kMaxShape = 2;
+/// Conditions that are stored with every stroke of a machine.
+inline constexpr int kMaxConditions = 6;
 
 }  // namespace hydroscope

@@ -27,7 +27,7 @@ const char* ReasonText(EstimateReason reason) {
     case EstimateReason::kUpdated:
       return "identified from this stroke and those before";
     case EstimateReason::kNoStroke:
-      return "no drawing stroke seen yet";
+      return "no stroke seen yet";
     case EstimateReason::kTooShort:
       return "the stroke was too short to learn from";
     case EstimateReason::kNotExcited:

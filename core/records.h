@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/limits.h"
 #include "core/quality.h"
 
 namespace hydroscope {
@@ -47,16 +48,20 @@ struct StrokeCounters {
   std::array<std::int64_t, 16> flagged{};  ///< rows per quality flag (bit number)
 };
 
+/// What one entry of StrokeSummary::conditions holds.
+struct ConditionName {
+  std::string name, unit;  ///< SI
+};
+
 /// A stroke as stored: when, how it was driven, how well the model fitted.
 struct StrokeSummary {
   std::int64_t index = 0;      ///< 0, 1, ... within the run
   double begin = 0, end = 0;   ///< s
   double oil_temperature = 0;  ///< K, mean; NaN if not measured
-  double mean_speed = 0;       ///< m/s, mean |velocity|
-  double mean_pressure = 0;    ///< Pa
-  double max_pressure = 0;     ///< Pa
-  double rms_error = 0;        ///< m^3/s, flow error of the model in force before this stroke
-  double noise_floor = 0;      ///< m^3/s, what sensor noise alone would cause
+  /// What it was driven at, SI, in the order the machine declares (models/condition.h); NaN where not measured.
+  std::array<double, kMaxConditions> conditions{};
+  double rms_error = 0;    ///< SI of the output, error of the model in force before this stroke
+  double noise_floor = 0;  ///< SI of the output, what sensor noise alone would cause
   StrokeCounters counters;
 };
 

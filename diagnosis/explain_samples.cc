@@ -13,7 +13,6 @@
 #include "diagnosis/residuals.h"
 #include "diagnosis/testability.h"
 #include "diagnosis/tone_search.h"
-#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {
@@ -264,8 +263,8 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
                          [&](const auto& effect) { return effect->id == id && !effect->drifting.empty(); });
     });
     if (!of_time) continue;
-    const bool measured = out.model->channel_source[kOilTemperature] >= 0;
-    const double apart = 1 - SharedCourse(strokes, kTime, kOilTemperature);
+    const bool measured = out.model->temperature_channel >= 0;
+    const double apart = 1 - SharedCourse(strokes, out.model->temperature_channel);
     const double excess = std::max(0.0, out.base.excess_ratio);
     if (measured && apart * excess > options.floor_excess + options.left_share * excess) continue;
     out.partial = true;

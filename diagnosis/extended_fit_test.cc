@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "models/effect.h"
 
 namespace hydroscope {

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machines/die_cushion/balance.h"
-
 namespace hydroscope {
 namespace {
 
 constexpr int kNewtonSteps = 4;
-constexpr double kPressureStep = 1e3;  ///< Pa, for the slope of the balance
-constexpr double kClosed = 1.0;        ///< Pa, change below which the pressure is found
 
-/// The balance over one sample as a function of the pressure at its end.
+/// The balance over one sample as a function of the channel's value at its end.
 class SampleBalance {
  public:
-  SampleBalance(const ModelStructure& model, const Eigen::VectorXd& weights) : model_(model) {
+  SampleBalance(const ModelStructure& model, const Eigen::VectorXd& weights)
+      : model_(model), run_(*model.free_run) {
     for (int c = 0; c < model.column_count(); ++c) {
       const double weight = c == model.output_column() ? -1.0 : weights[c];
       if (weight != 0.0) terms_.push_back({c, weight, 0.0});
@@ -29,17 +26,17 @@ class SampleBalance {
     for (Term& term : terms_) term.state = 0;
   }
 
-  /// Pressure at sample k + 1 if it was `pressure` at sample k.
-  double Step(const Stretch& measured, int k, double pressure) {
+  /// Value at sample k + 1 if it was `value` at sample k.
+  double Step(const Stretch& measured, int k, double value) {
     Load(measured, k);
-    pair_.channel[kPressureA][0] = pressure;
-    double next = pressure + measured[kPressureA][k + 1] - measured[kPressureA][k];
+    pair_.channel[run_.channel][0] = value;
+    double next = value + measured[run_.channel][k + 1] - measured[run_.channel][k];
     for (int step = 0; step < kNewtonSteps; ++step) {
       const double error = Error(measured, k, next);
-      const double slope = (Error(measured, k, next + kPressureStep) - error) / kPressureStep;
+      const double slope = (Error(measured, k, next + run_.step) - error) / run_.step;
       if (slope == 0.0 || !std::isfinite(error / slope)) break;
       next -= error / slope;
-      if (std::abs(error / slope) < kClosed) break;
+      if (std::abs(error / slope) < run_.closed) break;
     }
     Evaluate(measured, k, next, true);
     return next;
@@ -60,9 +57,9 @@ class SampleBalance {
   double Error(const Stretch& measured, int k, double next) { return Evaluate(measured, k, next, false); }
 
   double Evaluate(const Stretch& measured, int k, double next, bool keep) {
-    pair_.channel[kPressureA][1] = next;
+    pair_.channel[run_.channel][1] = next;
     model_.derive_channels(pair_);
-    for (int channel : {kSpeed, kAcceleration, kPressureRate, kTime})
+    for (const int channel : run_.as_measured)
       for (int i = 0; i < 2; ++i) pair_.channel[channel][i] = measured[channel][k + i];
     double sum = 0;
     for (Term& term : terms_) {
@@ -75,6 +72,7 @@ class SampleBalance {
   }
 
   const ModelStructure& model_;
+  const FreeRunChannel& run_;
   std::vector<Term> terms_;
   Stretch pair_;
 };
@@ -82,20 +80,21 @@ class SampleBalance {
 FreeRunStroke RunStroke(const ModelStructure& model, const StrokeStretches& stretches, int block,
                         SampleBalance& balance) {
   FreeRunStroke out;
+  const int channel = model.free_run->channel;
   balance.Reset();
-  double pressure = 0, squares = 0;
+  double value = 0, squares = 0;
   for (const Stretch& original : stretches) {
     Stretch measured = original;
     model.derive_channels(measured);
     std::vector<double> simulated(static_cast<std::size_t>(measured.samples));
-    if (!measured.continues || out.measured.empty()) pressure = measured[kPressureA][0];
-    simulated[0] = pressure;
+    if (!measured.continues || out.measured.empty()) value = measured[channel][0];
+    simulated[0] = value;
     for (int k = 0; k + 1 < measured.samples; ++k)
-      simulated[static_cast<std::size_t>(k) + 1] = pressure = balance.Step(measured, k, pressure);
+      simulated[static_cast<std::size_t>(k) + 1] = value = balance.Step(measured, k, value);
     for (int first = measured.continues ? 1 : 0; first + block <= measured.samples; first += block) {
       double seen = 0, run = 0;
       for (int k = first; k < first + block; ++k) {
-        seen += measured[kPressureA][k];
+        seen += measured[channel][k];
         run += simulated[static_cast<std::size_t>(k)];
       }
       out.measured.push_back(seen / block);
@@ -113,7 +112,7 @@ std::optional<std::vector<FreeRunStroke>> FreeRun(const ModelStructure& model,
                                                   std::span<const StrokeStretches> strokes,
                                                   const WindowSamples& window,
                                                   const Eigen::VectorXd& weights) {
-  if (model.name != "die_cushion") return std::nullopt;
+  if (!model.free_run) return std::nullopt;
   SampleBalance balance(model, weights);
   std::vector<FreeRunStroke> out;
   for (const StrokeStretches& stroke : strokes)

@@ -8,37 +8,17 @@
 namespace hydroscope {
 namespace {
 
-/// Signals that are looked at if the model has them.
-const std::vector<ResidualSignal>& KnownSignals() {
-  static const std::vector<ResidualSignal> signals = {
-      {"p_A", 0, 1e-5, 0, "bar"},   {"y_v", 0, 100, 0, "%"},        {"z", 0, 1e3, 0, "mm"},
-      {"speed", 0, 1e3, 0, "mm/s"}, {"T_oil", 0, 1, -273.15, "°C"}, {"pressure_rate", 0, 1e-5, 0, "bar/s"},
-      {"phase", -1, 100, 0, "%"}};
-  return signals;
-}
-
 std::vector<ResidualSignal> SignalsOf(const ModelStructure& model) {
   std::vector<ResidualSignal> out;
   for (const ModelStructure::ShownChannel& shown : model.shown) {
-    const DisplayUnit unit = DisplayUnitFor(shown.unit);
-    out.push_back({model.channel_names[shown.channel], shown.channel, unit.factor, unit.offset,
-                   std::string(unit.name)});
+    const auto channel = static_cast<std::size_t>(shown.channel);
+    if (channel < model.channel_source.size() && model.channel_source[channel] == -1) continue;
+    const DisplayUnit usual = DisplayUnitFor(shown.unit);
+    const DisplayUnit unit = shown.display.empty() ? usual : DisplayUnit{shown.factor, 0, shown.display};
+    out.push_back(
+        {model.channel_names[channel], shown.channel, unit.factor, unit.offset, std::string(unit.name)});
   }
-  if (!out.empty()) {
-    out.push_back(KnownSignals().back());
-    return out;
-  }
-  for (ResidualSignal signal : KnownSignals()) {
-    if (signal.channel >= 0) {
-      const auto& names = model.channel_names;
-      const auto at = std::find(names.begin(), names.end(), signal.name);
-      if (at == names.end()) continue;
-      signal.channel = static_cast<int>(at - names.begin());
-      const bool measured = signal.channel < static_cast<int>(model.channel_source.size());
-      if (measured && model.channel_source[signal.channel] == -1) continue;
-    }
-    out.push_back(signal);
-  }
+  out.push_back({"phase", -1, 100, 0, "%"});
   return out;
 }
 

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "machines/die_cushion/balance.h"
-
 namespace hydroscope {
 namespace {
 
@@ -20,6 +18,16 @@ double StrokeMean(const StrokeStretches& stroke, int channel) {
         sum += s[channel][k];
         ++count;
       }
+  return sum / count;
+}
+
+/// s, of its samples.
+double MeanTime(const StrokeStretches& stroke) {
+  double sum = 0, count = 0;
+  for (const Stretch& s : stroke) {
+    sum += s.samples * (s.begin + 0.5 * (s.samples - 1) * s.period);
+    count += s.samples;
+  }
   return sum / count;
 }
 
@@ -37,9 +45,8 @@ std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_m
   const auto [low, high] = std::minmax_element(stroke_means.begin(), stroke_means.end());
   const double span = *high - *low, least = effect.least_span->span;
   if (span >= least) return "";
-  if (effect.least_span->channel == kOilTemperature)
-    return fmt::format("the oil changed by {:.1f} K, it needs {:.1f} K at least", span, least);
-  return fmt::format("a signal it lives on moved by {:.3g}, it needs {:.3g} at least", span, least);
+  return fmt::format("{0} changed by {2:.1f} {1}, it needs {3:.1f} {1} at least", effect.least_span->name,
+                     effect.least_span->unit, span, least);
 }
 
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
@@ -52,11 +59,12 @@ void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches>
     }
 }
 
-double SharedCourse(std::span<const StrokeStretches> strokes, int channel, int other) {
+double SharedCourse(std::span<const StrokeStretches> strokes, int channel) {
+  if (channel < 0) return 0;
   std::vector<Eigen::Vector2d> means;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const StrokeStretches& stroke : strokes)
-    if (const Eigen::Vector2d m(StrokeMean(stroke, channel), StrokeMean(stroke, other)); m.allFinite()) {
+    if (const Eigen::Vector2d m(MeanTime(stroke), StrokeMean(stroke, channel)); m.allFinite()) {
       means.push_back(m);
       mean += m;
     }

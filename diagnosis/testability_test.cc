@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -7,8 +7,6 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
-#include "machines/die_cushion/balance.h"
-
 namespace hydroscope {
 namespace {
 
@@ -161,7 +159,6 @@ double TopOf(const std::vector<LevelRest>& rests, double period, double frequenc
 
 std::optional<Tone> FindTone(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                              const Eigen::VectorXd& weights) {
-  if (model.name != "die_cushion") return std::nullopt;
   const std::vector<LevelRest> rests = RestsOf(model, strokes, weights);
   if (rests.empty()) return std::nullopt;
   double period = 0;

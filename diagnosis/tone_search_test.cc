@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 
 namespace hydroscope {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "models/effect.h"
 #include "simulator/effects.h"
 #include "simulator/imperfections.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "estimation/stroke_accumulator.h"
 #include "simulator/random.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "estimation/gram_fit.h"
 #include "estimation/stroke_accumulator.h"
 #include "estimation/stroke_segmenter.h"

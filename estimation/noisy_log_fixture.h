@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "estimation/floor_trust.h"
 #include "estimation/gram_fit.h"
 #include "estimation/stroke_accumulator.h"

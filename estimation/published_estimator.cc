@@ -1,21 +1,15 @@
 #include "estimation/published_estimator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/non_negative.h"
-#include "machines/die_cushion/balance.h"
 
 namespace hydroscope {
 namespace {
 
-/// Scales that bring the SI regression to order one ("theta_i(0) = 1, alpha = 500" makes sense only there):
-/// typical opening 0.2, pressure 100 bar, pressure rate 1000 bar/s, position 0.1 m, flow 60 l/min.
-constexpr double kOutputScale = 1e-3;
-constexpr std::array<double, 4> kRegressorScale = {0.2 * 3162.0, 1e8, 1e7, 3162.0};
-
-RecursiveLeastSquares MakeRls(const EstimatorSpec& spec) {
+RecursiveLeastSquares MakeRls(const EstimatorSpec& spec, std::size_t parameters) {
   RecursiveLeastSquares::Options options;
   options.forgetting =
       spec.form == EstimatorForm::kDirectional ? Forgetting::kDirectional : Forgetting::kExponential;
@@ -25,65 +19,68 @@ RecursiveLeastSquares MakeRls(const EstimatorSpec& spec) {
   options.initial_covariance = spec.initial_covariance;
   options.max_covariance = std::max(spec.max_covariance, spec.initial_covariance);
   options.dead_zone = spec.dead_zone;
-  const std::array<double, 4> initial = {spec.initial_parameter, spec.initial_parameter,
-                                         spec.initial_parameter, spec.initial_parameter};
+  const std::vector<double> initial(parameters, spec.initial_parameter);
   return RecursiveLeastSquares(initial, options);
 }
 
 }  // namespace
 
-PublishedGeometry PublishedGeometry::From(const Machine& machine) {
-  return {machine.Geometry("A_A").value_or(KnownValue{}).value,
-          machine.Geometry("p_t").value_or(KnownValue{}).value};
-}
-
 PublishedEstimator::PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model,
-                                       const PublishedGeometry& geometry, double period)
+                                       double period)
     : spec_(spec),
       model_(std::move(model)),
-      geometry_(geometry),
       update_every_(std::max(1, static_cast<int>(std::lround(spec.update_period / period)))),
-      pressure_(spec.moving_average, spec.symmetrical_derivative, period),
-      position_(spec.moving_average, spec.symmetrical_derivative, period),
-      spool_(spec.moving_average, spec.symmetrical_derivative, period),
-      rls_(MakeRls(spec)) {}
+      filters_(model_->published->channels.size(),
+               PublishedFilter(spec.moving_average, spec.symmetrical_derivative, period)),
+      value_(filters_.size()),
+      rate_(filters_.size()),
+      balance_(model_->published->regressor_scale.size() + 1),
+      rls_(MakeRls(spec, model_->published->regressor_scale.size())) {}
 
 void PublishedEstimator::AddStretch(const Stretch& stretch, const SpanEquations&) {
-  if (!stretch.continues) {
-    pressure_.Reset();
-    position_.Reset();
-    spool_.Reset();
-  }
+  if (!stretch.continues)
+    for (PublishedFilter& filter : filters_) filter.Reset();
   for (int k = stretch.continues ? 1 : 0; k < stretch.samples; ++k) {
-    pressure_.Push(stretch[kPressureA][k]);
-    position_.Push(stretch[kPosition][k]);
-    const bool ready = spool_.Push(stretch[kSpool][k]);
-    if (!ready || ++since_update_ < update_every_) continue;
+    if (!Push(stretch, k) || ++since_update_ < update_every_) continue;
     since_update_ = 0;
-    Learn(pressure_.value(), pressure_.derivative(), position_.value(), position_.derivative(),
-          spool_.value());
+    Learn();
   }
 }
 
-void PublishedEstimator::Learn(double p, double p_rate, double z, double speed, double y) {
-  const double drop = p - geometry_.tank_pressure;
-  const double root = std::copysign(std::sqrt(std::abs(drop)), drop);
-  const std::array<double, 4> u = {root * y / kRegressorScale[0], p_rate / kRegressorScale[1],
-                                   z * p_rate / kRegressorScale[2], root / kRegressorScale[3]};
-  rls_.Update(u, geometry_.piston_area * speed / kOutputScale);
+/// True once the filters have values; all of them have the same delay.
+bool PublishedEstimator::Push(const Stretch& stretch, int sample) {
+  bool ready = true;
+  for (std::size_t f = 0; f < filters_.size(); ++f)
+    ready = filters_[f].Push(stretch[model_->published->channels[f]][sample]) && ready;
+  return ready;
+}
+
+void PublishedEstimator::Learn() {
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    value_[f] = filters_[f].value();
+    rate_[f] = filters_[f].derivative();
+  }
+  const PublishedForm& form = *model_->published;
+  form.at(value_, rate_, balance_);
+  for (std::size_t i = 0; i < form.regressor_scale.size(); ++i) balance_[i] /= form.regressor_scale[i];
+  rls_.Update(std::span(balance_).first(form.regressor_scale.size()), balance_.back() / form.output_scale);
   squared_error_ += rls_.innovation() * rls_.innovation();
   errors_ += 1;
 }
 
-Eigen::VectorXd PublishedEstimator::theta() const {
-  Eigen::VectorXd theta = rls_.theta();
-  for (int i = 0; i < 4; ++i) theta[i] *= kOutputScale / kRegressorScale[i];
-  return theta;
+/// SI per scaled parameter.
+Eigen::VectorXd PublishedEstimator::Units() const {
+  const PublishedForm& form = *model_->published;
+  Eigen::VectorXd unit(static_cast<Eigen::Index>(form.regressor_scale.size()));
+  for (Eigen::Index i = 0; i < unit.size(); ++i)
+    unit[i] = form.output_scale / form.regressor_scale[static_cast<std::size_t>(i)];
+  return unit;
 }
 
+Eigen::VectorXd PublishedEstimator::theta() const { return rls_.theta().cwiseProduct(Units()); }
+
 std::vector<Estimate> PublishedEstimator::EndStroke(const StrokeSummary& stroke, const StrokeGram&) {
-  Eigen::VectorXd unit(4);
-  for (int i = 0; i < 4; ++i) unit[i] = kOutputScale / kRegressorScale[i];
+  const Eigen::VectorXd unit = Units();
   const double variance = errors_ > 0 ? squared_error_ / errors_ : 1.0;
   squared_error_ = errors_ = 0;
   const Eigen::MatrixXd covariance = variance * (unit.asDiagonal() * rls_.Covariance() * unit.asDiagonal());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "estimation/published_filter.h"
 #include "estimation/recursive_least_squares.h"
@@ -8,20 +8,13 @@
 
 namespace hydroscope {
 
-/// What the published balance knows of the cylinder.
-struct PublishedGeometry {
-  double piston_area = 0.0;    ///< m^2
-  double tank_pressure = 0.0;  ///< Pa
-  static PublishedGeometry From(const Machine& machine);
-};
-
-/// The identification of the press paper as it was published: moving average, symmetrical derivative, equations 6-8
-/// point by point every `update_period`, exponential forgetting. Kept to compare with, not recommended: sensor noise
-/// biases it (docs/mathematics.md), and its intervals know nothing of that. Die cushion only.
+/// The identification of the press paper as it was published: moving average, symmetrical derivative, the balance
+/// (ModelStructure::published, which the model must have) point by point every `update_period`, exponential forgetting.
+/// Kept to compare with, not recommended: sensor noise biases it (docs/mathematics.md), and its intervals know nothing of
+/// that.
 class PublishedEstimator : public StrokeEstimator {
  public:
-  PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model,
-                     const PublishedGeometry& geometry, double period);
+  PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model, double period);
 
   void AddStretch(const Stretch& stretch, const SpanEquations& equations) override;
   std::vector<Estimate> EndStroke(const StrokeSummary& stroke, const StrokeGram& gram) override;
@@ -30,13 +23,15 @@ class PublishedEstimator : public StrokeEstimator {
   bool Restore(ByteReader& in) override;
 
  private:
-  void Learn(double p, double p_rate, double z, double speed, double y);
+  bool Push(const Stretch& stretch, int sample);
+  void Learn();
+  Eigen::VectorXd Units() const;
 
   EstimatorSpec spec_;
   std::shared_ptr<const ModelStructure> model_;
-  PublishedGeometry geometry_;
   int update_every_;
-  PublishedFilter pressure_, position_, spool_;
+  std::vector<PublishedFilter> filters_;  ///< of PublishedForm::channels
+  std::vector<double> value_, rate_, balance_;
   RecursiveLeastSquares rls_;
   int since_update_ = 0;
   double squared_error_ = 0, errors_ = 0;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "estimation/analytic_stroke.h"
+#include "estimation/analytic_stroke_fixture.h"
 #include "estimation/stroke_accumulator.h"
 #include "simulator/random.h"
 

@@ -16,17 +16,15 @@ constexpr double kHoldTime = 0.1;  ///< s
 constexpr Quality kTimeBroken =
     quality::kGap | quality::kTimeBackwards | quality::kClockJump | quality::kDuplicate;
 
-int ChannelIndex(const ModelStructure& model, const std::string& name) {
-  for (std::size_t c = 0; c < model.channel_source.size(); ++c)
-    if (model.channel_names[c] == name && model.channel_source[c] >= 0) return static_cast<int>(c);
-  return -1;
-}
-
 }  // namespace
 
 StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const ModelStructure> model,
                                  WindowSamples window, Sink sink)
-    : model_(std::move(model)), window_(window), gate_(machine.gate), sink_(std::move(sink)) {
+    : model_(std::move(model)),
+      window_(window),
+      gate_(machine.gate),
+      sink_(std::move(sink)),
+      conditions_(*model_) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   needed_.assign(machine.signals.size(), false);
   for (int signal : model_->needed_signals) needed_[signal] = true;
@@ -52,9 +50,6 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
   stretch_.period = window_.period;
   stretch_.channel.assign(model_->channel_names.size(), std::vector<double>(capacity));
   stretch_.samples = 0;
-  pressure_channel_ = ChannelIndex(*model_, "p_A");
-  position_channel_ = ChannelIndex(*model_, "z");
-  temperature_channel_ = ChannelIndex(*model_, "T_oil");
 }
 
 void StrokeSegmenter::Process(const SampleBlock& block) {
@@ -197,8 +192,8 @@ void StrokeSegmenter::Append(int index) {
     in_stroke_ = true;
     summary_ = StrokeSummary{};
     summary_.begin = block.begin;
-    sum_pressure_ = sum_temperature_ = temperature_blocks_ = sum_blocks_ = travel_ = 0;
-    last_position_ = std::numeric_limits<double>::quiet_NaN();
+    conditions_.Begin();
+    stroke_blocks_ = 0;
   }
   last_gated_ = block.begin + window_.block * window_.period;
   closed_for_ = 0;
@@ -214,29 +209,8 @@ void StrokeSegmenter::Append(int index) {
   stretch_.samples += m;
   since_stroke_.gated += m;
 
-  const auto mean_of = [&](int channel) {
-    double sum = 0;
-    for (int k = 0; k < m; ++k) sum += block.sample[channel * m + k];
-    return sum / m;
-  };
-  if (pressure_channel_ >= 0) {
-    const double p = mean_of(pressure_channel_);
-    sum_pressure_ += p;
-    summary_.max_pressure = std::max(summary_.max_pressure, p);
-  }
-  if (temperature_channel_ >= 0) {
-    const double oil = mean_of(temperature_channel_);
-    if (std::isfinite(oil)) {
-      sum_temperature_ += oil;
-      temperature_blocks_ += 1;
-    }
-  }
-  if (position_channel_ >= 0) {
-    const double z = mean_of(position_channel_);
-    if (!std::isnan(last_position_)) travel_ += std::abs(z - last_position_);
-    last_position_ = z;
-  }
-  sum_blocks_ += 1;
+  conditions_.Add(block.sample, m);
+  stroke_blocks_ += 1;
   if (++stretch_blocks_ == window_.span) Emit();
 }
 
@@ -265,7 +239,7 @@ void StrokeSegmenter::EndSegment() {
   stretch_.continues = false;
   stretch_.samples = stretch_.before = stretch_.after = 0;
   stretch_blocks_ = 0;
-  last_position_ = std::numeric_limits<double>::quiet_NaN();
+  conditions_.Break();
 }
 
 void StrokeSegmenter::CountOutside(double time) {
@@ -277,7 +251,7 @@ void StrokeSegmenter::CountOutside(double time) {
 void StrokeSegmenter::EndStroke() {
   EndSegment();
   in_stroke_ = false;
-  const double gated_time = sum_blocks_ * window_.block * window_.period;
+  const double gated_time = stroke_blocks_ * window_.block * window_.period;
   if (gated_time < gate_.min_stroke) {
     since_stroke_.used = 0;
     ++discarded_;
@@ -287,10 +261,7 @@ void StrokeSegmenter::EndStroke() {
   summary_.index = next_index_++;
   summary_.end = last_gated_;
   summary_.counters = since_stroke_;
-  summary_.mean_speed = gated_time > 0 ? travel_ / gated_time : 0.0;
-  summary_.mean_pressure = sum_blocks_ > 0 ? sum_pressure_ / sum_blocks_ : 0.0;
-  summary_.oil_temperature = temperature_blocks_ > 0 ? sum_temperature_ / temperature_blocks_
-                                                     : std::numeric_limits<double>::quiet_NaN();
+  conditions_.Write(gated_time, summary_);
   AddToTotals();
   sink_.on_stroke(summary_);
 }

@@ -10,6 +10,7 @@
 #include "core/records.h"
 #include "core/sample_block.h"
 #include "estimation/span_equations.h"
+#include "estimation/stroke_conditions.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 
@@ -106,9 +107,8 @@ class StrokeSegmenter {
                 stroke_direction_ = 0;  ///< signs under abs(...) of this block, of the stroke's last
   double last_gated_ = 0, closed_for_ = 0;
   StrokeSummary summary_;
-  double sum_pressure_ = 0, sum_temperature_ = 0, temperature_blocks_ = 0, sum_blocks_ = 0,
-         last_position_ = 0, travel_ = 0;
-  int pressure_channel_ = -1, position_channel_ = -1, temperature_channel_ = -1;
+  StrokeConditions conditions_;
+  double stroke_blocks_ = 0;  ///< inside the gate, of the stroke under way
   std::int64_t next_index_ = 0, discarded_ = 0;
   StrokeCounters totals_, since_stroke_;
 };

@@ -141,8 +141,7 @@ TEST(StrokeSegmenter, DoesNotDependOnHowRowsAreCutIntoBlocks) {
     for (std::size_t k = 0; k < cut.strokes.size(); ++k) {
       EXPECT_EQ(cut.strokes[k].begin, whole.strokes[k].begin);
       EXPECT_EQ(cut.strokes[k].end, whole.strokes[k].end);
-      EXPECT_EQ(cut.strokes[k].mean_speed, whole.strokes[k].mean_speed);
-      EXPECT_EQ(cut.strokes[k].mean_pressure, whole.strokes[k].mean_pressure);
+      EXPECT_EQ(cut.strokes[k].conditions, whole.strokes[k].conditions);
       EXPECT_EQ(cut.strokes[k].counters.used, whole.strokes[k].counters.used);
       EXPECT_EQ(cut.strokes[k].counters.flagged, whole.strokes[k].counters.flagged);
     }
@@ -160,8 +159,9 @@ TEST(StrokeSegmenter, FindsTheStrokesWithTheirTimesAndSpeeds) {
   EXPECT_NEAR(heard.strokes[1].end, 4.0, 0.05);
   EXPECT_EQ(heard.strokes[0].index, 0);
   EXPECT_EQ(heard.strokes[1].index, 1);
-  EXPECT_NEAR(heard.strokes[1].mean_speed, 0.05, 0.002);
-  EXPECT_NEAR(heard.strokes[1].mean_pressure, 80e5, 0.1e5);
+  EXPECT_NEAR(heard.strokes[1].conditions[0], 0.05, 0.002);  // speed
+  EXPECT_NEAR(heard.strokes[1].conditions[1], 80e5, 0.1e5);  // pressure
+  EXPECT_NEAR(heard.strokes[1].conditions[2], 80e5, 1e5);    // its largest
   EXPECT_NEAR(heard.strokes[1].oil_temperature, 313.15, 1e-9);
 }
 

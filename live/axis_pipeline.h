@@ -16,6 +16,7 @@ struct LiveModel {
   std::string text;
   Machine machine;
   std::vector<std::string> columns;  ///< of the Grams
+  std::vector<ConditionName> conditions;
 };
 
 /// One thing for the writer to do, in order for each axis.

@@ -69,6 +69,7 @@ Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) 
   const auto structure = BuildModel(model->machine);
   if (!structure) return tl::unexpected(structure.error());
   model->columns = (*structure)->ColumnNames();
+  model->conditions = (*structure)->ConditionNames();
   return std::shared_ptr<const LiveModel>(std::move(model));
 }
 
@@ -153,7 +154,8 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
                                    {"strokes", std::to_string((*newest)->run.strokes)}});
     }
   }
-  const auto version = database.PutModelVersion(*machine, {1, model_->text, model_->columns});
+  const auto version =
+      database.PutModelVersion(*machine, {1, model_->text, model_->columns, 0, model_->conditions});
   if (!version) return tl::unexpected(version.error());
   const auto run =
       database.BeginRun(*machine, *version, "live", fmt::format("live/{}/{}", opened.name, start_.wall_ns));

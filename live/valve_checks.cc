@@ -7,6 +7,7 @@
 #include "core/constants.h"
 #include "estimation/frequency_response.h"
 #include "live/log.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -80,8 +81,8 @@ ValveCheckRecord JudgeSweep(const SampleBlock& rows, const Machine& machine, Swe
     return ended("broken", "the controller broke the sweep off; the press began to work");
   if (end != SweepStatus::kDone)
     return ended("no_answer", "the controller did not answer the request in time");
-  record.supply_pressure = Mean(rows, machine.SignalIndex("p_0"));
-  record.oil_temperature = Mean(rows, machine.SignalIndex("T_oil"));
+  record.supply_pressure = Mean(rows, machine.SignalIndex(KindOf(machine).supply));
+  record.oil_temperature = Mean(rows, machine.SignalIndex(KindOf(machine).temperature));
   const auto response = MeasureFrequencyResponse(RecordOf(rows, machine));
   if (!response)
     return ended("unusable", "the sweep ran, but its record tells nothing: " + response.error().text);

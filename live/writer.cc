@@ -276,8 +276,8 @@ Status LiveWriter::Execute(WriteItem& item) {
       if (const Status ended = database_.FinishRun(axis.run, item.summary, item.state); !ended) return ended;
       break;
     case WriteItem::Kind::kBeginRun: {
-      const auto version =
-          database_.PutModelVersion(axis.machine, {1, item.model->text, item.model->columns});
+      const auto version = database_.PutModelVersion(
+          axis.machine, {1, item.model->text, item.model->columns, 0, item.model->conditions});
       if (!version) return tl::unexpected(version.error());
       const auto run = database_.BeginRun(axis.machine, *version, "live",
                                           fmt::format("live/{}/{}", axis.name, clock_().wall_ns));

@@ -85,6 +85,7 @@ struct Effect {
   struct LeastSpan {
     int channel = 0;
     double span = 0;
+    std::string name = {}, unit = {};  ///< for messages: "the oil", SI "K"
   };
   std::optional<LeastSpan> least_span;
 };

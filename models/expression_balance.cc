@@ -86,7 +86,8 @@ class Derivation {
   std::vector<Quantity> derived_;
 };
 
-/// Channels for all signals that the balance and its effects read, in the order of the machine file.
+/// Channels for all signals that the balance and its effects read, or that strokes are told apart by, in the order of the
+/// machine file.
 void AddSignalChannels(const Machine& machine, const std::vector<Expression>& balance,
                        ModelStructure& model) {
   std::set<std::string> base, all;
@@ -97,6 +98,8 @@ void AddSignalChannels(const Machine& machine, const std::vector<Expression>& ba
       if (const auto checked =
               CheckExpression(effect.terms[0].expression, ExpressionNamesOf(machine, effect)))
         all.merge(NamesIn(*checked->tree));
+  for (const Condition& condition : ConditionsOf(machine)) all.insert(condition.signal);
+  all.insert(std::string(KindOf(machine).temperature));
   for (std::size_t s = 0; s < machine.signals.size(); ++s) {
     const std::string& name = machine.signals[s].name;
     if (!all.contains(name)) continue;

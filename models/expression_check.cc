@@ -164,10 +164,10 @@ ExpressionNames ExpressionNamesOf(const Machine& machine) {
   ExpressionNames names;
   names.units["pi"] = Dimension{};
   names.constants["pi"] = std::numbers::pi;
-  const MachineKind* model = FindKind(machine.model);
+  const MachineKind& kind = KindOf(machine);
   for (const auto& [name, known] : machine.geometry) {
     std::string si = known.unit;
-    for (const MachineInput& input : model->geometry)
+    for (const MachineInput& input : kind.geometry)
       if (input.name == name) si = input.si;
     names.units[name] = si.empty() ? std::nullopt : ParseSiUnit(si);
     names.constants[name] = known.value;

@@ -2,7 +2,7 @@
 
 namespace hydroscope {
 
-int Machine::SignalIndex(const std::string& signal_name) const {
+int Machine::SignalIndex(std::string_view signal_name) const {
   for (std::size_t i = 0; i < signals.size(); ++i)
     if (signals[i].name == signal_name) return static_cast<int>(i);
   return -1;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "models/condition.h"
 #include "models/feeds_spec.h"
 #include "models/live_spec.h"
 #include "models/model_history.h"
@@ -176,13 +177,13 @@ struct BalanceSpec {
 /// One machine file (TOML). docs/machine_file.md documents every key.
 struct Machine {
   std::string name;
-  std::string model =
-      "die_cushion";  ///< built-in balance, "valve" (command and response only) or "expressions"
+  std::string model;  ///< id of its MachineKind; "" = the first of MachineKinds()
   std::string description;
   std::vector<SignalSpec> signals;             ///< index here = index in SampleBlock::signal
   std::map<std::string, KnownValue> geometry;  ///< A_A (m2), dp_nom (Pa), p_t (Pa), ... SI
   LogFormat log;
   GateSpec gate;
+  std::vector<Condition> conditions;  ///< that strokes are told apart by, beside those of its kind
   WindowSpec window;
   EstimatorSpec estimator;
   std::vector<MonitorSpec> monitors;
@@ -200,7 +201,7 @@ struct Machine {
   std::optional<FeedsSpec> feeds;          ///< whom `serve` tells; absent: nobody
 
   /// Index of a signal, -1 if the machine has none of that name.
-  int SignalIndex(const std::string& signal_name) const;
+  int SignalIndex(std::string_view signal_name) const;
   /// Geometry value or nullopt.
   std::optional<KnownValue> Geometry(const std::string& key) const;
 

@@ -80,6 +80,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadSignals(file, machine);
   ReadGeometry(file, machine);
   ReadGate(file, machine);
+  ReadConditions(file, machine);
   ReadWindow(file, machine);
   ReadEstimator(file, machine);
   ReadMonitors(file, machine);

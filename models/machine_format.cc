@@ -76,7 +76,7 @@ std::string Section(const std::string& header, const std::string& comment, const
 }
 
 std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
-  Pairs pairs = {{"name", Quoted(machine.name)}, {"model", Quoted(machine.model)}};
+  Pairs pairs = {{"name", Quoted(machine.name)}, {"model", Quoted(std::string(KindOf(machine).id))}};
   if (!machine.description.empty()) pairs.emplace_back("description", Quoted(machine.description));
   pairs.emplace_back("model_version", Plain(machine.model_version));
   if (!machine.added_effects.empty()) {
@@ -149,8 +149,9 @@ std::string SignalsSection(const Machine& machine, const MachineNotes& notes) {
                  notes, "signals");
 }
 
-std::string SiOfInput(std::span<const MachineInput> inputs, const std::string& name) {
-  for (const MachineInput& input : inputs)
+template <typename Input>
+std::string SiOfInput(std::span<const Input> inputs, const std::string& name) {
+  for (const Input& input : inputs)
     if (input.name == name) return std::string(input.si);
   return "";
 }
@@ -171,8 +172,7 @@ std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
   if (machine.geometry.empty() && !notes.section.contains("geometry")) return "";
   Pairs pairs;
   for (const auto& [name, known] : machine.geometry) {
-    const std::string si =
-        known.unit.empty() ? SiOfInput(FindKind(machine.model)->geometry, name) : known.unit;
+    const std::string si = known.unit.empty() ? SiOfInput(KindOf(machine).geometry, name) : known.unit;
     const std::string unit = si == "m2" ? si : ReadableUnit(si, {{known.value, false}, {known.std, true}});
     Pairs value = {{"value", NumberIn(known.value, unit)}};
     if (known.std != 0.0) value.emplace_back("std", NumberIn(known.std, unit, true));
@@ -208,6 +208,16 @@ std::string GateSection(const Machine& machine, const MachineNotes& notes) {
   pairs.emplace_back("stroke_gap", Plain(machine.gate.stroke_gap));
   pairs.emplace_back("min_stroke", Plain(machine.gate.min_stroke));
   return Section("[gate]", "When the model holds: all conditions at once; times in s.", pairs, notes, "gate");
+}
+
+std::string ConditionsSection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.conditions.empty()) return "";
+  Pairs pairs;
+  for (const Condition& condition : machine.conditions)
+    pairs.emplace_back(condition.name, Quoted(ConditionText(condition)));
+  return Section("[conditions]",
+                 "What strokes are driven at: stored with them, and strokes are told apart by it.", pairs,
+                 notes, "conditions");
 }
 
 std::string WindowSection(const WindowSpec& window, const MachineNotes& notes) {
@@ -252,8 +262,7 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
     std::vector<std::pair<double, bool>> values;
     for (const auto& [key, value] : limits)
       if (value) values.emplace_back(*value, false);
-    const std::string unit =
-        ReadableUnit(SiOfInput(FindKind(machine.model)->parameters, monitor.parameter), values);
+    const std::string unit = ReadableUnit(SiOfInput(KindOf(machine).parameters, monitor.parameter), values);
     Pairs pairs;
     if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
     for (const auto& [key, value] : limits)
@@ -439,7 +448,7 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
   std::string text;
   for (const std::string& line : notes.head) text += Comment(line) + "\n";
   text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
-          GeometrySection(machine, notes) + GateSection(machine, notes) +
+          GeometrySection(machine, notes) + GateSection(machine, notes) + ConditionsSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
           BalanceSection(machine, notes) + EffectSections(machine, notes) + LiveSections(machine, notes) +

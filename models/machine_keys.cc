@@ -4,8 +4,8 @@ namespace hydroscope {
 const std::vector<MachineSection>& MachineFileSections() {
   static const std::vector<MachineSection> sections = {
       {"",
-       {"machine", "log", "signals", "geometry", "gate", "window", "estimator", "monitor", "valve", "balance",
-        "effect", "live", "feeds", "experiment", "model_history"}},
+       {"machine", "log", "signals", "geometry", "gate", "conditions", "window", "estimator", "monitor",
+        "valve", "balance", "effect", "live", "feeds", "experiment", "model_history"}},
       {"machine", {"name", "model", "description", "model_version", "effects", "effect_values"}},
       {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period"}},
       {"log.time", {"column", "unit"}},

@@ -9,6 +9,7 @@ const MachineKind* FindKind(std::string_view id) {
 }
 
 const MachineKind& KindOf(const Machine& machine) {
+  if (machine.model.empty()) return *MachineKinds().front();
   static const MachineKind kNone = [] {
     MachineKind none;
     none.words = [](const Machine&) {
@@ -38,5 +39,18 @@ std::string_view OutputSi(const Machine& machine) {
 }
 
 MachineWords WordsOf(const Machine& machine) { return KindOf(machine).words(machine); }
+
+const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name) {
+  for (const MachineParameter& parameter : kind.parameters)
+    if (parameter.name == name) return &parameter;
+  return nullptr;
+}
+
+std::vector<Condition> ConditionsOf(const Machine& machine) {
+  const std::span<const Condition> of_kind = KindOf(machine).conditions;
+  std::vector<Condition> conditions(of_kind.begin(), of_kind.end());
+  conditions.insert(conditions.end(), machine.conditions.begin(), machine.conditions.end());
+  return conditions;
+}
 
 }  // namespace hydroscope

@@ -10,9 +10,17 @@
 #include "core/result.h"
 #include "models/effect.h"
 #include "models/machine.h"
+#include "models/machine_draft.h"
 #include "models/machine_words.h"
+#include "models/standstill_rule.h"
 
 namespace hydroscope {
+
+/// A size of a signal's readings, SI, that no machine lies outside.
+struct PlausibleSize {
+  double low = 0, high = 0;
+  enum Of { kLargest, kTravel, kMean } of = kLargest;  ///< largest magnitude, travel from end to end, mean
+};
 
 /// One signal, known value or parameter of a kind of machine.
 struct MachineInput {
@@ -26,19 +34,41 @@ struct MachineInput {
   std::string_view unit = "";
   bool toleranced = false;               ///< made, and so known, within a usual tolerance if none is stated
   std::optional<double> otherwise = {};  ///< SI, value where the machine file states none
+  /// Of signals; nothing: what every machine keeps to with a signal of its unit.
+  std::optional<PlausibleSize> size = {};
+};
+
+/// A physical parameter that is identified.
+struct MachineParameter {
+  std::string_view name, si, meaning;
+  std::string_view symbol = "";    ///< for plots, "Q_{vn}"; "" = the name
+  std::string_view sentence = "";  ///< for reports: what it is, what moves it
+  std::string_view shown = "";     ///< unit of plots where the usual one of `si` does not do, ...
+  double factor = 1;               ///< ... shown = SI * factor
+  bool relative = true;            ///< changes are told in per cent
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.
 struct MachineKind {
-  std::string_view id;  ///< `model` of the machine file
-  std::span<const MachineInput> signals, geometry, parameters;
+  std::string_view id;     ///< `model` of the machine file
+  std::string_view title;  ///< "die cushion"
+  std::span<const MachineInput> signals, geometry;
+  std::span<const MachineParameter> parameters;
   std::string_view output_unit;  ///< SI; "": [balance] of the machine file says
   bool own_library = false;      ///< balance and effects are those of the machine file
   MachineWords (*words)(const Machine&) = nullptr;
+  /// Signal of the temperature, K, that parameters are compensated for; "" = none.
+  std::string_view temperature = "";
+  std::string_view supply = "";                ///< signal of the supply pressure, Pa; "" = none
+  std::span<const Condition> conditions = {};  ///< of its strokes
+  std::span<const StandstillRule> standstill = {};
+  DraftRules draft = {};
   /// nullptr: command and response only, nothing can be identified from strokes.
   Result<std::shared_ptr<ModelStructure>> (*build)(const Machine&) = nullptr;
   /// The built-in effects for one machine, in fixed order; nullptr: none. Of a Machine{} for what is said of them alone.
   std::vector<std::shared_ptr<const Effect>> (*effects)(const Machine&) = nullptr;
+  /// Names of the channels that those effects mean by Effect::channels.
+  std::span<const std::string_view> channels = {};
 };
 
 /// All kinds, the one first that a machine file without `model` means (machines/kinds.cc).
@@ -54,5 +84,9 @@ std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);
 MachineWords WordsOf(const Machine& machine);
+/// nullptr if the kind has no parameter of that name.
+const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name);
+/// What strokes of the machine are driven at: conditions of its kind, then those of its file.
+std::vector<Condition> ConditionsOf(const Machine& machine);
 
 }  // namespace hydroscope

@@ -116,6 +116,7 @@ bool IsIdentifier(const std::string& name) {
 
 void ReadMachineSection(TableReader& file, Machine& machine) {
   const std::string own(OwnKind().id);
+  machine.model = KindNames().front();
   if (file.Has("balance")) machine.model = own;
   Section(file, "machine", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("machine"));
@@ -177,7 +178,7 @@ void ReadSignals(TableReader& file, Machine& machine) {
 }
 
 void ReadGeometry(TableReader& file, Machine& machine) {
-  const MachineKind& model = *FindKind(machine.model);
+  const MachineKind& model = KindOf(machine);
   Section(file, "geometry", [&](TableReader& section) {
     std::vector<std::string> known;
     for (const MachineInput& input : model.geometry) known.emplace_back(input.name);

@@ -17,6 +17,9 @@ void ReadWindow(TableReader& file, Machine& machine);
 void ReadEstimator(TableReader& file, Machine& machine);
 void ReadMonitors(TableReader& file, Machine& machine);
 void ReadValve(TableReader& file, Machine& machine);
+void ReadConditions(TableReader& file, Machine& machine);
+/// A condition as [conditions] has it: "max(p)".
+std::string ConditionText(const Condition& condition);
 void ReadExperiment(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
 void ReadEffects(TableReader& file, Machine& machine);

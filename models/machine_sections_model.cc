@@ -85,16 +85,15 @@ void CheckValveSignals(TableReader& file, const Machine& machine) {
 void ReadMonitors(TableReader& file, Machine& machine) {
   const toml::table* table = file.Table("monitor");
   if (table == nullptr) return;
-  const MachineKind& model = *FindKind(machine.model);
+  const MachineKind& model = KindOf(machine);
   TableReader section(*table, "monitor", file.problems());
   for (const TableReader::Entry& entry : section.Entries()) {
     const toml::table* limits = section.Table(entry.key);
     if (limits == nullptr) continue;
     TableReader reader(*limits, "monitor." + entry.key, file.problems());
     reader.AllowOnly(MachineFileKeys("monitor.<parameter>"));
-    const auto parameter = std::find_if(model.parameters.begin(), model.parameters.end(),
-                                        [&](const MachineInput& i) { return i.name == entry.key; });
-    const std::string si(parameter == model.parameters.end() ? "" : parameter->si);
+    const MachineParameter* parameter = FindParameter(model, entry.key);
+    const std::string si(parameter == nullptr ? "" : parameter->si);
     std::string unit = si;
     reader.UnitName("unit", unit, si);
     const Quantity quantity{.si = si, .default_unit = unit};
@@ -130,7 +129,7 @@ void ReadValve(TableReader& file, Machine& machine) {
 }
 
 void CheckMachine(TableReader& file, const Machine& machine) {
-  const MachineKind& model = *FindKind(machine.model);
+  const MachineKind& model = KindOf(machine);
   CheckModelSignals(file, machine, model);
   CheckModelGeometry(file, machine, model);
   CheckValveSignals(file, machine);

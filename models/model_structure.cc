@@ -15,6 +15,18 @@ std::vector<std::string> ModelStructure::ColumnNames() const {
   return names;
 }
 
+std::vector<ConditionName> ModelStructure::ConditionNames() const {
+  std::vector<ConditionName> names;
+  for (const Condition& condition : conditions) names.push_back({condition.name, condition.unit});
+  return names;
+}
+
+int ModelStructure::MeasuredChannel(std::string_view channel) const {
+  for (std::size_t c = 0; c < channel_source.size(); ++c)
+    if (channel_names[c] == channel && channel_source[c] >= 0) return static_cast<int>(c);
+  return -1;
+}
+
 std::vector<int> ModelStructure::WalkingParameters(const std::vector<int>& added) const {
   std::vector<int> entries;
   for (int c = 0; c < base_count; ++c)
@@ -36,6 +48,8 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
     (*model)->name = kind.id;
     (*model)->kind = &kind;
     (*model)->words = kind.words(machine);
+    (*model)->conditions = ConditionsOf(machine);
+    (*model)->temperature_channel = (*model)->MeasuredChannel(kind.temperature);
     return model;
   }
   std::vector<std::string_view> known;
@@ -50,6 +64,12 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
 Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine) {
   const auto model = BuildKind(machine);
   if (!model) return tl::unexpected(model.error());
+  if (machine.estimator.equation == EquationForm::kPublished && !(*model)->published)
+    return BadInput(
+        "machine '{}': nothing was published of model {} that equation = \"published\" in [estimator] could "
+        "mean; "
+        "leave it out",
+        machine.name, (*model)->name);
   const std::size_t effects = machine.added_effects.size();
   if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
     return BadInput(
@@ -57,6 +77,11 @@ Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine)
         "out "
         "with 'hydroscope model remove'",
         machine.name, (*model)->base_count, effects, kMaxParameters);
+  if ((*model)->conditions.size() > kMaxConditions)
+    return BadInput(
+        "machine '{}': {} conditions of its strokes, at most {} can be stored: leave some out of "
+        "[conditions]",
+        machine.name, (*model)->conditions.size(), kMaxConditions);
   return *model;
 }
 

@@ -73,6 +73,24 @@ struct DerivedParameter {
 
 struct MachineKind;
 
+/// A measured channel that the balance can give by itself, from its first value on.
+struct FreeRunChannel {
+  int channel = 0;
+  std::vector<int> as_measured;  ///< derived channels that stay those of the measurement
+  double step = 0;               ///< SI, over which the slope of the balance is taken
+  double closed = 0;             ///< SI, change below which the value is found
+};
+
+/// The balance as a paper published it, point by point from filtered channels.
+struct PublishedForm {
+  std::vector<int> channels;            ///< to be filtered
+  std::vector<double> regressor_scale;  ///< SI sizes that bring regressors ...
+  double output_scale = 1;              ///< ... and output to order one
+  /// Regressors, then the output, SI, from values and rates of the channels.
+  std::function<void(std::span<const double> value, std::span<const double> rate, std::span<double> balance)>
+      at;
+};
+
 /// The model of a machine, linear in its regression parameters:
 ///   output = sum_i theta_i base_i + (effects).
 /// Columns are stacked base first, then the output, then the library of effects that may be missing.
@@ -96,12 +114,19 @@ struct ModelStructure {
   /// and equations are block means without an intercept.
   bool level_form = false;
 
-  /// A channel that maps of the error run over: where the built-in list of the die cushion does not apply.
+  /// A channel that maps of the error run over.
   struct ShownChannel {
     int channel = 0;
-    std::string unit;  ///< SI, "" = not known
+    std::string unit;          ///< SI, "" = not known
+    std::string display = {};  ///< in which it is shown; "" = the usual one of `unit`
+    double factor = 1;         ///< of `display`
   };
-  std::vector<ShownChannel> shown;
+  std::vector<ShownChannel> shown;  ///< those not measured included
+  std::vector<Condition>
+      conditions;                ///< ConditionsOf the machine; their signals are channels where it has them
+  int temperature_channel = -1;  ///< of MachineKind::temperature, -1 = not measured
+  std::optional<FreeRunChannel> free_run;  ///< nothing: the model only compares
+  std::optional<PublishedForm> published;  ///< for EquationForm::kPublished
 
   /// Fills the derived channels of a stretch whose measured channels are there.
   std::function<void(Stretch&)> derive_channels;
@@ -124,6 +149,9 @@ struct ModelStructure {
   /// Machine signals the base model reads; a bad value in one of them ends a window.
   std::vector<int> needed_signals;
   std::vector<std::string> ColumnNames() const;
+  std::vector<ConditionName> ConditionNames() const;
+  /// Measured channel of that name, -1 if there is none.
+  int MeasuredChannel(std::string_view channel) const;
 };
 
 /// Builds the structure a machine file describes. Errors: a signal or geometry the model needs is missing.

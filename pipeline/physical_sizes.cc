@@ -23,30 +23,28 @@ constexpr double kOutside = 0.01;
 /// Mean step between means over the range: white noise has a quarter, a stroke of a second some percent.
 constexpr double kRestless = 0.12;
 
-/// Plausible size of a signal, SI. Pressures: from a pneumatic cylinder to an intensifier; a die cushion
-/// works at tens to some hundred bar. Strokes of cylinders end at some ten metres, die cushions at less than
-/// one. Oil solidifies and burns. Speeds: seals allow some m/s.
-struct Plausible {
-  double low, high;  ///< SI; of the largest magnitude, the travel or the mean
-  enum Measure { kLargest, kTravel, kMean } measure;
-  std::vector<const char*> units;  ///< in which such a signal comes
-};
-
-std::optional<Plausible> PlausibleFor(const Machine& machine, const SignalSpec& spec, std::string_view si) {
-  const bool cushion = machine.model == "die_cushion";
-  if (spec.name == "y_v" && cushion) return Plausible{0, 1.5, Plausible::kLargest, {"1", "%"}};
-  if (si == "Pa") {
-    const double low = cushion && spec.name == "p_A" ? 5e5 : 0;
-    return Plausible{
-        low, cushion ? 1e8 : 1e9, Plausible::kLargest, {"Pa", "bar", "MPa", "kPa", "psi", "mbar"}};
-  }
-  if (si == "m")
-    return Plausible{cushion ? 1e-3 : 0, cushion ? 10.0 : 50.0, Plausible::kTravel, {"mm", "m", "cm", "um"}};
-  if (si == "K") return Plausible{213, 573, Plausible::kMean, {"degC", "K"}};
+/// What every machine keeps to: pressures of an intensifier at most, strokes of cylinders end at some ten metres, oil
+/// solidifies and burns.
+std::optional<PlausibleSize> SizeByUnit(std::string_view si) {
+  if (si == "Pa") return PlausibleSize{0, 1e9};
+  if (si == "m") return PlausibleSize{0, 50.0, PlausibleSize::kTravel};
+  if (si == "K") return PlausibleSize{213, 573, PlausibleSize::kMean};
   return std::nullopt;
 }
 
-constexpr double kFastest = 20, kSlowest = 1e-3;  ///< m/s, of a cushion's fastest movement
+std::optional<PlausibleSize> SizeOf(const Machine& machine, const SignalSpec& spec, std::string_view si) {
+  for (const MachineInput& signal : KindOf(machine).signals)
+    if (signal.name == spec.name && signal.size) return signal.size;
+  return SizeByUnit(si);
+}
+
+/// In which a signal of an SI unit comes.
+std::vector<const char*> UsualUnits(std::string_view si) {
+  if (si == "Pa") return {"Pa", "bar", "MPa", "kPa", "psi", "mbar"};
+  if (si == "m") return {"mm", "m", "cm", "um"};
+  if (si == "K") return {"degC", "K"};
+  return {"1", "%"};
+}
 
 std::string Shown(double si, const Unit& unit, std::string_view name) {
   return fmt::format("{:.4g} {}", (si - unit.offset) / unit.scale, name);
@@ -58,9 +56,9 @@ struct SizeWatch::Range {
   double low = kNaN, high = kNaN, mean = kNaN;
   bool moves = false;  ///< smoothly, more than noise makes of a signal at rest
 
-  double Measure(const Plausible& by) const {
-    if (by.measure == Plausible::kTravel) return high - low;
-    return by.measure == Plausible::kMean ? mean : std::max(std::abs(low), std::abs(high));
+  double Measure(const PlausibleSize& by) const {
+    if (by.of == PlausibleSize::kTravel) return high - low;
+    return by.of == PlausibleSize::kMean ? mean : std::max(std::abs(low), std::abs(high));
   }
 };
 
@@ -107,15 +105,15 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
   const SignalSpec& spec = machine_.signals[signal];
   const auto unit = FindUnit(spec.unit);
   if (!unit) return {};
-  const auto plausible = PlausibleFor(machine_, spec, unit->si);
+  const auto plausible = SizeOf(machine_, spec, unit->si);
   const Range seen = Seen(signal);
   if (!plausible || std::isnan(seen.low)) return {};
   const double measure = seen.Measure(*plausible);
   if (measure >= plausible->low && measure <= plausible->high) return {};
   // A machine at rest shows little of anything.
-  if (measure < plausible->low && plausible->measure != Plausible::kMean && !seen.moves) return {};
+  if (measure < plausible->low && plausible->of != PlausibleSize::kMean && !seen.moves) return {};
   std::string better;
-  for (const char* name : plausible->units) {
+  for (const char* name : UsualUnits(unit->si)) {
     const auto other = FindUnit(name);
     if (!other || name == spec.unit || !better.empty()) continue;
     const auto in_other = [&](double si) {
@@ -128,11 +126,11 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
   // A sensor of an optional signal that is broken stops nothing; a wrong unit does.
   if (!spec.required && better.empty()) return {};
   Unit scale = *unit;
-  if (plausible->measure != Plausible::kMean) scale.offset = 0;  // of a difference
+  if (plausible->of != PlausibleSize::kMean) scale.offset = 0;  // of a difference
   const auto shown = [&](double si) { return Shown(si, scale, spec.unit); };
-  const std::string what = plausible->measure == Plausible::kTravel ? "travels by"
-                           : plausible->measure == Plausible::kMean ? "is at"
-                                                                    : "reaches";
+  const std::string what = plausible->of == PlausibleSize::kTravel ? "travels by"
+                           : plausible->of == PlausibleSize::kMean ? "is at"
+                                                                   : "reaches";
   return BadInput(
       "{}: signal {} (column {}) {} {}, which no such machine does; plausible: {} to {}. {}", machine_.name,
       spec.name, spec.column, what, shown(measure), shown(plausible->low), shown(plausible->high),
@@ -143,7 +141,7 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
 }
 
 /// The speed of a position says whether the time is in the unit that the machine file states.
-Status SizeWatch::JudgeSpeed(std::size_t signal) const {
+Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
   const std::vector<double>& z = means_[signal];
   std::vector<double> speeds;
   for (std::size_t k = 1; k < z.size(); ++k)
@@ -152,22 +150,30 @@ Status SizeWatch::JudgeSpeed(std::size_t signal) const {
   const auto top =
       speeds.begin() + static_cast<std::ptrdiff_t>((1 - kOutside) * static_cast<double>(speeds.size()));
   std::nth_element(speeds.begin(), top, speeds.end());
-  if (*top >= kSlowest && *top <= kFastest) return {};
-  if (*top < kSlowest && !Seen(signal).moves) return {};
+  if (*top >= speed.lowest && *top <= speed.highest) return {};
+  if (*top < speed.lowest && !Seen(signal).moves) return {};
+  const DisplayUnit unit = DisplayUnitFor(speed.unit);
   return BadInput(
-      "{}: signal {} moves at {:.3g} mm/s at most, which no such machine does; plausible: {:g} to {:g} mm/s. "
-      "Rows are "
-      "{:.4g} s apart with the time in {}: check the unit of time (or sample_period) in [log] of the machine "
-      "file, and the unit of {}",
-      machine_.name, machine_.signals[signal].name, *top * 1e3, kSlowest * 1e3, kFastest * 1e3,
-      piece_time_ / kPiece, machine_.log.time_unit, machine_.signals[signal].name);
+      "{}: signal {} moves at {:.3g} {} at most, which no such machine does; plausible: {:g} to {:g} {}. "
+      "Rows are {:.4g} "
+      "s apart with the time in {}: check the unit of time (or sample_period) in [log] of the machine file, "
+      "and the unit "
+      "of {}",
+      machine_.name, speed.signal, *top * unit.factor, unit.name, speed.lowest * unit.factor,
+      speed.highest * unit.factor, unit.name, piece_time_ / kPiece, machine_.log.time_unit, speed.signal);
 }
 
 Status SizeWatch::Judge() const {
   for (std::size_t s = 0; s < machine_.signals.size(); ++s)
     if (const Status plausible = JudgeSignal(s); !plausible) return plausible;
-  const int position = machine_.model == "die_cushion" ? machine_.SignalIndex("z") : -1;
-  return position < 0 ? Status() : JudgeSpeed(static_cast<std::size_t>(position));
+  for (const Condition& condition : KindOf(machine_).conditions) {
+    const int signal = machine_.SignalIndex(condition.signal);
+    const bool limited = condition.highest > condition.lowest && condition.of == Condition::Of::kMeanRate;
+    if (!limited || signal < 0) continue;
+    if (const Status plausible = JudgeSpeed(condition, static_cast<std::size_t>(signal)); !plausible)
+      return plausible;
+  }
+  return {};
 }
 
 Status JudgeGeometry(const Machine& machine) {
@@ -206,26 +212,21 @@ Status JudgeSizes(const std::string& log, const Machine& machine) {
 Status JudgeStrokes(const std::string& database, const Machine& machine,
                     std::span<const StrokeSummary> strokes) {
   if (const Status plausible = JudgeGeometry(machine); !plausible) return plausible;
-  if (machine.model != "die_cushion") return {};
-  constexpr double kLow = 5e5, kHigh = 1e8;  // Pa, as of p_A
-  double pressure = 0, speed = 0;
-  for (const StrokeSummary& stroke : strokes) {
-    pressure = std::max(pressure, stroke.mean_pressure);
-    speed = std::max(speed, stroke.mean_speed);
+  const std::vector<Condition> conditions = ConditionsOf(machine);
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    const Condition& condition = conditions[c];
+    double most = 0;
+    for (const StrokeSummary& stroke : strokes) most = std::max(most, stroke.conditions[c]);
+    const bool limited = condition.highest > condition.lowest;
+    if (!limited || !(most > 0) || (most >= condition.lowest && most <= condition.highest)) continue;
+    const DisplayUnit unit = DisplayUnitFor(condition.unit);
+    return BadInput(
+        "{}: {}: the {} is {:.4g} {}, which no such machine has; plausible: {:g} to {:g} {}. They were "
+        "replayed with a "
+        "wrong unit of {} or of the time: correct the machine file and replay into a new database",
+        database, machine.name, condition.title, most * unit.factor, unit.name,
+        condition.lowest * unit.factor, condition.highest * unit.factor, unit.name, condition.signal);
   }
-  if (pressure > 0 && (pressure < kLow || pressure > kHigh))
-    return BadInput(
-        "{}: the strokes of {} have mean pressures of {:.4g} bar, which no such machine has; plausible: {:g} "
-        "to {:g} bar. "
-        "They were replayed with a wrong unit of p_A: correct the machine file and replay into a new "
-        "database",
-        database, machine.name, pressure * 1e-5, kLow * 1e-5, kHigh * 1e-5);
-  if (speed > kFastest)
-    return BadInput(
-        "{}: the strokes of {} have mean speeds of {:.4g} m/s, plausible: up to {:g} m/s. They were replayed "
-        "with a wrong "
-        "unit of z or of the time: correct the machine file and replay into a new database",
-        database, machine.name, speed, kFastest);
   return {};
 }
 

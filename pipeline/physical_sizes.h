@@ -28,7 +28,7 @@ class SizeWatch {
   struct Range;
   Range Seen(std::size_t signal) const;
   Status JudgeSignal(std::size_t signal) const;
-  Status JudgeSpeed(std::size_t signal) const;
+  Status JudgeSpeed(const Condition& speed, std::size_t signal) const;
 
   const Machine& machine_;
   double piece_time_;                       ///< s from one mean to the next
@@ -37,13 +37,13 @@ class SizeWatch {
   std::vector<std::vector<double>> means_;  ///< SI, per signal; NaN where a reading was missing
 };
 
-/// The same of areas and pressures that the machine file states, for a die cushion.
+/// The same of areas and pressures that the machine file states.
 Status JudgeGeometry(const Machine& machine);
 
 /// Geometry, then the readings of a log as far as it takes to see plausible sizes.
 Status JudgeSizes(const std::string& log, const Machine& machine);
 
-/// Of strokes in a database: their pressures and speeds.
+/// Of strokes in a database: what they were driven at.
 Status JudgeStrokes(const std::string& database, const Machine& machine,
                     std::span<const StrokeSummary> strokes);
 

@@ -53,8 +53,8 @@ Blocks BlocksOf(const std::vector<AxisMonitor::JudgedValue>& values, int quantit
 }
 
 /// Sizes of effects in the unit people read them in.
-ParameterInfo InfoOf(const drift::Quantity& quantity, double typical) {
-  ParameterInfo info = InfoFor(quantity.name, quantity.unit, typical);
+ParameterInfo InfoOf(const MachineKind& kind, const drift::Quantity& quantity, double typical) {
+  ParameterInfo info = InfoFor(kind, quantity.name, quantity.unit, typical);
   if (!quantity.effect) return info;
   const EffectUnit unit = EffectUnitFor(quantity.unit);
   info.unit = unit.name;
@@ -155,7 +155,7 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
   const Blocks blocks = BlocksOf(values, q);
   if (watch == nullptr || blocks.stroke.empty()) return "";
   const double typical = monitor.reference().typical(q);
-  const ParameterInfo info = InfoOf(quantity, typical);
+  const ParameterInfo info = InfoOf(monitor.model().kind(), quantity, typical);
   const double width = quantity.effect ? kPageWidth : SvgPlot::Options().width;
   const std::string deviation =
       DeviationPlot(blocks, info, watch->Sizes(typical).smallest, ChangesOf(monitor, quantity.name), width);

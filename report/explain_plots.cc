@@ -41,11 +41,13 @@ std::vector<double> Edges(const ErrorMap& map, const std::vector<ResidualSignal>
   return shown;
 }
 
-/// Whether the oil temperature, if it is one of the map's signals, moved enough to be worth an axis.
-bool OilMoves(const ErrorMap& map, const std::vector<ResidualSignal>& signals) {
+/// Whether the temperature, if it is one of the map's signals, moved enough to be worth an axis.
+bool TemperatureMoves(const ErrorMap& map, const ExplainResult& result) {
+  const std::vector<ResidualSignal>& signals = result.signals;
   constexpr double kWorthAnAxis = 2.0;  // K
   for (std::size_t axis = 0; axis < map.signals.size(); ++axis) {
-    if (signals[static_cast<std::size_t>(map.signals[axis])].name != "T_oil") continue;
+    const int channel = signals[static_cast<std::size_t>(map.signals[axis])].channel;
+    if (channel < 0 || channel != result.log.model->temperature_channel) continue;
     const std::vector<double> edges = Edges(map, signals, static_cast<int>(axis));
     if (edges.back() - edges.front() < kWorthAnAxis) return false;
   }
@@ -57,7 +59,7 @@ const ErrorMap& ShownPair(const ExplainResult& result) {
   constexpr double kEqual = 0.05;
   const std::vector<ErrorMap>& pairs = result.location.pairs;
   for (const ErrorMap& pair : pairs)
-    if (pair.explained > pairs.front().explained - kEqual && OilMoves(pair, result.signals)) return pair;
+    if (pair.explained > pairs.front().explained - kEqual && TemperatureMoves(pair, result)) return pair;
   return pairs.front();
 }
 

@@ -72,7 +72,7 @@ Report Prepare(const ReportInput& input) {
   Report report{input, AnalyseReport(input), {}, {}, {}};
   for (const ParameterAnalysis& analysis : report.analysis.parameters) {
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
-    report.infos.push_back(InfoFor(analysis.parameter, analysis.unit, typical));
+    report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
     report.words.push_back(DescribeParameter(analysis, report.infos.back()));
   }
   report.verdict = DescribeVerdict(input, report.analysis, report.infos, report.words);

@@ -146,7 +146,7 @@ TEST(AnalyseReport, DoesNotDenyWhatThePlottedEstimatesShow) {
   EXPECT_TRUE(volume.by_estimates) << "the blocks show nothing";
   EXPECT_LT(volume.change.change.value, 0);
   EXPECT_EQ(volume.unexplained, Significance::kHint);
-  const ParameterInfo info = InfoFor("V0", "m3", 1e-3);
+  const ParameterInfo info = InfoFor(KindOf(input.machine), "V0", "m3", 1e-3);
   EXPECT_EQ(DescribeParameter(volume, info).standing, Standing::kHint);
   EXPECT_EQ(Of(AnalyseReport(fixture.Make()), "V0").unexplained, Significance::kNone);
 }

@@ -28,38 +28,20 @@ void ChooseUnit(ParameterInfo& info, std::string_view si_unit, double typical) {
 
 }  // namespace
 
-ParameterInfo InfoFor(const std::string& parameter, std::string_view si_unit, double typical) {
+ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std::string_view si_unit,
+                      double typical) {
   ParameterInfo info;
   info.id = info.symbol = parameter;
   ChooseUnit(info, si_unit, typical);
-  if (parameter == "K") {
-    info.symbol = "K′";
-    info.name = "effective bulk modulus";
-    info.sentence =
-        "How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil.";
-  } else if (parameter == "V0") {
-    info.symbol = "V_{0}";
-    info.name = "dead volume";
-    info.sentence =
-        "Oil volume between valve and piston with the piston at its zero position: lines, fittings, bottom "
-        "of the chamber.";
-  } else if (parameter == "Q_vn") {
-    info.symbol = "Q_{vn}";
-    info.name = "nominal valve flow";
-    info.sentence =
-        "Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-        "and density, with "
-        "worn or dirty metering edges, and it absorbs leaks that the model does not hold.";
-  } else if (parameter == "y_0") {
-    info.symbol = "y_{0}";
-    info.name = "spool zero offset";
-    info.sentence =
-        "Spool position at which the metering edge just closes, in % of the full spool stroke; it moves with "
-        "wear of the edge and with the "
-        "zero of the spool sensor.";
-    info.unit = "% of stroke";
-    info.factor = 100;
-    info.relative = false;
+  const MachineParameter* known = FindParameter(kind, parameter);
+  if (known == nullptr) return info;
+  if (!known->symbol.empty()) info.symbol = known->symbol;
+  info.name = known->meaning;
+  info.sentence = known->sentence;
+  info.relative = known->relative;
+  if (!known->shown.empty()) {
+    info.unit = known->shown;
+    info.factor = known->factor;
   }
   return info;
 }

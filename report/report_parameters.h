@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "models/machine_kind.h"
+
 namespace hydroscope {
 
 /// How a parameter is shown to people: shown = SI * factor + offset.
@@ -21,7 +23,8 @@ struct ParameterInfo {
 
 /// Known for K, V0, Q_vn and y_0; any other parameter is shown by its id in DisplayUnitFor(si_unit).
 /// `typical` (SI) chooses between l and cm3.
-ParameterInfo InfoFor(const std::string& parameter, std::string_view si_unit, double typical);
+ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std::string_view si_unit,
+                      double typical);
 
 /// "Bulk modulus K (GPa)", as the axis of a plot says it.
 std::string AxisLabel(const ParameterInfo& info);

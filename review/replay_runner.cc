@@ -189,7 +189,8 @@ Result<int> AxisReplay::StoreVersion(const std::string& definition) {
   if (!promoted) return tl::unexpected(promoted.error());
   if (*promoted && (*promoted)->definition == definition && (*promoted)->columns == model_->ColumnNames())
     return (*promoted)->version;
-  return database_.PutModelVersion(machine_id_, {1, definition, model_->ColumnNames()});
+  return database_.PutModelVersion(machine_id_,
+                                   {1, definition, model_->ColumnNames(), 0, model_->ConditionNames()});
 }
 
 /// Fingerprint of the log; an error if its strokes are in the database already under other settings.

@@ -11,7 +11,6 @@
 #include "models/machine_keys.h"
 #include "models/machine_kind.h"
 #include "setup/column_meaning.h"
-#include "setup/cushion_direction.h"
 
 namespace hydroscope {
 namespace {
@@ -30,8 +29,8 @@ class Proposer {
     FindTime();
     DecideModel();
     AddSignals();
-    if (machine().model == "die_cushion") CompleteCushion();
-    if (machine().model == "expressions") CompleteExpressions();
+    if (KindOf(machine()).own_library) AddOtherColumns();
+    Complete();
     ListUnused();
     WriteNotes();
     result_.text = FormatMachine(machine(), notes_);
@@ -72,33 +71,53 @@ class Proposer {
                       1 / seconds_));
   }
 
+  /// The columns with a role, as the machine file being made reads them.
+  LogSample Sample() {
+    LogSample sample;
+    sample.period = seconds_;
+    for (const ColumnRole& found : roles_) {
+      if (found.role == Role::kTime) continue;
+      const LogColumn& column = head_.columns[found.column];
+      LogSample::Signal& signal = sample.signals[SignalNameOf(found.role)];
+      signal = {column.value, column.high};
+      const int index = machine().SignalIndex(SignalNameOf(found.role));
+      if (index < 0) continue;  // the kind is not decided yet
+      const SignalSpec& spec = machine().signals[static_cast<std::size_t>(index)];
+      const Unit unit = FindUnit(spec.unit).value_or(Unit{});
+      const auto si = [&](double raw) { return (raw * spec.scale + spec.offset) * unit.scale + unit.offset; };
+      for (double& value : signal.value) value = si(value);
+      signal.high = si(signal.high);
+    }
+    return sample;
+  }
+
   void DecideModel() {
-    if (Has(Role::kPressureA) && Has(Role::kPosition) && Has(Role::kSpool)) {
-      Decide("die_cushion", "pressure, position and spool are there");
-    } else if (Has(Role::kSpool) && Has(Role::kValveCommand)) {
-      Decide("valve", "spool and valve command are there, but not both pressure and position");
-    } else if (Has(Role::kPosition) && Has(Role::kPositionCommand) && !Has(Role::kPressureA)) {
-      Decide("valve", "a position and its command are there, no pressure and spool");
-      machine().valve = {"z_command", "z", 1.0};
-    } else {
-      std::string missing;
-      for (const auto& [role, name] :
-           {std::pair(Role::kPressureA, "pressure A"), std::pair(Role::kPosition, "position"),
-            std::pair(Role::kSpool, "spool")})
-        if (!Has(role)) missing += (missing.empty() ? "" : ", ") + std::string(name);
-      Decide("expressions", "a die cushion needs what was not found: " + missing);
+    const LogSample sample = Sample();
+    for (const MachineKind* kind : MachineKinds()) {
+      if (kind->draft.suits == nullptr) continue;
+      const std::string why = kind->draft.suits(sample);
+      if (why.empty()) continue;
+      machine().model = kind->id;
+      result_.decided.push_back(
+          fmt::format("model {}: {}{}", kind->id, why, kind->own_library ? Missing(sample) : ""));
+      return;
     }
   }
-  void Decide(const std::string& model, const std::string& why) {
-    machine().model = model;
-    result_.decided.push_back(fmt::format("model {}: {}", model, why));
+  /// What the first kind would have needed.
+  static std::string Missing(const LogSample& sample) {
+    std::vector<std::string_view> missing;
+    for (const MachineInput& input : MachineKinds().front()->signals)
+      if (input.required && !sample.signals.contains(input.name)) missing.push_back(input.meaning);
+    return fmt::format("; a {} needs what was not found: {}", MachineKinds().front()->title,
+                       fmt::join(missing, ", "));
   }
 
   bool Required(const std::string& name) {
-    if (machine().model == "valve") return name == machine().valve.input || name == machine().valve.output;
-    for (const MachineInput& input : FindKind(machine().model)->signals)
+    const MachineKind& kind = KindOf(machine());
+    if (kind.build == nullptr) return name == machine().valve.input || name == machine().valve.output;
+    for (const MachineInput& input : kind.signals)
       if (input.name == name) return input.required;
-    return machine().model == "expressions";
+    return kind.own_library;
   }
 
   void AddSignals() {
@@ -129,49 +148,18 @@ class Proposer {
     result_.columns.push_back({name, column.name, guess.unit, why, sure});
   }
 
-  void CompleteCushion() {
-    for (const std::string& line : TurnCushionSignals(head_, seconds_, machine()))
-      result_.decided.push_back(line);
-    machine().gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
-    machine().geometry["dp_nom"] = {35e5, 0};
-    machine().geometry["p_t"] = {0, 0};
-    result_.decided.emplace_back(
-        "dp_nom = 35 bar: the pressure drop at which the nominal flow is stated, usual for servo valves");
-    if (!Has(Role::kTankPressure)) result_.decided.emplace_back("p_t = 0 bar: no tank pressure in the log");
-    if (options_.piston_area) {
-      machine().geometry["A_A"] = {*options_.piston_area, 0};
-      return;
-    }
-    result_.open.emplace_back(
-        "[geometry] A_A: the piston area on side A cannot be found from a log; write it from the drawing");
-    notes_.section["geometry"] = {
-        "<-- FILL IN the piston area on side A from the drawing and remove the leading '# ' of the next "
-        "line:",
-        "A_A = { value = 125, unit = \"cm2\" }"};
-  }
-
-  void CompleteExpressions() {
-    AddOtherColumns();
-    if (!Has(Role::kForce) || !Has(Role::kPressureA)) {
-      result_.open.emplace_back(
-          "[balance]: write which output equals which sum of terms, see docs/machine_file.md");
-      notes_.tail = {
-          "<-- FILL IN the balance: the output and the terms that explain it, over the signals above; e.g.",
-          "[balance]", "output = \"F\"", "terms = { A = \"p\", c = \"1\" }"};
-      return;
-    }
-    machine().balance.output = "F";
-    machine().balance.unit = "N";
-    machine().balance.terms = {{"A", "p_A", "m2"}};
-    if (Has(Role::kPressureB)) machine().balance.terms.push_back({"A_B", "-p_B", "m2"});
-    machine().balance.terms.push_back({"c", "1", "N"});
-    result_.decided.emplace_back("balance: force = area * pressure + constant, because both are there");
-    if (!Has(Role::kPosition)) return;
-    machine().user_effects = {
-        {"coulomb_friction", "Friction of constant size against the motion", {{"F_c", "sign(ddt(z))", "N"}}},
-        {"viscous_friction", "Friction that grows with speed", {{"d", "ddt(z)", "N s/m"}}},
-        {"pressure_friction", "Friction that grows with pressure", {{"mu", "p_A*sign(ddt(z))", "m2"}}}};
-    result_.decided.emplace_back("effects to try: friction, because a position is there");
+  void Complete() {
+    const DraftRules& rules = KindOf(machine()).draft;
+    if (rules.complete == nullptr) return;
+    MachineDraft draft{std::move(result_.machine), std::move(notes_), std::move(result_.decided),
+                       std::move(result_.open)};
+    result_.machine = draft.machine;
+    const LogSample sample = Sample();
+    rules.complete(sample, options_.known, draft);
+    result_.machine = std::move(draft.machine);
+    notes_ = std::move(draft.notes);
+    result_.decided = std::move(draft.decided);
+    result_.open = std::move(draft.open);
   }
 
   /// In a machine of the user's own every column of numbers is a signal, under its name made fit for

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace hydroscope {
 
 /// What a person may know beforehand.
 struct ProposalOptions {
-  std::optional<double> piston_area;  ///< m^2, side A
+  std::map<std::string, double> known;  ///< geometry by name, SI
 };
 
 /// One line of what was found.

@@ -61,7 +61,9 @@ MachineProposal Propose(const std::string& text, double area = 0.0125) {
     ADD_FAILURE() << head.error().text;
     return {};
   }
-  return ProposeMachine(*head, {area > 0 ? std::optional<double>(area) : std::nullopt});
+  ProposalOptions options;
+  if (area > 0) options.known["A_A"] = area;
+  return ProposeMachine(*head, options);
 }
 
 /// column, unit of a signal of a proposed machine, e.g. "Weg mm".
@@ -379,7 +381,7 @@ TEST(MachineProposal, ProposesForTheDevelopmentLogsWhatTheirMachineFilesSay) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const auto head = ReadLogColumns(entry.path().string());
     ASSERT_TRUE(head) << head.error().text;
-    const MachineProposal proposal = ProposeMachine(*head, {0.0125});
+    const MachineProposal proposal = ProposeMachine(*head, {{{"A_A", 0.0125}}});
     EXPECT_EQ(proposal.machine.model, "die_cushion") << entry.path();
     for (const SignalSpec& signal : press->signals)
       EXPECT_EQ(ColumnOf(proposal.machine, signal.name), signal.column + " " + signal.unit) << entry.path();

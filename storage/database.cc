@@ -156,6 +156,10 @@ Result<int> Database::PutModelVersion(std::int64_t machine, const ModelVersion& 
       Query(*impl_, "INSERT INTO model_column(machine, version, position, name) VALUES(?, ?, ?, ?)", machine,
             version, static_cast<std::int64_t>(i), model.columns[i])
           .Run();
+    for (std::size_t i = 0; i < model.conditions.size(); ++i)
+      Query(*impl_, "INSERT INTO condition VALUES(?, ?, ?, ?, ?)", machine, version,
+            static_cast<std::int64_t>(i), model.conditions[i].name, model.conditions[i].unit)
+          .Run();
     transaction.commit();
     return version;
   });

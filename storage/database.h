@@ -20,6 +20,7 @@ struct ModelVersion {
   std::string definition;            ///< the machine file (TOML) in force
   std::vector<std::string> columns;  ///< names of the Gram columns, in order
   int promoted = 0;  ///< counts promotions of the machine; the greatest is in force, 0 = never
+  std::vector<ConditionName> conditions = {};  ///< what StrokeSummary::conditions hold
 };
 
 /// A replay of one log (or, later, one session of the live service).

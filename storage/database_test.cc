@@ -29,9 +29,7 @@ TEST(Database, GivesBackWhatWasStoredToTheBit) {
     EXPECT_EQ(got.begin, expected.begin);
     EXPECT_EQ(got.end, expected.end);
     EXPECT_TRUE(Same(got.oil_temperature, expected.oil_temperature)) << i;
-    EXPECT_EQ(got.mean_speed, expected.mean_speed);
-    EXPECT_EQ(got.mean_pressure, expected.mean_pressure);
-    EXPECT_EQ(got.max_pressure, expected.max_pressure);
+    EXPECT_EQ(got.conditions, expected.conditions);
     EXPECT_EQ(got.rms_error, expected.rms_error);
     EXPECT_EQ(got.noise_floor, expected.noise_floor);
     EXPECT_EQ(got.counters.samples, expected.counters.samples);

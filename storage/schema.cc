@@ -183,9 +183,35 @@ CREATE TABLE identity(id TEXT NOT NULL) STRICT;
 INSERT INTO identity VALUES(lower(hex(randomblob(16))));
 )sql";
 
+/// What strokes were driven at is what their machine declares, in place of speed and pressures alone, and errors are in the
+/// unit of its output.
+constexpr const char* kVersion6 = R"sql(
+ALTER TABLE stroke RENAME COLUMN mean_speed_m_s TO condition_0;
+ALTER TABLE stroke RENAME COLUMN mean_pressure_Pa TO condition_1;
+ALTER TABLE stroke RENAME COLUMN max_pressure_Pa TO condition_2;
+ALTER TABLE stroke ADD COLUMN condition_3 REAL DEFAULT 0;
+ALTER TABLE stroke ADD COLUMN condition_4 REAL DEFAULT 0;
+ALTER TABLE stroke ADD COLUMN condition_5 REAL DEFAULT 0;
+ALTER TABLE stroke RENAME COLUMN rms_error_m3_s TO rms_error;
+ALTER TABLE stroke RENAME COLUMN noise_floor_m3_s TO noise_floor;
+
+CREATE TABLE condition(
+  machine INTEGER NOT NULL,
+  version INTEGER NOT NULL,
+  position INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  unit TEXT NOT NULL,
+  PRIMARY KEY(machine, version, position),
+  FOREIGN KEY(machine, version) REFERENCES model_version(machine, version)
+) STRICT, WITHOUT ROWID;
+INSERT INTO condition SELECT machine, version, 0, 'speed', 'm/s' FROM model_version;
+INSERT INTO condition SELECT machine, version, 1, 'pressure', 'Pa' FROM model_version;
+INSERT INTO condition SELECT machine, version, 2, 'max_pressure', 'Pa' FROM model_version;
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
-                                                                 kVersion5};
+constexpr std::array<const char*, kFormatVersion> kMigrations = {kVersion1, kVersion2, kVersion3,
+                                                                 kVersion4, kVersion5, kVersion6};
 
 struct FileKind {
   int application = 0;

@@ -67,6 +67,14 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
     EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 3)));
   }
   Execute(folder.File(),
+          "DROP TABLE condition; ALTER TABLE stroke DROP COLUMN condition_3; ALTER TABLE stroke DROP COLUMN "
+          "condition_4; "
+          "ALTER TABLE stroke DROP COLUMN condition_5; ALTER TABLE stroke RENAME COLUMN condition_0 TO "
+          "mean_speed_m_s; "
+          "ALTER TABLE stroke RENAME COLUMN condition_1 TO mean_pressure_Pa; "
+          "ALTER TABLE stroke RENAME COLUMN condition_2 TO max_pressure_Pa; "
+          "ALTER TABLE stroke RENAME COLUMN rms_error TO rms_error_m3_s; "
+          "ALTER TABLE stroke RENAME COLUMN noise_floor TO noise_floor_m3_s; "
           "DROP TABLE identity; DROP VIEW trend; ALTER TABLE estimate DROP COLUMN oil_temperature_K; CREATE "
           "VIEW trend AS SELECT 1; "
           "DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER TABLE run DROP COLUMN "
@@ -78,6 +86,9 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
   EXPECT_EQ(Value(press.database.EndSequence(press.machine)), 3);
   EXPECT_FALSE(Value(press.database.PromotedModel(press.machine)).has_value());
   EXPECT_OK(Database::OpenReadOnly(folder.File()));
+  const auto strokes = Value(press.database.Strokes(1));
+  ASSERT_EQ(strokes.size(), 3u);
+  EXPECT_EQ(strokes[1].conditions, (std::array<double, kMaxConditions>{0.2, 1.2e7, 1.9e7 + 1, 0, 0, 0}));
 }
 
 TEST(Schema, ADatabaseOfAnotherProgramIsRefusedAndLeftAsItIs) {

@@ -64,8 +64,14 @@ inline SymmetricMatrix MakeMatrix(int dimension, std::uint64_t seed, double scal
 inline StrokeRecord MakeStroke(std::int64_t index, int dimension = 6, std::uint64_t log = 1) {
   const std::uint64_t seed = log * 1'000'003u + static_cast<std::uint64_t>(index) * 10'007u;
   StrokeRecord record;
-  record.summary = {
-      index, 2.0 * index, 2.0 * index + 1.1, 313.15 + Noise(seed), 0.2, 1.2e7, 1.9e7 + index, 1e-5, 4e-6, {}};
+  record.summary = {.index = index,
+                    .begin = 2.0 * index,
+                    .end = 2.0 * index + 1.1,
+                    .oil_temperature = 313.15 + Noise(seed),
+                    .conditions = {0.2, 1.2e7, 1.9e7 + index, 0, 0, 3.5},
+                    .rms_error = 1e-5,
+                    .noise_floor = 4e-6,
+                    .counters = {}};
   if (index % 5 == 3) record.summary.oil_temperature = std::nan("");
   record.summary.counters = {2000, 1100, 1080, {}};
   if (index % 4 == 1) record.summary.counters.flagged[1] = 20 + index;

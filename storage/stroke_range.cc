@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "storage/connection.h"
 #include "storage/database.h"
+#include "storage/stroke_row.h"
 
 namespace hydroscope {
 namespace {
@@ -54,33 +56,15 @@ Result<std::vector<StrokeSummary>> Database::SummariesOf(std::int64_t machine, s
     last = std::min(last, End(runs));
     const std::int64_t step =
         std::max<std::int64_t>(1, (last - first + most - 1) / std::max<std::int64_t>(most, 1));
+    const std::string select =
+        fmt::format("SELECT {} FROM stroke WHERE run = ? AND stroke = ?", kStrokeColumns);
     std::vector<StrokeSummary> summaries;
     for (const RunRow& run : runs)
       for (std::int64_t at =
                first + (std::max(run.first_sequence - first, std::int64_t{0}) + step - 1) / step * step;
            at < std::min(last, run.first_sequence + run.strokes); at += step) {
-        Query query(
-            *impl_,
-            "SELECT begin_s, end_s, oil_temperature_K, mean_speed_m_s, mean_pressure_Pa, max_pressure_Pa, "
-            "rms_error_m3_s, noise_floor_m3_s, rows_seen, rows_gated, rows_used FROM stroke WHERE run = ? "
-            "AND "
-            "stroke = ?",
-            run.id, at - run.first_sequence);
-        if (!query.Step()) continue;
-        StrokeSummary s{at,
-                        query.Real(0),
-                        query.Real(1),
-                        query.Real(2),
-                        query.Real(3),
-                        query.Real(4),
-                        query.Real(5),
-                        query.Real(6),
-                        query.Real(7),
-                        {}};
-        s.counters.samples = query.Int(8);
-        s.counters.gated = query.Int(9);
-        s.counters.used = query.Int(10);
-        summaries.push_back(s);
+        Query query(*impl_, select.c_str(), run.id, at - run.first_sequence);
+        if (query.Step()) summaries.push_back(ReadStrokeRow(query, 0, at));
       }
     return summaries;
   });

@@ -15,9 +15,13 @@ std::int64_t ContentHash(const PackedStroke& stroke) {
   Fnv1a hash;
   const StrokeSummary& s = stroke.summary;
   hash.Add(s.index);
-  for (const double value : {s.begin, s.end, s.oil_temperature, s.mean_speed, s.mean_pressure, s.max_pressure,
-                             s.rms_error, s.noise_floor})
+  // Three conditions always, as before others could be declared; more only where there are any: hashes stored then hold.
+  constexpr std::size_t kAlways = 3;
+  for (const double value : {s.begin, s.end, s.oil_temperature, s.conditions[0], s.conditions[1],
+                             s.conditions[2], s.rms_error, s.noise_floor})
     hash.Add(value);
+  for (std::size_t c = kAlways; c < s.conditions.size(); ++c)
+    if (s.conditions[c] != 0) hash.Add(s.conditions[c]);
   for (const std::int64_t count : {s.counters.samples, s.counters.gated, s.counters.used}) hash.Add(count);
   for (const std::int64_t count : s.counters.flagged) hash.Add(count);
   for (const Estimate& e : stroke.estimates) {
@@ -52,9 +56,11 @@ std::int64_t ParameterId(Connection& connection, std::int64_t machine, const Est
 
 void InsertSummary(Connection& connection, std::int64_t run, const StrokeSummary& s,
                    std::int64_t content_hash) {
-  Query(connection, "INSERT INTO stroke VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", run, s.index,
-        s.begin, s.end, s.oil_temperature, s.mean_speed, s.mean_pressure, s.max_pressure, s.rms_error,
-        s.noise_floor, s.counters.samples, s.counters.gated, s.counters.used, content_hash)
+  const auto& c = s.conditions;
+  static_assert(kMaxConditions == 6);
+  Query(connection, "INSERT INTO stroke VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", run,
+        s.index, s.begin, s.end, s.oil_temperature, c[0], c[1], c[2], s.rms_error, s.noise_floor,
+        s.counters.samples, s.counters.gated, s.counters.used, content_hash, c[3], c[4], c[5])
       .Run();
   for (std::size_t bit = 0; bit < s.counters.flagged.size(); ++bit)
     if (s.counters.flagged[bit] != 0)

@@ -5,6 +5,7 @@
 #include "core/quality.h"
 #include "storage/connection.h"
 #include "storage/database.h"
+#include "storage/stroke_row.h"
 
 namespace hydroscope {
 namespace {
@@ -124,22 +125,11 @@ Result<std::vector<TrendPoint>> Database::Trend(std::int64_t machine, const std:
 Result<std::vector<StrokeSummary>> Database::Strokes(std::int64_t run) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<StrokeSummary>> {
     if (const auto row = impl_->FindRun(run); !row) return tl::unexpected(row.error());
-    Query query(
-        *impl_,
-        "SELECT stroke, begin_s, end_s, oil_temperature_K, mean_speed_m_s, mean_pressure_Pa, "
-        "max_pressure_Pa, "
-        "rms_error_m3_s, noise_floor_m3_s, rows_seen, rows_gated, rows_used FROM stroke WHERE run = ? "
-        "ORDER BY stroke",
-        run);
+    const std::string select =
+        fmt::format("SELECT stroke, {} FROM stroke WHERE run = ? ORDER BY stroke", kStrokeColumns);
+    Query query(*impl_, select.c_str(), run);
     std::vector<StrokeSummary> strokes;
-    while (query.Step()) {
-      StrokeSummary s{query.Int(0),  query.Real(1), query.Real(2), query.Real(3), query.Real(4),
-                      query.Real(5), query.Real(6), query.Real(7), query.Real(8), {}};
-      s.counters.samples = query.Int(9);
-      s.counters.gated = query.Int(10);
-      s.counters.used = query.Int(11);
-      strokes.push_back(s);
-    }
+    while (query.Step()) strokes.push_back(ReadStrokeRow(query, 1, query.Int(0)));
     ReadFlags(*impl_, run, strokes);
     return strokes;
   });

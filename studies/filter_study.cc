@@ -104,8 +104,7 @@ Result<Outcome> Identify(const SimulatedLog& log, const Machine& machine, const 
   for (const Width& width : widths) {
     spec.moving_average = width.average;
     spec.symmetrical_derivative = width.derivative;
-    estimators.push_back(
-        std::make_unique<PublishedEstimator>(spec, *model, PublishedGeometry::From(machine), period));
+    estimators.push_back(std::make_unique<PublishedEstimator>(spec, *model, period));
   }
   std::vector<TailMean> tails(estimators.size());
   TailMean recursive;

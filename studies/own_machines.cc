@@ -7,6 +7,7 @@
 #include <iostream>
 #include <random>
 
+#include "models/machine_kind.h"
 #include "workbench/explain_log.h"
 
 namespace hydroscope {
@@ -158,7 +159,7 @@ void Count(const Explanation& x, const std::vector<std::string>& hidden, OwnMach
 Machine OwnMachine() {
   Machine machine;
   machine.name = "own_cylinder";
-  machine.model = "expressions";
+  machine.model = OwnKind().id;
   for (const auto& [name, unit] : {std::pair("F", "N"), std::pair("x", "m"), std::pair("p", "Pa")}) {
     SignalSpec signal;
     signal.name = signal.column = name;

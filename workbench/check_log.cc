@@ -26,8 +26,8 @@ void AddDriving(const StrokeSummary& s, Driving& driving) {
     low = first ? x : std::min(low, x);
     high = first ? x : std::max(high, x);
   };
-  widen(s.mean_speed, driving.speed_min, driving.speed_max);
-  widen(s.mean_pressure, driving.pressure_min, driving.pressure_max);
+  for (std::size_t c = 0; c < driving.ranges.size(); ++c)
+    widen(s.conditions[c], driving.ranges[c].low, driving.ranges[c].high);
   widen(s.oil_temperature, driving.oil_min, driving.oil_max);
 }
 
@@ -95,6 +95,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
   check.sample_period = (*reader)->SamplePeriod();
 
   check.driving.words = WordsOf(check.machine);
+  for (const Condition& condition : ConditionsOf(check.machine))
+    check.driving.ranges.push_back({condition, 0, 0});
   StrokeCollector strokes(check.machine, KeepSamples::kThinned);
   std::unique_ptr<Pipeline> pipeline;
   if (KindOf(*machine).build != nullptr) {

@@ -10,6 +10,7 @@
 #include "pipeline/log_pass.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/signal_survey.h"
+#include "workbench/condition_ranges.h"
 #include "workbench/fit_suspicion.h"
 
 namespace hydroscope {
@@ -39,9 +40,8 @@ struct CheckedParameter {
 struct Driving {
   int strokes = 0;
   std::int64_t too_short = 0;
-  double speed_min = 0, speed_max = 0;        ///< m/s, of the strokes' mean speeds
-  double pressure_min = 0, pressure_max = 0;  ///< Pa, of the strokes' mean pressures
-  double oil_min = 0, oil_max = 0;            ///< K, NaN if not measured
+  std::vector<ConditionRange> ranges;  ///< of the machine's conditions, all zero without strokes
+  double oil_min = 0, oil_max = 0;     ///< K, NaN if not measured
   MachineWords words = WordsOf({});
 };
 

@@ -102,11 +102,9 @@ std::string Gate(const CheckResult& check) {
   text += "\n";
   for (const ConditionSurvey& c : check.conditions)
     text += fmt::format("  {:<34} holds in {:5.1f} % of the log\n", c.condition, 100 * c.share);
-  if (d.strokes > 0 && d.words.hydraulic) {
-    text += fmt::format("  mean speed of the strokes          {:.0f} to {:.0f} mm/s\n", d.speed_min * 1e3,
-                        d.speed_max * 1e3);
-    text += fmt::format("  mean pressure of the strokes       {:.0f} to {:.0f} bar\n", d.pressure_min / 1e5,
-                        d.pressure_max / 1e5);
+  if (d.strokes > 0) {
+    for (const ConditionRange& range : d.ranges)
+      text += fmt::format("  {:<34} {}\n", range.condition.title, range.Text());
     if (std::isfinite(d.oil_min))
       text += fmt::format("  oil temperature                    {:.1f} to {:.1f} °C\n",
                           d.oil_min - kZeroCelsius, d.oil_max - kZeroCelsius);
@@ -179,21 +177,29 @@ nlohmann::json SignalJson(const CheckedSignal& s) {
           {"good", s.range.good},  {"noise_std", s.noise_std}, {"flags", flags}};
 }
 
+/// "speed_m_s"
+std::string JsonKey(const Condition& condition) {
+  std::string key = condition.name + "_" + condition.unit;
+  std::replace_if(
+      key.begin(), key.end(), [](char c) { return c == '/' || c == ' '; }, '_');
+  return key;
+}
+
 nlohmann::json GateJson(const CheckResult& check) {
   nlohmann::json conditions = nlohmann::json::array();
   for (const ConditionSurvey& c : check.conditions)
     conditions.push_back({{"condition", c.condition}, {"share", c.share}});
   const Driving& d = check.driving;
-  return {{"rows", check.pass.summary.gated},
-          {"used_rows", check.pass.summary.used},
-          {"share", static_cast<double>(check.pass.summary.gated) /
-                        static_cast<double>(std::max<std::int64_t>(1, check.time.rows))},
-          {"conditions", conditions},
-          {"strokes", d.strokes},
-          {"too_short", d.too_short},
-          {"speed_m_s", {d.speed_min, d.speed_max}},
-          {"pressure_Pa", {d.pressure_min, d.pressure_max}},
-          {"oil_temperature_K", {d.oil_min, d.oil_max}}};
+  nlohmann::json json = {{"rows", check.pass.summary.gated},
+                         {"used_rows", check.pass.summary.used},
+                         {"share", static_cast<double>(check.pass.summary.gated) /
+                                       static_cast<double>(std::max<std::int64_t>(1, check.time.rows))},
+                         {"conditions", conditions},
+                         {"strokes", d.strokes},
+                         {"too_short", d.too_short},
+                         {"oil_temperature_K", {d.oil_min, d.oil_max}}};
+  for (const ConditionRange& range : d.ranges) json[JsonKey(range.condition)] = {range.low, range.high};
+  return json;
 }
 
 nlohmann::json ParametersCheckJson(const CheckResult& check) {

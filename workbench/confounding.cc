@@ -15,13 +15,6 @@ namespace {
 
 constexpr std::size_t kMostStrokesConfounded = 400;
 constexpr std::size_t kFewestStrokes = 3;  ///< below them intervals say nothing, and so does this
-constexpr double kLittleVariation = 1.3;   ///< largest over smallest mean speed
-
-bool SpeedsVary(std::span<const double> speeds) {
-  if (speeds.empty()) return false;
-  const auto [low, high] = std::minmax_element(speeds.begin(), speeds.end());
-  return *low > 0 && *high > kLittleVariation * *low;
-}
 
 std::vector<StrokeGram> EvenlySpread(std::span<const StrokeGram> grams) {
   const std::size_t step = (grams.size() + kMostStrokesConfounded - 1) / kMostStrokesConfounded;
@@ -43,7 +36,7 @@ std::string ReasonFor(const Confounding& c, const Effect& effect, const Estimate
 
 std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<const ModelStructure> model,
                                         std::span<const StrokeGram> grams, const WindowSamples& window,
-                                        std::span<const double> speeds, const GramFit& figures) {
+                                        std::span<const ConditionRange> ranges, const GramFit& figures) {
   std::vector<Confounding> out;
   if (grams.size() < kFewestStrokes) return out;
   const StrokeSet strokes(model, EvenlySpread(grams), window);
@@ -68,9 +61,11 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
     const Estimate& parameter = *std::find_if(figures.parameters.begin(), figures.parameters.end(), is);
     for (const auto& effect : model->effects)
       if (effect->id == c.effect) c.reason = ReasonFor(c, *effect, parameter);
-    c.advice = !model->words.hydraulic ? "record strokes that differ in " + model->words.vary
-               : SpeedsVary(speeds) ? "record strokes at other speeds and pressures, with holds between them"
-                                    : "vary the ram speed between strokes";
+    c.advice =
+        fmt::format("record strokes that differ more in {}, with holds between them", model->words.vary);
+    for (const ConditionRange& range : ranges)
+      if (!range.condition.hides.empty() && !range.varies())
+        c.advice = fmt::format("vary {} between strokes", range.condition.vary);
   }
   return out;
 }

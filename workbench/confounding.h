@@ -6,6 +6,7 @@
 
 #include "estimation/gram_fit.h"
 #include "models/machine.h"
+#include "workbench/condition_ranges.h"
 
 namespace hydroscope {
 
@@ -20,10 +21,10 @@ struct Confounding {
 };
 
 /// Of the model of `machine` (base and added effects) fitted to strokes; at most 400 of them are
-/// looked at, evenly spread. `speeds` are their mean ram speeds, m/s. See diagnosis/hidden_bias.h.
+/// looked at, evenly spread. `ranges` are those of their conditions. See diagnosis/hidden_bias.h.
 std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<const ModelStructure> model,
                                         std::span<const StrokeGram> grams, const WindowSamples& window,
-                                        std::span<const double> speeds, const GramFit& figures);
+                                        std::span<const ConditionRange> ranges, const GramFit& figures);
 
 /// Takes the trust from the parameters concerned: EstimateReason::kConfounded.
 void MarkConfounded(const std::vector<Confounding>& confounded, GramFit& figures);

@@ -8,7 +8,6 @@
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
-#include "machines/die_cushion/balance.h"
 #include "models/find_effect.h"
 #include "workbench/headline.h"
 #include "workbench/machine_model.h"
@@ -60,13 +59,13 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
 
 namespace {
 
-/// Effects whose law lives on an oil temperature that hardly moved.
+/// Effects whose law lives on a temperature that hardly moved.
 void AddUntestable(const StrokeHistory& history, std::map<std::string, std::string>& untestable) {
   std::vector<double> oil;
   for (const StrokeSummary& summary : history.sample)
     if (std::isfinite(summary.oil_temperature)) oil.push_back(summary.oil_temperature);
   for (const auto& effect : history.model->effects) {
-    if (!effect->least_span || effect->least_span->channel != kOilTemperature) continue;
+    if (!effect->least_span || effect->least_span->channel != history.model->temperature_channel) continue;
     const std::string why = WhyUntestable(*effect, oil);
     if (!why.empty()) untestable.emplace(effect->id, why);
   }

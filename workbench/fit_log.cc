@@ -21,10 +21,11 @@ Result<FitResult> FitAndSuspect(LogStrokes strokes) {
 Result<FitResult> FitStrokes(LogStrokes strokes) {
   auto out = FitAndSuspect(std::move(strokes));
   if (!out) return out;
-  std::vector<double> speeds;
-  for (const StrokeRecord& stroke : out->log.strokes) speeds.push_back(stroke.summary.mean_speed);
+  std::vector<ConditionRange> ranges;
+  for (const StrokeRecord& stroke : out->log.strokes)
+    Widen(out->log.model->conditions, stroke.summary, ranges);
   out->confounded =
-      ConfoundingsOf(out->log.machine, out->log.model, out->log.Grams(), out->log.window, speeds, out->fit);
+      ConfoundingsOf(out->log.machine, out->log.model, out->log.Grams(), out->log.window, ranges, out->fit);
   MarkConfounded(out->confounded, out->fit);
   return out;
 }

@@ -16,10 +16,8 @@ namespace hydroscope {
 namespace {
 
 std::string Meaning(const FitResult& result, const std::string& parameter) {
-  if (parameter == "K") return "effective bulk modulus";
-  if (parameter == "V0") return "dead volume";
-  if (parameter == "Q_vn") return "nominal valve flow";
-  if (parameter == "y_0") return "spool null";
+  if (const MachineParameter* known = FindParameter(*result.log.model->kind, parameter))
+    return std::string(known->meaning);
   for (const auto& effect : result.log.model->effects)
     if (parameter == effect->id + "." + effect->parameter) return effect->title;
   return "";

@@ -10,25 +10,25 @@ namespace hydroscope {
 namespace {
 
 constexpr int kFewStrokes = 10;
-constexpr double kLittleVariation = 1.3;  // largest over smallest mean speed or pressure
 constexpr double kMostStrokesAdvised = 2000;
 
 double Goal(const Estimate& estimate) { return estimate.unit == "1" ? 0.01 : 0.10; }
 
-bool Varies(double low, double high) { return low > 0 && high > kLittleVariation * low; }
+/// A condition of the strokes that somebody can vary and nobody did; nullptr: none.
+const ConditionRange* Constant(const Driving& d) {
+  for (const ConditionRange& range : d.ranges)
+    if (!range.condition.vary.empty() && !range.varies()) return &range;
+  return nullptr;
+}
 
 /// What would excite the parameters better than this log does.
 std::string DriveBetter(const Driving& d) {
   if (d.strokes == 0) return "first get strokes inside the gate: see the table of signals and the gate above";
   if (d.strokes < kFewStrokes)
     return fmt::format("record at least {} strokes, this log has {}", kFewStrokes, d.strokes);
-  if (!d.words.hydraulic) return fmt::format("vary {} more, also within a stroke", d.words.vary);
-  if (!Varies(d.speed_min, d.speed_max))
-    return fmt::format("vary ram speed between strokes: all of these ran at {:.0f} to {:.0f} mm/s",
-                       d.speed_min * 1e3, d.speed_max * 1e3);
-  if (!Varies(d.pressure_min, d.pressure_max))
-    return fmt::format("vary the cushion force between strokes: their mean pressure was {:.0f} to {:.0f} bar",
-                       d.pressure_min / 1e5, d.pressure_max / 1e5);
+  if (const ConditionRange* same = Constant(d))
+    return fmt::format("vary {} between strokes: their {} was {}", same->condition.vary,
+                       same->condition.title, same->Text());
   return fmt::format("vary {} more, also within a stroke", d.words.vary);
 }
 
@@ -55,7 +55,7 @@ void Explain(CheckedParameter& p, const Driving& d) {
     p.advice = DriveBetter(d);
   } else if (p.verdict == Identifiability::kWeak) {
     p.reason = "the interval is wide";
-    p.advice = !d.words.hydraulic || Varies(d.speed_min, d.speed_max) ? MoreStrokes(e, d) : DriveBetter(d);
+    p.advice = Constant(d) == nullptr ? MoreStrokes(e, d) : DriveBetter(d);
   }
 }
 

@@ -17,7 +17,10 @@ Estimate Known(double value, double std, const std::string& unit = "Pa") {
   e.reason = EstimateReason::kUpdated;
   return e;
 }
-Driving Varied(int strokes) { return {strokes, 0, 0.02, 0.12, 50e5, 150e5, 310, 315}; }
+const Condition kSpeed{
+    .name = "speed", .title = "mean speed", .signal = "z", .unit = "m/s", .vary = "ram speed"};
+
+Driving Varied(int strokes) { return {strokes, 0, {{kSpeed, 0.02, 0.12}}, 310, 315}; }
 
 CheckedParameter Judge(const Estimate& estimate, const Driving& driving) {
   return JudgeParameters({&estimate, 1}, driving).front();
@@ -37,13 +40,12 @@ TEST(Identifiability, AWideIntervalAsksForAsManyStrokesAsHalveIt) {
 
 TEST(Identifiability, ConstantSpeedAsksForVariedSpeed) {
   Driving constant = Varied(20);
-  constant.speed_min = 0.049;
-  constant.speed_max = 0.051;
+  constant.ranges = {{kSpeed, 0.049, 0.051}};
   Estimate e = Known(1.0e9, 0.9e9);
   e.reason = EstimateReason::kConfounded;
   const CheckedParameter p = Judge(e, constant);
   EXPECT_EQ(p.verdict, Identifiability::kNot);
-  EXPECT_THAT(p.advice, HasSubstr("vary ram speed between strokes: all of these ran at 49 to 51 mm/s"));
+  EXPECT_THAT(p.advice, HasSubstr("vary ram speed between strokes: their mean speed was 49 to 51 mm/s"));
 }
 
 TEST(Identifiability, DimensionlessParametersAreJudgedByTheirAbsoluteWidth) {

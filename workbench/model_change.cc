@@ -172,7 +172,8 @@ Result<int> StoreModel(Database& database, const HistoryPart& part, const std::s
                        const Machine& machine) {
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
-  return database.PutModelVersion(part.id, {0, definition, (*model)->ColumnNames()});
+  return database.PutModelVersion(part.id,
+                                  {0, definition, (*model)->ColumnNames(), 0, (*model)->ConditionNames()});
 }
 
 Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_next) {

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
 #include "core/effect_units.h"
 #include "core/units.h"
-#include "machines/die_cushion/balance.h"
 #include "models/effect.h"
 #include "models/machine_keys.h"
 #include "models/machine_kind.h"
@@ -19,21 +17,17 @@
 namespace hydroscope {
 namespace {
 
-/// Signal names of the measured channels, in the order of DieCushionChannel.
-constexpr std::array<const char*, kMeasuredChannels> kChannelNames = {"p_A", "z",   "y_v",
-                                                                      "p_B", "p_0", "T_oil"};
-
-std::vector<std::string> NeededSignals(const Effect& effect) {
+std::vector<std::string> NeededSignals(const MachineKind& kind, const Effect& effect) {
   std::vector<std::string> names;
-  for (int channel : effect.channels) names.emplace_back(kChannelNames[static_cast<std::size_t>(channel)]);
+  for (const int channel : effect.channels)
+    names.emplace_back(kind.channels[static_cast<std::size_t>(channel)]);
   return names;
 }
 
 /// SI unit of a geometry value, "" if the model does not know it.
 std::string_view SiOf(const Machine& machine, const std::string& name) {
-  if (const auto* inputs = FindKind(machine.model))
-    for (const MachineInput& input : inputs->geometry)
-      if (input.name == name) return input.si;
+  for (const MachineInput& input : KindOf(machine).geometry)
+    if (input.name == name) return input.si;
   return "";
 }
 
@@ -41,10 +35,14 @@ std::string OrDash(const std::vector<std::string>& words) {
   return words.empty() ? "-" : fmt::format("{}", fmt::join(words, ", "));
 }
 
+const MachineKind& KindOfAny(const Machine* machine) {
+  return machine == nullptr ? *MachineKinds().front() : KindOf(*machine);
+}
+
 /// The library of the machine's balance, then its own effects.
 std::vector<Effect> EffectsOf(const Machine* machine) {
   std::vector<Effect> effects;
-  const MachineKind& kind = machine == nullptr ? *MachineKinds().front() : KindOf(*machine);
+  const MachineKind& kind = KindOfAny(machine);
   if (kind.effects != nullptr)
     for (const auto& effect : kind.effects({})) effects.push_back(*effect);
   if (machine != nullptr)
@@ -53,7 +51,7 @@ std::vector<Effect> EffectsOf(const Machine* machine) {
   return effects;
 }
 
-std::string EffectText(const Effect& e) {
+std::string EffectText(const MachineKind& kind, const Effect& e) {
   const EffectUnit unit = EffectUnitFor(e.unit);
   std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id,
                                  e.title, e.plain, e.law, e.source, e.parameter);
@@ -67,11 +65,12 @@ std::string EffectText(const Effect& e) {
   }
   text += fmt::format("  confused with  {}\n  hidden in      {}\n", OrDash(e.confused_with), e.hidden_in);
   if (!e.told_apart_by.empty()) text += fmt::format("  told apart by  {}\n", e.told_apart_by);
-  if (!e.channels.empty()) text += fmt::format("  needs signal   {}\n", fmt::join(NeededSignals(e), ", "));
+  if (!e.channels.empty())
+    text += fmt::format("  needs signal   {}\n", fmt::join(NeededSignals(kind, e), ", "));
   return text;
 }
 
-nlohmann::json EffectJson(const Effect& e) {
+nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
   nlohmann::json nonlinear = nlohmann::json::array();
   for (const NonlinearParameter& n : e.nonlinear)
     nonlinear.push_back({{"name", n.name}, {"unit", n.unit}, {"min", n.min}, {"max", n.max}});
@@ -89,22 +88,23 @@ nlohmann::json EffectJson(const Effect& e) {
           {"hidden_in", e.hidden_in},
           {"plain", e.plain},
           {"told_apart_by", e.told_apart_by},
-          {"signals", NeededSignals(e)}};
+          {"signals", NeededSignals(kind, e)}};
 }
 
 }  // namespace
 
 std::string EffectsText(const Machine* machine) {
-  std::string text = machine == nullptr
-                         ? "Effects that the model of a die cushion may be missing\n"
-                         : fmt::format("Effects that the model of {} may be missing\n", machine->name);
-  for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(effect);
+  std::string text =
+      machine == nullptr
+          ? fmt::format("Effects that the model of a {} may be missing\n", KindOfAny(machine).title)
+          : fmt::format("Effects that the model of {} may be missing\n", machine->name);
+  for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(KindOfAny(machine), effect);
   return text + "\nAdd one to a machine: hydroscope model add internal_leakage --machine press.toml\n";
 }
 
 nlohmann::json EffectsJson(const Machine* machine) {
   nlohmann::json out = nlohmann::json::array();
-  for (const Effect& effect : EffectsOf(machine)) out.push_back(EffectJson(effect));
+  for (const Effect& effect : EffectsOf(machine)) out.push_back(EffectJson(KindOfAny(machine), effect));
   return {{"effects", out}};
 }
 

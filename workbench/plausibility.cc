@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/units.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -35,9 +36,6 @@ const std::vector<Expectation>& Expectations() {
   return kAll;
 }
 
-const Expectation kSpool = {
-    "1", Expectation::kLargest, 0.03, 1.5, "a spool position is between -1 and 1", {"1", "%"}};
-
 double Measure(const Expectation& expected, double min, double max, double mean) {
   switch (expected.measure) {
     case Expectation::kLargest:
@@ -50,11 +48,25 @@ double Measure(const Expectation& expected, double min, double max, double mean)
   return mean;
 }
 
-const Expectation* ExpectationFor(const SignalSpec& spec, const Unit& unit) {
-  if (spec.name == "y_v") return &kSpool;
+/// A share, such as an opening, that the machine's kind knows the size of.
+std::optional<Expectation> ExpectedShare(const Machine& machine, const std::string& signal) {
+  constexpr double kLeastShare = 0.02;  // of the largest: less looks like per cent taken for 1
+  for (const MachineInput& input : KindOf(machine).signals)
+    if (input.name == signal && input.si == "1" && input.size)
+      return Expectation{"1",
+                         Expectation::kLargest,
+                         kLeastShare * input.size->high,
+                         input.size->high,
+                         "it should lie between -1 and 1",
+                         {"1", "%"}};
+  return std::nullopt;
+}
+
+std::optional<Expectation> ExpectationFor(const Machine& machine, const SignalSpec& spec, const Unit& unit) {
+  if (const auto share = ExpectedShare(machine, spec.name)) return share;
   for (const Expectation& e : Expectations())
-    if (e.si == unit.si) return &e;
-  return nullptr;
+    if (e.si == unit.si) return e;
+  return std::nullopt;
 }
 
 /// The unit in which the column's numbers would look right, if any.
@@ -72,11 +84,11 @@ std::optional<std::string> BetterUnit(const Expectation& expected, const Checked
   return std::nullopt;
 }
 
-void JudgeUnit(const CheckedSignal& signal, std::vector<std::string>& hints) {
+void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<std::string>& hints) {
   const auto unit = FindUnit(signal.spec.unit);
   if (!unit || !signal.range.seen()) return;
-  const Expectation* expected = ExpectationFor(signal.spec, *unit);
-  if (expected == nullptr) return;
+  const auto expected = ExpectationFor(machine, signal.spec, *unit);
+  if (!expected) return;
   const double measure = Measure(*expected, signal.range.min, signal.range.max, signal.range.mean());
   if (measure >= expected->low && measure <= expected->high) return;
   const auto raw = [&](double si) { return (si - unit->offset) / unit->scale; };
@@ -123,14 +135,15 @@ void JudgeGate(const CheckResult& check, std::vector<std::string>& hints) {
   }
 }
 
-/// At one speed a leak and the valve's own flow have the same shape, and the intervals do not show it.
-void JudgeSpeeds(const Driving& d, std::vector<std::string>& hints) {
-  constexpr double kLittleVariation = 1.3;
-  if (d.strokes < 2 || !(d.speed_min > 0) || d.speed_max > kLittleVariation * d.speed_min) return;
-  hints.push_back(fmt::format(
-      "all strokes ran at {:.0f} to {:.0f} mm/s: at one speed a leak looks like more or less valve flow. The "
-      "intervals hold only if the model lacks nothing; vary ram speed between strokes to find out",
-      d.speed_min * 1e3, d.speed_max * 1e3));
+/// Where strokes are all alike, what only their difference would show is not in the intervals.
+void JudgeVariety(const Driving& d, std::vector<std::string>& hints) {
+  if (d.strokes < 2) return;
+  for (const ConditionRange& range : d.ranges)
+    if (!range.condition.hides.empty() && range.low > 0 && !range.varies())
+      hints.push_back(
+          fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; vary {} between "
+                      "strokes to find out",
+                      range.condition.title, range.Text(), range.condition.hides, range.condition.vary));
 }
 
 }  // namespace
@@ -139,12 +152,12 @@ std::vector<std::string> PlausibilityHints(const CheckResult& check) {
   std::vector<std::string> hints;
   for (const CheckedSignal& signal : check.signals) {
     if (!signal.present) continue;
-    if (check.driving.words.hydraulic) JudgeUnit(signal, hints);
+    if (check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);
     JudgeRest(signal, hints);
     JudgeGood(check, signal, hints);
   }
   JudgeGate(check, hints);
-  JudgeSpeeds(check.driving, hints);
+  JudgeVariety(check.driving, hints);
   return hints;
 }
 

@@ -75,9 +75,15 @@ TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
 
 TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {
   CheckResult check;
-  check.driving = {10, 0, 0.049, 0.050, 1e7, 1.5e7, 313, 313};
+  const Condition speed{.name = "speed",
+                        .title = "mean speed",
+                        .signal = "z",
+                        .unit = "m/s",
+                        .vary = "ram speed",
+                        .hides = "a leak looks like flow"};
+  check.driving = {10, 0, {{speed, 0.049, 0.050}}, 313, 313};
   EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("49 to 50 mm/s")));
-  check.driving.speed_max = 0.12;
+  check.driving.ranges.front().high = 0.12;
   EXPECT_THAT(PlausibilityHints(check), IsEmpty());
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/units.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -112,16 +113,22 @@ double RelativeSpread(const std::vector<StrokeRecord>& strokes, Get get) {
   return sum > 0 ? (high - low) / (sum / static_cast<double>(strokes.size())) : 0.0;
 }
 
-std::optional<std::string> OneSpeed(const ExplainResult& result) {
-  constexpr double kSame = 0.15;
-  const auto speed = [](const StrokeSummary& s) { return s.mean_speed; };
-  if (RelativeSpread(result.log.strokes, speed) >= kSame) return std::nullopt;
-  const double mm_s = 1e3 * result.log.strokes.front().summary.mean_speed;
-  return fmt::format(
-      "All strokes ran at nearly the same ram speed ({:.0f} mm/s): leakage then hides in Q_vn and y_0. "
-      "Record strokes at "
-      "two or three clearly different speeds, such as {:.0f}, {:.0f} and {:.0f} mm/s, and explain again.",
-      mm_s, 0.5 * mm_s, mm_s, 1.5 * mm_s);
+/// What to say where all strokes are alike in a condition that hides something then.
+std::optional<std::string> Monotony(const ExplainResult& result) {
+  constexpr double kSame = 0.15;  ///< spread over the mean
+  const std::vector<Condition>& conditions = result.log.model->conditions;
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    const auto value = [c](const StrokeSummary& s) { return s.conditions[c]; };
+    if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kSame) continue;
+    const DisplayUnit unit = DisplayUnitFor(conditions[c].unit);
+    const double shown = value(result.log.strokes.front().summary) * unit.factor;
+    return fmt::format(
+        "All strokes ran at nearly the same {0} ({1:.0f} {2}): {3}. Record strokes at two or three clearly "
+        "different "
+        "values of it, such as {4:.0f}, {1:.0f} and {5:.0f} {2}, and explain again.",
+        conditions[c].vary, shown, unit.name, conditions[c].hides, 0.5 * shown, 1.5 * shown);
+  }
+  return std::nullopt;
 }
 
 std::string Separating(const ExplainResult& result) {
@@ -166,14 +173,14 @@ std::optional<std::string> WhatToRecord(const ExplainResult& result) {
     return "Record strokes in which the expressions of these effects go different ways; explain the logs "
            "themselves to have such strokes computed.";
   }
-  const std::optional<std::string> one_speed = OneSpeed(result);
+  const std::optional<std::string> monotony = Monotony(result);
   if (x.verdict == Verdict::kAmbiguous) {
     if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment);
     const std::string separating =
         "No series of strokes within [experiment] of the machine file would settle it. " + Separating(result);
-    return one_speed ? *one_speed + " " + separating : separating;
+    return monotony ? *monotony + " " + separating : separating;
   }
-  if (one_speed) return one_speed;
+  if (monotony) return monotony;
   if (x.verdict == Verdict::kNamed) return std::nullopt;
   const std::string exciting = Exciting(x.ranking);
   return exciting.empty() ? std::nullopt : std::optional(exciting);

@@ -87,7 +87,7 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
 void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   for (const DriftFinding& f : findings_)
     if (f.state == FindingState::kSuspected && stroke.sequence - f.found < kMostToExplain) return;
-  const int index = candidates_.FindOrAdd(stroke);
+  const int index = candidates_.FindOrAdd(model_, stroke);
   if (index < 0) return;
   auto& members = new_classes_[index];
   members.push_back(reference_.Without(model_, stroke, explained_));

@@ -94,7 +94,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 4;
+  static constexpr std::uint32_t kFormat = 5;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
   static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
   static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided

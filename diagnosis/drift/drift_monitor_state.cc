@@ -65,7 +65,8 @@ DriftFinding GetFinding(ByteReader& in) {
 
 void PutStroke(ByteWriter& out, const StrokeEvidence& s) {
   out.Put(s.sequence);
-  for (const double v : {s.time, s.oil_temperature, s.speed, s.mean_pressure, s.max_pressure}) out.Put(v);
+  for (const double v : {s.time, s.oil_temperature}) out.Put(v);
+  out.Put(s.conditions);
   PutVector(out, s.equations.h.reshaped());
   PutVector(out, s.equations.g);
   out.Put(s.equations.yy);
@@ -75,8 +76,8 @@ void PutStroke(ByteWriter& out, const StrokeEvidence& s) {
 StrokeEvidence GetStroke(ByteReader& in) {
   StrokeEvidence s;
   s.sequence = in.Get<std::int64_t>();
-  for (double* v : {&s.time, &s.oil_temperature, &s.speed, &s.mean_pressure, &s.max_pressure})
-    *v = in.Get<double>();
+  for (double* v : {&s.time, &s.oil_temperature}) *v = in.Get<double>();
+  s.conditions = in.Get<decltype(s.conditions)>();
   const Eigen::VectorXd packed = GetVector(in);
   s.equations.g = GetVector(in);
   const auto n = s.equations.g.size();

@@ -124,7 +124,7 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
         .cwiseQuotient(e.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
   };
   for (const StrokeEvidence& s : strokes) {
-    const int c = classes.FindOrAdd(s);
+    const int c = classes.FindOrAdd(model, s);
     if (c < 0) continue;
     mean.resize(classes.count(), Eigen::VectorXd::Zero(model.size()));
     count.resize(classes.count(), 0);
@@ -133,7 +133,7 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   }
   std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
   for (StrokeEvidence& s : level) {
-    const int c = classes.Find(s);
+    const int c = classes.Find(model, s);
     if (c < 0 || count[c] < kLeastClassStrokes) continue;
     const Eigen::VectorXd own =
         (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
@@ -253,7 +253,7 @@ std::vector<std::vector<ClassDeviation>> Reference::DeviationsOf(
 void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   std::vector<std::vector<StrokeEvidence>> members;
   for (const StrokeEvidence& s : strokes) {
-    const int index = classes_.FindOrAdd(s);
+    const int index = classes_.FindOrAdd(model, s);
     if (index < 0) continue;
     members.resize(classes_.count());
     members[index].push_back(s);
@@ -316,7 +316,7 @@ double Reference::ChangeOutside(int index, double temperature) const {
 
 void Reference::AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   if (strokes.empty()) return;
-  const int index = classes_.FindOrAdd(strokes.front());
+  const int index = classes_.FindOrAdd(model, strokes.front());
   if (index < 0) return;
   offsets_.resize(classes_.count());
   offsets_[index].clear();
@@ -329,9 +329,9 @@ void Reference::AddClass(const WatchedModel& model, std::span<const StrokeEviden
 
 Deviation Reference::Judge(const WatchedModel& model, const StrokeEvidence& stroke) const {
   Deviation d;
-  const int index = classes_.Find(stroke);
+  const int index = classes_.Find(model, stroke);
   const bool learned = ClassLearned(index);
-  if (!learned && !(ComparesClasses() && classes_.Encloses(stroke))) return d;
+  if (!learned && !(ComparesClasses() && classes_.Encloses(model, stroke))) return d;
   d.judged = true;
   d.operating_class = learned ? index : -1;
   const Expected& e = At(model, stroke.oil_temperature);

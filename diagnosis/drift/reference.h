@@ -35,7 +35,7 @@ struct Deviation {
 /// classes. Never changed afterwards; learning again gives a new version.
 class Reference {
  public:
-  static constexpr std::uint32_t kFormat = 3;
+  static constexpr std::uint32_t kFormat = 4;
   static constexpr int kLeastStrokes = 100;      ///< of commissioning
   static constexpr int kLeastClassStrokes = 30;  ///< for a scatter of its own
   static constexpr int kLeastOffsetStrokes = 5;  ///< for an offset of its own

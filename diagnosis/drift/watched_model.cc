@@ -57,12 +57,7 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
 
 StrokeEvidence WatchedModel::Evidence(const StrokeRecord& record, std::int64_t sequence) const {
   const StrokeSummary& s = record.summary;
-  return {sequence,
-          s.end,
-          s.oil_temperature,
-          s.mean_speed,
-          s.mean_pressure,
-          s.max_pressure,
+  return {sequence, s.end, s.oil_temperature, s.conditions,
           IntegralEquations(record.gram, columns_, model_->output_column())};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,12 +25,10 @@ struct Quantity {
 /// noise taken out. Unlike the recursive estimate it shares no data with the strokes before, so deviations of
 /// strokes are independent.
 struct StrokeEvidence {
-  std::int64_t sequence = 0;   ///< machine-wide stroke number
-  double time = 0;             ///< s, end of the stroke
-  double oil_temperature = 0;  ///< K, NaN if not measured
-  double speed = 0;            ///< m/s, mean
-  double mean_pressure = 0;    ///< Pa
-  double max_pressure = 0;     ///< Pa
+  std::int64_t sequence = 0;                        ///< machine-wide stroke number
+  double time = 0;                                  ///< s, end of the stroke
+  double oil_temperature = 0;                       ///< K, NaN if not measured
+  std::array<double, kMaxConditions> conditions{};  ///< of StrokeSummary
   NormalEquations equations;
 };
 
@@ -53,6 +52,8 @@ class WatchedModel {
   const std::vector<Quantity>& quantities() const { return quantities_; }
   int size() const { return static_cast<int>(quantities_.size()); }
   int base_count() const { return model_->base_count; }
+  const MachineKind& kind() const { return *model_->kind; }
+  const std::vector<Condition>& conditions() const { return model_->conditions; }
   /// Gram columns in the order of the quantities' regression parameters.
   const std::vector<int>& columns() const { return columns_; }
 

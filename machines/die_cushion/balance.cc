@@ -145,6 +145,23 @@ std::vector<DerivedParameter> Derive(double area, double area_std, double root_d
   };
 }
 
+/// Eq. 6-8 of the press paper. "theta_i(0) = 1, alpha = 500" makes sense at typical sizes only: opening 0.2, pressure
+/// 100 bar, pressure rate 1000 bar/s, position 0.1 m, flow 60 l/min.
+PublishedForm AsPublished(double area, double tank_pressure) {
+  return {.channels = {kPressureA, kPosition, kSpool},
+          .regressor_scale = {0.2 * 3162.0, 1e8, 1e7, 3162.0},
+          .output_scale = 1e-3,
+          .at = [=](std::span<const double> value, std::span<const double> rate, std::span<double> balance) {
+            const double drop = value[0] - tank_pressure, p_rate = rate[0];
+            const double root = std::copysign(std::sqrt(std::abs(drop)), drop);
+            balance[0] = root * value[2];
+            balance[1] = p_rate;
+            balance[2] = value[1] * p_rate;
+            balance[3] = root;
+            balance[4] = area * rate[1];
+          }};
+}
+
 }  // namespace
 
 Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) {
@@ -159,9 +176,7 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
   model->output_unit = "m3/s";
-  model->channel_names = {"p_A",     "z",           "y_v",     "p_B",          "p_0",
-                          "T_oil",   "flow_root",   "speed",   "acceleration", "pressure_rate",
-                          "ln(p_A)", "ln(p_A abs)", "ln|y_v|", "time"};
+  model->channel_names.assign(kCushionChannels.begin(), kCushionChannels.end());
   for (int c = 0; c < kMeasuredChannels; ++c)
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
@@ -174,7 +189,6 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   model->piston_area = area->value;
 
   const CushionGeometry geometry = CushionGeometryOf(machine);
-  static_assert(kDieCushionChannels == 14);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
     DeriveChannels(tank, has_supply, s);
@@ -184,6 +198,10 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   };
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
+  model->shown = {{kPressureA, "Pa"}, {kSpool, "1", "%", 100}, {kPosition, "m"},
+                  {kSpeed, "m/s"},    {kOilTemperature, "K"},  {kPressureRate, "Pa/s", "bar/s", 1e-5}};
+  model->free_run = FreeRunChannel{kPressureA, {kSpeed, kAcceleration, kPressureRate, kTime}, 1e3, 1.0};
+  model->published = AsPublished(area->value, geometry.tank_pressure);
   std::vector<std::shared_ptr<const Effect>> stored;
   for (auto& effect : DieCushionEffects(geometry))
     (effect->needs_samples ? model->sample_effects : stored).push_back(std::move(effect));

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "models/effect.h"
 #include "models/model_structure.h"
 
@@ -27,6 +30,12 @@ enum DieCushionChannel {
   kTime,         ///< s, as Stretch::begin counts it
   kDieCushionChannels
 };
+
+/// Their names; a measured channel has that of its signal.
+inline constexpr std::array<std::string_view, kDieCushionChannels> kCushionChannels = {
+    "p_A",     "z",           "y_v",     "p_B",          "p_0",
+    "T_oil",   "flow_root",   "speed",   "acceleration", "pressure_rate",
+    "ln(p_A)", "ln(p_A abs)", "ln|y_v|", "time"};
 
 /// Fills the logarithms of the channels they are of.
 void FillLogarithms(Stretch& stretch);

@@ -3,18 +3,36 @@
 #include <array>
 
 #include "machines/die_cushion/balance.h"
+#include "machines/die_cushion/draft.h"
 #include "machines/die_cushion/library.h"
 
 namespace hydroscope {
 namespace {
 
+// From a pneumatic cylinder to an intensifier; a die cushion works at tens to some hundred bar. Seals allow some m/s.
+constexpr double kLeastPressure = 5e5, kMostPressure = 1e8;  // Pa
+constexpr double kSlowest = 1e-3, kFastest = 20;             // m/s
+constexpr PlausibleSize kAnyPressure{0, kMostPressure};
+
 constexpr std::array<MachineInput, 8> kCushionSignals = {{
-    {"p_A", "Pa", true, "pressure in the cylinder chamber A"},
-    {"z", "m", true, "position of the cushion"},
-    {"y_v", "1", true, "spool position, -1 to 1"},
-    {"p_B", "Pa", false, "pressure in chamber B"},
-    {"p_0", "Pa", false, "supply pressure"},
-    {"p_t", "Pa", false, "tank pressure"},
+    {.name = "p_A",
+     .si = "Pa",
+     .required = true,
+     .meaning = "pressure in the cylinder chamber A",
+     .size = PlausibleSize{kLeastPressure, kMostPressure}},
+    {.name = "z",
+     .si = "m",
+     .required = true,
+     .meaning = "position of the cushion",
+     .size = PlausibleSize{1e-3, 10.0, PlausibleSize::kTravel}},
+    {.name = "y_v",
+     .si = "1",
+     .required = true,
+     .meaning = "spool position, -1 to 1",
+     .size = PlausibleSize{0, 1.5}},
+    {.name = "p_B", .si = "Pa", .required = false, .meaning = "pressure in chamber B", .size = kAnyPressure},
+    {.name = "p_0", .si = "Pa", .required = false, .meaning = "supply pressure", .size = kAnyPressure},
+    {.name = "p_t", .si = "Pa", .required = false, .meaning = "tank pressure", .size = kAnyPressure},
     {"U_v", "V", false, "valve command"},
     {"T_oil", "K", false, "oil temperature"},
 }};
@@ -26,12 +44,80 @@ constexpr std::array<MachineInput, 4> kCushionGeometry = {{
     {"p_t", "Pa", false, "tank pressure where it is not measured", false, -1e5, 50e5, "bar", false, 0.0},
     {"stroke", "m", false, "working stroke of the cushion", true},
 }};
-constexpr std::array<MachineInput, 4> kCushionParameters = {{
-    {"K", "Pa", true, "effective bulk modulus"},
-    {"V0", "m3", true, "dead volume"},
-    {"Q_vn", "m3/s", true, "nominal flow of the valve"},
-    {"y_0", "1", true, "spool offset"},
+constexpr std::array<MachineParameter, 4> kCushionParameters = {{
+    {.name = "K",
+     .si = "Pa",
+     .meaning = "effective bulk modulus",
+     .symbol = "K′",
+     .sentence =
+         "How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil."},
+    {.name = "V0",
+     .si = "m3",
+     .meaning = "dead volume",
+     .symbol = "V_{0}",
+     .sentence = "Oil volume between valve and piston with the piston at its zero position: lines, fittings, "
+                 "bottom of "
+                 "the chamber."},
+    {.name = "Q_vn",
+     .si = "m3/s",
+     .meaning = "nominal valve flow",
+     .symbol = "Q_{vn}",
+     .sentence =
+         "Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
+         "and "
+         "density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold."},
+    {.name = "y_0",
+     .si = "1",
+     .meaning = "spool null",
+     .symbol = "y_{0}",
+     .sentence = "Spool position at which the metering edge just closes, in % of the full spool stroke; it "
+                 "moves with "
+                 "wear of the edge and with the zero of the spool sensor.",
+     .shown = "% of stroke",
+     .factor = 100,
+     .relative = false},
 }};
+const std::array<Condition, 3> kCushionConditions = {{
+    {.name = "speed",
+     .title = "mean speed of the strokes",
+     .signal = "z",
+     .of = Condition::Of::kMeanRate,
+     .unit = "m/s",
+     .least = 1e-4,
+     .lowest = kSlowest,
+     .highest = kFastest,
+     .vary = "ram speed",
+     .hides = "at one speed a leak looks like more or less valve flow"},
+    {.name = "pressure",
+     .title = "mean pressure of the strokes",
+     .signal = "p_A",
+     .of = Condition::Of::kMean,
+     .unit = "Pa",
+     .least = 1e4,
+     .lowest = kLeastPressure,
+     .highest = kMostPressure,
+     .vary = "the cushion force"},
+    {.name = "max_pressure",
+     .title = "highest pressure of the strokes",
+     .signal = "p_A",
+     .of = Condition::Of::kLargest,
+     .unit = "Pa",
+     .least = 1e4},
+}};
+
+constexpr double kOpen = 0.05;  // of the spool, either way: beyond any overlap
+constexpr double kGoes = 0.01;  // m/s
+
+const std::array<StandstillRule, 2> kCushionStandstill = {{
+    {.signal = "y_v", .command = "U_v", .full_command = 10.0, .at_stop = 0.97},
+    // The cushion goes down and up while the spool opens both ways: oil leaves the chamber and enters it.
+    {.signal = "p_A",
+     .movements = {{"y_v", false, kOpen, {}},
+                   {"y_v", false, {}, -kOpen},
+                   {"z", true, {}, -kGoes},
+                   {"z", true, kGoes, {}}}},
+}};
+
 MachineWords CushionWords(const Machine&) {
   return {"flow", "drawing stroke", "ram speed and pressure", "whether oil is missing or in surplus", true};
 }
@@ -43,13 +129,20 @@ std::vector<std::shared_ptr<const Effect>> CushionEffects(const Machine& machine
 }  // namespace
 
 const MachineKind kDieCushion = {.id = "die_cushion",
+                                 .title = "die cushion",
                                  .signals = kCushionSignals,
                                  .geometry = kCushionGeometry,
                                  .parameters = kCushionParameters,
                                  .output_unit = "m3/s",
                                  .own_library = false,
                                  .words = CushionWords,
+                                 .temperature = "T_oil",
+                                 .supply = "p_0",
+                                 .conditions = kCushionConditions,
+                                 .standstill = kCushionStandstill,
+                                 .draft = kCushionDraft,
                                  .build = BuildDieCushion,
-                                 .effects = CushionEffects};
+                                 .effects = CushionEffects,
+                                 .channels = kCushionChannels};
 
 }  // namespace hydroscope

@@ -15,19 +15,15 @@ CushionGeometry CushionGeometryOf(const Machine& machine) {
 std::vector<std::shared_ptr<const Effect>> DieCushionEffects(const CushionGeometry& geometry) {
   using namespace effects;
   std::vector<std::shared_ptr<const Effect>> library;
-  for (auto make : {InternalLeakage, ExternalLeakage, OrificeLeakage, EntrainedAir, Accumulator, ReliefValve,
-                    TankBackPressure, ValveFlowCurvature, ValveFlowAsymmetry, SpoolOverlap, SpoolHysteresis,
-                    OilViscosity, PressureOffset, SpoolSignalDelay, PressureSignalDelay, PositionSignalDelay,
-                    PositionDependentLeakage, LineInertance})
+#define HYDROSCOPE_LIST_EFFECT(Name) Name,
+  for (const auto make : {HYDROSCOPE_STORED_EFFECTS(HYDROSCOPE_LIST_EFFECT)})
     library.push_back(std::make_shared<const Effect>(make(geometry)));
-  for (auto make :
-       {ReturnLineResistance, TankPressure, LaminarEdge, PressureDependentBulkModulus, LeakageTemperature,
-        PressureGain, PressureOffsetDrift, PressureSignalLag, SpoolSignalLag, PositionSignalLag, SignalLag,
-        PeriodicDisturbance, BulkModulusDrift, DeadVolumeDrift, FlowGainDrift, SpoolNullDrift}) {
+  for (const auto make : {HYDROSCOPE_SAMPLE_EFFECTS(HYDROSCOPE_LIST_EFFECT)}) {
     Effect effect = make(geometry);
     effect.needs_samples = true;
     library.push_back(std::make_shared<const Effect>(std::move(effect)));
   }
+#undef HYDROSCOPE_LIST_EFFECT
   return library;
 }
 

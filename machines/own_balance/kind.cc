@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "machines/own_balance/draft.h"
 #include "models/expression_balance.h"
 
 namespace hydroscope {
@@ -34,12 +35,15 @@ MachineWords OwnWords(const Machine& machine) {
 }  // namespace
 
 const MachineKind kOwnBalance = {.id = "expressions",
+                                 .title = "machine with a balance of its own",
                                  .signals = {},
                                  .geometry = {},
                                  .parameters = {},
                                  .output_unit = "",
                                  .own_library = true,
                                  .words = OwnWords,
+                                 .temperature = "T_oil",
+                                 .draft = kOwnDraft,
                                  .build = BuildExpressionBalance,
                                  .effects = nullptr};
 

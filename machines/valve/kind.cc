@@ -7,15 +7,36 @@ MachineWords ValveWords(const Machine&) {
   return {"response", "sweep", "frequency and amplitude of the command", "", true};
 }
 
+/// The loop of a servo axis answers like a valve.
+bool IsAxis(const LogSample& log) {
+  return log.signals.contains("z") && log.signals.contains("z_command") && !log.signals.contains("p_A");
+}
+bool HasSpoolAndCommand(const LogSample& log) {
+  return log.signals.contains("y_v") && log.signals.contains("U_v");
+}
+
+std::string SuitsValve(const LogSample& log) {
+  if (HasSpoolAndCommand(log)) return "spool and valve command are there, but not both pressure and position";
+  return IsAxis(log) ? "a position and its command are there, no pressure and spool" : "";
+}
+
+void CompleteValve(const LogSample& log, const std::map<std::string, double>&, MachineDraft& draft) {
+  if (!HasSpoolAndCommand(log)) draft.machine.valve = {"z_command", "z", 1.0};
+}
+
 }  // namespace
 
 const MachineKind kValve = {.id = "valve",
+                            .title = "valve",
                             .signals = {},
                             .geometry = {},
                             .parameters = {},
                             .output_unit = "m3/s",
                             .own_library = false,
                             .words = ValveWords,
+                            .temperature = "T_oil",
+                            .supply = "p_0",
+                            .draft = {SuitsValve, CompleteValve},
                             .build = nullptr,
                             .effects = nullptr};
 

@@ -4,50 +4,60 @@
 #include "machines/die_cushion/library.h"
 #include "models/effect.h"
 
-/// The die cushion's library: one law, one file. To add an effect, write its file and add it here and in
-/// machines/die_cushion/library.cc; the conformance suite picks it up by itself.
+/// The die cushion's library: one law, one file. To add an effect, write its file and a line here; the conformance suite
+/// picks it up by itself.
 ///
 /// Signs: the balance is A_A dz/dt = ... with flow out of chamber A counted negative, so a leak's column is
 /// -integral of its flow per unit parameter and its parameter is positive.
+
+/// Effects whose columns every stored Gram carries, in their order: databases know columns by name, so one may be added.
+#define HYDROSCOPE_STORED_EFFECTS(_) \
+  _(InternalLeakage)                 \
+  _(ExternalLeakage)                 \
+  _(OrificeLeakage)                  \
+  _(EntrainedAir)                    \
+  _(Accumulator)                     \
+  _(ReliefValve)                     \
+  _(TankBackPressure)                \
+  _(ValveFlowCurvature)              \
+  _(ValveFlowAsymmetry)              \
+  _(SpoolOverlap)                    \
+  _(SpoolHysteresis)                 \
+  _(OilViscosity)                    \
+  _(PressureOffset)                  \
+  _(SpoolSignalDelay)                \
+  _(PressureSignalDelay)             \
+  _(PositionSignalDelay)             \
+  _(PositionDependentLeakage)        \
+  _(LineInertance)
+
+/// Effects that are tried where samples are at hand (Effect::needs_samples).
+#define HYDROSCOPE_SAMPLE_EFFECTS(_) \
+  _(ReturnLineResistance)            \
+  _(TankPressure)                    \
+  _(LaminarEdge)                     \
+  _(PressureDependentBulkModulus)    \
+  _(LeakageTemperature)              \
+  _(PressureGain)                    \
+  _(PressureOffsetDrift)             \
+  _(PressureSignalLag)               \
+  _(SpoolSignalLag)                  \
+  _(PositionSignalLag)               \
+  _(SignalLag)                       \
+  _(PeriodicDisturbance)             \
+  _(BulkModulusDrift)                \
+  _(DeadVolumeDrift)                 \
+  _(FlowGainDrift)                   \
+  _(SpoolNullDrift)
+
 namespace hydroscope::effects {
 
 /// Polytropic exponent of a gas that nobody has measured: isothermal 1.0 to adiabatic 1.4, all alike likely.
 inline constexpr double kPolytropic = 1.2, kPolytropicStd = 0.115;
 
-Effect InternalLeakage(const CushionGeometry&);
-Effect ExternalLeakage(const CushionGeometry&);
-Effect OrificeLeakage(const CushionGeometry&);
-Effect EntrainedAir(const CushionGeometry&);
-Effect Accumulator(const CushionGeometry&);
-Effect ReliefValve(const CushionGeometry&);
-Effect TankBackPressure(const CushionGeometry&);
-Effect ValveFlowCurvature(const CushionGeometry&);
-Effect ValveFlowAsymmetry(const CushionGeometry&);
-Effect SpoolOverlap(const CushionGeometry&);
-Effect SpoolHysteresis(const CushionGeometry&);
-Effect OilViscosity(const CushionGeometry&);
-Effect PressureOffset(const CushionGeometry&);
-Effect SpoolSignalDelay(const CushionGeometry&);
-Effect PressureSignalDelay(const CushionGeometry&);
-Effect PositionSignalDelay(const CushionGeometry&);
-Effect PositionDependentLeakage(const CushionGeometry&);
-Effect LineInertance(const CushionGeometry&);
-// Tried where samples are at hand (Effect::needs_samples).
-Effect ReturnLineResistance(const CushionGeometry&);
-Effect TankPressure(const CushionGeometry&);
-Effect LaminarEdge(const CushionGeometry&);
-Effect PressureDependentBulkModulus(const CushionGeometry&);
-Effect LeakageTemperature(const CushionGeometry&);
-Effect PressureGain(const CushionGeometry&);
-Effect PressureOffsetDrift(const CushionGeometry&);
-Effect PressureSignalLag(const CushionGeometry&);
-Effect SpoolSignalLag(const CushionGeometry&);
-Effect PositionSignalLag(const CushionGeometry&);
-Effect SignalLag(const CushionGeometry&);
-Effect PeriodicDisturbance(const CushionGeometry&);
-Effect BulkModulusDrift(const CushionGeometry&);
-Effect DeadVolumeDrift(const CushionGeometry&);
-Effect FlowGainDrift(const CushionGeometry&);
-Effect SpoolNullDrift(const CushionGeometry&);
+#define HYDROSCOPE_DECLARE_EFFECT(Name) Effect Name(const CushionGeometry&);
+HYDROSCOPE_STORED_EFFECTS(HYDROSCOPE_DECLARE_EFFECT)
+HYDROSCOPE_SAMPLE_EFFECTS(HYDROSCOPE_DECLARE_EFFECT)
+#undef HYDROSCOPE_DECLARE_EFFECT
 
 }  // namespace hydroscope::effects

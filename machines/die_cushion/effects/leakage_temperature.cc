@@ -29,7 +29,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
       "viscosity, the cooler.";
   e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
   e.channels = {kPressureB, kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, "the oil", "K"};
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([beta = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB], *t = s[kOilTemperature];

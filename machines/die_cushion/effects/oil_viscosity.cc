@@ -33,7 +33,7 @@ Effect OilViscosity(const CushionGeometry&) {
       "strokes with cold and with warm oil, then the same again in the other order: what follows the "
       "temperature comes back, what drifts does not";
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, "the oil", "K"};
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "models/condition.h"
+
+namespace hydroscope {
+
+/// What strokes were driven at, from ... to.
+struct ConditionRange {
+  Condition condition;
+  double low = 0, high = 0;  ///< SI
+
+  /// Whether the strokes differ in it enough to tell what depends on it.
+  bool varies() const;
+  /// "32 to 87 mm/s"
+  std::string Text() const;
+};
+
+/// The range of each condition over the strokes; empty without strokes.
+std::vector<ConditionRange> RangesOf(const std::vector<Condition>& conditions,
+                                     std::span<const StrokeSummary> strokes);
+
+/// Takes another stroke in.
+void Widen(const std::vector<Condition>& conditions, const StrokeSummary& stroke,
+           std::vector<ConditionRange>& ranges);
+
+}  // namespace hydroscope
