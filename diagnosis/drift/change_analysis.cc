@@ -6,18 +6,12 @@
 
 #include "core/non_negative.h"
 #include "core/quantile.h"
+#include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
 namespace {
 
-constexpr double kInterval = 1.92;     ///< half of the 95 % point of chi-squared with one degree of freedom
-constexpr double kLeastGain = 12.0;    ///< log-likelihood a further quantity must add ...
-constexpr double kLeastShare = 0.10;   ///< ... also as a share of the first one's
-constexpr double kRivalShare = 0.003;  ///< a rival explains the same up to this share, or up to ...
-constexpr double kRivalGain = 6.0;     ///< ... this log-likelihood: odds of 400 to one
-
-constexpr double kMostInflation =
-    20.0;  ///< of a size's variance by the others: beyond, they cannot be told apart
+constexpr double kInterval = 1.92;  ///< half of the 95 % point of chi-squared with one degree of freedom
 
 struct Sums {
   Eigen::VectorXd score;
@@ -136,7 +130,7 @@ double Gain(const Sums& sums, const std::vector<int>& moved, const std::vector<D
   double gain = 0;
   for (const Moved& m : FitTogether(sums.score, sums.information, moved)) {
     if (sizes[m.quantity].only_upwards && m.size < 0) return 0;
-    if (m.std * m.std * sums.information(m.quantity, m.quantity) > kMostInflation) return 0;
+    if (m.std * m.std * sums.information(m.quantity, m.quantity) > kDriftThresholds.most_inflation) return 0;
     gain += 0.5 * m.size * sums.score[m.quantity];
   }
   return gain;
@@ -213,7 +207,9 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
         best = q;
       }
     }
-    const double least = moved.empty() ? 0 : std::max(kLeastGain, kLeastShare * explanation.evidence);
+    const double least = moved.empty() ? 0
+                                       : std::max(kDriftThresholds.least_gain,
+                                                  kDriftThresholds.least_share * explanation.evidence);
     if (best < 0 || most - gained < least) break;
     if (moved.empty() && !enough({best}, 0.5))
       return explanation;  // the true cause is too small to be worth telling
@@ -226,8 +222,9 @@ ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::in
   explanation.alone = FitTogether(sums.score, sums.information, {moved.front()}).front();
   if (moved.size() == 1)
     for (int q = 0; q < n; ++q)
-      if (q != moved.front() && explanation.evidence - Gain(sums, {q}, sizes) <
-                                    std::max(kRivalGain, kRivalShare * explanation.evidence))
+      if (q != moved.front() &&
+          explanation.evidence - Gain(sums, {q}, sizes) <
+              std::max(kDriftThresholds.rival_gain, kDriftThresholds.rival_share * explanation.evidence))
         explanation.rivals.push_back(q);
   explanation.decided = explanation.rivals.empty();
   return explanation;

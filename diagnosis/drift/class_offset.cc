@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/drift/drift_thresholds.h"
+
 namespace hydroscope::drift {
 namespace {
 
 constexpr std::size_t kBlock = 10;      ///< strokes, for the correlation of neighbours
 constexpr double kClip = 3.5;           ///< standard deviations, against single bad strokes
 constexpr double kMedianLoss = 1.2533;  ///< std of a median over that of a mean, normal distribution
-constexpr double kUnlikely = 0.1;
 
 /// Where half of the information lies on either side.
 double WeightedMedian(std::span<const ClassDeviation> strokes) {
@@ -100,7 +101,8 @@ OffsetSpread SpreadOf(std::span<const ClassOffset> classes) {
   if (known.empty()) return {0, 0, std::numeric_limits<double>::infinity()};
   if (known.size() == 1) return {known[0].offset, known[0].std, std::numeric_limits<double>::infinity()};
   const double degrees = static_cast<double>(known.size() - 1);
-  const double least = boost::math::quantile(boost::math::chi_squared(degrees), kUnlikely);
+  const double least =
+      boost::math::quantile(boost::math::chi_squared(degrees), kDriftThresholds.unlikely_offset);
   // The weighted squares fall steadily with the variance: bisection on its logarithm.
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (const ClassOffset& c : known) {

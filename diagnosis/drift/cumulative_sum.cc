@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/drift/drift_thresholds.h"
+
 namespace hydroscope::drift {
 
 void CumulativeSum::Add(std::int64_t sequence, double deviation, double std, double doubt,
                         const DriftSize& size) {
   if (!(std > 0) || !std::isfinite(std) || !std::isfinite(deviation) || !std::isfinite(doubt)) return;
   const double tolerance = (0.5 * size.smallest + 2.0 * doubt) / std;
-  const double shift = std::min(size.smallest / std, kLargestShift);
+  const double shift = std::min(size.smallest / std, kDriftThresholds.largest_shift);
   const double z = deviation / std;
   const auto step = [&](double signed_z, double& sum, std::int64_t& from) {
-    sum += shift * std::clamp(signed_z - tolerance, -kClip, kClip) - shift * shift / 2;
+    sum += shift * std::clamp(signed_z - tolerance, -kDriftThresholds.clip, kDriftThresholds.clip) -
+           shift * shift / 2;
     if (sum > 0) {
-      sum = std::min(sum, 2 * kThreshold);  // so that a return to normal is seen as fast as the drift was
+      sum = std::min(
+          sum, 2 * kDriftThresholds.cusum);  // so that a return to normal is seen as fast as the drift was
       return;
     }
     sum = 0;
@@ -25,8 +29,8 @@ void CumulativeSum::Add(std::int64_t sequence, double deviation, double std, dou
 }
 
 int CumulativeSum::Direction() const {
-  if (up_ >= kThreshold && up_ >= down_) return 1;
-  return down_ >= kThreshold ? -1 : 0;
+  if (up_ >= kDriftThresholds.cusum && up_ >= down_) return 1;
+  return down_ >= kDriftThresholds.cusum ? -1 : 0;
 }
 
 void CumulativeSum::Reset(std::int64_t sequence) {

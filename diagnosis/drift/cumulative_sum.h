@@ -20,10 +20,6 @@ struct DriftSize {
 /// e^20 strokes for independent normal deviations, Lorden 1971).
 class CumulativeSum {
  public:
-  static constexpr double kThreshold = 20.0;
-  static constexpr double kClip = 4.0;
-  static constexpr double kLargestShift = 2.0;
-
   /// Takes a stroke's deviation in; `std` its sampling error, `doubt` the std of the reference, SI.
   void Add(std::int64_t sequence, double deviation, double std, double doubt, const DriftSize& size);
   /// +1 or -1 if the test says drifted, 0 else.

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
 namespace {
-
-constexpr double kMemory = 0.95;    ///< of sizes of open findings: some 20 strokes
-constexpr double kGoneShare = 0.5;  ///< of the smallest drift: below it a finding is going
 
 bool Usable(const StrokeEvidence& stroke) {
   return stroke.equations.equations > 0 && stroke.equations.h.allFinite() && stroke.equations.g.allFinite() &&
@@ -86,12 +84,13 @@ Judgement DriftMonitor::Add(const StrokeEvidence& stroke) {
 /// waited for, but not for ever: the strokes that would settle it may never come again.
 void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   for (const DriftFinding& f : findings_)
-    if (f.state == FindingState::kSuspected && stroke.sequence - f.found < kMostToExplain) return;
+    if (f.state == FindingState::kSuspected && stroke.sequence - f.found < kDriftThresholds.most_to_explain)
+      return;
   const int index = candidates_.FindOrAdd(model_, stroke);
   if (index < 0) return;
   auto& members = new_classes_[index];
   members.push_back(reference_.Without(model_, stroke, explained_));
-  if (static_cast<int>(members.size()) < Reference::kLeastClassStrokes) return;
+  if (static_cast<int>(members.size()) < kDriftThresholds.least_class_strokes) return;
   reference_.AddClass(model_, members);
   new_classes_.erase(index);
 }
@@ -137,8 +136,8 @@ std::vector<int> DriftMonitor::ExplainedQuantities() const {
 
 /// Sizes of open findings as they are now; a finding whose parts are all small for long enough is gone.
 void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
-  recent_score_ = kMemory * recent_score_ + d.score;
-  recent_information_ = kMemory * recent_information_ + d.information;
+  recent_score_ = kDriftThresholds.memory * recent_score_ + d.score;
+  recent_information_ = kDriftThresholds.memory * recent_information_ + d.information;
   const std::vector<int> quantities = ExplainedQuantities();
   if (quantities.empty()) return;
   explained_.setZero();
@@ -156,7 +155,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
         part.reference = d.reference[m.quantity];
         part.alarm = std::abs(m.size) >= sizes_[m.quantity].alarm;
         finding.alarm = finding.alarm || part.alarm;
-        part.limit = kGoneShare * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
+        part.limit = kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * d.doubt[m.quantity];
         small = small && std::abs(m.size) < part.limit;
       }
     finding.last = stroke.sequence;
@@ -210,8 +209,8 @@ void DriftMonitor::Explain(const Deviation& d, double oil_temperature) {
   open->oil_temperature = oil_temperature;
   const auto after = std::count_if(strokes_.begin(), strokes_.end(),
                                    [&](const JudgedStroke& s) { return s.sequence > since.last_before; });
-  const bool waited = now - open->found >= kMostToExplain;
-  if (after < kLeastToExplain || (!explanation.decided && !waited)) return;
+  const bool waited = now - open->found >= kDriftThresholds.most_to_explain;
+  if (after < kDriftThresholds.least_to_explain || (!explanation.decided && !waited)) return;
   const bool outside = d.outside || (d.outside_doubt.array() > 0).any();
   if (outside && !NamedByRule(explanation.moved)) {
     for (std::size_t k = 1; k < explanation.moved.size(); ++k)
@@ -245,8 +244,9 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     const double size = m.size + explained_[m.quantity];
     const bool alarm = std::abs(size) >= sizes_[m.quantity].alarm;
     movements[quantity.name] = size > 0 ? 1 : -1;
-    finding.parts.push_back({quantity.name, quantity.unit, size, m.std, healthy_[m.quantity],
-                             kGoneShare * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
+    finding.parts.push_back(
+        {quantity.name, quantity.unit, size, m.std, healthy_[m.quantity],
+         kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
     finding.alarm = finding.alarm || alarm;
   }
   const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;
@@ -269,8 +269,8 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
   recent_information_.setZero();
   for (const JudgedStroke& s : strokes_) {
     if (s.sequence <= finding.since.last_before) continue;
-    recent_score_ = kMemory * recent_score_ + s.score + s.information * explained_;
-    recent_information_ = kMemory * recent_information_ + s.information;
+    recent_score_ = kDriftThresholds.memory * recent_score_ + s.score + s.information * explained_;
+    recent_information_ = kDriftThresholds.memory * recent_information_ + s.information;
   }
   for (const Moved& m : moved) explained_[m.quantity] += m.size;
   Restart(finding.last);

@@ -96,8 +96,6 @@ class DriftMonitor {
  public:
   static constexpr std::uint32_t kFormat = 5;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
-  static constexpr int kLeastToExplain = 6;        ///< strokes after a change before it is explained
-  static constexpr int kMostToExplain = 60;        ///< strokes after which it is told undecided
 
   DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/drift/drift_thresholds.h"
+
 namespace hydroscope::drift {
 namespace {
 
@@ -23,7 +25,7 @@ OperatingClasses::Features OperatingClasses::FeaturesOf(const WatchedModel& mode
 int OperatingClasses::Find(const WatchedModel& model, const StrokeEvidence& stroke) const {
   const Features features = FeaturesOf(model, stroke);
   int nearest = -1;
-  double least = kRadius * kRadius;
+  double least = kDriftThresholds.class_radius * kDriftThresholds.class_radius;
   for (int c = 0; c < count(); ++c) {
     double square = 0;
     for (std::size_t f = 0; f < features.size(); ++f) square += std::pow(features[f] - centres_[c][f], 2);
@@ -47,7 +49,8 @@ bool OperatingClasses::Encloses(const WatchedModel& model, const StrokeEvidence&
   for (std::size_t f = 0; f < features.size(); ++f) {
     const auto between = [f](const Features& a, const Features& b) { return a[f] < b[f]; };
     const auto [low, high] = std::minmax_element(centres_.begin(), centres_.end(), between);
-    if (low == centres_.end() || features[f] < (*low)[f] - kRadius || features[f] > (*high)[f] + kRadius)
+    if (low == centres_.end() || features[f] < (*low)[f] - kDriftThresholds.class_radius ||
+        features[f] > (*high)[f] + kDriftThresholds.class_radius)
       return false;
   }
   return true;

@@ -12,7 +12,6 @@ namespace hydroscope::drift {
 /// logarithms). `model` declares them, the same one in every call.
 class OperatingClasses {
  public:
-  static constexpr double kRadius = 0.25;  ///< distance in logarithms: some 25 % in one of them
   static constexpr int kMostClasses = 64;
 
   /// Class of a stroke, -1 if it is like none.

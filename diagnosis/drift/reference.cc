@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
 
 namespace hydroscope::drift {
@@ -60,10 +61,6 @@ int TermsOf(const Quantity& quantity) {
   return quantity.family == CurveFamily::kFlow ? 3 : 2;
 }
 
-/// Of a quantity that depends on the oil, where commissioning saw one temperature only: relative, 1/K. Bulk
-/// modulus of mineral oils falls by some 0.5 %/K, valve flow follows the viscosity by less.
-constexpr double kUnknownSlope = 0.005;
-
 /// Mean square of the points about the curve in units of their std, at least 1.
 double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureModel& curve) {
   double sum = 0;
@@ -76,8 +73,9 @@ double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureMode
 
 Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
                                    int version) {
-  if (static_cast<int>(strokes.size()) < kLeastStrokes)
-    return BadInput("commissioning has {} strokes, expected at least {}", strokes.size(), kLeastStrokes);
+  if (static_cast<int>(strokes.size()) < kDriftThresholds.least_strokes)
+    return BadInput("commissioning has {} strokes, expected at least {}", strokes.size(),
+                    kDriftThresholds.least_strokes);
   Reference reference;
   reference.version_ = version;
   reference.first_ = strokes.front().sequence;
@@ -107,7 +105,7 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   for (int q = 0; q < model.size(); ++q)
     if (!model.quantities()[q].effect && TermsOf(model.quantities()[q]) > 1 &&
         !reference.curves_[q].tells_slope())
-      reference.curves_[q].AssumeSlope(kUnknownSlope * std::abs(values[q]));
+      reference.curves_[q].AssumeSlope(kDriftThresholds.unknown_slope * std::abs(values[q]));
   reference.expected_.clear();
   reference.LearnClasses(model, strokes);
   return reference;
@@ -134,7 +132,7 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
   std::vector<StrokeEvidence> level(strokes.begin(), strokes.end());
   for (StrokeEvidence& s : level) {
     const int c = classes.Find(model, s);
-    if (c < 0 || count[c] < kLeastClassStrokes) continue;
+    if (c < 0 || count[c] < kDriftThresholds.least_class_strokes) continue;
     const Eigen::VectorXd own =
         (mean[c] / count[c]).cwiseProduct(s.equations.h.diagonal().cwiseMax(1e-300).cwiseSqrt());
     s.equations.g -= own;
@@ -269,7 +267,7 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
     std::vector<double> standardised;
     std::size_t fitted = 0;
     for (const auto& of_class : deviations) {
-      if (static_cast<int>(of_class[q].size()) < kLeastOffsetStrokes) continue;
+      if (static_cast<int>(of_class[q].size()) < kDriftThresholds.least_offset_strokes) continue;
       const double offset = MeasureOffset(of_class[q]).offset;
       for (const ClassDeviation& d : of_class[q])
         standardised.push_back((d.value - offset) * std::sqrt(d.information));
@@ -279,9 +277,9 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
     scatter_.push_back(Scatter(standardised) * all / std::max(1.0, all - static_cast<double>(fitted)));
     std::vector<ClassOffset> measured;
     for (const auto& of_class : deviations)
-      measured.push_back(static_cast<int>(of_class[q].size()) >= kLeastClassStrokes
+      measured.push_back(static_cast<int>(of_class[q].size()) >= kDriftThresholds.least_class_strokes
                              ? MeasureOffset(of_class[q])
-                         : static_cast<int>(of_class[q].size()) >= kLeastOffsetStrokes
+                         : static_cast<int>(of_class[q].size()) >= kDriftThresholds.least_offset_strokes
                              ? MeasureOffset(of_class[q], scatter_[q])
                              : MeasureOffset({}, scatter_[q]));
     spread_.push_back(SpreadOf(measured));
@@ -289,10 +287,11 @@ void Reference::LearnClasses(const WatchedModel& model, std::span<const StrokeEv
     for (std::size_t c = 0; c < members.size(); ++c) offsets_[c].push_back(Combine(measured[c], spread_[q]));
   }
   const bool comparable = std::count_if(members.begin(), members.end(), [](const auto& m) {
-                            return static_cast<int>(m.size()) >= kLeastOffsetStrokes;
-                          }) >= kLeastClasses;
+                            return static_cast<int>(m.size()) >= kDriftThresholds.least_offset_strokes;
+                          }) >= kDriftThresholds.least_classes;
   for (std::size_t c = 0; c < members.size(); ++c)
-    if (static_cast<int>(members[c].size()) < kLeastClassStrokes && !comparable) offsets_[c].clear();
+    if (static_cast<int>(members[c].size()) < kDriftThresholds.least_class_strokes && !comparable)
+      offsets_[c].clear();
   if (!comparable)
     for (OffsetSpread& spread : spread_) spread.std = std::numeric_limits<double>::infinity();
 }

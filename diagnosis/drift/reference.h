@@ -36,10 +36,6 @@ struct Deviation {
 class Reference {
  public:
   static constexpr std::uint32_t kFormat = 4;
-  static constexpr int kLeastStrokes = 100;      ///< of commissioning
-  static constexpr int kLeastClassStrokes = 30;  ///< for a scatter of its own
-  static constexpr int kLeastOffsetStrokes = 5;  ///< for an offset of its own
-  static constexpr int kLeastClasses = 5;        ///< for judging strokes between the classes
 
   /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell
   /// the parameters.
@@ -49,7 +45,7 @@ class Reference {
   /// curves.
   void AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
 
-  /// Deviation of a stroke. A stroke of no learned class is judged if commissioning saw kLeastClasses classes
+  /// Deviation of a stroke. A stroke of no learned class is judged if commissioning saw DriftThresholds::least_classes classes
   /// and its speed and pressures lie among theirs: how the classes differ then says what it may deviate by.
   Deviation Judge(const WatchedModel& model, const StrokeEvidence& stroke) const;
 

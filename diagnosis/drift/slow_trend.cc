@@ -6,30 +6,25 @@
 #include <vector>
 
 #include "core/constants.h"
+#include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
-namespace {
-
-constexpr double kSignificant = 5.0;  ///< standard deviations of the slope
-
-}  // namespace
-
 void SlowTrend::Add(std::int64_t sequence, double deviation, double std) {
   if (!(std > 0) || !std::isfinite(std) || !std::isfinite(deviation)) return;
   const double weight = 1.0 / (std * std);
   weight_ += weight;
   sum_ += weight * deviation;
   sequence_sum_ += static_cast<double>(sequence);
-  if (++count_ < kBlockStrokes) return;
+  if (++count_ < kDriftThresholds.block_strokes) return;
   blocks_.push_back({sequence_sum_ / count_, sum_ / weight_, std::sqrt(1.0 / weight_)});
-  if (blocks_.size() > kBlocks) blocks_.pop_front();
+  if (blocks_.size() > kDriftThresholds.blocks) blocks_.pop_front();
   weight_ = sum_ = sequence_sum_ = 0;
   count_ = 0;
 }
 
 TrendFigures SlowTrend::Figures(double smallest, double doubt) const {
   TrendFigures figures;
-  if (blocks_.size() < kLeastBlocks) return figures;
+  if (blocks_.size() < kDriftThresholds.least_blocks) return figures;
   const double n = static_cast<double>(blocks_.size());
   double mean_x = 0, mean_y = 0;
   for (const Block& b : blocks_) {
@@ -57,7 +52,7 @@ TrendFigures SlowTrend::Figures(double smallest, double doubt) const {
   figures.strokes = static_cast<std::int64_t>(blocks_.back().sequence - blocks_.front().sequence);
   const double added = std::abs(figures.slope) * static_cast<double>(figures.strokes);
   figures.significant =
-      std::abs(figures.slope) > kSignificant * figures.slope_std && added > smallest + 2 * doubt;
+      std::abs(figures.slope) > kDriftThresholds.slope * figures.slope_std && added > smallest + 2 * doubt;
   return figures;
 }
 
@@ -82,7 +77,7 @@ bool SlowTrend::Restore(ByteReader& in) {
   count_ = in.Get<std::int32_t>();
   const auto size = in.Get<std::uint32_t>();
   blocks_.clear();
-  if (size > kBlocks) return false;
+  if (size > kDriftThresholds.blocks) return false;
   for (std::uint32_t k = 0; k < size && in.ok(); ++k) blocks_.push_back(in.Get<Block>());
   return in.ok();
 }

@@ -21,15 +21,11 @@ struct TimeToLimit {
   double strokes = 0, low = 0, high = 0;
 };
 
-/// Straight line through block means of deviations (a block is kBlockStrokes judged strokes; the last kBlocks
-/// are kept). Scatter of the blocks about the line beyond their own std, and correlation of neighbouring
+/// Straight line through block means of deviations (a block is DriftThresholds::block_strokes judged strokes; the last
+/// `blocks` are kept). Scatter of the blocks about the line beyond their own std, and correlation of neighbouring
 /// blocks, widen the slope's uncertainty (effective number of blocks, Bayley and Hammersley 1946).
 class SlowTrend {
  public:
-  static constexpr int kBlockStrokes = 500;
-  static constexpr std::size_t kBlocks = 90;
-  static constexpr std::size_t kLeastBlocks = 12;
-
   void Add(std::int64_t sequence, double deviation, double std);
   TrendFigures Figures(double smallest, double doubt) const;
   static TimeToLimit Reach(const TrendFigures& figures, double limit);

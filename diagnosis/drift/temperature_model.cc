@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/non_negative.h"
+#include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
 
 namespace hydroscope::drift {
@@ -95,8 +96,8 @@ Result<TemperatureModel> TemperatureModel::Fit(std::span<const TemperaturePoint>
   model.low_ = low->temperature;
   model.high_ = high->temperature;
   model.centre_ = (model.low_ + model.high_) / 2;
-  const bool measured =
-      std::isfinite(model.low_) && std::isfinite(model.high_) && model.high_ - model.low_ >= kLeastRange;
+  const bool measured = std::isfinite(model.low_) && std::isfinite(model.high_) &&
+                        model.high_ - model.low_ >= kDriftThresholds.least_oil_range;
   const int count = static_cast<int>(points.size());
   const int most = measured ? std::clamp(count - 2, 1, kMostTerms) : 1;
   if (!measured) model.centre_ = std::isfinite(model.centre_) ? model.centre_ : 0;
@@ -120,7 +121,8 @@ Result<TemperatureModel> TemperatureModel::FitTerms(std::span<const TemperatureP
                                                     CurveFamily family, int terms) {
   auto model = Fit(points, family);
   if (!model) return model;
-  const bool measured = std::isfinite(model->low_) && model->high_ - model->low_ >= kLeastRange;
+  const bool measured =
+      std::isfinite(model->low_) && model->high_ - model->low_ >= kDriftThresholds.least_oil_range;
   model->FitForm(measured ? std::clamp(static_cast<int>(points.size()) - 2, 1, terms) : 1);
   return model;
 }

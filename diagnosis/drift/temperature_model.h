@@ -8,6 +8,7 @@
 
 #include "core/bytes.h"
 #include "core/result.h"
+#include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
 
@@ -55,7 +56,7 @@ class TemperatureModel {
               const Eigen::MatrixXd& covariance);
   /// Where the points span too few kelvin to tell a slope: what it may be outside them, SI/K.
   void AssumeSlope(double std);
-  bool tells_slope() const { return points_.size() >= 3 && high_ - low_ >= kLeastRange; }
+  bool tells_slope() const { return points_.size() >= 3 && high_ - low_ >= kDriftThresholds.least_oil_range; }
   /// A value that is known beforehand (no leakage).
   static TemperatureModel Known(double value);
 
@@ -71,7 +72,6 @@ class TemperatureModel {
   bool Restore(ByteReader& in);
 
  private:
-  static constexpr double kLeastRange = 4.0;  ///< K, below which only a constant is fitted
   double FitForm(int terms);
 
   CurveFamily family_ = CurveFamily::kSmooth;

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "diagnosis/drift/drift_thresholds.h"
+
 namespace hydroscope::drift {
 namespace {
 
@@ -48,7 +50,7 @@ DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequen
     const auto expected = curves_[f].At(check.oil_temperature);
     const DriftSize size = watch->Sizes(expected.value);
     const double std = std::hypot(v.std, expected.std), deviation = v.value - expected.value;
-    if (std::abs(deviation) <= 0.5 * size.smallest + kLimit * std) continue;
+    if (std::abs(deviation) <= 0.5 * size.smallest + kDriftThresholds.valve_check * std) continue;
     movements[figure.name] = deviation > 0 ? 1 : -1;
     const bool alarm = std::abs(deviation) >= size.alarm;
     finding.parts.push_back(

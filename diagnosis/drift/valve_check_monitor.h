@@ -12,13 +12,12 @@ namespace hydroscope::drift {
 
 /// Watches the figures of valve checks (natural frequency f0, damping D, dead time T_dead), each check judged
 /// by itself: it averages over thousands of samples, so one is enough. A figure has moved if it is off its
-/// reference by more than half of the smallest drift worth finding plus `kLimit` standard deviations of check
+/// reference by more than half of the smallest drift worth finding plus DriftThresholds::valve_check standard deviations of check
 /// and reference together.
 class ValveCheckMonitor {
  public:
   static constexpr std::array kFigureNames = {"f0", "D", "T_dead"};
   static constexpr int kCommissioning = 5;  ///< checks the reference is learned from
-  static constexpr double kLimit = 4.0;
 
   explicit ValveCheckMonitor(const RuleBook& rules) : rules_(&rules) {}
 
