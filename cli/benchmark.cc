@@ -11,6 +11,7 @@
 #include "studies/filter_study.h"
 #include "studies/frf_benchmark.h"
 #include "studies/hidden_effects_benchmark.h"
+#include "studies/late_signals_benchmark.h"
 #include "studies/own_machines.h"
 #include "studies/plant_logs_benchmark.h"
 #include "studies/recovery.h"
@@ -56,6 +57,23 @@ void AddFrf(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunFrfBenchmark(o->cases, o->seed); });
 }
 
+void AddLateSignals(CLI::App& benchmark, int& exit_code) {
+  struct Arguments {
+    int cases = 96;
+    std::uint64_t seed = 1;
+  };
+  auto o = std::make_shared<Arguments>();
+  CLI::App* command = benchmark.add_subcommand(
+      "late-signals",
+      "Late signals and filtered ones: how often they are told apart, and how far each is right");
+  command->add_option("--cases", o->cases, "Simulated logs")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark late-signals --cases 48");
+  command->callback([o, &exit_code] { exit_code = RunLateSignalsBenchmark(o->cases, o->seed); });
+}
+
 void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<HiddenEffectsOptions>();
   CLI::App* command = benchmark.add_subcommand(
@@ -68,6 +86,7 @@ void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
   command->add_flag(
       "--experiments", o->experiments,
       "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
+  command->add_option("--only", o->only, "Only these logs of the campaign, by number")->delimiter(',');
   command->add_flag("--healthy", o->healthy, "Hide nothing: how often something is claimed all the same");
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
@@ -311,6 +330,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
       "  hydroscope benchmark filter-study --svg filter_study.svg");
   AddCoverage(*benchmark, exit_code);
   AddHiddenEffects(*benchmark, exit_code);
+  AddLateSignals(*benchmark, exit_code);
   AddPlantLogs(*benchmark, exit_code);
   AddSince(*benchmark, exit_code);
   AddFrf(*benchmark, exit_code);

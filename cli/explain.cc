@@ -8,13 +8,14 @@
 #include "workbench/explain_output.h"
 #include "workbench/history_options.h"
 #include "workbench/history_output.h"
+#include "workbench/measured_sizes.h"
 #include "workbench/stored_change.h"
 
 namespace hydroscope {
 namespace {
 
 struct ExplainArguments {
-  std::vector<std::string> logs;
+  std::vector<std::string> logs, measured;
   std::string machine, json, report, since;
   HistoryOptions history;
   bool whole = false;
@@ -39,7 +40,13 @@ void Add(Explained& all, const std::string& text, nlohmann::json json, ExplainRe
 }
 
 Result<Explained> ExplainOneLog(const ExplainArguments& a) {
-  auto result = ExplainLogs(a.logs, a.machine);
+  const auto machine = LoadMachine(a.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  auto measured = MeasuredSizes(a.measured, *machine);
+  if (!measured) return tl::unexpected(measured.error());
+  ExplainOptions options;
+  options.measured = std::move(*measured);
+  auto result = ExplainLogs(a.logs, a.machine, options);
   if (!result) return tl::unexpected(result.error());
   Explained out;
   const std::string text = ExplainText(*result);
@@ -137,6 +144,7 @@ Status RunExplain(const ExplainArguments& a) {
   if (a.logs.empty() == a.history.db.empty())
     return UsageError("explain needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
+  if (!a.measured.empty() && a.logs.empty()) return UsageError("--measured needs a LOG");
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
   auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
   if (!explained) return tl::unexpected(explained.error());
@@ -160,12 +168,17 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
                       "What changed at this stroke number, log (run:3), time (81.5s) or date; with --db");
   command->add_flag("--whole", a->whole,
                     "With --db: all strokes as one, also where they hold a change that stands out");
+  command->add_option(
+      "--measured", a->measured,
+      "Size of an effect that a test off the log gave, EFFECT=SIZE:STANDARD_ERROR in the unit "
+      "in which explain shows it; 0 says that it is not there");
   command->add_option("--report,-r", a->report, "Write the explanation as one HTML page to this file");
   command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
       "Verdicts: adequate, named, ambiguous, unknown (docs/workbench.md). The exit code is 0 for all four.\n"
       "Examples:\n"
       "  hydroscope explain press.csv --machine machines/die_cushion.toml --report press.html\n"
+      "  hydroscope explain press.csv --machine press.toml --measured pressure_offset=6.5:0.1\n"
       "  hydroscope explain X-ring257_*bar.csv --machine machines/seal_friction.toml\n"
       "  hydroscope explain --db press.db --from run:3\n"
       "  hydroscope explain --db press.db --since 1200 --json -\n"

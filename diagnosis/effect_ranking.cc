@@ -11,32 +11,6 @@
 namespace hydroscope {
 namespace {
 
-/// An effect this many times its typical size must stand out, else these strokes cannot test it.
-constexpr double kMattersTimes = 5.0;
-
-/// Effects that differ by little, and a candidate of two stays in the set of the best if it gains `share` of
-/// what that does.
-struct Twins {
-  std::string_view a, b;
-  double share;
-};
-/// A late position needs rates of everything else: the delay's noise costs it up to a quarter of its gain.
-constexpr double kPositionShare = 0.7;
-/// A late signal and a filtered one are the same to first order. What tells them apart is of second order,
-/// and beside it stand the errors of sampled signals and their rates.
-constexpr std::array<Twins, 5> kTwins = {{{"spool_signal_delay", "spool_signal_lag", kTwinShare},
-                                          {"pressure_signal_delay", "pressure_signal_lag", kTwinShare},
-                                          {"position_signal_delay", "position_signal_lag", kPositionShare},
-                                          {"pressure_offset", "tank_pressure", kTwinShare},
-                                          {"K_drift", "V0_drift", 1.0}}};
-
-/// Twins::share of two effects, nothing if they are none.
-std::optional<double> ShareOfTwins(std::string_view a, std::string_view b) {
-  for (const Twins& twins : kTwins)
-    if ((twins.a == a && twins.b == b) || (twins.a == b && twins.b == a)) return twins.share;
-  return std::nullopt;
-}
-
 double TwoSidedP(double t, double degrees) {
   if (!(degrees >= 1) || !std::isfinite(t)) return 1.0;
   return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), std::abs(t)));
@@ -74,13 +48,26 @@ Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b) {
   return DifferenceWhereBoth(a.flow_error, b.flow_error);
 }
 
-std::vector<std::string> TwinsOf(std::string_view id) {
+std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view id) {
   std::vector<std::string> twins;
-  for (const auto& [a, b, share] : kTwins) {
-    if (a == id) twins.emplace_back(b);
-    if (b == id) twins.emplace_back(a);
-  }
+  const auto add = [&](const std::string& twin) {
+    if (std::find(twins.begin(), twins.end(), twin) == twins.end()) twins.push_back(twin);
+  };
+  for (const auto* effects : {&model.effects, &model.sample_effects})
+    for (const auto& effect : *effects)
+      for (const Effect::Twin& twin : effect->twins) {
+        if (effect->id == id) add(twin.id);
+        if (twin.id == id) add(effect->id);
+      }
   return twins;
+}
+
+std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view a, std::string_view b) {
+  for (const auto* effects : {&model.effects, &model.sample_effects})
+    for (const auto& effect : *effects)
+      for (const Effect::Twin& twin : effect->twins)
+        if ((effect->id == a && twin.id == b) || (effect->id == b && twin.id == a)) return twin.share;
+  return std::nullopt;
 }
 
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids) {
@@ -97,6 +84,20 @@ CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::strin
   return model;
 }
 
+Explanation BeginExplanation(const StrokeSet& strokes, const ExplainOptions& options,
+                             const CandidateModel& start, const EffectRanking& ranking) {
+  Explanation out;
+  out.model = strokes.shared_model();
+  out.base = out.final = start.fit;
+  out.chosen = start.choices;
+  out.started = static_cast<int>(start.choices.size());
+  out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
+  out.evidence_scale = options.evidence_scale;
+  out.measured = options.measured;
+  if (out.base.solved) out.ranking = ranking.Rank(start);
+  return out;
+}
+
 double EffectRanking::Cost(const ExtendedFit& fit) const {
   double cost = 0;
   for (const EffectEstimate& e : fit.effects) {
@@ -110,6 +111,27 @@ double EffectRanking::Cost(const ExtendedFit& fit) const {
 
 double EffectRanking::Gain(const ExtendedFit& from, const ExtendedFit& to) const {
   return Worse(from, to).sum() / noise_ - Cost(to) + Cost(from);
+}
+
+bool EffectRanking::IsConfirmed(int effect) const {
+  const auto known = options_.measured.find(strokes_.model().effects[effect]->id);
+  return known != options_.measured.end() &&
+         std::abs(known->second.size) > options_.min_t * known->second.std;
+}
+
+bool EffectRanking::IsRefuted(const EffectEstimate& e) const {
+  const auto known = options_.measured.find(strokes_.model().effects[e.choice.effect]->id);
+  return known != options_.measured.end() &&
+         std::abs(e.size - known->second.size) > options_.min_t * std::hypot(e.std, known->second.std);
+}
+
+bool EffectRanking::IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
+                           const ExtendedFit& best, double best_gain) const {
+  const auto share = ShareOfTwins(strokes_.model(), id, best_id);
+  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ
+  // by it.
+  return share && gain > *share * best_gain - options_.sure_gain &&
+         fit.excess_ratio < best.excess_ratio + options_.twin_excess;
 }
 
 bool EffectRanking::IsStrong(const EffectEstimate& e) const {
@@ -143,8 +165,8 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     separable = true;
     const EffectEstimate& size = fit.effects.back();
     // Testable: a size that matters would stand out of the noise.
-    ranked.testable = ranked.testable ||
-                      options_.min_t * std::max(size.model_std, size.std) < kMattersTimes * effect.typical;
+    ranked.testable = ranked.testable || options_.min_t * std::max(size.model_std, size.std) <
+                                             options_.matters_times * effect.typical;
     if (!std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; })) {
       forbidden = forbidden || !size.admissible;
       continue;
@@ -154,9 +176,10 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     const double t = size.size / (size.std / StudentFactor(degrees));
     ranked.gain = gain;
     ranked.p_value = TwoSidedP(t, degrees);
-    ranked.lawful = size.consistent || !strokes_.model().effect_shapes[index][shape].refined;
-    ranked.significant = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t &&
-                         fit.rms_holdout < on.fit.rms_holdout;
+    const bool refined = strokes_.model().effect_shapes[index][shape].refined;
+    ranked.lawful = (size.consistent || !refined) && !IsRefuted(size);
+    ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
+    ranked.significant = ranked.stands_out && fit.rms_holdout < on.fit.rms_holdout;
     ranked.nonlinear = strokes_.model().effect_shapes[index][shape].nonlinear;
     ranked.fit = std::move(fit);
   }
@@ -185,6 +208,7 @@ std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {
   }
   BestFirst(ranking);
   PreferStored(ranking);
+  PreferMeasured(ranking);
   return ranking;
 }
 
@@ -199,6 +223,14 @@ void EffectRanking::PreferStored(std::vector<RankedEffect>& ranking) const {
     return r.significant && !needs_samples(r) && r.gain > ranking.front().gain - options_.rival_gain;
   });
   if (stored != ranking.end()) std::rotate(ranking.begin(), stored, stored + 1);
+}
+
+/// Of effects that explain as much, one that was measured elsewhere comes first.
+void EffectRanking::PreferMeasured(std::vector<RankedEffect>& ranking) const {
+  const auto known = std::find_if(ranking.begin(), ranking.end(), [&](const RankedEffect& r) {
+    return r.significant && IsConfirmed(r.effect) && IsRival(r.fit, ranking.front().fit);
+  });
+  if (known != ranking.end()) std::rotate(ranking.begin(), known, known + 1);
 }
 
 std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) const {
@@ -221,12 +253,10 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
 std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
+  if (IsConfirmed(best.effect)) return {best.id};
   for (const RankedEffect& candidate : ranking) {
-    // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ
-    // by it.
-    const auto share = ShareOfTwins(candidate.id, best.id);
-    const bool twin = share && candidate.gain > *share * best.gain - options_.sure_gain;
-    if (candidate.significant && (twin || IsRival(candidate.fit, best.fit))) set.push_back(candidate.id);
+    const bool twin = IsTwin(candidate.id, candidate.fit, candidate.gain, best.id, best.fit, best.gain);
+    if (candidate.stands_out && (twin || IsRival(candidate.fit, best.fit))) set.push_back(candidate.id);
   }
   return set;
 }

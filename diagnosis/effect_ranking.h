@@ -19,16 +19,21 @@ struct CandidateModel {
 /// of them cannot be fitted or is not in the library.
 CandidateModel StartModel(const StrokeSet& strokes, const std::vector<std::string>& ids);
 
-/// Effects that ordinary strokes can hardly tell from this one: a late signal and a filtered one, a sensor's zero and
-/// the tank's pressure.
-std::vector<std::string> TwinsOf(std::string_view id);
-/// A twin that gains this share of what the best does stays in the set.
-inline constexpr double kTwinShare = 0.9;
+/// Effects of a library that strokes can hardly tell from this one (Effect::twins, of either).
+std::vector<std::string> TwinsOf(const ModelStructure& model, std::string_view id);
+/// Effect::Twin::share of two effects, nothing if they are none.
+std::optional<double> ShareOfTwins(const ModelStructure& model, std::string_view a, std::string_view b);
 
 /// Stroke by stroke, held out: by how much `a` errs more than `b`, over the strokes that both were fitted to.
 /// Integral form, noise taken out, or flow form, as shown.
 Eigen::VectorXd Worse(const ExtendedFit& a, const ExtendedFit& b);
 Eigen::VectorXd WorseInFlow(const ExtendedFit& a, const ExtendedFit& b);
+
+class EffectRanking;
+/// An explanation with what stands before any effect is chosen: the model as it is and the ranking on it, which is empty if
+/// that model is not solved.
+Explanation BeginExplanation(const StrokeSet& strokes, const ExplainOptions& options,
+                             const CandidateModel& start, const EffectRanking& ranking);
 
 /// Tries effects on top of a model and weighs the evidence for them.
 class EffectRanking {
@@ -48,6 +53,12 @@ class EffectRanking {
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
   /// Effects of the ranking that stand out and are rivals of the first one, the first one included.
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
+  /// An effect that is the same to first order as another one, and about as good (Effect::twins).
+  bool IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
+              const ExtendedFit& best, double best_gain) const;
+  /// ExplainOptions::measured says that the effect is there / of another size than this.
+  bool IsConfirmed(int effect) const;
+  bool IsRefuted(const EffectEstimate& estimate) const;
   /// Strong enough to stand as one of two effects.
   bool IsStrong(const EffectEstimate& estimate) const;
   CandidateModel With(const CandidateModel& on, const EffectChoice& choice) const;
@@ -55,6 +66,7 @@ class EffectRanking {
  private:
   RankedEffect Try(const CandidateModel& on, int effect) const;
   void PreferStored(std::vector<RankedEffect>& ranking) const;
+  void PreferMeasured(std::vector<RankedEffect>& ranking) const;
   double Cost(const ExtendedFit& fit) const;
 
   const StrokeSet& strokes_;

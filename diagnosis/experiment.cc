@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <tuple>
 
 #include "diagnosis/played_stroke.h"
@@ -16,9 +17,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kWarmUp = 3600;   ///< s of waiting that warming the oil costs
-constexpr double kRodChange = 30;  ///< s that another pressure in chamber B costs, each time
-
 /// Evidence of strokes; those played through are worked out once.
 class StrokeEvidences {
  public:
@@ -28,10 +26,11 @@ class StrokeEvidences {
 
   /// A stroke played through: signals without sensor noise, whose energy is that of the same stroke with
   /// noise.
-  const RivalEvidence& Played(const std::vector<double>& pressures, double speed, double rod, double oil) {
-    const auto [at, fresh] = played_.try_emplace({pressures, speed, rod, oil});
+  const RivalEvidence& Played(const std::vector<double>& pressures, double speed, double rod, double oil,
+                              double begin) {
+    const auto [at, fresh] = played_.try_emplace({pressures, speed, rod, oil, begin});
     if (fresh) {
-      const PlayedStroke stroke{speed, rod, oil, pressures};
+      const PlayedStroke stroke{speed, rod, oil, begin, pressures};
       at->second = Of({{Play(*model_.structure, theta_, window_, moves_, stroke)}});
       at->second.noise =
           Of({{Play(*model_.structure, theta_, window_, moves_, stroke, SensorNoise::kAsRecorded)}}).noise;
@@ -47,7 +46,7 @@ class StrokeEvidences {
   const Eigen::VectorXd& theta_;
   const MachineMoves& moves_;
   const WindowSamples& window_;
-  std::map<std::tuple<std::vector<double>, double, double, double>, RivalEvidence> played_;
+  std::map<std::tuple<std::vector<double>, double, double, double, double>, RivalEvidence> played_;
 };
 
 std::vector<std::vector<double>> PressureProfiles(const MachineMoves& moves) {
@@ -87,22 +86,30 @@ std::vector<Experiment> Candidates(const MachineMoves& moves) {
   return out;
 }
 
-/// Mean stroke of a candidate.
-RivalEvidence MeanStroke(const Experiment& e, const MachineMoves& moves, StrokeEvidences& strokes) {
+/// s, that a series takes which is no longer than it must be, at a middling speed, upwards as downwards.
+double ShortestSeries(const MachineMoves& moves) {
+  return kExperiment.fewest_strokes * 2 * moves.stroke / (0.5 * (moves.speed_min + moves.speed_max));
+}
+
+/// Mean stroke of a candidate, of a series that begins at `begin`, s: what drifts goes on.
+RivalEvidence MeanStroke(const Experiment& e, const MachineMoves& moves, double begin,
+                         StrokeEvidences& strokes) {
   const std::vector<double> rods = e.rod.empty() ? std::vector{moves.rod} : e.rod;
-  const std::vector<double> oils =
-      e.warm_up > 0 ? std::vector{moves.oil, moves.oil + e.warm_up} : std::vector{moves.oil};
-  const double share = 1.0 / static_cast<double>(rods.size() * oils.size() * e.speeds.size());
+  const double end = begin + ShortestSeries(moves);
+  const double share = 1.0 / static_cast<double>(2 * rods.size() * e.speeds.size());
   RivalEvidence mean;
   for (const double rod : rods)
-    for (const double oil : oils)
-      for (const double speed : e.speeds) mean.Add(strokes.Played(e.pressures, speed, rod, oil), share);
+    for (const double speed : e.speeds) {
+      mean.Add(strokes.Played(e.pressures, speed, rod, moves.oil, begin), share);
+      mean.Add(strokes.Played(e.pressures, speed, rod, moves.oil + e.warm_up, end), share);
+    }
   return mean;
 }
 
 /// s of drawing and waiting.
 double Price(const Experiment& e) {
-  return e.seconds + (e.warm_up > 0 ? kWarmUp : 0) + kRodChange * static_cast<double>(e.rod.size());
+  return e.seconds + (e.warm_up > 0 ? kExperiment.warm_up : 0) +
+         kExperiment.rod_change * static_cast<double>(e.rod.size());
 }
 
 /// Whether `a` is the better series: it settles the case sooner, or goes further where none settles it.
@@ -111,34 +118,114 @@ bool Better(const Experiment& a, const Experiment& b) {
   return a.settles() ? Price(a) < Price(b) : a.separation > b.separation;
 }
 
+/// One hidden effect that the explanation leaves open: what series of strokes say of its rivals.
+class OpenQuestion {
+ public:
+  OpenQuestion(const Explanation& explanation, std::size_t group, const MachineMoves& moves,
+               std::span<const StrokeStretches> recorded, const WindowSamples& window)
+      : model_(RivalModelOf(explanation, group)),
+        theta_(explanation.final.theta.head(model_.structure->base_count)),
+        moves_(moves),
+        strokes_(model_, theta_, moves, window),
+        known_(strokes_.Of(recorded)),
+        rivals_(model_, StrokeSet(model_.structure, GramsOf(model_.structure, recorded, window), window)) {
+    for (const StrokeStretches& stroke : recorded)
+      for (const Stretch& s : stroke) begin_ = std::max(begin_, s.begin + s.samples * s.period);
+  }
+  OpenQuestion(const OpenQuestion&) = delete;
+
+  /// Takes up a candidate: of its strokes those pairs count that the longest series of them tells apart. More strokes do
+  /// not help twins: theirs must settle it.
+  void Take(const Experiment& candidate) {
+    means_.push_back(MeanStroke(candidate, moves_, begin_, strokes_));
+    const std::vector<double> most = After(means_.size() - 1, moves_.max_strokes);
+    told_.emplace_back();
+    for (std::size_t p = 0; p < most.size(); ++p)
+      told_.back().push_back(most[p] >=
+                             (rivals_.pairs()[p].twins ? kExperiment.settled : kExperiment.worthwhile));
+  }
+  /// Pairs of rivals that strokes of candidate number `candidate` tell apart.
+  int Told(std::size_t candidate) const {
+    int told = 0;
+    for (std::size_t p = 0; p < rivals_.pairs().size(); ++p)
+      told += told_[candidate][p] && !rivals_.pairs()[p].watched;
+    return told;
+  }
+  /// Between the nearest two that it tells apart, watched effects among them, after `strokes`.
+  double Nearest(std::size_t candidate, int strokes) const {
+    const std::vector<double> all = After(candidate, strokes);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t p = 0; p < all.size(); ++p)
+      if (told_[candidate][p]) nearest = std::min(nearest, all[p]);
+    return nearest;
+  }
+  /// Rivals that the candidate does not tell from another one.
+  void AddLeft(std::size_t candidate, std::vector<std::string>& ids) const {
+    for (std::size_t p = 0; p < rivals_.pairs().size(); ++p) {
+      const Rivals::Pair& pair = rivals_.pairs()[p];
+      const std::string& id = rivals_.id(pair.a);
+      if (!told_[candidate][p] && !pair.watched && std::find(ids.begin(), ids.end(), id) == ids.end())
+        ids.push_back(id);
+    }
+  }
+
+ private:
+  std::vector<double> After(std::size_t candidate, int strokes) const {
+    return rivals_.Separations(RivalEvidence(known_).Add(means_[candidate], strokes));
+  }
+
+  RivalModel model_;
+  Eigen::VectorXd theta_;
+  const MachineMoves& moves_;
+  StrokeEvidences strokes_;
+  RivalEvidence known_;
+  Rivals rivals_;
+  std::vector<RivalEvidence> means_;     ///< of a mean stroke of each candidate
+  std::vector<std::vector<bool>> told_;  ///< of each candidate, per pair
+  double begin_ = 0;                     ///< s, at which strokes to be recorded begin
+};
+
 }  // namespace
 
-bool Experiment::settles() const { return separation >= kSettledSeparation; }
+bool Experiment::settles() const { return separation >= kExperiment.settled; }
 
 Experiment ProposeExperiment(const Explanation& explanation, const MachineMoves& moves,
                              std::span<const StrokeStretches> recorded, const WindowSamples& window) {
   if (explanation.verdict != Verdict::kAmbiguous || explanation.model->name != "die_cushion") return {};
-  const RivalModel model = RivalModelOf(explanation);
-  const Eigen::VectorXd theta = explanation.final.theta.head(model.structure->base_count);
-  StrokeEvidences strokes(model, theta, moves, window);
-  const RivalEvidence known = strokes.Of(recorded);
-  const Rivals directions(model,
-                          StrokeSet(model.structure, GramsOf(model.structure, recorded, window), window));
+  const std::vector<Experiment> candidates = Candidates(moves);
+  std::vector<std::unique_ptr<OpenQuestion>> questions;
+  for (const std::size_t group : OpenGroups(explanation)) {
+    questions.push_back(std::make_unique<OpenQuestion>(explanation, group, moves, recorded, window));
+    for (const Experiment& candidate : candidates) questions.back()->Take(candidate);
+  }
+  const auto told = [&](std::size_t candidate) {
+    int sum = 0;
+    for (const auto& question : questions) sum += question->Told(candidate);
+    return sum;
+  };
+  int most = 0;
+  for (std::size_t k = 0; k < candidates.size(); ++k) most = std::max(most, told(k));
 
   Experiment best;
-  for (Experiment& candidate : Candidates(moves)) {
-    const RivalEvidence stroke = MeanStroke(candidate, moves, strokes);
+  for (std::size_t k = 0; k < candidates.size() && most > 0; ++k) {
+    if (told(k) < most) continue;
     const auto separation = [&](int count) {
-      return directions.Nearest(RivalEvidence(known).Add(stroke, count));
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const auto& question : questions) nearest = std::min(nearest, question->Nearest(k, count));
+      return nearest;
     };
-    if (separation(moves.max_strokes) < kWorthwhileSeparation) continue;
-    const int enough = StrokesToSettle(moves.max_strokes, separation);
-    candidate.strokes = enough;
-    candidate.separation = separation(enough);
+    Experiment candidate = candidates[k];
+    candidate.strokes = StrokesToSettle(moves.max_strokes, separation);
+    candidate.separation = separation(candidate.strokes);
     for (const double speed : candidate.speeds)
-      candidate.seconds += enough * moves.stroke / speed / static_cast<double>(candidate.speeds.size());
-    if (best.pressures.empty() || Better(candidate, best)) best = candidate;
+      candidate.seconds +=
+          candidate.strokes * moves.stroke / speed / static_cast<double>(candidate.speeds.size());
+    for (const auto& question : questions) question->AddLeft(k, candidate.left);
+    if (best.pressures.empty() || Better(candidate, best)) best = std::move(candidate);
   }
+  if (best.pressures.empty())
+    for (const std::size_t group : OpenGroups(explanation))
+      best.left.insert(best.left.end(), explanation.groups[group].begin(), explanation.groups[group].end());
   return best;
 }
 

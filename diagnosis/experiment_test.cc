@@ -79,7 +79,35 @@ TEST_F(ExperimentTest, ProposesNothingThatWouldNotSettleIt) {
   moves.speed_max = moves.speed_min;
   moves.pressure_max = moves.pressure_min;
   moves.max_strokes = 24;
-  EXPECT_TRUE(Propose(moves).pressures.empty());
+  const Experiment e = Propose(moves);
+  EXPECT_TRUE(e.pressures.empty());
+  EXPECT_EQ(e.left, explanation_->set);
+}
+
+/// What warms evenly with time is a class with what drifts; in strokes recorded later time has gone on and the oil is cold again.
+TEST(ExperimentOfADrift, StrokesRecordedLaterTellItFromTheOil) {
+  PressOptions press;
+  press.seconds = 60;
+  press.oil_start = 300;
+  press.oil_end = 312;
+  press.effects = {{"oil_viscosity", 0.002, {}}};
+  const auto strokes_of = [](const PressOptions& of) {
+    return *StrokesOf(SimulatePress(of), MachineFor(of), KeepSamples::kYes);
+  };
+  LogStrokes log = strokes_of(press);
+  const Explanation before = ExplainSamples(log.model, log.stretches, log.window);
+  ASSERT_THAT(before.set, testing::UnorderedElementsAre("oil_viscosity", "Q_vn_drift"));
+  const Experiment e =
+      ProposeExperiment(before, MovesOf(log.machine, log.stretches), log.stretches, log.window);
+  ASSERT_FALSE(e.pressures.empty());
+  EXPECT_THAT(e.left, testing::IsEmpty());
+  press.seed += 1;
+  press.motion.speeds = e.speeds;
+  press.motion.set_points = e.pressures;
+  press.seconds = e.seconds + 3.0 * e.strokes;
+  Append(strokes_of(press), log);
+  const Explanation after = ExplainSamples(log.model, log.stretches, log.window);
+  EXPECT_THAT(after.set, testing::ElementsAre("oil_viscosity"));
 }
 
 TEST_F(ExperimentTest, RecordedAndExplainedTogetherItNamesTheLeak) {

@@ -12,19 +12,6 @@
 namespace hydroscope {
 namespace {
 
-/// Share of the noise energy by which the floor itself may be off (estimation/noise_floor_test.cc).
-constexpr double kFloorError = 0.04;
-/// First effects on top of which every second one is tried.
-constexpr std::size_t kPairFirsts = 5;
-/// A generic law of which less than this share is left beside a named effect is much the same as that effect.
-/// Leaks to sides of different pressure are much the same too, and yet different causes: such a flow must be
-/// the very same.
-constexpr double kSameLaw = 0.02, kSameFlow = 1e-4;
-
-/// Share of the difference that an effect must make beside another to be sure of it: laws that are nearly
-/// right leave that much (kinds "relative" of `benchmark plant-logs`).
-constexpr double kSmallSecond = 0.03;
-
 using Groups = std::vector<std::vector<std::string>>;
 
 /// One run of the chain over one set of Grams.
@@ -45,13 +32,14 @@ class Explainer {
            options_.floor_excess + share * options_.left_share * std::max(0.0, start_.fit.excess_ratio);
   }
   /// Nothing is left that another law could explain: what it would gain is noise.
-  bool IsBelowFloor(const ExtendedFit& fit) const { return fit.excess_ratio < -kFloorError; }
+  bool IsBelowFloor(const ExtendedFit& fit) const { return fit.excess_ratio < -options_.floor_error; }
   /// Laws with one parameter have found a value that agrees with itself, as far as they were refined.
   bool IsLawful(const ExtendedFit& fit) const {
     return std::all_of(fit.effects.begin() + static_cast<std::ptrdiff_t>(start_.choices.size()),
                        fit.effects.end(), [&](const EffectEstimate& e) {
-                         return e.consistent ||
-                                !strokes_.model().effect_shapes[e.choice.effect][e.choice.shape].refined;
+                         const bool refined =
+                             strokes_.model().effect_shapes[e.choice.effect][e.choice.shape].refined;
+                         return (e.consistent || !refined) && !ranking_.IsRefuted(e);
                        });
   }
   const std::string& Id(const EffectChoice& choice) const {
@@ -94,7 +82,7 @@ std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> rankin
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const RankedEffect& a, const RankedEffect& b) { return a.gain > b.gain; });
   std::vector<EffectChoice> firsts;
-  for (std::size_t a = 0; a < std::min(kPairFirsts, ranking.size()); ++a)
+  for (std::size_t a = 0; a < std::min(options_.pair_firsts, ranking.size()); ++a)
     for (const EffectChoice& choice : Shapes(ranking[a].fit.effects.back().choice)) firsts.push_back(choice);
   return firsts;
 }
@@ -124,6 +112,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     CandidateModel model;
     double gain;
     bool lawful;
+    int confirmed;  ///< effects of it that were measured elsewhere
     int effect[2];
   };
   std::vector<Pair> pairs;
@@ -139,6 +128,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
       Pair pair{{first.choices, second.fit},
                 ranking_.Gain(ranking.front().fit, second.fit),
                 IsLawful(second.fit),
+                ranking_.IsConfirmed(choice.effect) + ranking_.IsConfirmed(second.effect),
                 {choice.effect, second.effect}};
       pair.model.choices.push_back(second.fit.effects.back().choice);
       if (pair.gain > options_.min_gain) pairs.push_back(std::move(pair));
@@ -146,7 +136,8 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   }
   if (pairs.empty()) return std::nullopt;
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) {
-    return x.lawful != y.lawful ? x.lawful : x.gain > y.gain;
+    if (x.lawful != y.lawful) return x.lawful;
+    return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
   });
   const Pair& best = pairs.front();
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
@@ -154,15 +145,19 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other
   // one.
   for (std::size_t k = 1; k < pairs.size(); ++k) {
-    const bool rival = ranking_.IsRival(pairs[k].model.fit, best.model.fit);
-    const bool close = pairs[k].gain > kTwinShare * best.gain;
-    if (!rival && !close) continue;
+    const ExtendedFit &fit = pairs[k].model.fit, &best_fit = best.model.fit;
+    if (std::any_of(fit.effects.begin(), fit.effects.end(),
+                    [&](const EffectEstimate& e) { return ranking_.IsRefuted(e); }))
+      continue;
+    const bool rival = ranking_.IsRival(fit, best_fit);
     for (int mine = 0; mine < 2; ++mine)
       for (int theirs = 0; theirs < 2; ++theirs) {
-        const std::string& other = strokes_.model().effects[pairs[k].effect[theirs]]->id;
-        const std::vector<std::string> twins = TwinsOf(strokes_.model().effects[best.effect[mine]]->id);
-        const bool twin = std::find(twins.begin(), twins.end(), other) != twins.end();
-        if ((rival || twin) && pairs[k].effect[1 - theirs] == best.effect[1 - mine] &&
+        if (pairs[k].effect[1 - theirs] != best.effect[1 - mine] || ranking_.IsConfirmed(best.effect[mine]))
+          continue;
+        const std::string &other = strokes_.model().effects[pairs[k].effect[theirs]]->id,
+                          &own = strokes_.model().effects[best.effect[mine]]->id;
+        const bool twin = ranking_.IsTwin(other, fit, pairs[k].gain, own, best_fit, best.gain);
+        if ((rival || twin) &&
             std::find(groups[mine].begin(), groups[mine].end(), other) == groups[mine].end())
           groups[mine].push_back(other);
       }
@@ -227,8 +222,9 @@ void Explainer::FindMargin(Explanation& out) const {
 
 /// Little of the law is left beside an effect that may be the one.
 bool Explainer::IsSame(const RankedEffect& law, const Explanation& found) const {
-  const double least = (strokes_.model().effects[law.effect]->plain_flow ? kSameFlow : kSameLaw) *
-                       law.fit.effects.back().independent;
+  const double least =
+      (strokes_.model().effects[law.effect]->plain_flow ? options_.same_flow : options_.same_law) *
+      law.fit.effects.back().independent;
   const auto& group = found.groups.front();
   return std::any_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& named) {
     if (std::find(group.begin(), group.end(), named.id) == group.end()) return false;
@@ -286,7 +282,7 @@ void Explainer::Judge(Explanation& out) const {
   } else if (const auto blend = Relatives(out.groups)) {
     out.doubt = fmt::format("{} and {} have similar signatures, and together they can pass for a third law",
                             blend->first, blend->second);
-  } else if (const double least = LeastShare(out); least < kSmallSecond) {
+  } else if (const double least = LeastShare(out); least < options_.small_second) {
     out.doubt = fmt::format(
         "one of the effects makes {:.1f} % of the difference only, as much as the other may owe to a "
         "law that is not quite its own",
@@ -303,14 +299,8 @@ void Explainer::Judge(Explanation& out) const {
 }
 
 Explanation Explainer::Run() {
-  Explanation out;
-  out.model = strokes_.shared_model();
-  out.base = out.final = start_.fit;
-  out.chosen = start_.choices;
-  out.started = static_cast<int>(start_.choices.size());
-  out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
+  Explanation out = BeginExplanation(strokes_, options_, start_, ranking_);
   if (!out.base.solved) return out;
-  out.ranking = ranking_.Rank(start_);
   const bool stands_out = !out.ranking.empty() && out.ranking.front().significant;
   const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
   std::optional<CandidateModel> model;

@@ -21,6 +21,14 @@ enum class Verdict {
 };
 const char* VerdictName(Verdict verdict);
 
+/// Size of an effect as a test off the log gave it, SI: 0 +- std says that it is not there.
+struct MeasuredSize {
+  double size = 0, std = 0;
+};
+
+/// ExplainOptions::twin_excess.
+inline constexpr double kTwinExcess = 0.2;
+
 /// Thresholds, calibrated by `hydroscope benchmark hidden-effects` on simulated machines (docs/workbench.md).
 struct ExplainOptions {
   double min_gain = 40.0;  ///< held-out error energy an effect must remove, in units of the noise variance
@@ -48,11 +56,39 @@ struct ExplainOptions {
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
   std::map<std::string, std::string> untestable;  ///< ids that these strokes cannot test, and why
+  /// A twin (Effect::twins) leaves the set once it leaves so much more of the noise energy than the best does. Columns of late
+  /// and of filtered signals err by less: `hydroscope benchmark late-signals` prints by how much.
+  double twin_excess = kTwinExcess;
   std::vector<std::string> exclude;  ///< ids left out of the library, for tests of what is not known
+  std::map<std::string, MeasuredSize>
+      measured;  ///< sizes of effects known from a test off the log (Effect::measured_by)
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
   /// function of the measured signals can predict on strokes left out (diagnosis/predictability.h).
   bool floor_believable = true;
   PredictabilityOptions predictability;
+  // Thresholds of single steps, set on the same campaigns unless said otherwise.
+  double matters_times =
+      5.0;  ///< an effect this many times its typical size must stand out, else it cannot be tested
+  double floor_error =
+      0.04;  ///< share of the noise energy by which the floor may be off (estimation/noise_floor_test.cc)
+  std::size_t pair_firsts = 5;  ///< first effects on top of which every second one is tried
+  double close_gain = 0.1;      ///< effects that gain this share of the best are refined
+  double first_look_t = 3.0;    ///< second_t before shapes are refined, which makes sizes surer
+  /// A generic law of which less than this share is left beside a named effect is much the same as that effect. Leaks to
+  /// sides of different pressure are much the same too, and yet different causes: such a flow must be the very same.
+  double same_law = 0.02, same_flow = 1e-4;
+  /// Share of the difference that an effect must make beside another to be sure of it: laws that are nearly right leave that
+  /// much (kinds "relative" of `hydroscope benchmark plant-logs`).
+  double small_second = 0.03;
+  /// Noise energy over the floor up to which noise that is but slightly coloured may pass for white: its test has a tolerance
+  /// (SignalNoiseOptions), which a block of ten rows multiplies.
+  double hidden_colour = 2.0;
+  /// Share and p-value of what can be predicted below which it is nothing.
+  double nothing_share = 0.02, nothing_p = 0.05;
+  /// Predictability::correlation of white sensor noise, for which the thresholds were calibrated: pressure noise in the
+  /// valve's flow is integrated and makes neighbouring equations alike (median of healthy logs of `hydroscope benchmark
+  /// hidden-effects`).
+  double white_correlation = 2.0;
   double noise_scale = 1;     ///< noise energy over that of the noise shares
   double evidence_scale = 1;  ///< noise variances that count as one where equations are correlated
 };
@@ -63,9 +99,13 @@ struct RankedEffect {
   std::string id;
   std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
   bool testable = false;
-  std::string why_not;  ///< why it cannot be tested with these data
-  bool significant = false;
-  bool lawful = true;  ///< false: refined, its one parameter contradicts itself (Effect::implied)
+  std::string why_not;      ///< why it cannot be tested with these data
+  bool stands_out = false;  ///< of the noise, in the integral form: enough for a rival of what is named
+  bool significant =
+      false;  ///< ... and it lowers the error on strokes left out in the units shown: may be named
+  bool lawful =
+      true;  ///< false: refined, its one parameter contradicts itself (Effect::implied); or it contradicts what
+             ///< was measured of it
   double gain = 0;     ///< held-out error energy removed, in noise variances
   double p_value = 1;  ///< of the size against 0, clustered by stroke
   ExtendedFit fit;
@@ -114,11 +154,13 @@ struct Explanation {
   std::vector<RankedEffect> ranking;  ///< on the model as it is, best first
   std::vector<RankedEffect> second;   ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
-  double noise_scale = 1;  ///< ExplainOptions::noise_scale that was found
+  double noise_scale = 1;     ///< ExplainOptions::noise_scale that was found
+  double evidence_scale = 1;  ///< ExplainOptions::evidence_scale that gains were counted in
   /// Strokes that were left out of everything else here, except of a set that explains them.
   std::vector<OddStrokes> odd_strokes;
   Predictability base_left, final_left;  ///< of the error of `base` and `final`; tested on samples only
-  std::optional<EffectSwap> swap;        ///< an effect that was added wrongly, and what does better
+  std::map<std::string, MeasuredSize> measured;  ///< ExplainOptions::measured
+  std::optional<EffectSwap> swap;                ///< an effect that was added wrongly, and what does better
 };
 
 /// Finds which effects of the library explain what the model leaves, from Grams alone. `base.solved` is

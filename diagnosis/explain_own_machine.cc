@@ -34,14 +34,8 @@ class OwnMachineExplainer {
         ranking_(strokes, options, start.fit.noise_variance * options.evidence_scale) {}
 
   Explanation Run() {
-    Explanation out;
-    out.model = strokes_.shared_model();
-    out.base = out.final = start_.fit;
-    out.chosen = start_.choices;
-    out.started = static_cast<int>(start_.choices.size());
-    out.steps.push_back({"", out.base.rms_holdout, out.base.excess_ratio});
+    Explanation out = BeginExplanation(strokes_, options_, start_, ranking_);
     if (!out.base.solved) return out;
-    out.ranking = ranking_.Rank(start_);
     const SubsetResult found = SearchSubsets(strokes_, start_, Candidates(), Options());
     const bool at_floor = out.base.excess_ratio <= options_.floor_excess;
     if (found.best.choices.size() == start_.choices.size()) {

@@ -18,9 +18,6 @@ namespace hydroscope {
 namespace {
 
 constexpr int kRounds = 4;
-constexpr double kClose = 0.1;  ///< effects that gain this share of the best are refined
-constexpr double kFirstLookT =
-    3.0;  ///< ExplainOptions::second_t before shapes are refined, which makes sizes surer
 constexpr double kSettled = 0.005;  ///< change of the excess ratio
 
 /// An effect to refine, in a model that has the others.
@@ -42,7 +39,7 @@ std::vector<Refinement> CloseTo(const Explanation& found, const ExplainOptions& 
   for (const auto& ranking : {found.ranking, found.second})
     for (const RankedEffect& r : ranking)
       if (r.fit.solved && !found.model->effects[r.effect]->nonlinear.empty() &&
-          r.gain > std::max(options.min_gain, kClose * ranking.front().gain))
+          r.gain > std::max(options.min_gain, options.close_gain * ranking.front().gain))
         work.push_back({r.fit.effects.back().choice, Before(r.fit)});
   return work;
 }
@@ -82,7 +79,7 @@ void RefineTwins(ModelStructure& model, std::span<const StrokeStretches> strokes
   for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
     const std::vector<double> values =
         found.model->effect_shapes[found.chosen[k].effect][found.chosen[k].shape].nonlinear;
-    for (const std::string& id : TwinsOf(model.effects[found.chosen[k].effect]->id))
+    for (const std::string& id : TwinsOf(model, model.effects[found.chosen[k].effect]->id))
       for (int e = 0; e < static_cast<int>(model.effects.size()); ++e) {
         if (model.effects[e]->id != id || model.effects[e]->nonlinear.size() != values.size()) continue;
         std::vector<EffectChoice> choices = found.chosen;
@@ -110,7 +107,7 @@ Explanation ExplainRefined(std::shared_ptr<const ModelStructure> model,
   }
   model = with_laws;
   ExplainOptions first_look = options;
-  first_look.second_t = kFirstLookT;
+  first_look.second_t = options.first_look_t;
   Explanation out = Explain(set_of(model), first_look);
   if (const auto wider = WithSearchedEffects(out, strokes, options)) {
     model = wider;
@@ -181,11 +178,6 @@ Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
 constexpr int kNoiseRounds = 3;
 /// Change of the noise energy below which another round would say the same.
 constexpr double kNoiseSettled = 0.1;
-/// Predictability::correlation of white sensor noise, for which the thresholds were calibrated: pressure
-/// noise in the valve's flow is integrated and makes neighbouring equations alike (median of healthy logs of
-/// `benchmark hidden-effects`).
-constexpr double kWhiteCorrelation = 2.0;
-
 /// Where the noise shares do not hold: noise is what cannot be predicted, first of the error of the model as
 /// it is, then of that of the model found.
 Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
@@ -204,7 +196,7 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
     const double scale = left.left() / start.fit.noise_variance;
     if (round > 0 && scale > (1 - kNoiseSettled) * options.noise_scale) break;
     options.noise_scale = scale;
-    options.evidence_scale = std::max(1.0, left.correlation / kWhiteCorrelation);
+    options.evidence_scale = std::max(1.0, left.correlation / options.white_correlation);
     out = ExplainRefined(model, strokes, window, options);
     FindWhatIsLeft(strokes, window, options, out);
     out.noise_scale = options.noise_scale;
@@ -214,17 +206,11 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
   return out;
 }
 
-/// Noise energy over the floor up to which noise that is but slightly coloured may pass for white: its test
-/// has a tolerance (SignalNoiseOptions), which a block of ten rows multiplies.
-constexpr double kHiddenColour = 2.0;
-/// Share and p-value of what can be predicted below which it is nothing.
-constexpr double kNothingShare = 0.02, kNothingP = 0.05;
-
 /// An error above the floor that nothing predicts, and so small that the noise test may have missed its
 /// colour.
-bool IsFloorToBlame(const Explanation& x) {
-  return x.final_left.tested && x.final.excess_ratio + 1 < kHiddenColour &&
-         (x.final_left.share < kNothingShare || x.final_left.p_value > kNothingP);
+bool IsFloorToBlame(const Explanation& x, const ExplainOptions& options) {
+  return x.final_left.tested && x.final.excess_ratio + 1 < options.hidden_colour &&
+         (x.final_left.share < options.nothing_share || x.final_left.p_value > options.nothing_p);
 }
 
 /// The explanation of the model as it is, whatever was added to it.
@@ -242,8 +228,9 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   const StrokeSet set(out.model, GramsOf(out.model, strokes, window), window, out.noise_scale);
   ExplainOptions scaled = options;
   scaled.noise_scale = out.noise_scale;
+  scaled.evidence_scale = out.evidence_scale;
   if (auto parted = ExplainOddStrokes(set, out, scaled)) return std::move(*parted);
-  if (!options.floor_believable || !IsFloorToBlame(out)) return out;
+  if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
   if (without.verdict == Verdict::kUnknown) return out;
   without.warnings.push_back(fmt::format(

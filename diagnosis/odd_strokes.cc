@@ -8,11 +8,6 @@
 namespace hydroscope {
 namespace {
 
-/// Odd strokes that an effect must be seen in, each left out in turn.
-constexpr std::size_t kLeastNamed = 3;
-/// Effects that gain most, each tried as what the rest misses.
-constexpr std::size_t kTried = 4;
-
 std::size_t Worst(const StrokeSet& strokes, const ExtendedFit& fit) {
   std::size_t worst = 0;
   for (std::size_t s = 1; s < static_cast<std::size_t>(strokes.strokes()); ++s)
@@ -87,10 +82,11 @@ struct OddExplained {
   Explanation explanation;
 };
 std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vector<std::size_t>& odd,
-                                        const Explanation& rest, const ExplainOptions& explain) {
+                                        const Explanation& rest, const ExplainOptions& explain,
+                                        const OddStrokeOptions& options) {
   constexpr std::array<std::pair<std::size_t, std::size_t>, 4> kEnds = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   for (const auto& [first, last] : kEnds) {
-    if (odd.size() < kLeastNamed + first + last) return std::nullopt;
+    if (odd.size() < options.least_named + first + last) return std::nullopt;
     const std::vector<std::size_t> left(odd.begin() + static_cast<std::ptrdiff_t>(first),
                                         odd.end() - static_cast<std::ptrdiff_t>(last));
     std::vector<std::size_t> used = RestOf(strokes, odd);
@@ -112,7 +108,7 @@ std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const Effe
   if (odd.empty()) return std::nullopt;
   Explanation out = Explain(strokes.Only(RestOf(strokes, odd)), explain);
   if (out.verdict == Verdict::kUnknown) return std::nullopt;
-  if (auto most = ExplainMost(strokes, odd, out, explain)) {
+  if (auto most = ExplainMost(strokes, odd, out, explain, options)) {
     if (out.verdict == Verdict::kAdequate) out = std::move(most->explanation);
     std::erase_if(odd, [&](std::size_t s) {
       return std::binary_search(most->strokes.strokes.begin(), most->strokes.strokes.end(), s);
@@ -129,7 +125,7 @@ std::optional<Explanation> ExplainOddStrokes(const StrokeSet& strokes, const Exp
                                              const ExplainOptions& explain, const OddStrokeOptions& options) {
   const std::vector<EffectChoice> start(whole.chosen.begin(), whole.chosen.begin() + whole.started);
   if (auto parted = Parted(strokes, start, explain, options)) return parted;
-  for (std::size_t k = 0; k < std::min(kTried, whole.ranking.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(options.tried, whole.ranking.size()); ++k) {
     if (!whole.ranking[k].fit.solved || whole.ranking[k].gain < explain.min_gain) continue;
     std::vector<EffectChoice> by = start;
     by.push_back(whole.ranking[k].fit.effects.back().choice);

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 SimulatedStrokes LogWith(std::vector<ImperfectionSetting> imperfections) {
@@ -36,6 +37,16 @@ TEST(OddStrokes, ALeakInSomeStrokesIsNamedInThese) {
   EXPECT_THAT(x.odd_strokes.front().set, ElementsAre("internal_leakage"));
   EXPECT_GE(x.odd_strokes.front().strokes.size(), 3u);
   EXPECT_EQ(x.verdict, Verdict::kNamed);
+}
+
+TEST(OddStrokes, UnderColouredNoiseTheirGainsCountAsThoseOfTheWholeLog) {
+  const SimulatedStrokes log = LogWith(
+      {{"intermittent_leakage", 12e-12, {{"share", 0.3}}, {}}, {"coloured_noise", 0.5, {{"phi", 0.9}}, {}}});
+  ExplainOptions options;
+  options.floor_believable = false;
+  const Explanation x = ExplainSamples(log.model, log.strokes, log.window, options);
+  ASSERT_THAT(x.odd_strokes, Not(IsEmpty()));
+  EXPECT_GT(x.evidence_scale, 1.1);
 }
 
 TEST(OddStrokes, ABadStretchOfASensorSpoilsNoOtherStroke) {

@@ -29,6 +29,7 @@ StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta, 
     Stretch stretch;
     stretch.period = period;
     stretch.samples = span;
+    stretch.begin = played.begin + first * period;
     stretch.channel.assign(model.channel_names.size(), std::vector<double>(span, 0.0));
     bool open = true;
     for (int k = 0; k < span; ++k) {

@@ -12,6 +12,7 @@ struct PlayedStroke {
   double speed = 0;                   ///< m/s, of the ram
   double rod = 0;                     ///< Pa, in chamber B
   double oil = 0;                     ///< K
+  double begin = 0;                   ///< s, on the time of the strokes recorded
   std::span<const double> pressures;  ///< Pa, in chamber A, in equal parts of the stroke
 };
 

@@ -1,27 +1,19 @@
 #include "diagnosis/rival_separation.h"
 
 #include <algorithm>
-#include <limits>
 
+#include "diagnosis/effect_ranking.h"
 #include "diagnosis/refine.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kWatched = 0.5;        ///< of the best effect's gain
-constexpr double kWatchedWeight = 2.0;  ///< of their separation, since they lag behind already
-
-std::vector<int> RivalsOf(const Explanation& explanation) {
-  std::vector<int> rivals;
-  const auto& effects = explanation.model->effects;
-  for (const auto& group : explanation.groups) {
-    if (group.size() < 2) continue;
-    for (const std::string& id : group)
-      for (std::size_t e = 0; e < effects.size(); ++e)
-        if (effects[e]->id == id) rivals.push_back(static_cast<int>(e));
-    break;
-  }
-  return rivals;
+std::vector<int> IndicesOf(const ModelStructure& model, const std::vector<std::string>& ids) {
+  std::vector<int> indices;
+  for (const std::string& id : ids)
+    for (std::size_t e = 0; e < model.effects.size(); ++e)
+      if (model.effects[e]->id == id) indices.push_back(static_cast<int>(e));
+  return indices;
 }
 
 /// Effects that are no rivals now, but that explain so much that they could be after an experiment that does
@@ -31,7 +23,7 @@ std::vector<int> WatchedOf(const Explanation& explanation) {
   if (explanation.groups.size() != 1) return watched;
   const auto& group = explanation.groups.front();
   for (const RankedEffect& r : explanation.ranking)
-    if (r.fit.solved && r.gain > kWatched * explanation.ranking.front().gain &&
+    if (r.fit.solved && r.gain > kExperiment.watched * explanation.ranking.front().gain &&
         std::find(group.begin(), group.end(), r.id) == group.end())
       watched.push_back(r.effect);
   return watched;
@@ -52,9 +44,23 @@ double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const 
 
 }  // namespace
 
+std::vector<std::size_t> OpenGroups(const Explanation& explanation) {
+  std::vector<std::size_t> open;
+  for (std::size_t g = 0; g < explanation.groups.size(); ++g)
+    if (explanation.groups[g].size() > 1) open.push_back(g);
+  return open;
+}
+
 RivalModel RivalModelOf(const Explanation& explanation) {
+  const std::vector<std::size_t> open = OpenGroups(explanation);
+  return RivalModelOf(explanation, open.empty() ? explanation.groups.size() : open.front());
+}
+
+RivalModel RivalModelOf(const Explanation& explanation, std::size_t group) {
+  const std::vector<std::string> ids =
+      group < explanation.groups.size() ? explanation.groups[group] : std::vector<std::string>();
   RivalModel out{std::make_shared<ModelStructure>(*explanation.model),
-                 RivalsOf(explanation),
+                 IndicesOf(*explanation.model, ids),
                  WatchedOf(explanation),
                  {}};
   ModelStructure& structure = *out.structure;
@@ -111,31 +117,46 @@ Rivals::Rivals(const RivalModel& model, const StrokeSet& recorded) {
         return recorded.Direction(choices[k], at);
       };
       unit_.push_back(direction(model.others.size()));
+      ids_.push_back(model.structure->effects[effect]->id);
       if (effects != &model.rivals) continue;
       for (std::size_t k = 0; k < model.others.size(); ++k)
         known_.col(base + static_cast<Eigen::Index>(k)) = direction(k);
       fitted_.push_back(unit_.back() * fit.effects.back().size);
     }
   }
-}
-
-double Rivals::Nearest(const RivalEvidence& evidence) const {
-  if (fitted_.size() < 2) return 0;
-  double nearest = std::numeric_limits<double>::infinity();
+  if (fitted_.size() < 2) return;
   for (std::size_t a = 0; a < fitted_.size(); ++a)
     for (std::size_t b = 0; b < unit_.size(); ++b)
       if (a != b)
-        nearest = std::min(nearest, Separation(evidence.total, fitted_[a], known_, unit_[b]) *
-                                        (b < fitted_.size() ? 1 : kWatchedWeight));
-  return nearest * evidence.equations / evidence.noise;
+        pairs_.push_back(
+            {a, b, ShareOfTwins(*model.structure, ids_[a], ids_[b]).value_or(1) < 1, b >= fitted_.size()});
+}
+
+std::vector<double> Rivals::Separations(const RivalEvidence& evidence) const {
+  const double apart = kExperiment.twins_apart * evidence.equations;
+  std::vector<double> out;
+  for (const Pair& pair : pairs_) {
+    const double energy = Separation(evidence.total, fitted_[pair.a], known_, unit_[pair.b]) *
+                          evidence.equations / evidence.noise;
+    const double weight = pair.twins ? kExperiment.settled / std::max(apart, kExperiment.settled)
+                                     : (pair.watched ? kExperiment.watched_weight : 1);
+    out.push_back(energy * weight);
+  }
+  return out;
+}
+
+double Rivals::Nearest(const RivalEvidence& evidence) const {
+  if (pairs_.empty()) return 0;
+  const std::vector<double> separations = Separations(evidence);
+  return *std::min_element(separations.begin(), separations.end());
 }
 
 int StrokesToSettle(int most, const std::function<double(int)>& separation) {
-  if (separation(most) < kSettledSeparation) return most;
+  if (separation(most) < kExperiment.settled) return most;
   int enough = most;
-  for (int few = kFewestProposed - 1; enough - few > 1;) {
+  for (int few = kExperiment.fewest_strokes - 1; enough - few > 1;) {
     const int middle = (few + enough) / 2;
-    (separation(middle) < kSettledSeparation ? few : enough) = middle;
+    (separation(middle) < kExperiment.settled ? few : enough) = middle;
   }
   return enough;
 }

@@ -108,7 +108,7 @@ class SignalSearch {
     const SignalExperiment same =
         Tried({{}, MeanOfRecorded(All()), seconds_ / static_cast<double>(recorded_.size())}, out);
     best = Better(best, same, kClearlyFewer);
-    if (best.separation >= kWorthwhileSeparation) return best;
+    if (best.separation >= kExperiment.worthwhile) return best;
     out.separation = best.separation;
     return out;
   }
@@ -329,7 +329,7 @@ std::string LevelsText(const SignalLevels& s) {
 
 }  // namespace
 
-bool SignalExperiment::settles() const { return strokes > 0 && separation >= kSettledSeparation; }
+bool SignalExperiment::settles() const { return strokes > 0 && separation >= kExperiment.settled; }
 
 SignalExperiment ProposeSignalExperiment(const Explanation& explanation, const Machine& machine,
                                          std::span<const StrokeStretches> recorded,
@@ -356,7 +356,7 @@ std::string SignalExperimentText(const SignalExperiment& e) {
                       "now and {:.0f} at most, {:.0f} is needed. The effects in question and the terms read "
                       "{}: say under [experiment] signals of the machine file what those may be run at, or "
                       "allow more, and explain again.",
-                      e.separation_now, e.separation, kSettledSeparation, fmt::join(e.inputs, ", "));
+                      e.separation_now, e.separation, kExperiment.settled, fmt::join(e.inputs, ", "));
   if (e.signals.empty()) {
     text += fmt::format("Record {} more strokes like these", e.strokes);
   } else {
@@ -368,7 +368,7 @@ std::string SignalExperimentText(const SignalExperiment& e) {
   return text + fmt::format(
                     " ({:.0f} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain "
                     "this log and that one together.{}",
-                    e.seconds, e.separation, e.separation_now, kSettledSeparation,
+                    e.seconds, e.separation, e.separation_now, kExperiment.settled,
                     e.settles() ? "" : " It may not be enough.");
 }
 

@@ -40,7 +40,7 @@ struct SignalExperiment {
 /// allowed, only strokes as they were recorded are trusted: all of them, and those of low, of high and of low
 /// and high means and speeds of each signal. The separation is that of ProposeExperiment; its unit is the
 /// sensor noise as recorded or, if more, what the explanation leaves. None is proposed if the explanation is
-/// not ambiguous, or if the longest series stays below kWorthwhileSeparation.
+/// not ambiguous, or if the longest series stays below kExperiment.worthwhile.
 SignalExperiment ProposeSignalExperiment(const Explanation& explanation, const Machine& machine,
                                          std::span<const StrokeStretches> recorded,
                                          const WindowSamples& window);

@@ -60,11 +60,24 @@ struct Effect {
   /// Column::Fill. Empty: it acts on no signal.
   std::function<void(double value, double& state, Stretch&)> correct;
   std::vector<std::string> confused_with;  ///< ids of effects with a similar signature
-  std::string hidden_in;                   ///< base parameters that swallow it when it is not modelled
-  std::string plain;  ///< one sentence for the maintenance engineer: what it is, what to look for
+  /// An effect that is the same to first order: what tells the two apart is as small as the errors of their columns.
+  struct Twin {
+    std::string id;
+    double share = 0.9;  ///< stays beside the better one while it gains this share of what that does
+  };
+  std::vector<Twin> twins;  ///< told by one of the two
+  std::string hidden_in;    ///< base parameters that swallow it when it is not modelled
+  std::string plain;        ///< one sentence for the maintenance engineer: what it is, what to look for
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;
+  /// A test off the log that gives its size, to be told to `explain --measured`: "the reading of the pressure sensor with its
+  /// line vented". Empty: there is none.
+  std::string measured_by;
+  /// What is wrong wherever a law of its kind is at work, though not quite this law: "oil is lost".
+  std::string family;
+  /// Where it is at work with these values of `nonlinear`, "above 170 bar"; empty: nowhere in particular.
+  std::function<std::string(const std::vector<double>& nonlinear)> where;
   /// What it lets move over time, "K" or "the zero of the sensor": its size is then a rate, of `drifts_by` (SI) per second,
   /// or relative if that is "". Empty: nothing.
   std::string drifting, drifts_by;

@@ -125,6 +125,23 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, Ke
   return out;
 }
 
+void Append(LogStrokes next, LogStrokes& all) {
+  // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
+  if (all.stretches.size() < all.strokes.size()) next.stretches.clear();
+  Label(next, all.strokes.empty() ? 0 : all.strokes.back().gram.log + 1);
+  MoveTime(next, LastTime(all));
+  const auto offset = static_cast<std::int64_t>(all.strokes.size());
+  for (StrokeRecord& stroke : next.strokes) {
+    stroke.summary.index += offset;
+    all.strokes.push_back(std::move(stroke));
+  }
+  for (StrokeStretches& stretches : next.stretches) all.stretches.push_back(std::move(stretches));
+  Add(next.totals, all.totals);
+  all.discarded_strokes += next.discarded_strokes;
+  all.reader.rows += next.reader.rows;
+  all.reader.rejected_rows += next.reader.rejected_rows;
+}
+
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep) {
   constexpr double kSamePeriod = 0.05;
@@ -132,7 +149,6 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
   for (const std::string& log : logs) {
     auto next = ReadStrokes(log, machine, keep);
     if (!next) return next;
-    Label(*next, static_cast<int>(&log - logs.data()));
     if (!all) {
       all = std::move(*next);
       continue;
@@ -142,19 +158,7 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
       return BadInput(
           "{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log,
           period, logs.front(), first);
-    // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
-    if (all->stretches.size() < all->strokes.size()) next->stretches.clear();
-    MoveTime(*next, LastTime(*all));
-    const auto offset = static_cast<std::int64_t>(all->strokes.size());
-    for (StrokeRecord& stroke : next->strokes) {
-      stroke.summary.index += offset;
-      all->strokes.push_back(std::move(stroke));
-    }
-    for (StrokeStretches& stretches : next->stretches) all->stretches.push_back(std::move(stretches));
-    Add(next->totals, all->totals);
-    all->discarded_strokes += next->discarded_strokes;
-    all->reader.rows += next->reader.rows;
-    all->reader.rejected_rows += next->reader.rejected_rows;
+    Append(std::move(*next), *all);
   }
   if (!all) return UsageError("no log given");
   return std::move(*all);

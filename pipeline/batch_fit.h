@@ -62,6 +62,10 @@ class StrokeCollector {
 Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine,
                                KeepSamples keep = KeepSamples::kNo);
 
+/// Takes up the strokes of a further log of the same machine and sampling, as if recorded in a row: numbers, times and
+/// Stretch::log go on.
+void Append(LogStrokes next, LogStrokes& all);
+
 /// The same for several logs of one machine, one after the other as if recorded in a row. Error: their
 /// sampling rates differ by more than 5 %, so that equal windows do not hold equal times.
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,

@@ -311,6 +311,28 @@ PressRow SimulatedLog::Row(std::size_t k) const {
   return {t[k], p_A[k], p_B[k], p_0[k], z[k], y_v[k], U_v[k], T_oil[k]};
 }
 
+double VentedReading(const PressOptions& given, double seconds) {
+  const PressOptions options = Settled(given);
+  const double offset = ResolveEffects(options.effects).value().pressure_offset;
+  SensorImperfections sensors(ResolveImperfections(options.imperfections).value(), options);
+  NoiseSource noise(options.noise, StreamSeed(options.noise_seed, "vented reading"));
+  FaultInjector none({});
+  const auto rows = std::max<std::int64_t>(1, std::llround(seconds / options.sample_period));
+  double sum = 0;
+  for (std::int64_t k = 0; k < rows; ++k) {
+    PressRow row;
+    row.t = static_cast<double>(k) * options.sample_period;
+    row.p_A = offset;
+    ReadRow(options, noise.Next(), sensors, none, row);
+    sum += row.p_A;
+  }
+  return sum / static_cast<double>(rows);
+}
+
+double TankLinePressure(const PressOptions& options) {
+  return options.machine.p_tank + PlantLawsOf(ResolveImperfections(options.imperfections).value()).tank_shift;
+}
+
 SimulatedLog SimulatePress(const PressOptions& options) {
   PressGenerator generator(options);
   SimulatedLog log;

@@ -83,6 +83,11 @@ SimulatedLog SimulateClean(const PressOptions& options);
 /// faults. With the noise seed of the run itself (truth.options.noise_seed) the result equals SimulatePress.
 SimulatedLog AddSensorNoise(const SimulatedLog& clean, const PressOptions& options, std::uint64_t noise_seed);
 
+/// What the pressure sensor of chamber A reads on average over `seconds` with its line vented to the air, Pa.
+double VentedReading(const PressOptions& options, double seconds);
+/// What a good gauge on the tank line shows, Pa.
+double TankLinePressure(const PressOptions& options);
+
 /// A machine with geometry, oil, valve, speeds and set points drawn from wide, plausible ranges, able to run.
 PressOptions RandomMachine(std::uint64_t seed);
 /// Four cylinders of one press: the same ram, parameters spread by some percent, own set points and noise.

@@ -48,9 +48,13 @@ constexpr std::array<const char*, kKinds> kKindNames = {"one effect, error +10 %
 constexpr double kAtFloor = 0.05;  ///< held-out error over the noise floor with the right effect in the model
 /// What a simulated machine may do in an experiment beside what it does anyway, Pa.
 constexpr double kLowestRod = 20e5, kHighestRod = 100e5;
+/// Pa, standard error of a gauge and of a sensor's reading; s, over which it is taken.
+constexpr double kGaugeError = 0.1e5, kReadingTime = 2;
+constexpr double kFilterError = 1e-4;  ///< s, standard error of a filter's time constant
 
 struct Case {
   Kind kind = kHealthy;
+  int number = 0;  ///< in the campaign
   PressOptions options;
   std::vector<std::string> truth;
   double excess =
@@ -59,6 +63,8 @@ struct Case {
   Experiment experiment;                    ///< proposed if ambiguous
   bool located = false, patterned = false;  ///< healthy: an error is located, what is left is not white
   Explanation after;                        ///< of both logs, once it is recorded
+  bool proposed = false;                    ///< a series of strokes or a test off the log
+  bool by_strokes = false;                  ///< the strokes alone name the truth alone
   bool resolved = false;                    ///< the truth is then named alone
 };
 
@@ -67,7 +73,8 @@ struct KindTally {
       sets = 0;
   int right_alone = 0, at_floor = 0;  ///< the one true effect named; its error within kAtFloor of the floor
   int located = 0, patterned = 0;
-  int ambiguous = 0, proposed = 0, resolved = 0, settled = 0;  ///< ambiguous with the truth in the set
+  int ambiguous = 0, proposed = 0, by_strokes = 0, resolved = 0,
+      settled = 0;  ///< ambiguous with the truth in the set
   double set_size = 0;
 };
 
@@ -138,10 +145,11 @@ void Grade(Case& c) {
 }
 
 /// One true effect, and else its twins only.
-bool IsTruthWithTwins(const std::vector<std::string>& group, const std::vector<std::string>& truth) {
+bool IsTruthWithTwins(const ModelStructure& model, const std::vector<std::string>& group,
+                      const std::vector<std::string>& truth) {
   for (const std::string& id : truth) {
     if (!Contains(group, id)) continue;
-    const std::vector<std::string> twins = TwinsOf(id);
+    const std::vector<std::string> twins = TwinsOf(model, id);
     return std::all_of(group.begin(), group.end(),
                        [&](const std::string& other) { return other == id || Contains(twins, other); });
   }
@@ -152,11 +160,11 @@ bool IsTruthWithTwins(const std::vector<std::string>& group, const std::vector<s
 bool IsSettled(const Explanation& x, const std::vector<std::string>& truth) {
   return x.groups.size() == truth.size() &&
          std::all_of(x.groups.begin(), x.groups.end(),
-                     [&](const auto& group) { return IsTruthWithTwins(group, truth); });
+                     [&](const auto& group) { return IsTruthWithTwins(*x.model, group, truth); });
 }
 
-/// Records the proposed experiment on the same machine and explains both logs together.
-void RunExperiment(const LogStrokes& first, const ExplainOptions& explain, Case& c) {
+/// The log of the proposed series of strokes, on the same machine.
+Result<LogStrokes> RecordExperiment(const Case& c) {
   PressOptions options = c.options;
   PressMotion& motion = options.motion;
   motion.speeds = c.experiment.speeds;
@@ -169,18 +177,53 @@ void RunExperiment(const LogStrokes& first, const ExplainOptions& explain, Case&
     cycle += (motion.z_top - motion.z_bottom) * (1 / speed + 1 / motion.return_speed) + 2 * motion.ramp_time +
              motion.dwell_min + motion.dwell_max;
   options.seconds = c.experiment.strokes * cycle / static_cast<double>(motion.speeds.size()) + 5;
-  if (c.experiment.warm_up > 0) {
-    options.oil_end = options.oil_start + c.experiment.warm_up;
-  }
+  if (c.experiment.warm_up > 0) options.oil_end = options.oil_start + c.experiment.warm_up;
   options.seed += 1;
-  const auto strokes = StrokesFor(options);
-  if (!strokes) return;
-  std::vector<StrokeStretches> both = first.stretches;
-  both.insert(both.end(), strokes->stretches.begin(), strokes->stretches.end());
-  c.after = ExplainSamples(first.model, both, first.window, explain);
-  const Explanation& x = c.after;
-  c.resolved = x.verdict == Verdict::kNamed && x.set.size() == c.truth.size() &&
-               std::is_permutation(x.set.begin(), x.set.end(), c.truth.begin());
+  return StrokesFor(options);
+}
+
+/// s, of the filter that the simulated signal passes: the simulated press has none but as an imperfection.
+double FilterOf(const PressOptions& options, const std::string& id) {
+  const auto filter = std::find_if(options.imperfections.begin(), options.imperfections.end(),
+                                   [&](const ImperfectionSetting& i) { return i.kind == id; });
+  return filter == options.imperfections.end() ? 0.0 : filter->size;
+}
+
+/// What the tests off the log say of rivals that `open` leaves.
+std::map<std::string, MeasuredSize> MeasureOffTheLog(const Case& c, const Explanation& open) {
+  std::map<std::string, MeasuredSize> measured;
+  for (const std::string& id : open.set) {
+    if (id == "pressure_offset") measured[id] = {VentedReading(c.options, kReadingTime), kGaugeError};
+    if (id == "tank_pressure")
+      measured[id] = {TankLinePressure(c.options) - c.options.machine.p_tank, kGaugeError};
+    if (id.ends_with("_signal_lag")) measured[id] = {FilterOf(c.options, id), kFilterError};
+  }
+  return measured;
+}
+
+bool IsNamedAlone(const Explanation& x, const std::vector<std::string>& truth) {
+  return x.verdict == Verdict::kNamed && x.set.size() == truth.size() &&
+         std::is_permutation(x.set.begin(), x.set.end(), truth.begin());
+}
+
+/// Does what is proposed, on the same machine: strokes first, explained together with the log, then the tests off the log if
+/// these leave anything open.
+void RunExperiment(const LogStrokes& first, ExplainOptions explain, Case& c) {
+  if (c.explanation.verdict != Verdict::kAmbiguous) return;
+  LogStrokes both = first;
+  c.proposed = !c.experiment.pressures.empty();
+  if (c.proposed) {
+    auto second = RecordExperiment(c);
+    if (!second) return;
+    Append(std::move(*second), both);
+    c.after = ExplainSamples(first.model, both.stretches, first.window, explain);
+    c.by_strokes = c.resolved = IsNamedAlone(c.after, c.truth);
+  }
+  explain.measured = MeasureOffTheLog(c, c.after.base.solved ? c.after : c.explanation);
+  if (c.resolved || explain.measured.empty()) return;
+  c.proposed = true;
+  c.after = ExplainSamples(first.model, both.stretches, first.window, explain);
+  c.resolved = IsNamedAlone(c.after, c.truth);
 }
 
 /// What the machine may do in an experiment: what a random machine does, with the oil warming.
@@ -236,7 +279,8 @@ void Count(const Case& c, KindTally& t) {
   }
   if (x.verdict == Verdict::kAmbiguous && all) {
     ++t.ambiguous;
-    t.proposed += !c.experiment.pressures.empty();
+    t.proposed += c.proposed || !c.experiment.pressures.empty();
+    t.by_strokes += c.by_strokes;
     t.resolved += c.resolved;
     t.settled += IsSettled(c.after.base.solved ? c.after : x, c.truth);
   }
@@ -281,7 +325,6 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
   file << "kind\ttruth=size\texcess\tbase_excess\tfinal_excess\tverdict\tset\tbest gain/t\tsecond "
           "gain/t\tpartial"
           "\tfit_excess\tstrokes\tremainder\tlaw\tmargin\tlaw\tnonlinear\tcase\tmodel_excess\texperiment\n";
-  int index = 0;
   for (const Case& c : cases) {
     const Explanation& x = c.explanation;
     std::string truth, set;
@@ -298,8 +341,8 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
         kKindNames[c.kind], truth, c.excess, x.base.excess_ratio, x.final.excess_ratio,
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
-        nonlinear, index++, ErrorOverFloor(x.final),
-        c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment) + AfterText(c));
+        nonlinear, c.number, ErrorOverFloor(x.final),
+        (c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment)) + AfterText(c));
   }
 }
 
@@ -326,6 +369,7 @@ KindTally Known(const std::array<KindTally, kKinds>& tallies) {
     sum.at_floor += tallies[k].at_floor;
     sum.ambiguous += tallies[k].ambiguous;
     sum.proposed += tallies[k].proposed;
+    sum.by_strokes += tallies[k].by_strokes;
     sum.resolved += tallies[k].resolved;
     sum.settled += tallies[k].settled;
   }
@@ -351,7 +395,9 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
   std::vector<Case> all;
   ProgressBar progress("hidden effects", "logs");
   for (int i = 0; i < o.cases; ++i) {
+    if (!o.only.empty() && std::find(o.only.begin(), o.only.end(), i) == o.only.end()) continue;
     Case c = Draw(i, o.seed, o.healthy);
+    c.number = i;
     const auto strokes = StrokesFor(c.options);
     if (!strokes) {
       ReportError(strokes.error());
@@ -361,12 +407,12 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
     if (c.kind == kOutside) {
       options.exclude = c.truth;  // and what is the same law to the strokes
       for (const std::string& id : c.truth)
-        for (const std::string& twin : TwinsOf(id)) options.exclude.push_back(twin);
+        for (const std::string& twin : TwinsOf(*strokes->model, id)) options.exclude.push_back(twin);
     }
     c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
     c.experiment =
         ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
-    if (o.experiments && !c.experiment.pressures.empty()) RunExperiment(*strokes, options, c);
+    if (o.experiments) RunExperiment(*strokes, options, c);
     if (c.kind == kHealthy) LookForPatterns(*strokes, c);
     Grade(c);
     all.push_back(std::move(c));
@@ -389,11 +435,14 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
       Percent(healthy.patterned, healthy.cases));
   std::cout << fmt::format("ambiguous with the truth in the set: {} cases, experiment proposed for {}",
                            known.ambiguous, known.proposed);
-  std::cout << (o.experiments ? fmt::format(", named alone after it {} ({:.1f} %), but for twins that no "
-                                            "stroke tells apart {} ({:.1f} %)\n",
-                                            known.resolved, Percent(known.resolved, known.ambiguous),
-                                            known.settled, Percent(known.settled, known.ambiguous))
-                              : "\n");
+  std::cout << (o.experiments
+                    ? fmt::format(
+                          "\nnamed alone after the strokes proposed {} ({:.1f} %), and after the tests off "
+                          "the log proposed {} ({:.1f} %); alone or beside its twins {} ({:.1f} %)\n",
+                          known.by_strokes, Percent(known.by_strokes, known.ambiguous), known.resolved,
+                          Percent(known.resolved, known.ambiguous), known.settled,
+                          Percent(known.settled, known.ambiguous))
+                    : "\n");
   if (!o.details.empty()) WriteDetails(o.details, all);
   const bool reached = Reached(tallies, o.experiments);
   std::cout << (reached ? "\nall goals reached\n" : "\nNOT all goals reached\n");

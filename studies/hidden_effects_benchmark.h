@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace hydroscope {
 
@@ -9,6 +10,7 @@ struct HiddenEffectsOptions {
   int cases = 300;           ///< simulated logs
   std::uint64_t seed = 1;    ///< of the whole campaign
   bool experiments = false;  ///< run the experiment proposed for every ambiguous case and explain again
+  std::vector<int> only;     ///< numbers of cases; empty: all
   bool healthy = false;      ///< hide nothing: how often something is claimed
   std::string details;       ///< one line per case to this tab-separated file, "" = none
 };

@@ -6,6 +6,7 @@
 #include "workbench/explain_output.h"
 #include "workbench/fit_output.h"
 #include "workbench/located_output.h"
+#include "workbench/relative_text.h"
 #include "workbench/what_to_record.h"
 
 namespace hydroscope {
@@ -131,7 +132,8 @@ nlohmann::json PlanJson(const Experiment& experiment) {
           {"rod_pressures", experiment.rod},
           {"warm_up", experiment.warm_up},
           {"seconds", experiment.seconds},
-          {"separation", experiment.separation}};
+          {"separation", experiment.separation},
+          {"left", experiment.left}};
 }
 
 /// The same of a machine of the user's own.
@@ -171,6 +173,23 @@ std::vector<std::string> NearestEffects(const Explanation& x) {
   return ids;
 }
 
+/// What is sure of effects that are not proven.
+nlohmann::json RelativesJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Relative& relative : RelativesOf(result))
+    out.push_back({{"effect", relative.id}, {"sentence", relative.sentence}});
+  return out;
+}
+
+/// Sizes that tests off the log gave.
+nlohmann::json MeasuredJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [id, known] : result.explanation.measured)
+    if (const Effect* effect = result.FindEffect(id))
+      out[id] = {{"value", known.size}, {"std", known.std}, {"unit", effect->unit}};
+  return out;
+}
+
 /// What could be predicted of an error on strokes left out.
 nlohmann::json PredictableJson(const Predictability& left) {
   if (!left.tested) return nullptr;
@@ -206,6 +225,8 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
             {"effects", EffectsJson(result, x.base)}}},
           {"ranking", RankingJson(result)},
           {"nearest", NearestEffects(x)},
+          {"relatives", RelativesJson(result)},
+          {"measured", MeasuredJson(result)},
           {"odd_strokes", OddStrokesJson(result)},
           {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
           {"noise_scale", x.noise_scale},

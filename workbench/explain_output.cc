@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 
 #include "core/constants.h"
@@ -16,6 +17,7 @@
 #include "models/output_unit.h"
 #include "workbench/drift_text.h"
 #include "workbench/located_output.h"
+#include "workbench/relative_text.h"
 #include "workbench/what_to_record.h"
 
 namespace hydroscope {
@@ -83,24 +85,36 @@ std::string WhereItLies(const ExplainResult& result) {
   return text + ".\n";
 }
 
+/// What is sure of an effect that is not proven, as a sentence.
+std::string RelativesText(const ExplainResult& result) {
+  std::string text;
+  for (Relative& relative : RelativesOf(result)) {
+    relative.sentence.front() =
+        static_cast<char>(std::toupper(static_cast<unsigned char>(relative.sentence.front())));
+    text += fmt::format("  PARTIAL: {}.\n", relative.sentence);
+  }
+  return text;
+}
+
 std::string UnknownText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   if (!x.no_verdict.empty()) return "UNKNOWN: these strokes carry no verdict, see the warning.\n";
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
   if (!x.partial || x.steps.size() < 2) return text;
+  text += RelativesText(result);
   std::vector<std::string> tried;
   for (std::size_t k = 1; k < x.steps.size(); ++k) tried.push_back(x.steps[k].added);
-  return text +
-         fmt::format(
-             "  Nearest: {}. It lowers the error but leaves more than noise, so the name is not proven.\n",
-             fmt::join(tried, " with "));
+  return text + fmt::format("  {} lowers the error but leaves more than noise, so the name is not proven.\n",
+                            fmt::join(tried, " with "));
 }
 
 /// Why a set is not proven, if so.
-std::string DoubtText(const Explanation& x) {
+std::string DoubtText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
   if (x.doubt.empty()) return "";
-  return fmt::format("  PARTIAL: {}. The cause may be a relative of {} that the library does not hold.\n",
+  return RelativesText(result) +
+         fmt::format("  Not proven: {}. The cause may be a relative of {} that the library does not hold.\n",
                      x.doubt, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
@@ -149,6 +163,19 @@ std::string OddText(const ExplainResult& result) {
   return text;
 }
 
+/// What tests off the log said.
+std::string MeasuredText(const ExplainResult& result) {
+  std::string text;
+  for (const auto& [id, known] : result.explanation.measured)
+    if (const Effect* effect = result.FindEffect(id)) {
+      const EffectUnit unit = EffectUnitFor(effect->unit);
+      text +=
+          fmt::format("Measured off the log: {} {} {}.\n", id,
+                      WithInterval(known.size * unit.factor, kNormal95 * known.std * unit.factor), unit.name);
+    }
+  return text;
+}
+
 std::string VerdictText(const ExplainResult& result) {
   switch (result.explanation.verdict) {
     case Verdict::kAdequate:
@@ -156,9 +183,9 @@ std::string VerdictText(const ExplainResult& result) {
         return "ADEQUATE, but for some strokes: the model describes all others.\n";
       return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
     case Verdict::kNamed:
-      return NamedText(result) + DoubtText(result.explanation);
+      return NamedText(result) + DoubtText(result);
     case Verdict::kAmbiguous:
-      return AmbiguousText(result) + DoubtText(result.explanation);
+      return AmbiguousText(result) + DoubtText(result);
     case Verdict::kUnknown:
       return UnknownText(result);
   }
@@ -343,7 +370,7 @@ std::string NotFiniteText(const StrokeCounters& totals) {
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
-  std::string text = VerdictText(result) + OddText(result) + ErrorSentence(x);
+  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(x);
   text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;

@@ -6,7 +6,9 @@
 #include "studies/simulated_strokes.h"
 #include "workbench/drift_text.h"
 #include "workbench/explain_log.h"
+#include "workbench/explain_output.h"
 #include "workbench/machine_model.h"
+#include "workbench/relative_text.h"
 #include "workbench/what_to_record.h"
 
 namespace hydroscope {
@@ -91,7 +93,7 @@ TEST_P(PlantEffect, IsNamedOrOneOfTheClassThatStrokesCannotTellApart) {
 
 /// Explains the example press with one imperfection, its oil from `cold` to `warm` K.
 ExplainResult Explained(const std::string& id, double size, double cold = 313.15, double warm = 313.15,
-                        std::uint64_t seed = 11) {
+                        std::uint64_t seed = 11, const ExplainOptions& explain = {}) {
   PressOptions options;
   options.seconds = kSeconds;
   options.seed = seed;
@@ -99,7 +101,7 @@ ExplainResult Explained(const std::string& id, double size, double cold = 313.15
   options.oil_end = warm;
   options.imperfections = {{id, size, {}, ""}};
   const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
-  return *ExplainStrokes(*strokes);
+  return *ExplainStrokes(*strokes, explain);
 }
 
 using testing::Contains;
@@ -177,8 +179,42 @@ TEST(PlantEffects, SensorZeroAndTankPressureAreOneClassWithTheReadingThatDecides
     EXPECT_THAT(x.explanation.set, Contains("pressure_offset")) << id;
     const auto next = WhatToRecord(x);
     ASSERT_TRUE(next) << id;
-    EXPECT_THAT(*next, HasSubstr("relieved")) << id;
+    EXPECT_THAT(*next, HasSubstr("--measured pressure_offset=")) << id;
   }
+}
+
+TEST(PlantEffects, AVentedSensorTellsItsZeroFromTheTankLine) {
+  const auto explained = [](const char* id, double vented) {
+    ExplainOptions explain;
+    explain.measured = {{"pressure_offset", {vented, 0.1e5}}};
+    return Explained(id, 5e5, 313.15, 313.15, 11, explain).explanation;
+  };
+  EXPECT_THAT(explained("pressure_zero", 5e5).set, ElementsAre("pressure_offset"));
+  EXPECT_THAT(explained("tank_pressure", 0).set, Not(Contains("pressure_offset")));
+  EXPECT_THAT(explained("tank_pressure", 0).set, Contains("tank_pressure"));
+}
+
+TEST(PlantEffects, AFilterThatIsNotThereLeavesTheDelay) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = 11;
+  options.effects = {{"position_signal_delay", 0.006, {}}};
+  const LogStrokes strokes = *StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  EXPECT_THAT(ExplainStrokes(strokes)->explanation.set, Contains("position_signal_lag"));
+  ExplainOptions explain;
+  explain.measured = {{"position_signal_lag", {0, 2e-4}}};
+  EXPECT_THAT(ExplainStrokes(strokes, explain)->explanation.set, ElementsAre("position_signal_delay"));
+}
+
+TEST(PlantEffects, ARelativeOfALawIsNamedByItsFamilyAndPlace) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.imperfections = {{"quadratic_relief", 2e-17, {{"crack", 150e5}}, ""}};
+  const auto x = ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes));
+  ASSERT_TRUE(x->explanation.partial) << ExplainText(*x);
+  EXPECT_THAT(ExplainText(*x), HasSubstr("Oil is lost above 1"));
+  EXPECT_THAT(ExplainText(*x), HasSubstr("nearest relative: "));
+  EXPECT_THAT(RelativesOf(*x).front().sentence, HasSubstr("(relief_valve)"));
 }
 
 TEST(PlantEffects, AScaleErrorOfThePressureSensorIsNeverClaimed) {

@@ -1,6 +1,7 @@
 #include "workbench/what_to_record.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -147,6 +148,27 @@ std::string Separating(const ExplainResult& result) {
   return text;
 }
 
+/// Tests off the log that decide between rivals, also those that no series of strokes tells apart.
+std::string OffTheLog(const ExplainResult& result) {
+  std::vector<std::string> tests, told;
+  for (const auto& group : result.explanation.groups) {
+    if (group.size() < 2) continue;
+    for (const std::string& id : group) {
+      const Effect* effect = result.FindEffect(id);
+      if (effect == nullptr || effect->measured_by.empty()) continue;
+      tests.push_back(fmt::format("{} ({})", effect->measured_by, id));
+      told.push_back(fmt::format("--measured {}=SIZE:STANDARD_ERROR", id));
+    }
+  }
+  if (tests.empty()) return "";
+  const std::vector<std::string>& left = result.experiment.left;
+  return fmt::format(" {}ake {}, and explain with {}.",
+                     left.empty()
+                         ? "Instead of strokes, t"
+                         : fmt::format("No stroke tells {} from all others: t", fmt::join(left, ", ")),
+                     fmt::join(tests, "; "), fmt::join(told, " "));
+}
+
 /// What would excite the effects these strokes cannot test.
 std::string Exciting(const std::vector<RankedEffect>& ranking) {
   std::string text;
@@ -175,9 +197,11 @@ std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   }
   const std::optional<std::string> monotony = Monotony(result);
   if (x.verdict == Verdict::kAmbiguous) {
-    if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment);
+    const std::string off_the_log = OffTheLog(result);
+    if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment) + off_the_log;
     const std::string separating =
-        "No series of strokes within [experiment] of the machine file would settle it. " + Separating(result);
+        "No series of strokes within [experiment] of the machine file would settle it." +
+        (off_the_log.empty() ? " " + Separating(result) : off_the_log);
     return monotony ? *monotony + " " + separating : separating;
   }
   if (monotony) return monotony;

@@ -16,6 +16,7 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 2e-4;
+  e.family = "the stiffness of the oil column wanders";
   e.confused_with = {"V0_drift"};
   e.hidden_in = "K";
   e.plain =

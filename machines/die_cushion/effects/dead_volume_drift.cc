@@ -16,7 +16,9 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 5e-4;
+  e.family = "the oil volume wanders";
   e.confused_with = {"K_drift"};
+  e.twins = {{"K_drift", 1.0}};
   e.hidden_in = "V0";
   e.plain =
       "The oil volume beside the stroke changes while the log runs; look for: a hose or accumulator that "

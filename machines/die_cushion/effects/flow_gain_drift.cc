@@ -16,6 +16,7 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.min = -1e-3;  // 6 % a minute: faster, and it is the oil or a failure, no drift
   e.max = 1e-3;
   e.typical = 1e-4;
+  e.family = "the flow through the valve wanders";
   e.confused_with = {"oil_viscosity", "y_0_drift"};
   e.hidden_in = "Q_vn";
   e.plain =

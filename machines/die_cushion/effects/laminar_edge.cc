@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,6 +34,8 @@ Effect LaminarEdge(const CushionGeometry&) {
   e.typical = 2.5e11;
   e.nonlinear = {{"p_lam", "Pa", 1e4, 100e5}};
   e.implied = [](const ShapeContext& c) { return std::sqrt(std::max(c.size, 0.0)); };
+  e.family = "the valve lets through another flow than its opening says";
+  e.where = [](const std::vector<double>& at) { return fmt::format("below {:.0f} bar", 1e-5 * at[0]); };
   e.confused_with = {"pressure_offset", "tank_pressure", "orifice_leakage"};
   e.hidden_in = "Q_vn";
   e.plain =

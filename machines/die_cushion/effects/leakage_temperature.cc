@@ -22,6 +22,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
   e.max = 1e-9;
   e.typical = 2e-12;
   e.nonlinear = {{"beta", "1/K", 0.005, 0.1}};
+  e.family = "oil is lost";
   e.confused_with = {"internal_leakage", "external_leakage", "Q_vn_drift"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =

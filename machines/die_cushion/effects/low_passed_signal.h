@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <span>
 
 #include "models/effect.h"
 #include "models/stretch.h"
@@ -21,26 +21,22 @@ inline Effect FirstOrderLag() {
   return e;
 }
 
-/// Samples 0 ... samples - 1 of a signal behind a first-order lag of `lag` s, which has followed it since as
-/// long as it is known, on a ramp at first; exact for a signal that is a line between samples. `signal(k)`
-/// for k from -before on. The result keeps its memory until the next call in the same thread.
+/// Increments between samples of a signal behind a first-order lag of `lag` s, which has followed it since as long as it is
+/// known, on a ramp at first; exact for a signal that is a line between samples. `signal(k)` for k from -before on.
 template <typename Signal>
-const double* LowPassed(const Stretch& s, double lag, Signal signal) {
+void LowPassedDifferences(const Stretch& s, double lag, Signal signal, std::span<double> increments) {
   constexpr int kSlope = 10;  // samples whose mean slope the ramp takes
-  thread_local std::vector<double> out;
-  out.resize(std::max(out.size(), static_cast<std::size_t>(s.samples)));
   const double ratio = lag / s.period, decay = std::exp(-1.0 / ratio);
   const double of_last = ratio * (1.0 - decay) - decay, of_next = 1.0 - ratio * (1.0 - decay);
   const int first = -s.before, reach = std::min(kSlope, s.before + s.samples - 1);
   double last = signal(first);
   double y = reach > 0 ? last - lag * (signal(first + reach) - last) / (reach * s.period) : last;
-  for (int k = first; k < s.samples; ++k) {
-    const double next = signal(k);
-    if (k > first) y = decay * y + of_last * last + of_next * next;
+  for (int k = first + 1; k < s.samples; ++k) {
+    const double next = signal(k), before = y;
+    y = decay * y + of_last * last + of_next * next;
     last = next;
-    if (k >= 0) out[static_cast<std::size_t>(k)] = y;
+    if (k > 0) increments[static_cast<std::size_t>(k) - 1] = y - before;
   }
-  return out.data();
 }
 
 }  // namespace hydroscope::effects

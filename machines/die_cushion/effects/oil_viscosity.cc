@@ -23,6 +23,7 @@ Effect OilViscosity(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 0.002;
+  e.family = "the flow through the valve goes with the oil temperature";
   e.confused_with = {"Q_vn_drift"};
   e.hidden_in = "Q_vn";
   e.plain =

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "machines/die_cushion/effects/effects.h"
 #include "models/wide_stretch.h"
 
@@ -16,6 +18,8 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.max = 1e-9;
   e.typical = 4e-12;
   e.nonlinear = {{"c", "m", 0.0, geometry.stroke}, {"w", "m", 0.02 * geometry.stroke, 0.5 * geometry.stroke}};
+  e.family = "oil is lost";
+  e.where = [](const std::vector<double>& at) { return fmt::format("around {:.0f} mm", 1e3 * at[0]); };
   e.confused_with = {"internal_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =

@@ -30,6 +30,7 @@ Effect PressureDependentBulkModulus(const CushionGeometry& geometry) {
   e.implied = [area = geometry.piston_area](const ShapeContext& c) {
     return c.size / std::max(-area / c.theta[2], 1e6);
   };
+  e.family = "the stiffness of the oil column goes with the pressure";
   e.confused_with = {"entrained_air", "accumulator"};
   e.hidden_in = "K, V0";
   e.plain =

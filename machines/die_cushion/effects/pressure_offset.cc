@@ -25,6 +25,7 @@ Effect PressureOffset(const CushionGeometry&) {
   e.typical = 2e5;
   e.nonlinear = {{"offset", "Pa", -100e5, 100e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the pressure reading is off";
   e.confused_with = {"orifice_leakage", "external_leakage", "tank_pressure"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
@@ -32,8 +33,10 @@ Effect PressureOffset(const CushionGeometry&) {
       "the "
       "controller. Check it with the cushion relieved.";
   e.told_apart_by =
-      "the pressure sensor with chamber A relieved to tank: it must read zero; a check valve or a preload in "
-      "the tank line reads as its own pressure, a gauge on the tank line decides";
+      "the pressure sensor with its line vented to the air: it must read zero; relieved to tank only, a "
+      "check "
+      "valve or a preload in the tank line reads as its own pressure";
+  e.measured_by = "the reading of the pressure sensor with its line vented to the air";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

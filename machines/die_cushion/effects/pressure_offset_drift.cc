@@ -19,6 +19,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.typical = 2e3;
   e.nonlinear = {{"rate", "Pa/s", -1e5, 1e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the pressure reading wanders";
   e.confused_with = {"y_0_drift", "Q_vn_drift"};
   e.hidden_in = "-";
   e.plain =

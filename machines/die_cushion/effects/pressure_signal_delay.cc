@@ -18,6 +18,7 @@ Effect PressureSignalDelay(const CushionGeometry&) {
   e.typical = 0.002;
   e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the pressure is recorded late";
   e.confused_with = {"spool_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =

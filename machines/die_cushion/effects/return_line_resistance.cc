@@ -37,6 +37,7 @@ Effect ReturnLineResistance(const CushionGeometry&) {
   e.typical = 2e8;
   e.nonlinear = {{"x", "sqrt(Pa)", 1.0, 3e4}};
   e.implied = [](const ShapeContext& c) { return -c.size * c.theta[0]; };
+  e.family = "what flows to the tank meets another pressure";
   e.confused_with = {"tank_back_pressure", "valve_flow_curvature"};
   e.hidden_in = "Q_vn";
   e.plain =

@@ -62,6 +62,7 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.typical = 0.004;
   e.nonlinear = {{"play", "1", 0.0005, 0.1}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the valve follows its spool position with play";
   e.confused_with = {"spool_signal_delay"};
   e.hidden_in = "-";
   e.plain =

@@ -15,6 +15,7 @@ Effect SpoolNullDrift(const CushionGeometry&) {
   e.min = -1e-3;
   e.max = 1e-3;
   e.typical = 2e-5;
+  e.family = "the null of the valve wanders";
   e.confused_with = {"Q_vn_drift", "pressure_offset_drift"};
   e.hidden_in = "y_0";
   e.plain =

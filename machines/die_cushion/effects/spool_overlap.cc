@@ -21,6 +21,7 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.typical = 0.02;
   e.nonlinear = {{"band", "1", 0.002, 0.2}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the valve lets through another flow than its opening says";
   e.confused_with = {"valve_flow_curvature", "orifice_leakage"};
   e.hidden_in = "y_0";
   e.plain =

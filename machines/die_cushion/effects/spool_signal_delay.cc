@@ -18,6 +18,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.typical = 0.002;
   e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "the spool position is recorded late";
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
   e.plain =

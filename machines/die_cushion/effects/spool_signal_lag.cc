@@ -14,12 +14,16 @@ Effect SpoolSignalLag(const CushionGeometry&) {
   e.title = "Spool signal lags (first-order filter)";
   e.law = "y_v = y_measured + tau dy_measured/dt";
   e.source = "eq. 2 of the press paper with the signal filtered";
+  e.family = "the spool position is recorded late";
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
+  e.twins = {{"spool_signal_delay"}};
   e.hidden_in = "V0, K";
   e.plain =
       "The spool position is smoothed before it is recorded; look for: a filter in the transducer, in the "
       "amplifier or in the controller.";
   e.told_apart_by = "the filter setting of the spool input, or a step of the valve command recorded at rest";
+  e.measured_by =
+      "the time constant of the filter in the spool input, as set there or from a step recorded at rest";
   e.variant = [](const std::vector<double>&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

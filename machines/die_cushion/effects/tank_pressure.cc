@@ -21,15 +21,18 @@ Effect TankPressure(const CushionGeometry&) {
   e.typical = 2e5;
   e.nonlinear = {{"pressure", "Pa", -20e5, 60e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
+  e.family = "what flows to the tank meets another pressure";
   e.confused_with = {"pressure_offset", "orifice_leakage", "external_leakage"};
+  e.twins = {{"pressure_offset"}};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "The tank line stands at another pressure than the machine file says; look for: a check valve with a "
       "strong spring, a preloaded tank, p_t of the machine file.";
   e.told_apart_by =
-      "the pressure sensor with chamber A relieved to tank and no flow: it reads zero if the sensor is right "
-      "and the tank line empty, the preload if a check valve holds it; a gauge on the tank line decides "
-      "between sensor and line";
+      "the pressure sensor with its line vented to the air, which must read zero, and a gauge on the tank "
+      "line "
+      "while oil flows";
+  e.measured_by = "what a gauge on the tank line shows while oil flows, less p_t of the machine file";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

@@ -18,6 +18,7 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.min = -0.8;
   e.max = 2.0;
   e.typical = 0.05;
+  e.family = "the valve lets through another flow than its opening says";
   e.confused_with = {"spool_overlap"};
   e.hidden_in = "Q_vn";
   e.plain =
