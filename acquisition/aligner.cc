@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "acquisition/aligner_axis.h"
 #include "core/bytes.h"
@@ -17,6 +18,17 @@ constexpr std::uint32_t kMarksWithoutTime = 1;  ///< version written before the 
 constexpr double kLongestOverlap =
     10.0;  ///< s that an earlier life may have been ahead; more is a stepped clock
 
+SampleBatch OnlyColumns(const SampleBatch& batch, const std::vector<std::size_t>& columns) {
+  SampleBatch kept = batch;
+  kept.channels.clear();
+  kept.values.clear();
+  for (const std::size_t column : columns) kept.channels.push_back(batch.channels[column]);
+  for (std::size_t row = 0; row < batch.rows; ++row)
+    for (const std::size_t column : columns)
+      kept.values.push_back(batch.values[row * batch.channels.size() + column]);
+  return kept;
+}
+
 }  // namespace
 
 AlignerOptions AlignerOptions::For(const Machine& machine) {
@@ -28,7 +40,11 @@ AlignerOptions AlignerOptions::For(const Machine& machine) {
 }
 
 Aligner::Aligner(const Machine& machine, const AlignerOptions& options, HostTime start)
-    : machine_(machine), options_(options), start_(start), period_(Ns(machine.live->grid_period)) {
+    : machine_(machine),
+      options_(options),
+      start_(start),
+      period_(Ns(machine.live->grid_period)),
+      owners_(static_cast<std::size_t>(AxisCount(machine)) * machine.signals.size(), options.takeover) {
   const std::size_t signals = machine.signals.size();
   for (int a = 0; a < AxisCount(machine); ++a) {
     axes_.push_back(std::make_unique<Axis>(signals));
@@ -43,13 +59,35 @@ Aligner::Aligner(const Machine& machine, const AlignerOptions& options, HostTime
 Aligner::~Aligner() = default;
 
 void Aligner::Add(int source, const SampleBatch& batch) {
-  Stream* stream = FindStream(source, batch);
-  if (stream == nullptr) {
+  const auto exists = [&](std::uint16_t channel) { return channel < channels_.size(); };
+  if (batch.rows == 0 || batch.channels.empty() ||
+      batch.values.size() != batch.rows * batch.channels.size() ||
+      !std::all_of(batch.channels.begin(), batch.channels.end(), exists)) {
     ++malformed_;
     return;
   }
+  const std::vector<std::size_t>& columns = owners_.Admit(source, batch);
+  if (columns.size() == batch.channels.size()) return Take(source, batch);
+  RefuseRows(batch, columns);
+  if (!columns.empty()) Take(source, OnlyColumns(batch, columns));
+}
+
+/// Counts the rows at each axis that has a channel among those left out.
+void Aligner::RefuseRows(const SampleBatch& batch, const std::vector<std::size_t>& columns) {
+  std::set<std::size_t> axes;
+  for (std::size_t column = 0; column < batch.channels.size(); ++column)
+    if (!std::binary_search(columns.begin(), columns.end(), column))
+      axes.insert(batch.channels[column] / machine_.signals.size());
+  for (const std::size_t axis : axes)
+    axes_[axis]->counters.second_sender_rows += static_cast<std::int64_t>(batch.rows);
+}
+
+/// A batch whose channels are all its sender's to send.
+void Aligner::Take(int source, const SampleBatch& batch) {
+  Stream* stream = FindStream(source, batch);
   ++stream->batches;
-  if (!stream->begun || stream->session != batch.session) BeginSession(*stream, batch);
+  if (!stream->begun || stream->session != batch.session || stream->writer != batch.writer)
+    BeginSession(*stream, batch);
   if (std::abs(static_cast<std::int64_t>(batch.first_sequence - stream->base)) > kFarthest) {
     ++malformed_;
     return;

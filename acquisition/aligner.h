@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "acquisition/channel_owners.h"
 #include "acquisition/clock_model.h"
 #include "acquisition/source.h"
 #include "core/sample_block.h"
@@ -22,6 +23,7 @@ struct AlignerOptions {
   double held_period = 0.1;   ///< s between single readings of a slow channel
   double held_periods = 2.0;  ///< periods after which a held reading is stale
   double future = 0.5;        ///< s ahead of its sender's clock beyond which a row is not believed
+  double takeover = 0.5;      ///< s of silence after which another sender may go on in a sender's place
   bool host_clock = false;    ///< there are no fast channels: the host's clock makes the rows
 
   /// Settings that follow from the machine file.
@@ -36,15 +38,16 @@ struct AlignerCounters {
   std::int64_t duplicate_rows = 0;      ///< came again
   std::int64_t contradicting_rows = 0;  ///< came again with another value
   std::int64_t reordered_batches = 0;
-  std::int64_t future_rows = 0;     ///< not believed
-  std::int64_t gaps = 0;            ///< jumps over more than the longest gap
-  std::int64_t skipped_rows = 0;    ///< numbered rows within these jumps
-  std::int64_t sessions = 0;        ///< lives of fast senders seen
-  std::int64_t sequence_jumps = 0;  ///< the count of a sender went on elsewhere
-  std::int64_t clock_jumps = 0;     ///< a sender's clock, or the time of the grid, was stepped
-  std::int64_t slips = 0;           ///< a second fast sender was moved against the first by whole rows
-  std::int64_t stale_values = 0;    ///< values of slow channels that were too old
-  std::int64_t already_stored = 0;  ///< rows that an earlier life of the service had stored
+  std::int64_t future_rows = 0;         ///< not believed
+  std::int64_t gaps = 0;                ///< jumps over more than the longest gap
+  std::int64_t skipped_rows = 0;        ///< numbered rows within these jumps
+  std::int64_t sessions = 0;            ///< lives of fast senders seen
+  std::int64_t sequence_jumps = 0;      ///< the count of a sender went on elsewhere
+  std::int64_t clock_jumps = 0;         ///< a sender's clock, or the time of the grid, was stepped
+  std::int64_t slips = 0;               ///< a second fast sender was moved against the first by whole rows
+  std::int64_t stale_values = 0;        ///< values of slow channels that were too old
+  std::int64_t already_stored = 0;      ///< rows that an earlier life of the service had stored
+  std::int64_t second_sender_rows = 0;  ///< rows of another sender than the one that is believed
 };
 
 /// What is known of one channel.
@@ -74,6 +77,8 @@ struct StreamState {
 ///   the sender is row k of the grid, nothing is interpolated. The first sender of an axis carries its grid;
 ///   another one is anchored to it by the estimated clocks.
 ///   Slow channels hold their last reading; older than `held_periods` periods it is flagged stale.
+///   A channel has one sender (ChannelOwners): what a second one sends is counted and left out until the first
+///   has been silent for `takeover`.
 ///   A frame closes as soon as all fast senders reached it, or `lateness` after it was due: what is not there
 ///   then is missing and late. Silence beyond `longest_gap` gives no rows; the next row is flagged gap.
 ///
@@ -101,6 +106,10 @@ class Aligner {
   /// One per channel of LiveChannels(machine).
   const std::vector<ChannelState>& channels() const { return channels_; }
   std::vector<StreamState> streams() const;
+  /// Who was heard lately, and whose channels are taken.
+  std::vector<LiveSender> senders(std::int64_t now) const { return owners_.senders(now); }
+  /// Senders of a channel at the same time.
+  int senders_of(std::size_t channel, std::int64_t now) const { return owners_.count(channel, now); }
   /// Batches that cannot be right: unknown channel, wrong number of values.
   std::int64_t malformed() const { return malformed_; }
 
@@ -110,7 +119,11 @@ class Aligner {
   struct Stream;
   struct Column;
 
+  void Take(int source, const SampleBatch& batch);
+  void RefuseRows(const SampleBatch& batch, const std::vector<std::size_t>& columns);
   Stream* FindStream(int source, const SampleBatch& batch);
+  void LeaveToSuccessor(const Stream& successor);
+  void LeaveAxis(Part& part);
   void BeginSession(Stream& stream, const SampleBatch& batch);
   void WatchClock(Stream& stream, const SampleBatch& batch);
   bool Believable(Stream& stream, const SampleBatch& batch);
@@ -133,6 +146,7 @@ class Aligner {
   std::int64_t period_;  ///< ns, of the grid
   std::vector<std::unique_ptr<Axis>> axes_;
   std::map<std::pair<int, std::vector<std::uint16_t>>, std::unique_ptr<Stream>> streams_;
+  ChannelOwners owners_;
   std::vector<ChannelState> channels_;
   std::vector<Column> conversion_;  ///< per channel
   std::int64_t malformed_ = 0;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "acquisition/aligner.h"
+#include "acquisition/jump_guard.h"
 
 namespace hydroscope {
 
@@ -71,17 +72,16 @@ struct Aligner::Stream {
   std::size_t channels = 0;
   std::vector<Part> parts;  ///< in order of the axes
   bool begun = false;
-  std::uint64_t session = 0, base = 0;  ///< `base`: first sequence of the session
-  std::int64_t period = 0;              ///< ns between rows; 0: single readings
-  std::uint64_t ratio = 0;              ///< rows per row of the grid; 0: a slow channel
-  ClockModel clock;                     ///< of the sequence: row count times period -> host
-  ClockModel wall_clock;                ///< of the time the sender sends
+  std::uint64_t writer = 0, session = 0;
+  std::uint64_t base = 0;   ///< first sequence of the session
+  std::int64_t period = 0;  ///< ns between rows; 0: single readings
+  std::uint64_t ratio = 0;  ///< rows per row of the grid; 0: a slow channel
+  ClockModel clock;         ///< of the sequence: row count times period -> host
+  ClockModel wall_clock;    ///< of the time the sender sends
   bool has_clock = false;
   std::int64_t last_source_time = 0, last_received = 0;  ///< ns
   std::uint64_t last_sequence = 0;
-  int strange = 0;  ///< batches in a row at a place that is not believed yet
-  std::uint64_t strange_next = 0;
-  std::int64_t strange_since = 0;     ///< ns
+  JumpGuard jump;                     ///< of its sequence
   double delay = 0, worst_delay = 0;  ///< ns
   std::int64_t batches = 0;
 

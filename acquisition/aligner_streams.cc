@@ -10,9 +10,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kJump = 100'000'000;             ///< ns, step of a sender's clock that is told
-constexpr int kBatchesToBelieve = 3;                    ///< in a row, at a new place of the sequence ...
-constexpr std::int64_t kTimeToBelieve = 1'000'000'000;  ///< ns, ... for so long
+constexpr std::int64_t kJump = 100'000'000;  ///< ns, step of a sender's clock that is told
 constexpr std::size_t kReadingsKept = 64;
 
 /// Identifies the channels of a stream across restarts (FNV-1a).
@@ -32,72 +30,96 @@ std::uint64_t RatioOf(std::int64_t batch_period, std::int64_t grid) {
 
 }  // namespace
 
-/// The stream of these channels, made if new; nullptr if the batch cannot be right.
+/// The stream of these channels, made if new.
 Aligner::Stream* Aligner::FindStream(int source, const SampleBatch& batch) {
-  if (batch.rows == 0 || batch.channels.empty() || batch.values.size() != batch.rows * batch.channels.size())
-    return nullptr;
   auto& place = streams_[{source, batch.channels}];
-  if (!place) {
-    const std::size_t signals = machine_.signals.size();
-    for (const std::uint16_t channel : batch.channels)
-      if (channel >= channels_.size()) {
-        streams_.erase({source, batch.channels});
-        return nullptr;
-      }
-    place = std::make_unique<Stream>();
-    place->source = source;
-    place->key = KeyOf(source, batch.channels);
-    std::map<Axis*, Part> parts;
-    for (std::size_t c = 0; c < batch.channels.size(); ++c) {
-      Part& part = parts[axes_[batch.channels[c] / signals].get()];
-      part.columns.push_back({c, batch.channels[c] % signals, conversion_[batch.channels[c]]});
-    }
-    for (const auto& axis : axes_)  // in order of the axes, not of their addresses
-      if (const auto found = parts.find(axis.get()); found != parts.end()) {
-        found->second.axis = axis.get();
-        found->second.stream = place.get();
-        place->parts.push_back(std::move(found->second));
-      }
-    place->channels = batch.channels.size();
-    for (Part& part : place->parts)
-      if (const auto stored = part.axis->stored.find(place->key); stored != part.axis->stored.end())
-        std::tie(part.stored_session, part.stored_until) = stored->second;
+  if (place) return place.get();
+  const std::size_t signals = machine_.signals.size();
+  place = std::make_unique<Stream>();
+  place->source = source;
+  place->key = KeyOf(source, batch.channels);
+  std::map<Axis*, Part> parts;
+  for (std::size_t c = 0; c < batch.channels.size(); ++c) {
+    Part& part = parts[axes_[batch.channels[c] / signals].get()];
+    part.columns.push_back({c, batch.channels[c] % signals, conversion_[batch.channels[c]]});
   }
+  for (const auto& axis : axes_)  // in order of the axes, not of their addresses
+    if (const auto found = parts.find(axis.get()); found != parts.end()) {
+      found->second.axis = axis.get();
+      found->second.stream = place.get();
+      place->parts.push_back(std::move(found->second));
+    }
+  place->channels = batch.channels.size();
+  for (Part& part : place->parts)
+    if (const auto stored = part.axis->stored.find(place->key); stored != part.axis->stored.end())
+      std::tie(part.stored_session, part.stored_until) = stored->second;
   return place.get();
+}
+
+/// Ends other streams that have channels of this one: these have changed their sender.
+void Aligner::LeaveToSuccessor(const Stream& successor) {
+  const auto shares_channel = [&](const Stream& other) {
+    return std::any_of(successor.parts.begin(), successor.parts.end(), [&](const Part& part) {
+      return std::any_of(other.parts.begin(), other.parts.end(), [&](const Part& its) {
+        return its.axis == part.axis &&
+               std::any_of(part.columns.begin(), part.columns.end(),
+                           [&](const Part::Place& column) { return its.Has(column.signal); });
+      });
+    });
+  };
+  for (auto it = streams_.begin(); it != streams_.end();) {
+    if (it->second.get() == &successor || !shares_channel(*it->second)) {
+      ++it;
+      continue;
+    }
+    for (Part& part : it->second->parts) LeaveAxis(part);
+    it = streams_.erase(it);
+  }
+}
+
+/// A fast sender goes. If it carried the grid, the next one does, and all are anchored anew.
+void Aligner::LeaveAxis(Part& part) {
+  Axis& axis = *part.axis;
+  if (std::find(axis.parts.begin(), axis.parts.end(), &part) == axis.parts.end()) return;
+  Emit(axis, axis.pending(), true);
+  std::erase(axis.parts, &part);
+  if (axis.master != &part) return;
+  axis.master = axis.parts.empty() ? nullptr : axis.parts.front();
+  for (Part* other : axis.parts) other->anchored = false;
 }
 
 /// Another life of the sender, or the first one: its count begins anew.
 void Aligner::BeginSession(Stream& stream, const SampleBatch& batch) {
+  if (!stream.begun) LeaveToSuccessor(stream);
   stream.ratio = RatioOf(batch.period_ns, period_);
   for (Part& part : stream.parts)
-    if (stream.ratio != 0) JoinAxis(part, batch.received.monotonic_ns);
+    if (stream.ratio != 0)
+      JoinAxis(part, batch.received.monotonic_ns);
+    else
+      LeaveAxis(part);
   stream.begun = true;
+  stream.writer = batch.writer;
   stream.session = batch.session;
   stream.base = batch.first_sequence;
   stream.period = batch.period_ns;
   stream.clock.Reset();
   stream.wall_clock.Reset();
   stream.last_source_time = 0;
-  stream.strange = 0;
+  stream.jump.Forget();
 }
 
-/// A fast sender begins. It takes the place of another one of the same signals; if it carries the grid, the
-/// others are anchored to it anew.
+/// A fast sender begins. If it carries the grid, the others are anchored to it anew.
 void Aligner::JoinAxis(Part& part, std::int64_t now) {
   Axis& axis = *part.axis;
   ++axis.counters.sessions;
   part.anchored = false;
-  const auto replaced = [&](const Part* other) {
-    return other == &part || std::any_of(part.columns.begin(), part.columns.end(),
-                                         [&](const auto& column) { return other->Has(column.signal); });
-  };
-  if (axis.master == nullptr || replaced(axis.master)) {
+  if (axis.master == nullptr || axis.master == &part) {
     Emit(axis, axis.pending(), true);
     axis.master = &part;
     axis.hold_until = now + Ns(options_.settle);
     for (Part* other : axis.parts) other->anchored = false;
   }
-  std::erase_if(axis.parts, replaced);
+  std::erase(axis.parts, &part);
   part.present.assign(axis.pending(), 0);
   axis.parts.push_back(&part);
 }
@@ -140,19 +162,14 @@ bool Aligner::Believable(Stream& stream, const SampleBatch& batch) {
     behind = behind || (part.anchored && part.RowOf(last, stream.ratio) <
                                              part.axis->first_row - Ns(2 * options_.lateness) / period_);
   if (!ahead && !behind) {
-    stream.strange = 0;
+    stream.jump.Forget();
     return true;
   }
-  stream.strange = batch.first_sequence == stream.strange_next ? stream.strange + 1 : 1;
-  if (stream.strange == 1) stream.strange_since = batch.received.monotonic_ns;
-  stream.strange_next = last + 1;
   for (Part& part : stream.parts) {
     auto& count = ahead ? part.axis->counters.future_rows : part.axis->counters.late_rows;
     count += static_cast<std::int64_t>(batch.rows / stream.ratio);
   }
-  if (stream.strange < kBatchesToBelieve ||
-      batch.received.monotonic_ns - stream.strange_since < kTimeToBelieve)
-    return false;
+  if (!stream.jump.GoesOn(batch.first_sequence, batch.rows, batch.received.monotonic_ns)) return false;
   for (Part& part : stream.parts) {
     ++part.axis->counters.sequence_jumps;
     --part.axis->counters.sessions;  // BeginSession counts it

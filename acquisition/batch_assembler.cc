@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t kMostChannels = 4096;
 constexpr std::size_t kMostLayouts = 16;  // of one session
 constexpr std::int64_t kMostPeriod = 1'000'000'000'000;
+constexpr std::int64_t kLeeway = 1'000'000'000;    // ns a count may be beside what the time that passed says
+constexpr std::uint64_t kReadingsOfLeeway = 1000;  // the same of single readings, which tell no period
 constexpr std::int64_t kMostTime = std::numeric_limits<std::int64_t>::max() / 2;
 
 void AddSequence(const SequenceMonitor& sequence, SourceStatus& status) {
@@ -42,15 +44,26 @@ void BatchAssembler::Malformed(std::string complaint) {
   complaint_ = std::move(complaint);
 }
 
-BatchAssembler::Session& BatchAssembler::SessionOf(std::uint64_t id) {
-  if (!sessions_.contains(id) && sessions_.size() == kSessionsKept) {
-    const auto oldest =
-        std::min_element(sessions_.begin(), sessions_.end(),
-                         [](const auto& a, const auto& b) { return a.second.used < b.second.used; });
+/// Of the writer with the most sessions the one used longest ago, so that nobody who invents sessions makes us
+/// forget those of another one.
+BatchAssembler::SessionKey BatchAssembler::OldestOfTheBusiest() const {
+  std::map<std::uint64_t, std::size_t> of_writer;
+  for (const auto& [key, session] : sessions_) ++of_writer[key.first];
+  return std::max_element(sessions_.begin(), sessions_.end(),
+                          [&](const auto& a, const auto& b) {
+                            return std::pair(of_writer[a.first.first], b.second.used) <
+                                   std::pair(of_writer[b.first.first], a.second.used);
+                          })
+      ->first;
+}
+
+BatchAssembler::Session& BatchAssembler::SessionOf(SessionKey key) {
+  if (!sessions_.contains(key) && sessions_.size() == kSessionsKept) {
+    const auto oldest = sessions_.find(OldestOfTheBusiest());
     AddSequence(oldest->second.sequence, forgotten_);
     sessions_.erase(oldest);
   }
-  Session& session = sessions_[id];
+  Session& session = sessions_[key];
   session.used = ++messages_;
   return session;
 }
@@ -61,7 +74,7 @@ void BatchAssembler::Receive(const LayoutMessage& message, const Emit& emit) {
                                  kLiveProtocolVersion));
   if (message.channels.empty() || message.channels.size() > kMostChannels)
     return Malformed(fmt::format("a layout of {} channels", message.channels.size()));
-  Session& session = SessionOf(message.session);
+  Session& session = SessionOf({message.writer, message.session});
   if (session.layouts.size() == kMostLayouts) session.layouts.erase(session.layouts.begin());
   Layout& layout = session.layouts[message.layout_id];
   layout = {.columns = message.channels.size(), .channels = {}, .from_columns = {}};
@@ -92,7 +105,7 @@ void BatchAssembler::Receive(BatchMessage&& message, HostTime received, const Em
   if (std::string fault = FaultOf(message); !fault.empty()) return Malformed("the sender sent " + fault);
   if (message.rows > kMostRows)
     return Malformed(fmt::format("the sender sent a batch of {} rows", message.rows));
-  Session& session = SessionOf(message.session);
+  Session& session = SessionOf({message.writer, message.session});
   const auto layout = session.layouts.find(message.layout_id);
   if (layout == session.layouts.end()) {
     if (waiting_.size() == kWaitingKept) {
@@ -108,12 +121,36 @@ void BatchAssembler::Receive(BatchMessage&& message, HostTime received, const Em
   Deliver(session, layout->second, message, received, emit);
 }
 
+/// More than kLeeway beside where the count can be by now. Rows of a hole that come late are where they were
+/// expected.
+bool BatchAssembler::IsElsewhere(const Session& session, const BatchMessage& message, std::int64_t now) {
+  const auto next = session.sequence.next();
+  if (!next) return false;
+  const auto rows = [&](std::int64_t ns) {
+    return message.period_ns > 0 ? static_cast<std::uint64_t>(ns / message.period_ns) : kReadingsOfLeeway;
+  };
+  if (message.first_sequence > *next)
+    return message.first_sequence - *next > rows(now - session.received + kLeeway) + message.rows;
+  return *next - message.first_sequence > rows(kLeeway) + message.rows &&
+         !session.sequence.Lacks(message.first_sequence);
+}
+
 void BatchAssembler::Deliver(Session& session, const Layout& layout, BatchMessage& message, HostTime received,
                              const Emit& emit) {
-  const SequenceMonitor::Verdict verdict = session.sequence.Receive(message.first_sequence, message.rows);
+  SequenceMonitor::Verdict verdict;
+  const std::int64_t now = received.monotonic_ns;
+  const bool elsewhere = IsElsewhere(session, message, now);
+  if (!elsewhere) session.jump.Forget();
+  if (const bool goes_on = elsewhere && session.jump.GoesOn(message.first_sequence, message.rows, now);
+      !elsewhere || goes_on) {
+    if (goes_on) session.sequence.GoOnAt(message.first_sequence);
+    verdict = session.sequence.Receive(message.first_sequence, message.rows);
+    session.received = now;
+  }
   const std::size_t rows = message.rows - verdict.skip;
   if (rows == 0 || layout.channels.empty()) return;
   SampleBatch batch;
+  batch.writer = message.writer;
   batch.session = message.session;
   batch.first_sequence = message.first_sequence + verdict.skip;
   batch.source_time_ns = message.source_time_ns + static_cast<std::int64_t>(verdict.skip) * message.period_ns;

@@ -5,8 +5,10 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "acquisition/jump_guard.h"
 #include "acquisition/sequence_monitor.h"
 #include "acquisition/source.h"
 
@@ -20,6 +22,7 @@ struct LayoutMessage {
   std::uint64_t session = 0;
   std::uint32_t layout_id = 0;
   std::vector<std::string> channels;
+  std::uint64_t writer = 0;  ///< who sent it: not of the message, the library knows it
 };
 
 /// A batch as sent.
@@ -32,11 +35,14 @@ struct BatchMessage {
   std::int64_t period_ns = 0;
   std::uint32_t rows = 0;
   std::vector<double> values;
+  std::uint64_t writer = 0;  ///< as above
 };
 
 /// Turns messages of any number of senders into batches of the wanted channels. Every field is checked; what
-/// cannot be right is counted as malformed and left out. A batch that comes before its layout waits for it,
-/// bounded.
+/// cannot be right is counted as malformed and left out. A session belongs to the writer it came from: the same
+/// number from another one is another session. A batch that comes before its layout waits for it, bounded. One
+/// whose rows are elsewhere than the sender's count is passed on, for the aligner to doubt, but counts nothing
+/// here until the sender goes on there.
 class BatchAssembler {
  public:
   /// `wanted`: name on the wire of each channel of the source, "" = not from here. One name may feed several
@@ -65,20 +71,26 @@ class BatchAssembler {
   struct Session {
     std::map<std::uint32_t, Layout> layouts;
     SequenceMonitor sequence;
-    std::uint64_t used = 0;  ///< when, in messages
+    JumpGuard jump;
+    std::int64_t received = 0;  ///< ns, monotonic, newest batch that was where it was expected
+    std::uint64_t used = 0;     ///< when, in messages
   };
   struct Waiting {
     BatchMessage message;
     HostTime received;
   };
 
-  Session& SessionOf(std::uint64_t id);
+  using SessionKey = std::pair<std::uint64_t, std::uint64_t>;  ///< writer, session
+
+  Session& SessionOf(SessionKey key);
+  SessionKey OldestOfTheBusiest() const;
+  static bool IsElsewhere(const Session& session, const BatchMessage& message, std::int64_t now);
   void Malformed(std::string complaint);
   void Deliver(Session& session, const Layout& layout, BatchMessage& message, HostTime received,
                const Emit& emit);
 
   std::vector<std::string> wanted_;
-  std::map<std::uint64_t, Session> sessions_;
+  std::map<SessionKey, Session> sessions_;
   std::vector<Waiting> waiting_;
   SourceStatus counters_;
   SourceStatus forgotten_;  ///< sequence counters of sessions no longer kept

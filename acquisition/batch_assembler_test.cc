@@ -30,6 +30,7 @@ class BatchAssemblerTest : public ::testing::Test {
 
   BatchAssembler assembler_;
   std::vector<SampleBatch> got_;
+  std::int64_t now_ = 0;  ///< ns
   BatchAssembler::Emit emit_ = [this](SampleBatch&& batch) { got_.push_back(std::move(batch)); };
 };
 
@@ -49,6 +50,60 @@ TEST_F(BatchAssemblerTest, ABatchWaitsForItsLayout) {
   Receive(Message(0, 2));
   EXPECT_THAT(got_, IsEmpty());
   Announce();
+  EXPECT_EQ(got_.size(), 1u);
+}
+
+TEST_F(BatchAssemblerTest, FarSequenceNumbersDoNotMakeItDeaf) {
+  Announce();
+  const auto at = [&](std::int64_t ms, std::uint64_t first) {
+    assembler_.Receive(Message(first, 10), {ms * 1'000'000, 0}, emit_);
+  };
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    at(static_cast<std::int64_t>(10 * k), 10 * k);
+    at(static_cast<std::int64_t>(10 * k), 1'000'000 * (k + 1));  // never twice at the same place
+  }
+  got_.clear();
+  for (std::uint64_t k = 100; k < 200; ++k) at(static_cast<std::int64_t>(10 * k), 10 * k);
+  EXPECT_EQ(got_.size(), 100u);
+  EXPECT_EQ(got_.back().rows, 10u);
+  EXPECT_EQ(assembler_.counters().lost_rows, 0);
+  EXPECT_EQ(assembler_.counters().duplicate_rows, 0);
+}
+
+TEST_F(BatchAssemblerTest, ACountThatGoesOnElsewhereIsFollowedAfterASecond) {
+  Announce();
+  for (const std::uint64_t begin : {5'000'000u, 100'000'000u, 1000u}) {
+    for (std::uint64_t k = 0; k < 150; ++k) {
+      now_ += 10'000'000;
+      assembler_.Receive(Message(begin + 10 * k, 10), {now_, 0}, emit_);
+    }
+    EXPECT_EQ(got_.back().first_sequence, begin + 1490);
+    const std::int64_t duplicates = assembler_.counters().duplicate_rows;
+    assembler_.Receive(Message(begin + 1490, 10), {now_, 0}, emit_);
+    EXPECT_EQ(assembler_.counters().duplicate_rows, duplicates + 10) << "counted from there on";
+  }
+}
+
+TEST_F(BatchAssemblerTest, ASessionBelongsToTheWriterItCameFrom) {
+  Announce();
+  Receive(Message(100, 2));
+  BatchMessage forged = Message(900'000, 2);
+  forged.writer = 66;
+  Receive(forged);
+  EXPECT_EQ(got_.size(), 1u) << "this writer has announced no layout";
+  assembler_.Receive(LayoutMessage{kLiveProtocolVersion, 7, 1, {"left/p", "right/p", "x", "y"}, 66}, emit_);
+  ASSERT_EQ(got_.size(), 2u);
+  EXPECT_EQ(got_.back().writer, 66u);
+  Receive(Message(102, 2));
+  EXPECT_THAT(got_.back().values, ElementsAre(2, 3, 1, 1, 6, 7, 5, 5)) << "still with the layout of its own";
+  EXPECT_EQ(assembler_.counters().lost_rows, 0);
+}
+
+TEST_F(BatchAssemblerTest, InventedSessionsDoNotMakeItForgetALayout) {
+  Announce();
+  for (std::uint64_t session = 100; session < 300; ++session)
+    assembler_.Receive(LayoutMessage{kLiveProtocolVersion, session, 1, {"left/p"}, 66}, emit_);
+  Receive(Message(0, 2));
   EXPECT_EQ(got_.size(), 1u);
 }
 

@@ -17,9 +17,8 @@ SequenceMonitor::Verdict SequenceMonitor::Receive(std::uint64_t first, std::uint
     next_ = end;
     return verdict;
   }
-  auto hole = holes_.upper_bound(first);
-  if (hole != holes_.begin() && std::prev(hole)->second > first) {
-    --hole;
+  if (Lacks(first)) {
+    const auto hole = std::prev(holes_.upper_bound(first));
     const auto [begin, behind] = *hole;
     const std::uint64_t filled = std::min(end, behind);
     holes_.erase(hole);
@@ -36,6 +35,11 @@ SequenceMonitor::Verdict SequenceMonitor::Receive(std::uint64_t first, std::uint
   duplicates_ += static_cast<std::int64_t>(verdict.skip);
   next_ = std::max(next_, end);
   return verdict;
+}
+
+bool SequenceMonitor::Lacks(std::uint64_t row) const {
+  const auto hole = holes_.upper_bound(row);
+  return hole != holes_.begin() && std::prev(hole)->second > row;
 }
 
 }  // namespace hydroscope

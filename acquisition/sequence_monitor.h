@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 
 namespace hydroscope {
 
@@ -18,6 +19,16 @@ class SequenceMonitor {
   /// Rows `first` ... `first + rows - 1` have come; `rows` > 0 and first + rows does not overflow.
   Verdict Receive(std::uint64_t first, std::uint64_t rows);
 
+  /// The count goes on elsewhere; what it had lost before stays lost.
+  void GoOnAt(std::uint64_t sequence) {
+    next_ = sequence;
+    holes_.clear();
+  }
+
+  /// The row was counted as lost, and has not come since.
+  bool Lacks(std::uint64_t row) const;
+  /// Row behind the newest one so far; nullopt before the first.
+  std::optional<std::uint64_t> next() const { return begun_ ? std::optional(next_) : std::nullopt; }
   /// Rows lost so far; one that comes late after all is taken off again.
   std::int64_t lost() const { return lost_; }
   std::int64_t duplicates() const { return duplicates_; }

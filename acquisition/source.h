@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace hydroscope {
 
 /// Consecutive samples of some channels, as one message or one request of a source delivered them.
 struct SampleBatch {
+  std::uint64_t writer = 0;          ///< who sent it, as the source can tell; 0 where there is only one
   std::uint64_t session = 0;         ///< the sender's life: another session begins another count
   std::uint64_t first_sequence = 0;  ///< of row 0; rows count up by one
   std::int64_t source_time_ns = 0;   ///< the sender's clock at row 0; 0 = the sender has none
@@ -33,6 +35,8 @@ struct SourceStatus {
   std::int64_t lost_rows = 0;  ///< known from sequence numbers
   std::int64_t duplicate_rows = 0, reordered_batches = 0;
   std::int64_t reconnects = 0, malformed = 0, timeouts = 0, exceptions = 0;
+  std::int64_t refused = 0;                           ///< messages of senders that are not allowed
+  std::map<std::uint64_t, std::string> senders = {};  ///< who is there, by SampleBatch::writer, in words
 };
 
 /// Where live samples come from. Start begins delivery on a thread of the source's own; `sink` may be called

@@ -126,9 +126,10 @@ Result<std::vector<Listed>> ListedAlarms(const AlarmJournal& journal, const Alar
   return alarms;
 }
 
-Result<AlarmJournal> OpenJournal(const AlarmsArguments& a) {
+Result<AlarmJournal> OpenJournal(const AlarmsArguments& a, bool to_change = false) {
   if (a.db.empty()) return UsageError("--db is missing: the database that replay or serve fills");
-  return AlarmJournal::OpenExisting(AlarmJournal::PathFor(a.db));
+  const std::string path = AlarmJournal::PathFor(a.db);
+  return to_change ? AlarmJournal::OpenExisting(path) : AlarmJournal::OpenReadOnly(path);
 }
 
 Status List(const AlarmsArguments& a) {
@@ -180,7 +181,7 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
 Status Act(const AlarmsArguments& a, const char* done,
            const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act,
            Which which = Which::kStanding) {
-  auto journal = OpenJournal(a);
+  auto journal = OpenJournal(a, true);
   if (!journal) return tl::unexpected(journal.error());
   const auto found = Find(*journal, a, which);
   if (!found) return tl::unexpected(found.error());

@@ -52,6 +52,7 @@ void AddLiveFaults(CLI::App& benchmark, int& exit_code) {
       "live-faults",
       "Senders killed, hung, talking nonsense, clocks stepped, disk full: told in time, back in time");
   command->add_flag("--long", o->long_cuts, "Also the silence of 60 s");
+  command->add_flag("--brief", o->brief, "Only what takes seconds, and only what an operator sees");
   command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark live-faults --long");
   command->callback([o, &exit_code] { exit_code = RunLiveFaults(*o); });

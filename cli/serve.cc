@@ -7,15 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/live_sources.h"
-#include "alarms/feeds/feeds.h"
 #include "cli/commands.h"
 #include "host/output.h"
 #include "host/real_clock.h"
-#include "live/drift_watch.h"
 #include "live/http_endpoint.h"
 #include "live/live_service.h"
 #include "live/log.h"
-#include "live/service_watch.h"
+#include "live/surveillance.h"
 #include "live/valve_checks.h"
 
 namespace hydroscope {
@@ -69,64 +67,29 @@ void PrintAcknowledged(const LiveWriter::Axis& axis, const WriteItem& item) {
   if (std::fwrite(line.data(), 1, line.size(), stdout) == line.size()) std::fflush(stdout);
 }
 
-/// Watches for drift; nullptr, with the reason in `why`, if the model's parameters cannot be watched or
-/// journal or rules are unusable: the strokes are stored all the same and can be judged later.
-std::unique_ptr<PressMonitor> MakePressMonitor(const LiveOptions& options, const Machine& machine,
-                                               std::string& why) {
-  auto press =
-      PressMonitor::Create(options.machine_file, machine.name, MachinesOfAxes(machine), options.database);
-  const Status usable = press ? (*press)->watchable() : Status(tl::unexpected(press.error()));
-  if (usable) return std::move(*press);
-  why = usable.error().text;
-  LogError("drift_is_not_watched", {{"why", usable.error().text}});
-  return nullptr;
-}
-
 /// Limits of the machine file and the rules file beside it.
-void Reload(LiveService& service, DriftWatch* watch, const LiveOptions& options) {
+void Reload(LiveService& service, Surveillance& surveillance, const LiveOptions& options) {
   sd_notify(0, "RELOADING=1");
   const Status reloaded = service.Reload();
   if (!reloaded) LogError("reload_refused", {{"why", reloaded.error().text}});
-  std::string why;
-  if (const auto model = LoadLiveModel(options.machine_file); reloaded && model && watch != nullptr)
-    if (auto press = MakePressMonitor(options, (*model)->machine, why)) watch->Replace(std::move(press));
+  if (const auto model = LoadLiveModel(options.machine_file); reloaded && model)
+    surveillance.Reload((*model)->machine);
   if (reloaded) LogInfo("limits_reloaded");
   sd_notify(0, "READY=1");
 }
 
-/// What is told about the machine and about the service itself; `not_watched`: why there is no drift watch.
-struct Surveillance {
-  std::shared_ptr<HealthBoard> board = std::make_shared<HealthBoard>();
-  std::unique_ptr<DriftWatch> watch;
-  std::string not_watched;
-
-  std::string WhyNotJudged() const { return watch ? watch->status().problem : not_watched; }
-  /// Health of each axis is what the feeds read: that of the board.
-  DriftWatchStatus Drift(const Machine& machine) const {
-    DriftWatchStatus drift;
-    if (watch) drift = watch->status();
-    drift.problem = WhyNotJudged();
-    for (int axis = 0; !watch && axis < AxisCount(machine); ++axis)
-      drift.axes.push_back({.name = AxisMachineName(machine, axis), .health = {}, .alarms = {}});
-    for (AxisHealth& axis : drift.axes) axis.health = board->Of(axis.name);
-    return drift;
-  }
-};
-
 /// Until a signal ends it.
-void Wait(LiveService& service, Surveillance& told, const LiveOptions& options, const sigset_t& signals) {
-  const Machine& machine = service.machine();
-  ServiceWatch self(AlarmJournal::PathFor(options.database),
-                    AxisCount(machine) > 1 ? machine.name : AxisMachineName(machine, 0), *told.board);
+void Wait(LiveService& service, Surveillance& surveillance, const LiveOptions& options,
+          const sigset_t& signals) {
   for (;;) {
     const timespec patience{1, 0};
     const int signal = sigtimedwait(&signals, nullptr, &patience);
-    if (signal == SIGHUP) Reload(service, told.watch.get(), options);
+    if (signal == SIGHUP) Reload(service, surveillance, options);
     if (signal == SIGTERM || signal == SIGINT) return;
-    const LiveStatus status = service.status();
-    self.Look(status.writer, told.WhyNotJudged(), Seconds(RealTime().wall_ns));
-    sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(status.writer.state),
-               static_cast<long long>(status.writer.strokes));
+    surveillance.Look();
+    const WriterStatus writer = service.status().writer;
+    sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(writer.state),
+               static_cast<long long>(writer.strokes));
   }
 }
 
@@ -153,23 +116,9 @@ int Run(ServeArguments& a) {
       RealTime, Watchdog(RealTime), a.acknowledge ? PrintAcknowledged : LiveWriter::Acknowledged());
   if (!created) return ReportError(created.error());
   LiveService& service = **created;
-  Surveillance told;
-  auto press = MakePressMonitor(a.live, service.machine(), told.not_watched);  // pairs journal and database
-  if (press && !press->notice().empty()) LogWarning("journal_set_aside", {{"why", press->notice()}});
-  const Feeds feeds = Feeds::Start(service.machine(), a.live.database, RealTime, told.board);
   ValveChecks checks(service, a.valve_check, RealTime);
-  if (press)
-    told.watch = std::make_unique<DriftWatch>(
-        std::move(press),
-        DriftWatch::Inputs{[&] { return service.status(); }, [&] { return checks.checking(); }, told.board},
-        RealTime);
-  const auto status = [&] {
-    LiveStatus now = service.status();
-    now.drift = told.Drift(service.machine());
-    now.valve_check = checks.state();
-    now.feeds = feeds.status();
-    return now;
-  };
+  Surveillance surveillance(service, checks, a.live, RealTime);
+  const auto status = [&] { return surveillance.status(); };
   const auto endpoint = HttpEndpoint::Open(
       a.port, SocketOf(a.live.database),
       {[&] { return PrometheusText(status()); }, [&] { return StatusJson(status()).dump(1) + "\n"; },
@@ -177,19 +126,19 @@ int Run(ServeArguments& a) {
   if (!endpoint) return ReportError(endpoint.error());
   if (const Status started = service.Start(); !started) return ReportError(started.error());
   checks.Start();
-  if (told.watch) told.watch->Start();
+  surveillance.Start();
   LogInfo("serving", {{"machine", service.machine().name},
                       {"axes", std::to_string(AxisCount(service.machine()))},
                       {"database", a.live.database},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
-  Wait(service, told, a.live, signals);
+  Wait(service, surveillance, a.live, signals);
   sd_notify(0, "STOPPING=1");
   LogInfo("stopping");
   checks.Stop();
-  if (told.watch) told.watch->Stop();
+  surveillance.Stop();
   const bool stored = service.Stop();
-  if (told.watch) told.watch->Finish();
+  surveillance.Finish();
   if (!stored) LogError("stopped_with_a_loss", {{"why", "what waited could not be written within 10 s"}});
   LogInfo("stopped");
   return stored ? kDone : kPartlyDone;

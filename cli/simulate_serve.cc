@@ -123,7 +123,8 @@ Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const Pr
                              .udp = live.dds->transport != DdsTransport::kSharedMemory,
                              .shared_memory = live.dds->transport != DdsTransport::kUdp,
                              .interfaces = live.dds->interfaces,
-                             .peers = live.dds->peers};
+                             .peers = live.dds->peers,
+                             .security = live.dds->security};
   }
   if (live.modbus) {
     options.modbus = {.host = live.modbus->host, .port = live.modbus->port, .order = live.modbus->order};

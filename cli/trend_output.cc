@@ -153,12 +153,18 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
   return out;
 }
 
-nlohmann::json MachineJson(const MachineTrends& trends) {
-  nlohmann::json points = nlohmann::json::array(), summary = nlohmann::json::array();
-  for (const TrendPoint& point : trends.points) points.push_back(PointJson(point));
+/// False: the file cannot be written, which Close tells.
+bool WriteMachine(TextSink& sink, const MachineTrends& trends) {
+  bool written = sink.Write("{\"machine\": " + nlohmann::json(trends.machine).dump() + ", \"points\": [");
+  const char* before = "\n";
+  for (const TrendPoint& point : trends.points) {
+    written = written && sink.Write(before + PointJson(point).dump());
+    before = ",\n";
+  }
+  nlohmann::json summary = nlohmann::json::array();
   for (const TrendSummary& s : SummariseTrends(trends.points, trends.blocks, trends.strokes))
     summary.push_back(SummaryJson(s));
-  return {{"machine", trends.machine}, {"points", std::move(points)}, {"summary", std::move(summary)}};
+  return written && sink.Write("\n], \"summary\": " + summary.dump(1) + "}");
 }
 
 }  // namespace
@@ -188,11 +194,15 @@ Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& 
   return sink->Close();
 }
 
-nlohmann::json TrendJson(const std::vector<MachineTrends>& machines) {
-  if (machines.size() == 1) return MachineJson(machines.front());
-  nlohmann::json all = nlohmann::json::array();
-  for (const MachineTrends& trends : machines) all.push_back(MachineJson(trends));
-  return {{"machines", std::move(all)}};
+Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines) {
+  auto sink = TextSink::Open(path);
+  if (!sink) return tl::unexpected(sink.error());
+  const bool several = machines.size() != 1;
+  bool written = sink->Write(several ? "{\"machines\": [" : "");
+  for (std::size_t i = 0; i < machines.size(); ++i)
+    written = written && sink->Write(i > 0 ? ",\n" : "") && WriteMachine(*sink, machines[i]);
+  if (written) sink->Write(several ? "]}\n" : "\n");
+  return sink->Close();
 }
 
 }  // namespace hydroscope

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -29,6 +28,7 @@ std::string TrendText(const MachineTrends& trends);
 Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines);
 
 /// One machine: {"machine", "points": [...], "summary": [...]}; several: {"machines": [...]} of such objects.
-nlohmann::json TrendJson(const std::vector<MachineTrends>& machines);
+/// Written point by point: as a tree in memory a point takes a kilobyte and a half. "-" is stdout.
+Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines);
 
 }  // namespace hydroscope

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
@@ -100,7 +99,7 @@ Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machine
   if (!a.csv.empty())
     if (const Status written = WriteTrendCsv(a.csv, machines); !written) return written;
   if (!a.json.empty())
-    if (const Status written = WriteJson(a.json, TrendJson(machines)); !written) return written;
+    if (const Status written = WriteTrendJson(a.json, machines); !written) return written;
   return {};
 }
 

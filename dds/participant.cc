@@ -14,13 +14,18 @@
 #include <cmath>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fstream>
+#include <map>
 #include <mutex>
 #include <set>
 
+#include "core/secret_file.h"
 #include "dds/shared_memory.h"
 
 namespace hydroscope {
@@ -102,10 +107,10 @@ Status CheckAddresses(const DdsNetwork& network) {
   return {};
 }
 
-/// Where this participant listens. Announcements go by UDP, by the loopback alone where data shall go by
+/// Where this participant listens; `without`: why not by shared memory, though that was asked for. Announcements go by UDP, by the loopback alone where data shall go by
 /// shared memory alone: the library's shared port for announcements keeps a place for each killed process
 /// until it is full or locked for good. Data have ports of shared memory that no process had before.
-Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
+Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos, std::string& without) {
   qos.transport().use_builtin_transports = false;
   const bool room = FreeSharedMemory() >= kSharedMemoryNeeded;
   if (!network.udp && !room)
@@ -117,8 +122,23 @@ Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
   udp->sendBufferSize = udp->receiveBufferSize = kSocketBuffer;
   udp->maxInitialPeersRange = kPortsAskedAtPeers;
   qos.transport().user_transports.push_back(udp);
-  if (!network.shared_memory || !room) return {};
+  if (!network.shared_memory) return {};
+  if (!room) {
+    without = fmt::format("/dev/shm has only {} kB free", FreeSharedMemory() >> 10);
+    return {};
+  }
   RemoveDeadSharedMemory();
+  const SharedMemoryUsers users = UsersOfSharedMemory();
+  if (!network.udp && !users.other.empty() && !users.own)
+    return BadInput(
+        "[{}] transport = \"shm\": the shared memory of DDS on this computer belongs to user {}, and "
+        "cannot be shared with another one; run both as the same user, or use transport = \"udp\"",
+        network.section, users.other);
+  if (network.udp && !users.other.empty()) {
+    without =
+        fmt::format("shared memory on this computer belongs to user {}, another one than ours", users.other);
+    return {};
+  }
   auto shared_memory = std::make_shared<SharedMemTransportDescriptor>();
   qos.transport().user_transports.push_back(shared_memory);
   Locator_t any_card, group;
@@ -130,6 +150,41 @@ Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos) {
   const std::unique_ptr<TransportInterface> maker(shared_memory->create_transport());
   maker->getDefaultUnicastLocators(wire.default_unicast_locator_list, UnusedSharedMemoryPort());
   return {};
+}
+
+/// Files of DDS Security 1.1, 8.4 and 9.4, as scripts/dds_certificates.sh makes them, and the properties of the
+/// library that want them.
+constexpr std::pair<const char*, const char*> kSecurityFiles[] = {
+    {"dds.sec.auth.builtin.PKI-DH.identity_ca", "ca.pem"},
+    {"dds.sec.auth.builtin.PKI-DH.identity_certificate", "certificate.pem"},
+    {"dds.sec.auth.builtin.PKI-DH.private_key", "key.pem"},
+    {"dds.sec.access.builtin.Access-Permissions.permissions_ca", "ca.pem"},
+    {"dds.sec.access.builtin.Access-Permissions.governance", "governance.smime"},
+    {"dds.sec.access.builtin.Access-Permissions.permissions", "permissions.smime"},
+};
+
+/// Who is not signed by the same authority is not spoken to; what is sent is encrypted and signed.
+Status AddSecurity(const DdsNetwork& network, DomainParticipantQos& qos) {
+  if (network.security.empty()) return {};
+  auto& properties = qos.properties().properties();
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+  for (const auto& [property, name] : kSecurityFiles) {
+    const std::string path = network.security + "/" + name;
+    if (!std::ifstream(path))
+      return BadInput("[{}] security: {} cannot be read; scripts/dds_certificates.sh makes such a folder",
+                      network.section, path);
+    properties.emplace_back(property, "file://" + path);
+  }
+  return CheckSecret(network.security + "/key.pem", fmt::format("[{}] security: key.pem", network.section));
+}
+
+/// FNV-1a of the part of a GUID that all writers of a participant share.
+std::uint64_t PeerId(const eprosima::fastrtps::rtps::GuidPrefix_t& prefix) {
+  std::uint64_t id = 0xcbf29ce484222325ull;
+  for (const auto byte : prefix.value) id = (id ^ byte) * 0x100000001b3ull;
+  return id;
 }
 
 template <typename Qos>
@@ -163,12 +218,64 @@ void KeepLatestOfEach(Qos& qos) {
 
 }  // namespace
 
+/// The participants that are there, as the library's discovery tells them.
+class DdsParticipant::Neighbours : public DomainParticipantListener {
+ public:
+  void on_participant_discovery(DomainParticipant*,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& found) override {
+    using Info = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
+    const std::uint64_t id = PeerId(found.info.m_guid.guidPrefix);
+    std::lock_guard lock(mutex_);
+    if (found.status == Info::REMOVED_PARTICIPANT || found.status == Info::DROPPED_PARTICIPANT) {
+      peers_.erase(id);
+      return;
+    }
+    DdsPeer& peer = peers_[id];
+    peer.name = found.info.m_participantName.to_string();
+    for (const Locator_t& locator : found.info.default_locators.unicast)
+      if (locator.kind == LOCATOR_KIND_UDPv4) peer.address = IPLocator::toIPv4string(locator);
+  }
+  void onParticipantAuthentication(DomainParticipant*,
+                                   eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
+    using Info = eprosima::fastrtps::rtps::ParticipantAuthenticationInfo;
+    std::lock_guard lock(mutex_);
+    not_authenticated_ += info.status == Info::UNAUTHORIZED_PARTICIPANT;
+  }
+  std::optional<DdsPeer> peer(std::uint64_t id) const {
+    std::lock_guard lock(mutex_);
+    const auto found = peers_.find(id);
+    return found == peers_.end() ? std::nullopt : std::optional(found->second);
+  }
+  std::int64_t not_authenticated() const {
+    std::lock_guard lock(mutex_);
+    return not_authenticated_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, DdsPeer> peers_;
+  std::int64_t not_authenticated_ = 0;
+};
+
+DdsParticipant::DdsParticipant(DomainParticipant* participant, std::unique_ptr<Neighbours> neighbours, int id)
+    : participant_(participant), neighbours_(std::move(neighbours)), id_(id) {}
+
+std::optional<DdsPeer> DdsParticipant::peer(std::uint64_t id) const { return neighbours_->peer(id); }
+std::int64_t DdsParticipant::not_authenticated() const { return neighbours_->not_authenticated(); }
+
+std::uint64_t DdsPeerId(const SampleInfo& sample) {
+  return PeerId(sample.sample_identity.writer_guid().guidPrefix);
+}
+
 Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork& network,
                                                                const std::string& name) {
   if (const Status status = CheckAddresses(network); !status) return tl::unexpected(status.error());
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   qos.name(name.c_str());
-  if (const Status status = AddTransports(network, qos); !status) return tl::unexpected(status.error());
+  std::string without_shared_memory;
+  if (const Status status = AddTransports(network, qos, without_shared_memory); !status)
+    return tl::unexpected(status.error());
+  if (const Status status = AddSecurity(network, qos); !status) return tl::unexpected(status.error());
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = Seconds(1);
   discovery.leaseDuration_announcementperiod = Seconds(0.25);
@@ -184,14 +291,22 @@ Result<std::unique_ptr<DdsParticipant>> DdsParticipant::Create(const DdsNetwork&
   eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
   const int id = Ids().Take();
   qos.wire_protocol().participant_id = id;
+  auto neighbours = std::make_unique<Neighbours>();
   DomainParticipant* participant = DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<DomainId_t>(network.domain), qos);
+      static_cast<DomainId_t>(network.domain), qos, neighbours.get(), StatusMask::none());
   if (participant == nullptr) {
     Ids().Release(id);
+    if (!network.security.empty())
+      return BadInput(
+          "[{}] security: DDS takes no part with the certificates in {}; is a file expired, damaged "
+          "or of another authority? `openssl verify -CAfile ca.pem certificate.pem` tells",
+          network.section, network.security);
     return InternalError("DDS gives no participant in domain {}; are its network ports taken or forbidden?",
                          network.domain);
   }
-  return std::unique_ptr<DdsParticipant>(new DdsParticipant(participant, id));
+  std::unique_ptr<DdsParticipant> made(new DdsParticipant(participant, std::move(neighbours), id));
+  made->without_shared_memory_ = std::move(without_shared_memory);
+  return made;
 }
 
 DdsParticipant::~DdsParticipant() {

@@ -1,6 +1,7 @@
 #include "dds/shared_memory.h"
 
 #include <fcntl.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -30,6 +31,13 @@ bool LockIsFree(const fs::path& file) {
   const bool free = flock(open_file, LOCK_EX | LOCK_NB) == 0;
   close(open_file);
   return free;
+}
+
+std::string NameOf(uid_t user) {
+  char text[1024];
+  passwd entry{}, *found = nullptr;
+  if (getpwuid_r(user, &entry, text, sizeof(text), &found) == 0 && found != nullptr) return entry.pw_name;
+  return std::to_string(user);
 }
 
 fs::path With(fs::path file, const char* ending) { return file += ending; }
@@ -62,6 +70,23 @@ int RemoveDeadSharedMemory(const fs::path& folder, double age) {
       removed += fs::remove(file, ignored);
   }
   return removed;
+}
+
+SharedMemoryUsers UsersOfSharedMemory(const fs::path& folder) {
+  SharedMemoryUsers users;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    struct stat found {};
+    if (!name.starts_with(kPrefix) || !(name.ends_with("_el") || name.ends_with("_sl")) ||
+        stat(it->path().c_str(), &found) != 0 || LockIsFree(it->path()))
+      continue;
+    if (found.st_uid == geteuid())
+      users.own = true;
+    else
+      users.other = NameOf(found.st_uid);
+  }
+  return users;
 }
 
 std::uint32_t UnusedSharedMemoryPort() {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace hydroscope {
 
@@ -9,6 +10,15 @@ namespace hydroscope {
 /// lock nobody holds, older than `age` seconds (younger ones may be in the making). Returns how many files
 /// went. The library itself never removes the segments, 0.55 MB for each process that was killed.
 int RemoveDeadSharedMemory(const std::filesystem::path& folder = "/dev/shm", double age = 10);
+
+/// Who else has shared memory of Fast DDS in use.
+struct SharedMemoryUsers {
+  std::string other;  ///< a user that is not ours, or ""
+  bool own = false;   ///< processes of our user, perhaps this one
+};
+/// The library makes its files so that processes of another user cannot write into them: what such a sender
+/// says does not arrive, and the reader turns in circles.
+SharedMemoryUsers UsersOfSharedMemory(const std::filesystem::path& folder = "/dev/shm");
 
 /// Number of a port of shared memory that no process had before. The library would number ports by domain and
 /// participant, so that a process started in place of a killed one gets the same: who still has the dead

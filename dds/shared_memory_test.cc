@@ -57,6 +57,21 @@ TEST_F(SharedMemory, WhatIsYoungOrNotOfTheLibraryStays) {
   EXPECT_TRUE(There("another_program"));
 }
 
+TEST_F(SharedMemory, TellsWhoseLivingProcessesUseIt) {
+  Make("fastrtps_0aa0df61ca8c2e05");
+  Make("fastrtps_0aa0df61ca8c2e05_el");
+  EXPECT_FALSE(UsersOfSharedMemory(folder_).own) << "its process is dead";
+  const int lock = open((folder_ / "fastrtps_0aa0df61ca8c2e05_el").c_str(), O_RDONLY);
+  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+  EXPECT_TRUE(UsersOfSharedMemory(folder_).own);
+  EXPECT_EQ(UsersOfSharedMemory(folder_).other, "");
+  if (chown((folder_ / "fastrtps_0aa0df61ca8c2e05_el").c_str(), 65534, 65534) == 0) {
+    EXPECT_EQ(UsersOfSharedMemory(folder_).other, "nobody");
+    EXPECT_FALSE(UsersOfSharedMemory(folder_).own);
+  }
+  close(lock);
+}
+
 TEST_F(SharedMemory, ASegmentWithoutALockMayBeInTheMaking) {
   Make("fastrtps_0aa0df61ca8c2e05");
   EXPECT_EQ(RemoveDeadSharedMemory(folder_, 0), 0);

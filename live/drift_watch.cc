@@ -4,11 +4,13 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "alarms/press_health.h"
 #include "core/clock.h"
+#include "core/printable.h"
 #include "live/log.h"
 
 namespace hydroscope {
@@ -105,7 +107,48 @@ Status DriftWatch::LookAtAxis(int index, const LiveStatus& live, HostTime now) {
       return set;
     axis.checked = checked;
   }
+  if (const Status told = LookForSecondSender(index, live, now); !told) return told;
   return LookForSilence(index, live, now);
+}
+
+/// Raises an alarm of the axis, or clears it without a condition; nothing is written while nothing changes.
+Status DriftWatch::Tell(int index, const char* alarm, const std::optional<AlarmCondition>& condition,
+                        HostTime now) {
+  const auto& alarms = press_->axis(index).alarms();
+  const bool stands = std::any_of(alarms.begin(), alarms.end(),
+                                  [&](const AlarmState& a) { return a.id == alarm && a.active; });
+  if (stands == condition.has_value()) return {};
+  return press_->axis(index).Observe(alarm, kAtOnce, condition, Wall(now));
+}
+
+/// "two_senders": somebody else sends channels of the axis as well. Which of them speaks of the machine nobody
+/// here can know, so that this is a loss of signal, though the first one goes on being believed.
+Status DriftWatch::LookForSecondSender(int index, const LiveStatus& live, HostTime now) {
+  const auto name = [](const SenderStatus& sender) {
+    return fmt::format("{} (session {})", sender.name.empty() ? "a sender" : Printable(sender.name),
+                       sender.id.session);
+  };
+  std::vector<std::string> first, others;
+  std::set<int> sources;  // slow channels of another source are not what this is about
+  for (const SenderStatus& sender : live.senders)
+    if (sender.refused_axes.contains(index)) {
+      others.push_back(name(sender));
+      sources.insert(sender.id.source);
+    }
+  for (const SenderStatus& sender : live.senders)
+    if (sender.axes.contains(index) && sources.contains(sender.id.source)) first.push_back(name(sender));
+  if (others.empty()) return Tell(index, "two_senders", std::nullopt, now);
+  AlarmCondition condition;
+  condition.value = static_cast<double>(1 + others.size());
+  condition.limit = 2;
+  condition.unit = "1";
+  condition.severity = AlarmSeverity::kSignalLoss;
+  condition.text = fmt::format(
+      "two senders of the same channels: {} was first and is believed, {} is left out; switch off the one "
+      "that "
+      "is not this machine's, `hydroscope status` shows both",
+      fmt::join(first, ", "), fmt::join(others, ", "));
+  return Tell(index, "two_senders", condition, now);
 }
 
 /// "no_samples": channels the model cannot do without have been stale for longer than kSilence.
@@ -121,13 +164,11 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   if (silent.empty()) {
     axis.silent_since = 0;
     if (!all_there) return {};  // only samples clear it, a restart of the service does not
-    return press_->axis(index).Observe("no_samples", kAtOnce, std::nullopt, Wall(now));
+    return Tell(index, "no_samples", std::nullopt, now);
   }
   if (axis.silent_since == 0) axis.silent_since = now.monotonic_ns;
   const double seconds = Seconds(now.monotonic_ns - axis.silent_since);
   if (seconds < kSilence) return {};
-  for (const AlarmState& alarm : press_->axis(index).alarms())
-    if (alarm.id == "no_samples" && alarm.active) return {};
   AlarmCondition condition;
   condition.value = seconds;
   condition.limit = kSilence;
@@ -137,7 +178,7 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
       "no samples of {}: check the controller and the link to it; `hydroscope check --live` shows every "
       "channel",
       fmt::join(silent, ", "));
-  return press_->axis(index).Observe("no_samples", kAtOnce, condition, Wall(now));
+  return Tell(index, "no_samples", condition, now);
 }
 
 void DriftWatch::Publish(const Status& done) {

@@ -48,6 +48,8 @@ class DriftWatch {
   Status Look(HostTime now);
   Status LookAtAxis(int index, const LiveStatus& live, HostTime now);
   Status LookForSilence(int index, const LiveStatus& live, HostTime now);
+  Status LookForSecondSender(int index, const LiveStatus& live, HostTime now);
+  Status Tell(int index, const char* alarm, const std::optional<AlarmCondition>& condition, HostTime now);
   void Publish(const Status& done);
 
   std::unique_ptr<PressMonitor> press_;

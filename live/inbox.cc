@@ -10,7 +10,7 @@ void Inbox::Push(int source, SampleBatch&& batch) {
     std::lock_guard lock(mutex_);
     const auto values = static_cast<std::int64_t>(batch.values.size());
     counters_.values += values;
-    waiting_[{source, batch.session}] += values;
+    waiting_[{source, batch.writer, batch.session}] += values;
     entries_.push_back({source, std::move(batch)});
     while (counters_.values > capacity_ && entries_.size() > 1)
       DropHalf(std::max_element(waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) {
@@ -25,12 +25,12 @@ void Inbox::DropHalf(const Lane& lane) {
   std::int64_t& waiting = waiting_[lane];
   const std::int64_t kept = waiting / 2;
   std::erase_if(entries_, [&](const Entry& entry) {
-    if (waiting <= kept || Lane(entry.source, entry.batch.session) != lane) return false;
+    if (waiting <= kept || Lane(entry.source, entry.batch.writer, entry.batch.session) != lane) return false;
     const auto values = static_cast<std::int64_t>(entry.batch.values.size());
     waiting -= values;
     counters_.values -= values;
     counters_.dropped_values += values;
-    counters_.dropped_by_source[lane.first] += values;
+    counters_.dropped_by_source[std::get<0>(lane)] += values;
     ++counters_.dropped_batches;
     return true;
   });

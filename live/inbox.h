@@ -5,7 +5,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "acquisition/source.h"
@@ -37,7 +37,7 @@ class Inbox {
   Counters counters() const;
 
  private:
-  using Lane = std::pair<int, std::uint64_t>;  ///< source, session of the sender
+  using Lane = std::tuple<int, std::uint64_t, std::uint64_t>;  ///< source, writer, session
   void DropHalf(const Lane& lane);
 
   const std::int64_t capacity_;

@@ -161,6 +161,7 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
       database.BeginRun(*machine, *version, "live", fmt::format("live/{}/{}", opened.name, start_.wall_ns));
   if (!run) return tl::unexpected(run.error());
   opened.run = run->id;
+  opened.model = model_;
   const auto state = database.PipelineStateBefore(run->id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
@@ -217,7 +218,7 @@ void LiveService::Run() {
     if (heartbeat_) heartbeat_();
     if (status_wanted_.exchange(false) || Seconds(now.monotonic_ns - status_at) >= kStatusPeriod) {
       status_at = now.monotonic_ns;
-      UpdateStatus(now);
+      UpdateStatus(clock_());  // `now` lies before the batches that have just come
     }
   }
   for (std::size_t a = 0; a < axes_.size(); ++a)
@@ -319,9 +320,32 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
     const double period =
         spec.modbus && !spec.modbus->in_ring ? model_->machine.live->modbus->poll_period : 0.1;
     channel.stale = !(channel.age <= 2 * period);
+    channel.senders = aligner_->senders_of(c, now);
     channels.push_back(std::move(channel));
   }
   return channels;
+}
+
+std::vector<SenderStatus> LiveService::Senders(std::int64_t now) const {
+  std::vector<SenderStatus> senders;
+  for (const LiveSender& live : aligner_->senders(now)) {
+    SenderStatus sender{.id = live.id,
+                        .name = {},
+                        .age = Seconds(now - live.heard),
+                        .rows = live.rows,
+                        .refused_rows = live.refused_rows,
+                        .channels = live.taken.size(),
+                        .refused = {},
+                        .axes = {},
+                        .refused_axes = {}};
+    for (const std::size_t channel : live.taken) sender.axes.insert(live_channels_[channel].axis);
+    for (const std::size_t channel : live.refused) {
+      sender.refused.push_back(live_channels_[channel].name);
+      sender.refused_axes.insert(live_channels_[channel].axis);
+    }
+    senders.push_back(std::move(sender));
+  }
+  return senders;
 }
 
 void LiveService::UpdateStatus(HostTime now) {
@@ -332,6 +356,7 @@ void LiveService::UpdateStatus(HostTime now) {
   status.state = stop_ ? "stopping" : "running";
   status.uptime = Seconds(now.monotonic_ns - start_.monotonic_ns);
   status.streams = aligner_->streams();
+  status.senders = Senders(now.monotonic_ns);
   status.channels = Channels(now.monotonic_ns);
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     const AxisPipeline& pipeline = *axes_[a]->pipeline;
@@ -357,17 +382,21 @@ void LiveService::UpdateStatus(HostTime now) {
 
 LiveStatus LiveService::status() const {
   LiveStatus status;
-  const std::int64_t now = clock_().monotonic_ns;
+  const std::int64_t asked = clock_().monotonic_ns;
   {
     std::unique_lock lock(status_mutex_);
     status_wanted_ = true;
-    status_changed_.wait_for(lock, kFreshStatus, [&] { return status_.taken >= now; });
+    status_changed_.wait_for(lock, kFreshStatus, [&] { return status_.taken >= asked; });
     status = status_;
   }
   for (const auto& source : sources_) {
     status.sources.push_back(source->status());
     const std::int64_t last = status.sources.back().last_received.monotonic_ns;
-    status.source_ages.push_back(last == 0 ? kNaN : Seconds(now - last));
+    status.source_ages.push_back(last == 0 ? kNaN : Seconds(clock_().monotonic_ns - last));
+  }
+  for (SenderStatus& sender : status.senders) {
+    const auto& names = status.sources[static_cast<std::size_t>(sender.id.source)].senders;
+    if (const auto name = names.find(sender.id.writer); name != names.end()) sender.name = name->second;
   }
   status.inbox = inbox_.counters();
   status.writer = writer_->status();

@@ -71,6 +71,7 @@ class LiveService {
   void BeginNewRun(int axis);
   void UpdateStatus(HostTime now);
   std::vector<ChannelStatus> Channels(std::int64_t now);
+  std::vector<SenderStatus> Senders(std::int64_t now) const;
 
   LiveOptions options_;
   const std::shared_ptr<const LiveModel> first_model_;  ///< the aligner refers to it

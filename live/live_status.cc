@@ -33,7 +33,8 @@ json CountersJson(const AlignerCounters& c) {
           {"clock_jumps", c.clock_jumps},
           {"slips", c.slips},
           {"stale_values", c.stale_values},
-          {"already_stored", c.already_stored}};
+          {"already_stored", c.already_stored},
+          {"second_sender_rows", c.second_sender_rows}};
 }
 
 json SourceJson(const SourceStatus& s, double age) {
@@ -49,7 +50,8 @@ json SourceJson(const SourceStatus& s, double age) {
           {"reconnects", s.reconnects},
           {"malformed", s.malformed},
           {"timeouts", s.timeouts},
-          {"exceptions", s.exceptions}};
+          {"exceptions", s.exceptions},
+          {"refused", s.refused}};
 }
 
 json StreamJson(const StreamState& s) {
@@ -63,10 +65,17 @@ json StreamJson(const StreamState& s) {
           {"worst_delay_s", s.worst_delay}};
 }
 
+json SenderJson(const SenderStatus& s) {
+  return {{"source", s.id.source},   {"name", s.name},
+          {"session", s.id.session}, {"age_s", Number(s.age)},
+          {"rows", s.rows},          {"refused_rows", s.refused_rows},
+          {"channels", s.channels},  {"refused_channels", s.refused}};
+}
+
 json ChannelJson(const ChannelStatus& c) {
   return {{"name", c.name},         {"unit", c.unit},           {"rate_hz", c.rate},
           {"age_s", Number(c.age)}, {"value", Number(c.value)}, {"noise_std", Number(c.noise_std)},
-          {"flagged", c.flagged},   {"stale", c.stale}};
+          {"flagged", c.flagged},   {"stale", c.stale},         {"senders", c.senders}};
 }
 
 json AxisJson(const AxisStatus& a) {
@@ -98,6 +107,8 @@ json WriterJson(const WriterStatus& w) {
           {"dropped_strokes", w.dropped_strokes},
           {"refused", w.refused},
           {"pauses", w.pauses},
+          {"databases", w.databases},
+          {"begun_anew", w.begun_anew},
           {"latency_p50_s", w.latency_p50},
           {"latency_p99_s", w.latency_p99},
           {"latency_max_s", w.latency_max},
@@ -122,6 +133,11 @@ std::string Age(const json& age) {
   return s < 1     ? fmt::format("{:.0f} ms", s * 1e3)
          : s < 120 ? fmt::format("{:.1f} s", s)
                    : fmt::format("{:.0f} min", s / 60);
+}
+
+std::string SenderName(const json& sender) {
+  const auto name = sender.at("name").get<std::string>();
+  return name.empty() ? "a sender" : name;
 }
 
 std::string Label(const std::string& text) {
@@ -196,10 +212,12 @@ json StatusJson(const LiveStatus& s) {
               {"memory_bytes", s.memory},
               {"descriptors", s.descriptors},
               {"valve_check", s.valve_check}};
-  for (const char* list : {"sources", "streams", "channels", "axes", "feeds"}) out[list] = json::array();
+  for (const char* list : {"sources", "streams", "senders", "channels", "axes", "feeds"})
+    out[list] = json::array();
   for (std::size_t i = 0; i < s.sources.size(); ++i)
     out["sources"].push_back(SourceJson(s.sources[i], s.source_ages[i]));
   for (const StreamState& stream : s.streams) out["streams"].push_back(StreamJson(stream));
+  for (const SenderStatus& sender : s.senders) out["senders"].push_back(SenderJson(sender));
   for (const ChannelStatus& channel : s.channels) out["channels"].push_back(ChannelJson(channel));
   for (const AxisStatus& axis : s.axes) out["axes"].push_back(AxisJson(axis));
   for (const FeedStatus& feed : s.feeds) out["feeds"].push_back(FeedJson(feed));
@@ -243,6 +261,8 @@ std::string StatusText(const json& s) {
       w.at("dropped_strokes").get<std::int64_t>());
   if (!w.at("problem").get<std::string>().empty())
     text += fmt::format("PROBLEM     {}\n", w.at("problem").get<std::string>());
+  if (!w.at("begun_anew").get<std::string>().empty())
+    text += fmt::format("NEW DATABASE {}\n", w.at("begun_anew").get<std::string>());
   if (!s.at("limits").get<std::string>().empty())
     text += fmt::format("last reload {}\n", s.at("limits").get<std::string>());
   if (!s.at("valve_check").get<std::string>().empty())
@@ -265,6 +285,15 @@ std::string StatusText(const json& s) {
           stream.at("channels").get<int>(), -stream.at("clock_offset_s").get<double>() * 1e3,
           -stream.at("drift_ppm").get<double>(), stream.at("delay_s").get<double>() * 1e3,
           stream.at("worst_delay_s").get<double>() * 1e3);
+  for (const json& sender : s.at("senders"))
+    if (const auto refused = sender.at("refused_channels").size(); refused > 0)
+      text += fmt::format(
+          "TWO SENDERS {} (session {}) is not believed: {} of its channels, {} for example, come from "
+          "another "
+          "one; {} rows left out\n",
+          Printable(SenderName(sender)), sender.at("session").get<std::uint64_t>(), refused,
+          sender.at("refused_channels").front().get<std::string>(),
+          sender.at("refused_rows").get<std::int64_t>());
   for (const json& feed : s.at("feeds"))
     text += fmt::format("feed {}: {}; {} clients; journal row {}, {} behind; {} errors\n",
                         Printable(feed.at("name").get<std::string>()),
@@ -305,8 +334,8 @@ std::string PrometheusText(const LiveStatus& s) {
   m.Begin("heartbeats_total", "counter", "Rounds of the pipeline.");
   m.Add(static_cast<double>(s.heartbeats));
   m.Begin("writer_state", "gauge", "1 for the state the writer is in.");
-  for (const WriterState state :
-       {WriterState::kWriting, WriterState::kDiskFull, WriterState::kLocked, WriterState::kFailing})
+  for (const WriterState state : {WriterState::kWriting, WriterState::kDiskFull, WriterState::kLocked,
+                                  WriterState::kGone, WriterState::kDamaged, WriterState::kFailing})
     m.Add(s.writer.state == state, fmt::format("state=\"{}\"", WriterStateName(state)));
   m.Begin("disk_free_bytes", "gauge", "Free where the database lies.");
   m.Add(static_cast<double>(s.writer.free_bytes));
@@ -344,6 +373,8 @@ std::string PrometheusText(const LiveStatus& s) {
   for (const ChannelStatus& c : s.channels) m.Add(c.age, fmt::format("channel=\"{}\"", Label(c.name)));
   m.Begin("channel_rate_hertz", "gauge", "Values per second.");
   for (const ChannelStatus& c : s.channels) m.Add(c.rate, fmt::format("channel=\"{}\"", Label(c.name)));
+  m.Begin("channel_senders", "gauge", "Senders of the channel at the same time.");
+  for (const ChannelStatus& c : s.channels) m.Add(c.senders, fmt::format("channel=\"{}\"", Label(c.name)));
   m.Begin("axis_events_total", "counter", "What the aligner counted.");
   for (const AxisStatus& axis : s.axes) {
     const json counters = CountersJson(axis.counters);

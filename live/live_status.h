@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,19 @@ struct ChannelStatus {
   bool stale = false;        ///< older than two periods
   int axis = 0;
   bool required = false;  ///< the model cannot do without it
+  int senders = 0;        ///< that send it at the same time; more than one: only the first is believed
+};
+
+/// Somebody who sends.
+struct SenderStatus {
+  SenderId id;
+  std::string name;                  ///< "simulated press at 192.168.0.7"; "" if the source tells none
+  double age = 0;                    ///< s since its newest batch
+  std::int64_t rows = 0;             ///< taken
+  std::int64_t refused_rows = 0;     ///< rows with values that are another sender's to send
+  std::size_t channels = 0;          ///< that it sends and that are believed
+  std::vector<std::string> refused;  ///< channels of which another one is believed
+  std::set<int> axes, refused_axes;  ///< where it is believed, and where another one
 };
 
 struct AxisStatus {
@@ -45,6 +59,7 @@ struct LiveStatus {
   std::vector<SourceStatus> sources;
   std::vector<double> source_ages;  ///< s since each source received something; NaN: never
   std::vector<StreamState> streams;
+  std::vector<SenderStatus> senders;  ///< heard within the last seconds
   std::vector<ChannelStatus> channels;
   std::vector<AxisStatus> axes;
   Inbox::Counters inbox;

@@ -20,6 +20,7 @@ HealthReason ReasonOf(WriterState state) {
       return HealthReason::kDatabaseLocked;
     case WriterState::kGone:
       return HealthReason::kDatabaseGone;
+    case WriterState::kDamaged:
     case WriterState::kFailing:
       break;
   }
@@ -58,6 +59,12 @@ void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judge
   board_.TellTrouble(HealthBoard::Part::kJudging, judging);
   for (const auto& [alarm, trouble] : {std::pair("not_stored", storing), {"not_judged", judging}})
     if (!Observe(alarm, trouble, wall)) journal_.reset();  // tried again at the next look
+}
+
+void ServiceWatch::BegunAnew(const std::string& why, double wall) {
+  const ServiceTrouble lost{HealthReason::kNotStored, why};
+  for (const ServiceTrouble& trouble : {lost, ServiceTrouble{}})
+    if (!Observe("database_begun_anew", trouble, wall)) journal_.reset();
 }
 
 /// Nothing is written while nothing changes.

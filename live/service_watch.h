@@ -19,6 +19,7 @@ ServiceTrouble NotWatched(const std::string& why);
 /// be written. One object belongs to one thread.
 ///   not_stored: disk full, database locked, gone, or failing otherwise
 ///   not_judged: the drift of the machine is not watched
+///   database_begun_anew: what was stored before is elsewhere, or lost
 class ServiceWatch {
  public:
   /// `press`: machine of the journal that gets the alarms.
@@ -27,6 +28,9 @@ class ServiceWatch {
 
   /// `not_judged`: why nothing is judged, "" while strokes are. `wall`: s since 1970.
   void Look(const WriterStatus& writer, const std::string& not_judged, double wall);
+  /// Database or journal were lost and begun anew, and why: an alarm that has gone again, but stands until
+  /// somebody acknowledges it.
+  void BegunAnew(const std::string& why, double wall);
 
  private:
   Status Observe(const std::string& alarm, const ServiceTrouble& trouble, double wall);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "live/writer.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -55,9 +56,12 @@ Result<std::vector<VerifiedRun>> VerifyLive(const std::string& path) {
       const auto extent =
           std::find_if(extents->begin(), extents->end(), [&](const auto& e) { return e.run == run.id; });
       if (extent == extents->end() && run.strokes == 0) continue;
-      if (!run.complete || extent == extents->end() || extent->rows < extent->rows_taken) {
+      const bool continued = run.fingerprint.ends_with(kBegunAnew);
+      if (!run.complete || continued || extent == extents->end() || extent->rows < extent->rows_taken) {
         result.outcome = VerifiedRun::Outcome::kNotKept;
-        result.detail = !run.complete ? "still open" : "not all raw rows are kept";
+        result.detail = continued       ? "begun in a database that was lost"
+                        : !run.complete ? "still open"
+                                        : "not all raw rows are kept";
         verified.push_back(std::move(result));
         continue;
       }

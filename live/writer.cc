@@ -1,6 +1,5 @@
 #include "live/writer.h"
 
-#include <sys/stat.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -10,12 +9,14 @@
 
 #include "core/quantile.h"
 #include "live/log.h"
+#include "storage/set_aside.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::chrono::milliseconds kRetry(250);
-constexpr std::chrono::milliseconds kPause(50);  // without work: time for a checkpoint, if it is due
+constexpr std::chrono::milliseconds kPause(50);   // without work: time for a checkpoint, if it is due
+constexpr std::chrono::milliseconds kLook(1000);  // at the file, without work
 constexpr std::size_t kStepsToCheckpoint =
     16;  // transactions; behind a stroke, when the next one is farthest
 constexpr std::size_t kStepsWithoutStroke = 128;
@@ -30,13 +31,12 @@ std::int64_t Bytes(const WriteItem& item) {
   return bytes;
 }
 
-/// Device and number of a file; zeros if there is none of this name.
-std::pair<dev_t, ino_t> IdentityOf(const std::string& path) {
-  struct stat now {};
-  return stat(path.c_str(), &now) == 0 ? std::pair(now.st_dev, now.st_ino) : std::pair<dev_t, ino_t>();
-}
-
 bool Has(const Error& error, const char* text) { return error.text.find(text) != std::string::npos; }
+
+/// The file itself, as storage/connection.cc words it.
+bool IsDamage(const Error& error, const std::string& path) {
+  return Has(error, (path + " is damaged (").c_str()) || Has(error, "not an SQLite file");
+}
 
 /// Passes when somebody frees space, unlocks or repairs the disk; then the same step is tried again.
 bool MayPass(const Error& error) {
@@ -58,6 +58,8 @@ const char* WriterStateName(WriterState state) {
       return "failing";
     case WriterState::kGone:
       return "gone";
+    case WriterState::kDamaged:
+      return "damaged";
   }
   return "";
 }
@@ -70,7 +72,8 @@ LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::str
       axes_(std::move(axes)),
       options_(options),
       clock_(std::move(clock)),
-      file_(IdentityOf(path_)),
+      file_(FileIdentity::Of(path_)),
+      written_(LastWritten(path_)),
       acknowledged_(std::move(acknowledged)),
       thread_([this] { Run(); }) {}
 
@@ -115,16 +118,17 @@ void LiveWriter::Run() {
   std::unique_lock lock(mutex_);
   while (WaitForWork(lock)) {
     lock.unlock();
-    if (!HasCurrent()) {
+    const Status file = LookAtFile();
+    const Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
+    if (done && !HasCurrent() && CheckpointIsDue()) {
       static_cast<void>(
-          database_.Checkpoint());  // what is in the way of it is in the way of the next step as well
+          database_->Checkpoint());  // what is in the way of it is in the way of the next step as well
       not_checkpointed_ = 0;
-      lock.lock();
-      continue;
     }
-    const Status done = !FileIsThere() ? Gone() : DiskHasRoom() ? Work() : NoRoom();
+    written_ = LastWritten(path_);
     lock.lock();
-    if (done || !MayPass(done.error())) {
+    if (!done && IsDamage(done.error(), path_)) damage_ = done.error().text;
+    if (done || (file && damage_.empty() && !MayPass(done.error()))) {
       Settle(done);
       continue;
     }
@@ -133,16 +137,17 @@ void LiveWriter::Run() {
   }
 }
 
-/// Takes the next things to do, nothing if there is time for a checkpoint; false at the end. What could not
+bool LiveWriter::CheckpointIsDue() const {
+  return not_checkpointed_ >= (stroke_stored_ ? kStepsToCheckpoint : kStepsWithoutStroke);
+}
+
+/// Takes the next things to do, nothing if there is time for a checkpoint or a look at the file; false at the end. What could not
 /// be written is taken again.
 bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
   const auto wanted = [this] {
     return stopping_ || HasCurrent() || !items_.empty() || !valve_checks_.empty();
   };
-  if (not_checkpointed_ < (stroke_stored_ ? kStepsToCheckpoint : kStepsWithoutStroke))
-    changed_.wait(lock, wanted);
-  else if (!changed_.wait_for(lock, kPause, wanted))
-    return true;
+  if (!changed_.wait_for(lock, CheckpointIsDue() ? kPause : kLook, wanted)) return true;
   if (give_up_) return false;
   if (HasCurrent()) return true;
   if (!valve_checks_.empty()) {
@@ -163,8 +168,8 @@ bool LiveWriter::WaitForWork(std::unique_lock<std::mutex>& lock) {
 
 Status LiveWriter::Work() {
   if (current_check_)
-    return database_.AddValveCheck(axes_[static_cast<std::size_t>(current_check_->first)].machine,
-                                   current_check_->second);
+    return database_->AddValveCheck(axes_[static_cast<std::size_t>(current_check_->first)].machine,
+                                    current_check_->second);
   return current_.front().kind == WriteItem::Kind::kStep ? StoreSteps() : Execute(current_.front());
 }
 
@@ -178,7 +183,7 @@ Status LiveWriter::StoreSteps() {
     for (PackedStroke& stroke : item.step.strokes) stroke.summary.index = index++;
     steps.push_back({axis.run, &item.step});
   }
-  if (const Status stored = database_.StoreLive(steps, signals_, options_.raw); !stored) return stored;
+  if (const Status stored = database_->StoreLive(steps, signals_, options_.raw); !stored) return stored;
   ++not_checkpointed_;
   stroke_stored_ = false;
   for (const WriteItem& item : current_) {
@@ -228,7 +233,8 @@ void LiveWriter::Settle(const Status& done) {
 }
 
 void LiveWriter::Fail(const Error& error) {
-  const WriterState state = Has(error, "file is gone")      ? WriterState::kGone
+  const WriterState state = !damage_.empty()                ? WriterState::kDamaged
+                            : Has(error, "file is gone")    ? WriterState::kGone
                             : Has(error, "disk is full")    ? WriterState::kDiskFull
                             : Has(error, "another process") ? WriterState::kLocked
                                                             : WriterState::kFailing;
@@ -240,16 +246,91 @@ void LiveWriter::Fail(const Error& error) {
   status_.problem = error.text;
 }
 
-/// The file that was opened still has its name: one that was deleted, moved or replaced would take what is
-/// written with it, unseen.
-bool LiveWriter::FileIsThere() const { return IdentityOf(path_) == file_; }
+/// The file that was opened still has its name, and nobody damaged it: one that was deleted, moved or replaced
+/// would take what is written with it, unseen.
+Status LiveWriter::LookAtFile() {
+  std::string damage;
+  {
+    std::lock_guard lock(mutex_);
+    damage = damage_;
+  }
+  if (!damage.empty()) return BeginAnew(damage, true);
+  const std::int64_t now = clock_().monotonic_ns;
+  if (database_ && FileIdentity::Of(path_) == file_) {
+    gone_since_ = 0;
+    if (LastWritten(path_) != written_) LookForDamage();
+    return {};
+  }
+  if (gone_since_ == 0) gone_since_ = now;
+  if (database_ && Seconds(now - gone_since_) < options_.anew_after) return Gone();
+  return BeginAnew("the database file was deleted, moved or replaced", false);
+}
+
+/// Somebody else wrote into the file: another program of ours, or one that damages it.
+void LiveWriter::LookForDamage() {
+  std::lock_guard lock(mutex_);
+  if (std::exchange(checking_, true)) return;
+  checker_ = std::jthread([this](const std::stop_token& stop) {
+    const Status sound = Database::Check(path_, stop);
+    {
+      std::lock_guard locked(mutex_);
+      checking_ = false;
+      if (!sound && sound.error().kind == ErrorKind::kBadInput && !MayPass(sound.error()))
+        damage_ = sound.error().text;
+    }
+    changed_.notify_all();
+  });
+}
+
+/// Another file that lies in place of ours is used if it is a database of ours, else it is set aside.
+Status LiveWriter::BeginAnew(const std::string& why, bool damaged) {
+  database_.reset();  // before another file of this name is open: closing may remove what lies beside it
+  const bool found = FileIdentity::Of(path_).exists();
+  auto opened = damaged || !found ? Result<Database>(tl::unexpected(Error{})) : Database::Open(path_);
+  std::string kept;
+  if (!opened) {
+    auto aside = SetAside(path_, Seconds(clock_().wall_ns));
+    if (!aside) return tl::unexpected(aside.error());
+    if (found) kept = *aside;
+    opened = Database::Open(path_);
+  }
+  if (!opened) return tl::unexpected(opened.error());
+  database_ = std::move(*opened);
+  if (const Status begun = BeginRuns(); !begun) {
+    database_.reset();
+    return begun;
+  }
+  file_ = FileIdentity::Of(path_);
+  gone_since_ = 0;
+  std::lock_guard lock(mutex_);
+  damage_.clear();
+  ++status_.databases;
+  status_.begun_anew = kept.empty() ? why : fmt::format("{}; what was there is kept as {}", why, kept);
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) broken_.insert(static_cast<int>(axis));
+  LogError("database_begun_anew",
+           {{"why", status_.begun_anew}, {"strokes_in_memory", std::to_string(status_.waiting_strokes)}});
+  return {};
+}
+
+/// Runs for what waits: their rows do not begin with the first one, so that no replay can check them. Proper
+/// ones follow as soon as the pipelines begin theirs (TakeBroken).
+Status LiveWriter::BeginRuns() {
+  if (const Status left = database_->LeaveCheckpointsToPauses(); !left) return left;
+  for (Axis& axis : axes_) {
+    const auto machine = database_->MachineId(axis.name);
+    if (!machine) return tl::unexpected(machine.error());
+    axis.machine = *machine;
+    if (const Status begun = BeginRun(axis, kBegunAnew); !begun) return begun;
+  }
+  return {};
+}
 
 Status LiveWriter::Gone() const {
   return InternalError(
       "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; "
       "put it "
-      "back, or restart the service to begin a new one",
-      path_);
+      "back, or another one is begun {:.0f} s after it went",
+      path_, options_.anew_after);
 }
 
 bool LiveWriter::DiskHasRoom() {
@@ -266,6 +347,19 @@ bool LiveWriter::DiskHasRoom() {
   return free >= options_.min_free;
 }
 
+/// `ending` of the run's fingerprint.
+Status LiveWriter::BeginRun(Axis& axis, const char* ending) {
+  const auto version = database_->PutModelVersion(
+      axis.machine, {1, axis.model->text, axis.model->columns, 0, axis.model->conditions});
+  if (!version) return tl::unexpected(version.error());
+  const auto run = database_->BeginRun(axis.machine, *version, "live",
+                                       fmt::format("live/{}/{}{}", axis.name, clock_().wall_ns, ending));
+  if (!run) return tl::unexpected(run.error());
+  axis.run = run->id;
+  axis.strokes = run->strokes;
+  return {};
+}
+
 /// Ends or begins a run.
 Status LiveWriter::Execute(WriteItem& item) {
   Axis& axis = axes_[static_cast<std::size_t>(item.axis)];
@@ -273,17 +367,11 @@ Status LiveWriter::Execute(WriteItem& item) {
     case WriteItem::Kind::kStep:
       break;
     case WriteItem::Kind::kEndRun:
-      if (const Status ended = database_.FinishRun(axis.run, item.summary, item.state); !ended) return ended;
+      if (const Status ended = database_->FinishRun(axis.run, item.summary, item.state); !ended) return ended;
       break;
     case WriteItem::Kind::kBeginRun: {
-      const auto version = database_.PutModelVersion(
-          axis.machine, {1, item.model->text, item.model->columns, 0, item.model->conditions});
-      if (!version) return tl::unexpected(version.error());
-      const auto run = database_.BeginRun(axis.machine, *version, "live",
-                                          fmt::format("live/{}/{}", axis.name, clock_().wall_ns));
-      if (!run) return tl::unexpected(run.error());
-      axis.run = run->id;
-      axis.strokes = 0;
+      axis.model = item.model;
+      if (const Status begun = BeginRun(axis, ""); !begun) return begun;
       break;
     }
   }
@@ -312,6 +400,7 @@ bool LiveWriter::Stop(double seconds) {
   {
     std::unique_lock lock(mutex_);
     if (!thread_.joinable()) return items_.empty() && current_.empty();
+    checker_.request_stop();
     stopping_ = true;
     changed_.notify_all();
     const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -17,6 +15,7 @@
 #include "core/clock.h"
 #include "live/axis_pipeline.h"
 #include "storage/database.h"
+#include "storage/file_identity.h"
 
 namespace hydroscope {
 
@@ -25,9 +24,10 @@ struct WriterOptions {
   std::int64_t min_free = 64ll << 20;      ///< bytes on the disk below which nothing is written
   std::int64_t queue_bytes = 128ll << 20;  ///< raw rows that may wait; the oldest go first
   std::size_t queue_strokes = 4096;        ///< strokes that may wait
+  double anew_after = 10;                  ///< s without its file after which it begins another database
 };
 
-enum class WriterState { kWriting, kDiskFull, kLocked, kFailing, kGone };
+enum class WriterState { kWriting, kDiskFull, kLocked, kFailing, kGone, kDamaged };
 const char* WriterStateName(WriterState state);
 
 struct WriterStatus {
@@ -39,21 +39,30 @@ struct WriterStatus {
   std::int64_t strokes = 0, rows = 0;  ///< stored since the start
   std::int64_t dropped_rows = 0, dropped_strokes = 0, refused = 0;
   std::int64_t pauses = 0;                                   ///< times it could not write
+  std::int64_t databases = 1;                                ///< since the start: others were lost
+  std::string begun_anew;                                    ///< why the present one was begun; "": the first
   double latency_p50 = 0, latency_p99 = 0, latency_max = 0;  ///< s, stroke sent to estimate stored
   double commit_p99 = 0;                                     ///< s, pipeline to stored
 };
 
+/// Ending of the fingerprint of a run whose begin went with a lost database.
+inline constexpr const char* kBegunAnew = "/begun anew";
+
 /// Stores what the pipelines say, on a thread of its own: a step is stored as a whole or not at all, and
 /// steps that wait together share a transaction, so that strokes of many axes that end at once cost little
 /// more than one. When the disk is full or the database locked, it waits and tries again; what waits
-/// meanwhile is bounded: raw rows go first, oldest first, then strokes, counted.
+/// meanwhile is bounded: raw rows go first, oldest first, then strokes, counted. Once a second, also while
+/// there is nothing to store, it looks whether its file is still there and whether somebody else wrote into it.
+/// A damaged file is set aside under a dated name, one that stays away is given up, and another one begun, into
+/// which goes what waits; the runs under way are ended and begun anew, since a part of their rows is lost.
 class LiveWriter {
  public:
   /// Runs already begun, one id per axis. `acknowledged`, if given, is told each stored step.
   struct Axis {
     std::int64_t machine = 0, run = 0;
-    std::int64_t strokes = 0;  ///< of the run
-    std::string name;          ///< of the machine in the database
+    std::int64_t strokes = 0;                ///< of the run
+    std::string name;                        ///< of the machine in the database
+    std::shared_ptr<const LiveModel> model;  ///< of the run
   };
   using Acknowledged = std::function<void(const Axis&, const WriteItem&)>;
   LiveWriter(Database database, std::string path, std::vector<std::string> signals, std::vector<Axis> axes,
@@ -77,8 +86,13 @@ class LiveWriter {
   Status StoreSteps();
   Status Execute(WriteItem& item);
   Status NoRoom() const;
-  bool FileIsThere() const;
+  Status LookAtFile();
   Status Gone() const;
+  Status BeginAnew(const std::string& why, bool damaged);
+  Status BeginRuns();
+  Status BeginRun(Axis& axis, const char* ending);
+  void LookForDamage();
+  bool CheckpointIsDue() const;
   void Settle(const Status& done);
   bool HasCurrent() const { return !current_.empty() || current_check_.has_value(); }
   void Trim();
@@ -86,13 +100,15 @@ class LiveWriter {
   void Fail(const Error& error);
   void Count(const WriteItem& item);
 
-  Database database_;
+  std::optional<Database> database_;  ///< nullopt: lost, and another one could not be begun yet
   std::string path_;
   std::vector<std::string> signals_;
   std::vector<Axis> axes_;
   WriterOptions options_;
   Clock clock_;
-  std::pair<dev_t, ino_t> file_;  ///< the database as it was opened
+  FileIdentity file_;            ///< the database as it was opened
+  std::int64_t written_ = 0;     ///< ns since 1970, when it was last written by us
+  std::int64_t gone_since_ = 0;  ///< ns, monotonic; 0: it is there
   Acknowledged acknowledged_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -106,7 +122,10 @@ class LiveWriter {
   WriterStatus status_;
   std::vector<double> latencies_, commits_;
   std::set<int> broken_;
+  std::string damage_;  ///< what is wrong with the file, from a check or from SQLite itself
+  bool checking_ = false;
   bool stopping_ = false, give_up_ = false;
+  std::jthread checker_;
   std::thread thread_;
 };
 

@@ -16,11 +16,8 @@ void ReadModbusFeed(TableReader& section, ModbusFeedSpec& modbus) {
   section.Number("idle_timeout", modbus.idle_timeout,
                  {.si = "s", .default_unit = "s", .low = 0, .above_low = true});
   section.Texts("allow", modbus.allow);
-  for (const std::string& client : modbus.allow)
-    if (!ParseIpv4Range(client))
-      section.Wrong("allow", fmt::format("addresses and networks such as \"192.168.0.7\" and "
-                                         "\"192.168.0.0/24\"; \"{}\" is neither",
-                                         client));
+  CheckAddressRanges(section, "allow", modbus.allow);
+  section.Flag("acknowledge", modbus.acknowledge);
 }
 
 void ReadDdsFeed(TableReader& section, DdsFeedSpec& dds) {
@@ -32,6 +29,7 @@ void ReadDdsFeed(TableReader& section, DdsFeedSpec& dds) {
     dds.transport = static_cast<DdsTransport>(*choice);
   section.Texts("interfaces", dds.interfaces);
   section.Texts("peers", dds.peers);
+  section.Text("security", dds.security);
 }
 
 void ReadSparkplugFeed(TableReader& section, SparkplugFeedSpec& sparkplug) {

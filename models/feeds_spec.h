@@ -25,6 +25,7 @@ struct ModbusFeedSpec {
   int connections = 16;            ///< at most
   double idle_timeout = 60;        ///< s without a request after which a connection is closed
   std::vector<std::string> allow = {"127.0.0.0/8"};  ///< clients served: addresses and networks
+  bool acknowledge = true;                           ///< clients may acknowledge alarms
 
   bool operator==(const ModbusFeedSpec&) const = default;
 };
@@ -36,6 +37,7 @@ struct DdsFeedSpec {
   DdsTransport transport = DdsTransport::kDefault;
   std::vector<std::string> interfaces = {"127.0.0.1"};  ///< addresses of the network cards used; empty: all
   std::vector<std::string> peers;
+  std::string security = "";  ///< as DdsSpec::security
 
   bool operator==(const DdsFeedSpec&) const = default;
 };

@@ -44,8 +44,9 @@ TEST(FeedsSpec, AnEmptySectionTurnsAFeedOnForThisComputerOnly) {
 
 TEST(FeedsSpec, ReadsBackEqualAfterWriting) {
   const Machine machine = Loaded(
-      "[feeds.modbus]\nhost = \"0.0.0.0\"\nport = 502\nallow = [\"10.0.0.0/8\", \"192.168.0.7\"]\n"
-      "[feeds.dds]\ndomain = 3\ntransport = \"udp\"\ninterfaces = []\n"
+      "[feeds.modbus]\nhost = \"0.0.0.0\"\nport = 502\nacknowledge = false\nallow = [\"10.0.0.0/8\", "
+      "\"192.168.0.7\"]\n"
+      "[feeds.dds]\ndomain = 3\nsecurity = \"/etc/dds\"\ntransport = \"udp\"\ninterfaces = []\n"
       "[feeds.sparkplug]\nnode = \"press_7\"\nuser = \"u\"\npassword_file = \"/etc/p\"\n"
       "primary_host = \"scada\"\nbroker = \"ssl://10.0.0.1:8883\"\nca_file = \"/etc/ca.pem\"\n"
       "certificate_file = \"/etc/c.pem\"\nkey_file = \"/etc/k.pem\"\n");

@@ -6,6 +6,15 @@
 #include "models/machine_sections.h"
 
 namespace hydroscope {
+
+void CheckAddressRanges(TableReader& section, const char* key, const std::vector<std::string>& ranges) {
+  for (const std::string& range : ranges)
+    if (!ParseIpv4Range(range))
+      section.Wrong(key, fmt::format("addresses and networks such as \"192.168.0.7\" and "
+                                     "\"192.168.0.0/24\"; \"{}\" is neither",
+                                     range));
+}
+
 namespace {
 
 constexpr int kLastRegister = 65535;
@@ -37,6 +46,9 @@ void ReadDds(TableReader& section, DdsSpec& dds) {
   section.Texts("peers", dds.peers);
   section.Flag("backlog", dds.backlog);
   section.Number("deadline", dds.deadline, kSecondsAboveZero);
+  section.Texts("senders", dds.senders);
+  CheckAddressRanges(section, "senders", dds.senders);
+  section.Text("security", dds.security);
 }
 
 void ReadRing(TableReader& section, ModbusRingSpec& ring) {

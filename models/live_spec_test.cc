@@ -16,6 +16,8 @@ const std::string kLive = R"([live]
 axes = ["left", "right"]
 [live.dds]
 domain = 7
+senders = ["10.0.0.0/8"]
+security = "/etc/dds"
 interfaces = ["127.0.0.1"]
 [live.modbus]
 host = "plc"
@@ -111,7 +113,7 @@ TEST(LiveDamage, AnOriginWithoutItsSectionIsNamed) {
 
 TEST(LiveDamage, RegisterAndRingExcludeEachOther) {
   EXPECT_THAT(Refusal(Changed("ring = 4", "ring = 4, register = 4")),
-              AllOf(StartsWith("live.toml:16:"), HasSubstr("either register")));
+              AllOf(StartsWith("live.toml:18:"), HasSubstr("either register")));
 }
 
 TEST(LiveDamage, AnAxisBeyondTheLastRegisterIsRefused) {
@@ -145,9 +147,13 @@ TEST(LiveDamage, AxesAreNamedOnceAndPlainly) {
   EXPECT_THAT(Refusal(Changed("\"right\"", "\"a/b\"")), HasSubstr("names without /"));
 }
 
+TEST(LiveDamage, ASenderThatIsNoAddressIsRefused) {
+  EXPECT_THAT(Refusal(Changed("10.0.0.0/8", "press")), AllOf(HasSubstr("senders"), HasSubstr("press")));
+}
+
 TEST(LiveDamage, APortOutsideItsRangeIsRefused) {
   EXPECT_THAT(Refusal(Changed("port = 1502", "port = 70000")),
-              AllOf(StartsWith("live.toml:8:"), HasSubstr("a whole number from 1 to 65535")));
+              AllOf(StartsWith("live.toml:10:"), HasSubstr("a whole number from 1 to 65535")));
 }
 
 TEST(LiveDamage, AnIncompleteSweepIsRefused) {

@@ -390,7 +390,9 @@ std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
                   {"interfaces", QuotedList(dds.interfaces)},
                   {"peers", QuotedList(dds.peers)},
                   {"backlog", Plain(dds.backlog)},
-                  {"deadline", Plain(dds.deadline)}},
+                  {"deadline", Plain(dds.deadline)},
+                  {"senders", QuotedList(dds.senders)},
+                  {"security", Quoted(dds.security)}},
                  notes, "live.dds");
 }
 
@@ -414,7 +416,8 @@ std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
                      {"port", Plain(modbus->port)},
                      {"connections", Plain(modbus->connections)},
                      {"idle_timeout", Plain(modbus->idle_timeout)},
-                     {"allow", QuotedList(modbus->allow)}},
+                     {"allow", QuotedList(modbus->allow)},
+                     {"acknowledge", Plain(modbus->acknowledge)}},
                     notes, "feeds.modbus");
   if (const auto& dds = machine.feeds->dds)
     text += Section("[feeds.dds]", "Alarm events and findings by DDS (docs/live_protocol.md).",
@@ -422,7 +425,8 @@ std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
                      {"topic", Quoted(dds->topic)},
                      {"transport", TransportName(dds->transport)},
                      {"interfaces", QuotedList(dds->interfaces)},
-                     {"peers", QuotedList(dds->peers)}},
+                     {"peers", QuotedList(dds->peers)},
+                     {"security", Quoted(dds->security)}},
                     notes, "feeds.dds");
   if (const auto& sparkplug = machine.feeds->sparkplug) {
     Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};

@@ -36,6 +36,9 @@ void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec&
 std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, const std::string& path,
                                   const Machine& machine);
 
+/// Notes the first texts of `key` that are no address and no network.
+void CheckAddressRanges(TableReader& section, const char* key, const std::vector<std::string>& ranges);
+
 /// SI unit of a unit of the file; "1" if it is not known.
 std::string SiOf(const std::string& unit);
 

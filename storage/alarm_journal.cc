@@ -248,6 +248,22 @@ JournalRow ReadRow(const Query& q) {
   return row;
 }
 
+Status Exists(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return {};
+  return BadInput(
+      "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the "
+      "database D",
+      path);
+}
+
+/// A journal of the present format.
+Status CheckJournalForReading(SQLite::Database& db, const std::string& path) {
+  if (const Status ours = CheckKind(db, path); !ours) return ours;
+  if (db.execAndGet("PRAGMA user_version").getInt() == kJournalFormat) return {};
+  return BadInput("{} has an older journal format and is not migrated", path);
+}
+
 }  // namespace
 
 struct AlarmJournal::Impl : Connection {
@@ -280,6 +296,7 @@ std::string AlarmJournal::PathFor(const std::string& database) {
 Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
   std::unique_ptr<Impl> impl;
   const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+    CreateForOwnerAndGroup(path);
     impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     return Prepare(impl->db, path);
   });
@@ -288,13 +305,16 @@ Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
 }
 
 Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored))
-    return BadInput(
-        "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the "
-        "database D",
-        path);
+  if (const Status there = Exists(path); !there) return tl::unexpected(there.error());
   return Open(path);
+}
+
+Result<AlarmJournal> AlarmJournal::OpenReadOnly(const std::string& path) {
+  if (const Status there = Exists(path); !there) return tl::unexpected(there.error());
+  auto impl = OpenForReading<Impl>(path, CheckJournalForReading);
+  // One of an older format: whoever may write brings it to the present one.
+  if (!impl) return Open(path);
+  return AlarmJournal(std::move(*impl));
 }
 
 Result<std::string> AlarmJournal::DatabaseIdentity() const {

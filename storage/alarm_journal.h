@@ -56,8 +56,10 @@ class AlarmJournal {
   /// "press.db" -> "press.alarms.db".
   static std::string PathFor(const std::string& database);
   static Result<AlarmJournal> Open(const std::string& path);
-  /// For readers: never creates the file.
+  /// Never creates the file.
   static Result<AlarmJournal> OpenExisting(const std::string& path);
+  /// For readers, who need no right to write.
+  static Result<AlarmJournal> OpenReadOnly(const std::string& path);
   AlarmJournal(AlarmJournal&&) noexcept;
   AlarmJournal& operator=(AlarmJournal&&) noexcept;
   ~AlarmJournal();

@@ -2,6 +2,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -35,6 +36,33 @@ class AlarmJournalFile : public ::testing::Test {
   }
   std::string path;
 };
+
+/// As another user, who may read the file but neither write it nor make files beside it.
+TEST_F(AlarmJournalFile, IsReadWithoutTheRightToWrite) {
+  const std::string folder = path + ".d";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  path = folder + "/press.alarms.db";
+  {
+    auto journal = AlarmJournal::Open(path);
+    ASSERT_TRUE(journal) << journal.error().text;
+    ASSERT_TRUE(Raise(*journal, "press", "one"));
+  }
+  std::filesystem::permissions(path, std::filesystem::perms(0444));
+  std::filesystem::permissions(folder, std::filesystem::perms(0555));
+  if (geteuid() == 0 && seteuid(65534) != 0) GTEST_SKIP() << "no other user to be";
+  {
+    auto journal = AlarmJournal::OpenReadOnly(path);
+    EXPECT_TRUE(journal) << journal.error().text;
+    if (journal) {
+      EXPECT_EQ(journal->Rows("")->size(), 1u);
+      EXPECT_FALSE(Raise(*journal, "press", "two"));
+    }
+  }
+  if (getuid() == 0) ASSERT_EQ(seteuid(0), 0);
+  std::filesystem::permissions(folder, std::filesystem::perms(0755));
+  std::filesystem::remove_all(folder);
+}
 
 TEST_F(AlarmJournalFile, KeepsRowsStatesAndMonitorOverARestart) {
   {

@@ -1,9 +1,12 @@
 #include "storage/connection.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 namespace hydroscope {
@@ -59,6 +62,24 @@ int Connection::ColumnCount(std::int64_t machine, int version) {
   Query query(*this, "SELECT max(position) + 1 FROM model_column WHERE machine = ? AND version = ?", machine,
               version);
   return query.Step() && !query.IsNull(0) ? static_cast<int>(query.Int(0)) : 0;
+}
+
+void CreateForOwnerAndGroup(const std::string& path) {
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
+  if (file >= 0) close(file);
+}
+
+bool OnReadOnlyDisk(const std::string& path) {
+  std::error_code ignored;
+  const auto folder = std::filesystem::absolute(path, ignored).parent_path();
+  return access(folder.c_str(), W_OK) != 0 && !std::filesystem::exists(path + "-wal", ignored);
+}
+
+std::string ImmutableUri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path)
+    uri += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02X}", c) : std::string(1, c);
+  return uri + "?immutable=1";
 }
 
 Query::~Query() {

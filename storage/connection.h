@@ -40,6 +40,9 @@ struct GroupUnderWay {
 struct MachineMemory {
   std::int64_t oldest_kept_run =
       0;  ///< the run in which the oldest raw rows were found last; earlier runs keep none
+  /// Steps of the clock between the runs `steps_from` to `steps_to`, s.
+  std::int64_t steps_from = -1, steps_to = -1;
+  double steps = 0;
   GroupUnderWay group;
 };
 
@@ -123,6 +126,33 @@ auto Guarded(const std::string& path, const SQLite::Database* db, Body&& body) -
   } catch (const std::exception& exception) {
     return InternalError("{}: {}", path, exception.what());
   }
+}
+
+/// Makes a file that only its owner and its group may read, if there is none: what lies beside it while it is
+/// open gets the same mode. What keeps it from being made SQLite tells when it opens it.
+void CreateForOwnerAndGroup(const std::string& path);
+
+/// Nobody can write there, and the file is complete without its write-ahead log.
+bool OnReadOnlyDisk(const std::string& path);
+/// Name under which SQLite reads such a file without locks.
+std::string ImmutableUri(const std::string& path);
+
+/// Opens an existing file for reading, also one that we may not write. `check` says whether it is of the kind.
+template <typename Kind, typename Check>
+Result<std::unique_ptr<Kind>> OpenForReading(const std::string& path, const Check& check) {
+  const auto open = [&](const std::string& name, int flags) -> Result<std::unique_ptr<Kind>> {
+    return Guarded(path, nullptr, [&]() -> Result<std::unique_ptr<Kind>> {
+      auto kind = std::make_unique<Kind>(path, name, flags);
+      kind->db.exec("PRAGMA query_only = ON");
+      if (const Status ours = check(kind->db, path); !ours) return tl::unexpected(ours.error());
+      return kind;
+    });
+  };
+  // Not SQLITE_OPEN_READONLY: such a reader leaves -wal and -shm files behind.
+  auto opened = open(path, SQLite::OPEN_READWRITE);
+  if (!opened && OnReadOnlyDisk(path))
+    opened = open(ImmutableUri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  return opened;
 }
 
 /// Runs `body` in a transaction, which is committed if it succeeds; else nothing of it stays.

@@ -1,7 +1,5 @@
 #include "storage/database.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include "storage/connection.h"
@@ -55,20 +53,6 @@ Status CheckPath(const std::string& path) {
   return {};
 }
 
-/// Nobody can write there, and the file is complete without its write-ahead log.
-bool OnReadOnlyDisk(const std::string& path) {
-  std::error_code ignored;
-  const auto folder = std::filesystem::absolute(path, ignored).parent_path();
-  return access(folder.c_str(), W_OK) != 0 && !std::filesystem::exists(path + "-wal", ignored);
-}
-
-std::string ImmutableUri(const std::string& path) {
-  std::string uri = "file:";
-  for (const char c : path)
-    uri += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02X}", c) : std::string(1, c);
-  return uri + "?immutable=1";
-}
-
 }  // namespace
 
 Database::Database(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -80,6 +64,7 @@ Result<Database> Database::Open(const std::string& path) {
   if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
   std::unique_ptr<Impl> impl;
   const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+    CreateForOwnerAndGroup(path);
     impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     return PrepareForWriting(impl->db, path);
   });
@@ -93,18 +78,7 @@ Result<Database> Database::OpenReadOnly(const std::string& path) {
   if (!std::filesystem::exists(path, ignored))
     return BadInput("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
                     path, path);
-  const auto open = [&](const std::string& name, int flags) -> Result<std::unique_ptr<Impl>> {
-    return Guarded(path, nullptr, [&]() -> Result<std::unique_ptr<Impl>> {
-      auto impl = std::make_unique<Impl>(path, name, flags);
-      impl->db.exec("PRAGMA query_only = ON");
-      if (const Status ours = CheckForReading(impl->db, path); !ours) return tl::unexpected(ours.error());
-      return impl;
-    });
-  };
-  // Not SQLITE_OPEN_READONLY: such a reader leaves -wal and -shm files behind.
-  auto impl = open(path, SQLite::OPEN_READWRITE);
-  if (!impl && OnReadOnlyDisk(path))
-    impl = open(ImmutableUri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  auto impl = OpenForReading<Impl>(path, CheckForReading);
   if (!impl) return tl::unexpected(impl.error());
   return Database(std::move(*impl));
 }

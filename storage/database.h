@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,10 @@ class Database {
   Database(Database&&) noexcept;
   Database& operator=(Database&&) noexcept;
   ~Database();
+
+  /// Looks through the whole file for damage, in a connection of its own. Error: it is damaged, or no database
+  /// of ours. Ends early, without a finding, when `stop` asks for it.
+  static Status Check(const std::string& path, const std::stop_token& stop);
 
   /// 32 hex digits that no other database has; copies of the file keep them.
   Result<std::string> Identity() const;

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -13,6 +16,31 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 bool Same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+TEST(Database, IsForItsOwnerAndGroupWithWhatLiesBesideIt) {
+  const Folder folder;
+  Press press(folder.File());
+  for (const char* part : {"", "-wal", "-shm"}) {
+    const auto others =
+        std::filesystem::status(folder.File() + part).permissions() & std::filesystem::perms::others_all;
+    EXPECT_EQ(others, std::filesystem::perms::none) << part;
+  }
+}
+
+TEST(Database, DamageSomewhereInTheFileIsFound) {
+  const Folder folder;
+  {
+    Press press(folder.File());
+    EXPECT_OK(press.database.StoreStrokes(press.Begin("a.csv").id, MakeStrokes(0, 200)));
+  }
+  EXPECT_OK(Database::Check(folder.File(), {}));
+  std::fstream file(folder.File(), std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(32 << 10);
+  file << std::string(64 << 10, 'x') << std::flush;
+  const Status checked = Database::Check(folder.File(), {});
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().text, HasSubstr("is damaged ("));
+}
 
 TEST(Database, GivesBackWhatWasStoredToTheBit) {
   const Folder folder;

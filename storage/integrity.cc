@@ -1,3 +1,6 @@
+#include <sqlite3.h>
+
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -69,6 +72,27 @@ std::vector<std::int64_t> MachineIds(Connection& connection) {
 }
 
 }  // namespace
+
+Status Database::Check(const std::string& path, const std::stop_token& stop) {
+  const auto database = OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  constexpr int kInstructions = 1000;  // of SQLite's machine between two looks at `stop`
+  const auto stopped = [](void* token) {
+    return int{static_cast<const std::stop_token*>(token)->stop_requested()};
+  };
+  SQLite::Database& db = database->impl_->db;
+  sqlite3_progress_handler(db.getHandle(), kInstructions, stopped, const_cast<std::stop_token*>(&stop));
+  const Status sound = Guarded(path, &db, [&]() -> Status {
+    Query query(*database->impl_, "PRAGMA quick_check(1)");
+    query.Step();
+    std::string found = query.Text(0);
+    if (found == "ok") return {};
+    std::replace(found.begin(), found.end(), '\n', ' ');
+    return BadInput("{} is damaged ({})", path, found);
+  });
+  sqlite3_progress_handler(db.getHandle(), 0, nullptr, nullptr);
+  return stop.stop_requested() ? Status{} : sound;
+}
 
 Result<std::string> Database::ContentDigest() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {

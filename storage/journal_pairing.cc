@@ -1,41 +1,12 @@
 #include "storage/journal_pairing.h"
 
-#include <fmt/chrono.h>
-
 #include <algorithm>
-#include <ctime>
-#include <filesystem>
 
 #include "storage/outbox.h"
+#include "storage/set_aside.h"
 
 namespace hydroscope {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// "press.alarms.db" -> "press.alarms.20261122T101500Z.db", with a number behind if that is taken.
-std::string DatedName(const std::string& path, double wall) {
-  const fs::path file(path);
-  const std::string date = fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(wall)));
-  for (int number = 1;; ++number) {
-    const std::string stem = fmt::format("{}.{}{}", file.stem().string(), date,
-                                         number > 1 ? fmt::format("-{}", number) : std::string());
-    const fs::path dated = file.parent_path() / (stem + file.extension().string());
-    std::error_code ignored;
-    if (!fs::exists(dated, ignored)) return dated.string();
-  }
-}
-
-/// The file with what lies beside it while it is open.
-Status Rename(const std::string& from, const std::string& to) {
-  for (const char* part : {"-wal", "-shm", ""}) {
-    std::error_code error;
-    if (!fs::exists(from + part, error)) continue;
-    fs::rename(from + part, to + part, error);
-    if (error) return BadInput("{}{} cannot be renamed to {}{}: {}", from, part, to, part, error.message());
-  }
-  return {};
-}
 
 /// It has judged strokes, or learned from strokes, that the database does not hold.
 Result<bool> IsAhead(const AlarmJournal& journal, Database& database) {
@@ -133,10 +104,10 @@ Result<std::optional<SetAsideJournal>> PairJournal(Database& database, const std
     if (!counted || !*counted) return counted;
     aside = std::move(*counted);
   }
-  aside->path = DatedName(journal_path, wall);
-  if (const Status moved = Rename(journal_path, aside->path); !moved) return tl::unexpected(moved.error());
-  if (const Status moved = Rename(outbox_path, DatedName(outbox_path, wall)); !moved)
-    return tl::unexpected(moved.error());
+  auto moved = SetAside(journal_path, wall);
+  if (!moved) return tl::unexpected(moved.error());
+  aside->path = std::move(*moved);
+  if (const auto outbox = SetAside(outbox_path, wall); !outbox) return tl::unexpected(outbox.error());
   if (const Status begun = Begin(journal_path, *identity, press, *aside, wall); !begun)
     return tl::unexpected(begun.error());
   return aside;

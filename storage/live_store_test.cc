@@ -102,6 +102,28 @@ TEST(LiveStore, RowsAreTakenOnceAndInOrder) {
   EXPECT_EQ(Value(press.database.NewestRun(1))->rows_taken, 100);
 }
 
+TEST(LiveStore, AClockThatIsWrongByYearsBetweenTwoRunsMakesNoRowsOld) {
+  const Folder folder;
+  Press press(folder.File(), kColumns);
+  constexpr double kYears = 10 * 365 * 86400.0;
+  std::int64_t row = 0;
+  for (const double clock : {0.0, kYears, 0.0}) {
+    const auto run = press.Begin(fmt::format("live {}", row));
+    LiveBatch batch = Batch(row, row + 1000, 0, 1);
+    for (double& time : batch.raw.time) time += clock;
+    EXPECT_OK(Store(press, run.id, std::move(batch), {1 << 30, 3.0}));
+    row += 1000;
+  }
+  std::int64_t rows = 0;
+  for (const RawExtent& extent : Value(press.database.RawExtents(1))) rows += extent.rows;
+  EXPECT_EQ(rows, 3000);
+  const auto run = press.Begin("live, later");
+  for (; row < 9000; row += 1000) EXPECT_OK(Store(press, run.id, Batch(row, row + 1000), {1 << 30, 3.0}));
+  rows = 0;
+  for (const RawExtent& extent : Value(press.database.RawExtents(1))) rows += extent.rows;
+  EXPECT_LE(rows, 5000) << "their age counts all the same";
+}
+
 TEST(LiveStore, RawRowsBeyondTheAgeGoAndTheExtentTellsThatNotAllAreKept) {
   const Folder folder;
   Press press(folder.File(), kColumns);

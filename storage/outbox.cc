@@ -68,6 +68,7 @@ std::string Outbox::PathFor(const std::string& database) {
 Result<Outbox> Outbox::Open(const std::string& path) {
   std::unique_ptr<Impl> impl;
   const Status prepared = Guarded(path, nullptr, [&]() -> Status {
+    CreateForOwnerAndGroup(path);
     impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
     return Prepare(impl->db, path);
   });

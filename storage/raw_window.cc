@@ -72,6 +72,30 @@ std::int64_t OldestKeptRun(Connection& connection, std::int64_t machine, std::in
   return query.Step() ? query.Int(0) : from;
 }
 
+/// s by which times jumped from one run to the next, from run `first` to run `last`: by more than `least`, to and
+/// fro. A clock that is wrong by years between two runs shall not make what is kept look old; a machine that
+/// stood still for as long does not either.
+double StepsOfTheClock(Connection& connection, std::int64_t machine, std::int64_t first, std::int64_t last,
+                       double least) {
+  MachineMemory& memory = connection.memory[machine];
+  if (memory.steps_from == first && memory.steps_to == last) return memory.steps;
+  Query query(connection,
+              "SELECT (SELECT min(first_s) FROM raw_chunk WHERE run = run.id), raw_until_s FROM run "
+              "WHERE id BETWEEN ? AND ? AND +machine = ? ORDER BY id",
+              first, last, machine);
+  double steps = 0;
+  std::optional<double> until;
+  while (query.Step()) {
+    if (query.IsNull(0)) continue;
+    if (const double step = query.Real(0) - until.value_or(query.Real(0)); std::abs(step) > least)
+      steps += step;
+    until = query.Real(1);
+  }
+  memory.steps_from = first;
+  memory.steps_to = last;
+  return memory.steps = steps;
+}
+
 /// The machine's oldest chunks go until what is left is small and young enough. However much is kept, the
 /// oldest is found at once: it lies in the run that held it last time or in a later one.
 void DropOldest(Connection& connection, const RunRow& run, const RawLimits& limits, double newest) {
@@ -84,7 +108,9 @@ void DropOldest(Connection& connection, const RunRow& run, const RawLimits& limi
       oldest_run = OldestKeptRun(connection, run.machine, oldest_run);
       oldest = OldestChunkOf(connection, oldest_run);
     }
-    if (!oldest || (bytes <= limits.max_bytes && !(oldest->last < newest - limits.max_age))) return;
+    if (!oldest) return;
+    const double steps = StepsOfTheClock(connection, run.machine, oldest_run, run.id, limits.max_age);
+    if (bytes <= limits.max_bytes && !(oldest->last < newest - steps - limits.max_age)) return;
     Query(connection, "DELETE FROM raw_chunk WHERE id = ?", oldest->id).Run();
     AddRawBytes(connection, run.machine, -oldest->bytes);
     bytes -= oldest->bytes;

@@ -1,15 +1,11 @@
 #pragma once
 
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "alarms/feeds/dds/alarm_listener.h"
-#include "alarms/feeds/sparkplug/mqtt_connection.h"
-#include "alarms/feeds/sparkplug/payload.h"
-#include "studies/live_rig.h"
+#include "studies/campaign_broker.h"
 
 namespace hydroscope {
 
@@ -29,18 +25,15 @@ class AlarmRig {
   /// Arguments of the process that is watched.
   std::vector<std::string> Load(const std::string& mode) const;
   /// Events in the order in which the host got them.
-  std::vector<sparkplug::ToldRow> told() const;
+  std::vector<sparkplug::ToldRow> told() const { return broker_->told(); }
   const AlarmListener& dds() const { return *dds_; }
 
  private:
   AlarmRig();
-  std::string folder_, broker_;
+  std::string folder_;
   int domain_ = 0;
   std::unique_ptr<AlarmListener> dds_;
-  std::unique_ptr<Child> mosquitto_;
-  mutable std::mutex mutex_;
-  std::vector<sparkplug::ToldRow> told_;
-  std::unique_ptr<MqttConnection> host_;
+  std::unique_ptr<CampaignBroker> broker_;
 };
 
 }  // namespace hydroscope

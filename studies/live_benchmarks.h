@@ -27,10 +27,13 @@ int RunLiveKill(const LiveKillOptions& options);
 
 struct LiveFaultOptions {
   bool long_cuts = false;
+  bool brief = false;  ///< only what takes seconds, and only what an operator sees
   std::uint64_t seed = 1;
 };
 /// Senders killed, hung, talking nonsense; clock stepped; disk full.
 int RunLiveFaults(const LiveFaultOptions& options);
+/// The second table of it: faults of every kind, and where an operator saw them after how long.
+int RunOperatorFaults(const LiveFaultOptions& options);
 
 struct LiveNetworkOptions {
   double cut = 60;  ///< s, the longer of the two cuts

@@ -1,4 +1,3 @@
-#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include "storage/mounted_disk.h"
 #include "studies/fault_table.h"
 #include "studies/live_benchmarks.h"
+#include "studies/write_lock.h"
 
 namespace hydroscope {
 namespace {
@@ -30,31 +30,6 @@ void StepClock(LiveRig& rig, FaultTable& campaign, const char* what, const char*
   campaign.Row(what, {}, {}, told && whole,
                told ? whole ? "told; no row lost or twice" : "rows were lost" : "not told");
 }
-
-/// Holds the lock of SQLite's one writer (byte 120 of the index of the write-ahead log,
-/// https://sqlite.org/walformat.html, 2.3.3), as another program does that writes for long.
-class WriteLock {
- public:
-  explicit WriteLock(const std::string& database)
-      : file_(open((database + "-shm").c_str(), O_RDWR | O_CLOEXEC)) {
-    struct flock lock {};
-    lock.l_type = F_WRLCK;
-    lock.l_whence = SEEK_SET;
-    lock.l_start = 120;
-    lock.l_len = 1;
-    held_ = file_ >= 0 && fcntl(file_, F_SETLKW, &lock) == 0;
-  }
-  ~WriteLock() {
-    if (file_ >= 0) close(file_);
-  }
-  WriteLock(const WriteLock&) = delete;
-  WriteLock& operator=(const WriteLock&) = delete;
-  bool held() const { return held_; }
-
- private:
-  int file_;
-  bool held_ = false;
-};
 
 std::optional<double> WaitForWriting(LiveRig& rig) {
   return rig.WaitFor(
@@ -107,6 +82,7 @@ void FillDisk(LiveRig& rig, FaultTable& campaign, const char* what, const std::s
 }  // namespace
 
 int RunLiveFaults(const LiveFaultOptions& o) {
+  if (o.brief) return RunOperatorFaults(o);
   const std::string folder =
       (std::filesystem::temp_directory_path() / fmt::format("hydroscope-faults-{}", getpid())).string();
   const storage_test::MountedDisk disk(folder, "64m");
@@ -144,7 +120,8 @@ int RunLiveFaults(const LiveFaultOptions& o) {
   fmt::print("runs whose replay is the same to the last bit: {} of {}; exit code {}\n", replays->same,
              replays->same + replays->different, ended);
   if (!disk.ok()) std::filesystem::remove_all(folder);
-  return campaign.missed() == 0 && replays->ok() && ended == 0 ? 0 : 1;
+  const int seen = RunOperatorFaults(o);
+  return campaign.missed() == 0 && replays->ok() && ended == 0 ? seen : 1;
 }
 
 }  // namespace hydroscope

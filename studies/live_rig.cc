@@ -76,7 +76,7 @@ double Now() {
 }
 
 Child::Child(const std::vector<std::string>& arguments, const std::string& log, int network,
-             const std::string& program) {
+             const std::string& program, const Environment& environment) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return;
   std::vector<char*> words = {const_cast<char*>("hydroscope")};
@@ -87,6 +87,7 @@ Child::Child(const std::vector<std::string>& arguments, const std::string& log, 
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (network >= 0 && setns(network, CLONE_NEWNET) != 0) _exit(126);
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     dup2(ends[0], STDIN_FILENO);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
@@ -136,14 +137,29 @@ LiveRig::LiveRig(const RigOptions& options) : options_(options), folder_(options
   }
   std::filesystem::create_directories(folder_);
   const int own = static_cast<int>(getpid());
-  const int domain = 20 + own % 200, port = 20'000 + own % 20'000;
-  std::ofstream(File("press.toml")) << MachineText(options, domain, port, options.press_address);
-  std::ofstream(File("service.toml")) << MachineText(options, domain, port, options.service_address);
+  domain_ = 20 + own % 200;
+  port_ = 20'000 + own % 20'000;
+  std::ofstream(File("press.toml")) << MachineText(options, domain_, port_, options.press_address);
+  std::ofstream(File("rival.toml")) << MachineText(options, domain_, port_ + 1, options.press_address);
+  SetFeeds(options.feeds);
+}
+
+void LiveRig::SetFeeds(const std::string& feeds) {
+  std::ofstream(File("service.toml"))
+      << MachineText(options_, domain_, port_, options_.service_address) << feeds;
+}
+
+void LiveRig::StartRival() {
+  rival_ = std::make_unique<Child>(
+      std::vector<std::string>{"simulate", "press", "--serve", File("rival.toml"), "--seed", "99",
+                               "--sample-period", fmt::format("{:.9g}", 1 / options_.rate)},
+      File("rival.log"), options_.press_network);
 }
 
 LiveRig::~LiveRig() {
   service_.reset();
   press_.reset();
+  rival_.reset();
   if (temporary_) std::filesystem::remove_all(folder_);
 }
 
@@ -164,10 +180,11 @@ void LiveRig::StartPress() {
 }
 
 void LiveRig::StartService(std::vector<std::string> more) {
-  std::vector<std::string> arguments = {"serve", File("service.toml"), "--db",   database(), "--port",
-                                        "0",     "--log-level",        "warning"};
+  std::vector<std::string> arguments = {"serve", File("service.toml"), "--db", database(), "--port",
+                                        "0",     "--log-level",        "info"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  service_ = std::make_unique<Child>(arguments, File("serve.log"), options_.service_network);
+  service_ = std::make_unique<Child>(arguments, File("serve.log"), options_.service_network, "/proc/self/exe",
+                                     environment_);
 }
 
 std::optional<nlohmann::json> LiveRig::Ask() const {

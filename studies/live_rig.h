@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -15,10 +16,11 @@ namespace hydroscope {
 /// A child of this very program, or of another one, killed with its object.
 class Child {
  public:
+  using Environment = std::vector<std::pair<std::string, std::string>>;
   /// `arguments` of hydroscope; standard output and error go to `log`. `network`: file of the network
   /// namespace it shall live in, -1 for that of its parent.
   Child(const std::vector<std::string>& arguments, const std::string& log, int network = -1,
-        const std::string& program = "/proc/self/exe");
+        const std::string& program = "/proc/self/exe", const Environment& environment = {});
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -47,6 +49,7 @@ struct RigOptions {
   std::string folder;                 ///< "" = a temporary one, removed at the end
   std::string press_address = "127.0.0.1", service_address = "127.0.0.1";
   int press_network = -1, service_network = -1;  ///< namespaces, see Child
+  std::string feeds = "";                        ///< [feeds...] of the service's machine file
 };
 
 /// A simulated press and a service that watches it, each a process of its own, on the loopback unless told
@@ -60,6 +63,14 @@ class LiveRig {
   std::string database() const { return File("press.db"); }
   void StartPress();
   void StartService(std::vector<std::string> more = {});
+  /// Another press that sends the same channels, until StopRival.
+  void StartRival();
+  void StopRival() { rival_.reset(); }
+  /// [feeds...] and environment of services started from now on.
+  void SetFeeds(const std::string& feeds);
+  void SetServiceEnvironment(Child::Environment environment) { environment_ = std::move(environment); }
+  /// Of the samples.
+  int domain() const { return domain_; }
   Child& press() { return *press_; }
   Child& service() { return *service_; }
   void KillPress() { press_.reset(); }
@@ -74,7 +85,9 @@ class LiveRig {
   RigOptions options_;
   std::string folder_;
   bool temporary_ = false;
-  std::unique_ptr<Child> press_, service_;
+  int domain_ = 0, port_ = 0;
+  Child::Environment environment_;  ///< of the service
+  std::unique_ptr<Child> press_, service_, rival_;
 };
 
 void Sleep(double seconds);

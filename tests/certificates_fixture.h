@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "tests/broker_fixture.h"
 
 namespace hydroscope {
@@ -23,6 +26,15 @@ class Certificates {
     Make(name, {"-CA", Certificate(authority), "-CAkey", Key(authority), "-addext",
                 "basicConstraints=critical,CA:FALSE", "-addext", "subjectAltName=" + alternative});
   }
+  /// Signs it anew, valid for no time at all, and waits until that has passed.
+  void Expire(const std::string& name, const std::string& authority, const std::string& alternative) const {
+    const std::string request = folder_ + "/" + name + ".csr";
+    Run({"req", "-new", "-key", Key(name), "-subj", "/CN=" + name, "-addext", "subjectAltName=" + alternative,
+         "-out", request});
+    Run({"x509", "-req", "-in", request, "-CA", Certificate(authority), "-CAkey", Key(authority),
+         "-set_serial", "2", "-days", "0", "-copy_extensions", "copy", "-out", Certificate(name)});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  }
 
  private:
   void Make(const std::string& name, const std::vector<std::string>& more) const {
@@ -32,9 +44,12 @@ class Certificates {
                                       "-subj",   "/CN=" + name, "-keyout",
                                       Key(name), "-out",        Certificate(name)};
     words.insert(words.end(), more.begin(), more.end());
+    Run(words);
+  }
+  static void Run(const std::vector<std::string>& words) {
     Program openssl;
     openssl.Start("openssl", words, "/dev/null");
-    ASSERT_EQ(openssl.Wait(), 0) << "openssl cannot make the certificate " << name;
+    ASSERT_EQ(openssl.Wait(), 0) << "openssl cannot " << words.front() << " " << words.back();
   }
 
   std::string folder_;

@@ -26,6 +26,20 @@ TEST_F(CommandLine, TheServiceLosesNothingAndItsRawWindowReplaysToTheSame) {
   EXPECT_THAT(ran.out, ContainsRegex("the same to the last bit +2 of 2 "));
 }
 
+TEST_F(CommandLine, AnOperatorSeesEveryFaultInEveryPlace) {
+  const Ran ran = Run({"benchmark", "live-faults", "--brief"});
+  if (ran.err.find("needs the MQTT broker") != std::string::npos) GTEST_SKIP() << ran.err;
+  for (const char* fault :
+       {"two senders of the same channels", "140 forged batches", "link lost while the press works",
+        "database deleted", "database overwritten in part"})
+    EXPECT_THAT(ran.out,
+                ContainsRegex(std::string(fault) + "[^\n]*: log [0-9.]+ s, status [0-9.]+ s, registers "
+                                                   "[0-9.]+ s, Sparkplug [0-9.]+ s, DDS [0-9.]+ s"))
+        << ran.err;
+  EXPECT_THAT(ran.out, ContainsRegex("16 idle Modbus clients and one more +[0-9.]+ s +reached"));
+  EXPECT_THAT(ran.out, ContainsRegex("service killed .kill -9., started again +[0-9.]+ s +reached"));
+}
+
 TEST_F(CommandLine, StatusWithoutAServiceSaysWhatToStart) {
   const Ran ran = Run({"status", "--db", File("nobody.db")});
   EXPECT_EQ(ran.exit_code, 3);

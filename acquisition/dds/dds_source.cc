@@ -1,5 +1,9 @@
 #include "acquisition/dds/dds_source.h"
 
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <condition_variable>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -8,12 +12,14 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
+#include <map>
 #include <mutex>
 #include <thread>
 
 #include "acquisition/batch_assembler.h"
 #include "acquisition/dds/messages.h"
 #include "dds/participant.h"
+#include "models/feeds_spec.h"
 
 namespace hydroscope {
 namespace {
@@ -22,34 +28,45 @@ using namespace eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr double kLongestDeaf = 60;  // s between two rebuilds
+constexpr std::size_t kSendersKept = 64;
 
-DdsNetwork NetworkOf(const DdsSpec& spec) {
+DdsNetwork NetworkOf(const DdsSpec& spec, bool shared_memory) {
   return {.domain = spec.domain,
           .udp = spec.transport != DdsTransport::kSharedMemory,
-          .shared_memory = spec.transport != DdsTransport::kUdp,
+          .shared_memory = shared_memory && spec.transport != DdsTransport::kUdp,
           .interfaces = spec.interfaces,
-          .peers = spec.peers};
+          .peers = spec.peers,
+          .security = spec.security};
 }
 
 /// What the library's threads and the watchdog share.
 class Receiver {
  public:
   Receiver(const DdsSourceOptions& options, Clock clock, Source::Sink sink)
-      : assembler_(options.wanted), clock_(std::move(clock)), sink_(std::move(sink)) {}
+      : assembler_(options.wanted), clock_(std::move(clock)), sink_(std::move(sink)) {
+    for (const std::string& range : options.spec.senders)
+      if (const auto parsed = ParseIpv4Range(range)) allowed_.push_back(*parsed);
+  }
 
   void Take(DataReader& reader, hydroscope_wire::Layout& buffer) {
     SampleInfo info;
     std::lock_guard lock(mutex_);
-    while (reader.take_next_sample(&buffer, &info) == ReturnCode_t::RETCODE_OK)
-      if (info.valid_data) assembler_.Receive(ToMessage(buffer), sink_);
+    while (reader.take_next_sample(&buffer, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data || !MaySend(info)) continue;
+      LayoutMessage message = ToMessage(buffer);
+      message.writer = DdsPeerId(info);
+      assembler_.Receive(message, sink_);
+    }
   }
   void Take(DataReader& reader, hydroscope_wire::Batch& buffer) {
     SampleInfo info;
     std::lock_guard lock(mutex_);
     while (reader.take_next_sample(&buffer, &info) == ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
+      if (!info.valid_data || !MaySend(info)) continue;
       late_ = false;
-      assembler_.Receive(ToMessage(std::move(buffer)), clock_(), sink_);
+      BatchMessage message = ToMessage(std::move(buffer));
+      message.writer = DdsPeerId(info);
+      assembler_.Receive(std::move(message), clock_(), sink_);
     }
   }
   void Matched(int senders) {
@@ -68,28 +85,80 @@ class Receiver {
     std::lock_guard lock(mutex_);
     incompatible_ = true;
   }
-  void BeginAnew() {
+  /// `participant`: what the readers belong to; nullptr while there is none.
+  void BeginAnew(const DdsParticipant* participant) {
     std::lock_guard lock(mutex_);
     matched_ = alive_ = 0;
     incompatible_ = false;
+    problem_.clear();
+    participant_ = participant;
+    senders_.clear();
+  }
+  void CannotListen(const std::string& why) {
+    std::lock_guard lock(mutex_);
+    problem_ = why;
+  }
+  void WithoutSharedMemory(const std::string& why) {
+    std::lock_guard lock(mutex_);
+    without_shared_memory_ = why;
   }
   SourceStatus status() const {
     std::lock_guard lock(mutex_);
     SourceStatus status = assembler_.counters();
     status.connected = matched_ > 0 && alive_ > 0;
     status.state = Describe();
+    status.refused = refused_;
+    for (const auto& [id, sender] : senders_) status.senders[id] = sender.name;
     return status;
   }
 
  private:
+  struct Sender {
+    std::string name;  ///< "simulated press at 192.168.0.7"
+    bool allowed = true;
+  };
+
+  /// Notes who sent the message; false if it comes from a computer that may not.
+  bool MaySend(const SampleInfo& info) {
+    const std::uint64_t id = DdsPeerId(info);
+    auto sender = senders_.find(id);
+    if (sender == senders_.end()) {
+      const auto peer = participant_ ? participant_->peer(id) : std::nullopt;
+      if (!peer) return allowed_.empty();  // it is going, or we are
+      if (senders_.size() == kSendersKept) senders_.erase(senders_.begin());
+      const std::string address = peer->address.empty() ? "this computer" : peer->address;
+      sender =
+          senders_.emplace(id, Sender{fmt::format("\"{}\" at {}", peer->name, address), IsAllowed(*peer)})
+              .first;
+    }
+    refused_ += !sender->second.allowed;
+    if (!sender->second.allowed) refused_sender_ = sender->second.name;
+    return sender->second.allowed;
+  }
+  /// One that announces no address can only be reached by shared memory.
+  bool IsAllowed(const DdsPeer& peer) const {
+    in_addr address{};
+    inet_pton(AF_INET, peer.address.empty() ? "127.0.0.1" : peer.address.c_str(), &address);
+    return allowed_.empty() || std::any_of(allowed_.begin(), allowed_.end(), [&](const Ipv4Range& range) {
+             return range.Contains(ntohl(address.s_addr));
+           });
+  }
+
   std::string Describe() const {
+    if (!problem_.empty()) return problem_;
     if (incompatible_)
       return "a sender offers another quality of service; it must be reliable with a deadline of 0.1 s";
     if (matched_ == 0) return "waiting for a sender; check domain, topic and interfaces if one is running";
     if (alive_ == 0) return "the sender stopped giving signs of life";
+    if (senders_.empty() || std::none_of(senders_.begin(), senders_.end(),
+                                         [](const auto& sender) { return sender.second.allowed; }))
+      if (refused_ > 0) return refused_sender_ + " sends, and is not among [live.dds] senders";
     if (!assembler_.complaint().empty()) return assembler_.complaint();
     if (late_) return "the sender is there but sends no batches in time";
-    return "receiving";
+    const std::string& without = participant_ && without_shared_memory_.empty()
+                                     ? participant_->without_shared_memory()
+                                     : without_shared_memory_;
+    return without.empty() ? "receiving" : "receiving by UDP: " + without;
   }
 
   mutable std::mutex mutex_;
@@ -98,6 +167,13 @@ class Receiver {
   Source::Sink sink_;
   int matched_ = 0, alive_ = 0;
   bool late_ = false, incompatible_ = false;
+  std::string problem_;                ///< why there is no reader at all
+  std::string without_shared_memory_;  ///< why no shared memory, as the watchdog found
+  const DdsParticipant* participant_ = nullptr;
+  std::vector<Ipv4Range> allowed_;  ///< empty: all
+  std::map<std::uint64_t, Sender> senders_;
+  std::int64_t refused_ = 0;
+  std::string refused_sender_;  ///< the last one
 };
 
 /// Hands what arrives at one reader to the receiver.
@@ -134,9 +210,11 @@ class BatchListener : public Listener<hydroscope_wire::Batch> {
 /// Participant and readers; everything that the watchdog throws away and builds anew.
 class Subscription {
  public:
-  static Result<std::unique_ptr<Subscription>> Create(const DdsSpec& spec, Receiver& receiver) {
-    auto participant = DdsParticipant::Create(NetworkOf(spec), "hydroscope");
+  static Result<std::unique_ptr<Subscription>> Create(const DdsSpec& spec, bool shared_memory,
+                                                      Receiver& receiver) {
+    auto participant = DdsParticipant::Create(NetworkOf(spec, shared_memory), "hydroscope");
     if (!participant) return tl::unexpected(participant.error());
+    receiver.BeginAnew(participant->get());
     auto made = std::unique_ptr<Subscription>(new Subscription(std::move(*participant), receiver));
     if (const Status status = made->Open(spec); !status) return tl::unexpected(status.error());
     return made;
@@ -174,7 +252,7 @@ class DdsSource : public Source {
 
   Status Start(Sink sink) override {
     receiver_ = std::make_unique<Receiver>(options_, clock_, std::move(sink));
-    auto subscription = Subscription::Create(options_.spec, *receiver_);
+    auto subscription = Subscription::Create(options_.spec, shared_memory_, *receiver_);
     if (!subscription) return tl::unexpected(subscription.error());
     subscription_ = std::move(*subscription);
     watchdog_ = std::jthread([this](std::stop_token stop) { Watch(stop); });
@@ -191,11 +269,13 @@ class DdsSource : public Source {
 
   void Stop() override {
     watchdog_ = {};  // asks it to stop and waits
-    subscription_.reset();
+    End();
   }
 
  private:
-  /// Nothing came for the time that is allowed: whatever the library believes, begin anew.
+  /// Nothing came for the time that is allowed: whatever the library believes, begin anew. Where a sender was
+  /// there all the same, its shared memory may be out of reach (another user's, another container's): then by
+  /// UDP alone.
   void Watch(const std::stop_token& stop) {
     const double step = options_.deaf_after;
     double patience = step, silent = 0;
@@ -211,17 +291,28 @@ class DdsSource : public Source {
       if (silent < patience) continue;
       patience = std::min(2 * patience, std::max(kLongestDeaf, step));
       silent = 0;
+      if (now.connected && options_.spec.transport == DdsTransport::kDefault && shared_memory_) {
+        shared_memory_ = false;
+        receiver_->WithoutSharedMemory("a sender was there, but nothing came from it by shared memory");
+      }
       Rebuild();
       seen.connected = false;
     }
   }
 
-  void Rebuild() {
+  void End() {
+    if (receiver_) receiver_->BeginAnew(nullptr);  // before its participant goes
     subscription_.reset();
-    receiver_->BeginAnew();
+  }
+
+  void Rebuild() {
+    End();
     // A refusal (network card gone) is tried again after the next, longer patience.
-    if (auto subscription = Subscription::Create(options_.spec, *receiver_))
+    auto subscription = Subscription::Create(options_.spec, shared_memory_, *receiver_);
+    if (subscription)
       subscription_ = std::move(*subscription);
+    else
+      receiver_->CannotListen(subscription.error().text);
     ++rebuilds_;
   }
 
@@ -229,6 +320,7 @@ class DdsSource : public Source {
   Clock clock_;
   std::unique_ptr<Receiver> receiver_;
   std::unique_ptr<Subscription> subscription_;
+  bool shared_memory_ = true;  ///< nothing says yet that it cannot work
   std::atomic<std::int64_t> rebuilds_ = 0;
   std::mutex mutex_;
   std::condition_variable_any wake_;

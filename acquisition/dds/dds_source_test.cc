@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "tests/live_fixture.h"
 
 namespace hydroscope {
@@ -94,6 +97,83 @@ TEST_F(DdsSourceTest, AnAddressThatIsNotOursIsRefused) {
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().text, HasSubstr("203.0.113.7"));
   EXPECT_THAT(status.error().text, HasSubstr("127.0.0.1")) << "what there is";
+}
+
+TEST_F(DdsSourceTest, TheSenderIsToldByNameAndAddress) {
+  Live();
+  ASSERT_TRUE(Start());
+  ASSERT_TRUE(sink_.WaitForMore(50));
+  const auto senders = source_->status().senders;
+  ASSERT_EQ(senders.size(), 1u);
+  EXPECT_EQ(senders.begin()->second, "\"simulated press\" at 127.0.0.1");
+  EXPECT_EQ(senders.begin()->first, sink_.batches().back().writer);
+}
+
+TEST_F(DdsSourceTest, ASenderThatIsNotInTheListIsNotHeard) {
+  options_.spec.senders = {"192.168.0.0/24"};
+  Live();
+  ASSERT_TRUE(Start());
+  EXPECT_TRUE(Tells("is not among [live.dds] senders")) << source_->status().state;
+  EXPECT_GT(source_->status().refused, 0);
+  EXPECT_EQ(sink_.rows(), 0);
+}
+
+/// With certificates as scripts/dds_certificates.sh makes them.
+class SecureDdsTest : public DdsSourceTest {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_);
+    for (const char* authority : {"ours", "strange"}) {
+      const std::string command =
+          fmt::format("'{}/scripts/dds_certificates.sh' '{}/{}' press service > /dev/null 2>&1",
+                      HYDROSCOPE_SOURCE_DIR, folder_.string(), authority);
+      if (std::system(command.c_str()) != 0)
+        GTEST_SKIP() << "openssl is not installed; scripts/setup.sh installs it";
+    }
+    options_.spec.security = Folder("ours/service");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string Folder(const std::string& name) const { return (folder_ / name).string(); }
+  void LiveWith(const std::string& security) {
+    press_.Live(DdsNetwork{.domain = OwnDomain(),
+                           .udp = true,
+                           .shared_memory = false,
+                           .interfaces = {"127.0.0.1"},
+                           .peers = {},
+                           .security = security});
+  }
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / fmt::format("dds-security-{}", getpid());
+};
+
+TEST_F(SecureDdsTest, SendersOfTheSameAuthorityAreHeard) {
+  LiveWith(Folder("ours/press"));
+  ASSERT_TRUE(Start());
+  EXPECT_TRUE(sink_.WaitForMore(50)) << source_->status().state;
+}
+
+TEST_F(SecureDdsTest, NeitherAStrangerNorSomebodyWithoutACertificateIsHeard) {
+  for (const char* security : {"strange/press", ""}) {
+    LiveWith(*security == 0 ? "" : Folder(security));
+    ASSERT_TRUE(Start());
+    EXPECT_FALSE(sink_.WaitForMore(1, 3)) << security;
+    source_->Stop();
+    press_.Kill();
+  }
+}
+
+TEST_F(SecureDdsTest, AKeyThatEverybodyMayReadIsRefused) {
+  std::filesystem::permissions(Folder("ours/service/key.pem"), std::filesystem::perms(0644));
+  const Status status = Start();
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().text, HasSubstr("may be read by every user"));
+}
+
+TEST_F(SecureDdsTest, AFileThatIsLackingIsNamed) {
+  std::filesystem::remove(Folder("ours/service/permissions.smime"));
+  const Status status = Start();
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().text, HasSubstr("permissions.smime cannot be read"));
 }
 
 TEST_F(DdsSourceTest, APeerThatIsNoAddressIsRefused) {

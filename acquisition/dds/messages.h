@@ -33,8 +33,11 @@ class Tolerant : public Generated {
 
 /// Messages of the wire as plain records.
 inline LayoutMessage ToMessage(const hydroscope_wire::Layout& wire) {
-  LayoutMessage message{
-      .version = wire.version(), .session = wire.session(), .layout_id = wire.layout_id(), .channels = {}};
+  LayoutMessage message{.version = wire.version(),
+                        .session = wire.session(),
+                        .layout_id = wire.layout_id(),
+                        .channels = {},
+                        .writer = 0};
   for (const auto& name : wire.channels()) message.channels.emplace_back(name.c_str());
   return message;
 }
@@ -47,7 +50,8 @@ inline BatchMessage ToMessage(hydroscope_wire::Batch&& wire) {
           .source_time_ns = wire.source_time_ns(),
           .period_ns = wire.period_ns(),
           .rows = wire.rows(),
-          .values = std::move(wire.values())};
+          .values = std::move(wire.values()),
+          .writer = 0};
 }
 
 }  // namespace hydroscope

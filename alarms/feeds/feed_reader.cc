@@ -111,14 +111,14 @@ Status FeedReader::ReadTrends(AxisPicture& axis) {
 }
 
 Result<bool> FeedReader::Acknowledge(const std::string& machine, const std::string& alarm,
-                                     const std::string& user, double wall) {
+                                     const AlarmUser& user, double wall) {
   return WithJournal([&](AlarmJournal& journal) -> Result<bool> {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     bool changed = false;
     const Status stored = journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
       AlarmState& state = axis.Alarm(alarm);
       const AlarmMoment now{kUnknown, wall, state.last_stroke, kUnknown, 0, 0};
-      auto events = alarm_machine::Acknowledge(state, {user, ""}, now);
+      auto events = alarm_machine::Acknowledge(state, user, now);
       changed = !events.empty();
       axis.Append(std::move(events));
       return {};

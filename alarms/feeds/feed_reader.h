@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "alarms/alarm_machine.h"
 #include "alarms/health_board.h"
 #include "core/alarm_records.h"
 #include "core/result.h"
@@ -48,7 +49,7 @@ class FeedReader {
   /// Of the service; kJudgedGood without a service.
   ServiceTrouble trouble() const { return board_ ? board_->trouble() : ServiceTrouble{}; }
   /// False: there was nothing to acknowledge. `wall` in s since 1970.
-  Result<bool> Acknowledge(const std::string& machine, const std::string& alarm, const std::string& user,
+  Result<bool> Acknowledge(const std::string& machine, const std::string& alarm, const AlarmUser& user,
                            double wall);
 
   const std::vector<std::string>& machines() const { return machines_; }

@@ -26,6 +26,8 @@ class AlarmListener {
   virtual bool matched() const = 0;
   /// In the order in which they came.
   virtual std::vector<HeardRow> rows() const = 0;
+  /// Health of a machine as its finding told it last, 'F' say; ' ' if it did not.
+  virtual char HealthOf(const std::string& machine) const = 0;
 };
 
 }  // namespace hydroscope

@@ -106,6 +106,7 @@ class Publication {
                                                .shared_memory = spec.transport != DdsTransport::kUdp,
                                                .interfaces = spec.interfaces,
                                                .peers = spec.peers,
+                                               .security = spec.security,
                                                .section = "feeds.dds"},
                                               "hydroscope_alarms");
     if (!participant) return tl::unexpected(participant.error());

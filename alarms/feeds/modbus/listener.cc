@@ -23,6 +23,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;                 // ns
 constexpr std::int64_t kHalfRequestAllowed = 40 * kMillisecond;  // from its first byte
 constexpr std::int64_t kPauseAfterFailure = 100 * kMillisecond;  // of accept(): no descriptors left
 constexpr std::int64_t kLongestWait = 1000 * kMillisecond;
+constexpr std::int64_t kIdleGivesWay = 1000 * kMillisecond;  // a poller asks once a second or more often
 constexpr int kWaitingConnections = 64;
 
 /// Closes what it holds.
@@ -45,6 +46,7 @@ class Descriptor {
 
 struct Client {
   Descriptor socket;
+  std::string address;
   ModbusConversation conversation;
   std::int64_t last_request = 0;  // ns, monotonic
   std::int64_t half_since = 0;    // first byte of a request that is not complete; 0: none
@@ -72,7 +74,7 @@ class Listener : public ModbusListener {
   }
 
   int port() const override { return port_; }
-  Counters counters() const override { return {client_count_, accepted_, refused_, malformed_}; }
+  Counters counters() const override { return {client_count_, accepted_, refused_, gave_way_, malformed_}; }
 
  private:
   void Serve(const std::stop_token& stop) {
@@ -115,14 +117,27 @@ class Listener : public ModbusListener {
     const std::uint32_t address = ntohl(from.sin_addr.s_addr);
     const bool allowed = std::any_of(allow_.begin(), allow_.end(),
                                      [&](const Ipv4Range& range) { return range.Contains(address); });
-    if (!allowed || clients_.size() >= most_) {
+    if (!allowed || (clients_.size() >= most_ && !EndTheMostIdle(now))) {
       ++refused_;
       return true;
     }
     const int on = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    clients_.push_back({std::move(socket), {}, now});
+    char text[INET_ADDRSTRLEN] = "";
+    inet_ntop(AF_INET, &from.sin_addr, text, sizeof text);
+    clients_.push_back({std::move(socket), text, {}, now});
     ++accepted_;
+    return true;
+  }
+
+  /// False: all of them ask for something now and then.
+  bool EndTheMostIdle(std::int64_t now) {
+    const auto idlest =
+        std::min_element(clients_.begin(), clients_.end(),
+                         [](const Client& a, const Client& b) { return a.last_request < b.last_request; });
+    if (now - idlest->last_request < kIdleGivesWay) return false;
+    clients_.erase(idlest);
+    ++gave_way_;
     return true;
   }
 
@@ -135,7 +150,7 @@ class Listener : public ModbusListener {
     }
     answers_.clear();
     bool sound = false;
-    registers_([&](const ModbusRegisters& registers) {
+    registers_(client.address, [&](const ModbusRegisters& registers) {
       sound = client.conversation.Receive(std::span(bytes).first(static_cast<std::size_t>(got)), registers,
                                           answers_);
     });
@@ -169,7 +184,7 @@ class Listener : public ModbusListener {
   std::vector<Client> clients_;
   std::vector<std::uint8_t> answers_;
   std::atomic<int> client_count_ = 0;
-  std::atomic<std::int64_t> accepted_ = 0, refused_ = 0, malformed_ = 0;
+  std::atomic<std::int64_t> accepted_ = 0, refused_ = 0, gave_way_ = 0, malformed_ = 0;
   std::jthread thread_;
 };
 

@@ -41,8 +41,9 @@ class ModbusFeed : public Feed {
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
     if (status.state.empty())
-      status.state = fmt::format("open; {} connections taken, {} refused, {} ended as malformed",
-                                 counters.accepted, counters.refused, counters.malformed);
+      status.state =
+          fmt::format("open; {} connections taken, {} refused, {} idle ones gave way, {} ended as malformed",
+                      counters.accepted, counters.refused, counters.gave_way, counters.malformed);
     return status;
   }
 
@@ -67,7 +68,9 @@ class ModbusFeed : public Feed {
       for (const JournalRow& row : *rows) Take(row);
     last_ = cursor_;
     const double wall = static_cast<double>(now.wall_ns) * 1e-9;
-    if (news) Show(axes, wall);
+    // Strokes carry the service's own time, which follows its monotonic clock: so do their ages.
+    const double own = static_cast<double>(begun_.wall_ns + now.monotonic_ns - begun_.monotonic_ns) * 1e-9;
+    if (news) Show(axes, own);
     counts_.waiting = static_cast<int>(waiting_.size());
     counts_.trouble = reader_.trouble().reason;
     image_.ShowHead(counts_, wall);
@@ -82,7 +85,7 @@ class ModbusFeed : public Feed {
     const auto last = reader_.LastSequence();
     if (!last) return tl::unexpected(last.error());
     auto listener = ModbusListener::Open(
-        spec_, [this](const auto& answer) { Answer(answer); }, clock_);
+        spec_, [this](const std::string& client, const auto& answer) { Answer(client, answer); }, clock_);
     if (!listener) return tl::unexpected(listener.error());
     std::lock_guard lock(mutex_);
     for (const auto& [machine, alarm] : *alarms) numbers_.Add(machine, alarm);
@@ -104,12 +107,13 @@ class ModbusFeed : public Feed {
     cursor_ = row.sequence;
   }
 
-  void Show(const std::vector<AxisPicture>& axes, double wall) {
+  /// `time`: now, as strokes count it.
+  void Show(const std::vector<AxisPicture>& axes, double time) {
     counts_ = {.axes = static_cast<int>(axes.size()), .alarms = numbers_.size()};
     newest_about_.resize(static_cast<std::size_t>(numbers_.size()) + 1);
     int number = 0;
     for (const AxisPicture& axis : axes) {
-      image_.ShowAxis(++number, axis, wall);
+      image_.ShowAxis(++number, axis, time);
       for (const AlarmState& alarm : axis.alarms) {
         const int of_alarm = numbers_.NumberOf(axis.machine, alarm.id);
         if (of_alarm == 0) continue;
@@ -121,16 +125,17 @@ class ModbusFeed : public Feed {
   }
 
   /// On the listener's thread.
-  void Answer(const std::function<void(const ModbusRegisters&)>& answer) {
+  void Answer(const std::string& client, const std::function<void(const ModbusRegisters&)>& answer) {
     std::lock_guard lock(mutex_);
-    answer({image_.registers(), [this](int address, std::uint16_t value) { return Write(address, value); }});
+    answer({image_.registers(),
+            [&](int address, std::uint16_t value) { return Write(client, address, value); }});
   }
 
-  std::optional<ModbusException> Write(int address, std::uint16_t value) {
-    if (address != register_map::kAcknowledge) return ModbusException::kIllegalAddress;
+  std::optional<ModbusException> Write(const std::string& client, int address, std::uint16_t value) {
+    if (!spec_.acknowledge || address != register_map::kAcknowledge) return ModbusException::kIllegalAddress;
     if (value == 0 || value > numbers_.size()) return ModbusException::kIllegalValue;
     if (waiting_.size() >= kMostWaiting) return ModbusException::kDeviceBusy;
-    waiting_.push_back(value);
+    waiting_.push_back({value, client});
     image_.ShowAcknowledge(value, register_map::kAsked);
     loop_.Wake();
     return std::nullopt;
@@ -140,12 +145,12 @@ class ModbusFeed : public Feed {
     for (;;) {
       std::unique_lock lock(mutex_);
       if (waiting_.empty()) return {};
-      const std::uint16_t number = waiting_.front();
+      const auto [number, client] = waiting_.front();
       waiting_.pop_front();
       const auto [machine, alarm] = numbers_[number];
       lock.unlock();
       const double wall = static_cast<double>(clock_().wall_ns) * 1e-9;
-      const auto changed = reader_.Acknowledge(machine, alarm, kUser, wall);
+      const auto changed = reader_.Acknowledge(machine, alarm, {kUser, "from " + client}, wall);
       lock.lock();
       image_.ShowAcknowledge(number, !changed   ? register_map::kNotStored
                                      : *changed ? register_map::kAcknowledged
@@ -157,6 +162,7 @@ class ModbusFeed : public Feed {
   ModbusFeedSpec spec_;
   FeedReader reader_;
   Clock clock_;
+  const HostTime begun_ = clock_();
   std::int64_t pictured_ = -kPicturePeriod;  // ns, monotonic, when the axes were looked at
   RegisterImage::Counts counts_;
   std::vector<std::int64_t> newest_about_;  // by number of the alarm
@@ -164,7 +170,7 @@ class ModbusFeed : public Feed {
   mutable std::mutex mutex_;  // guards what follows: listener, loop and status come together here
   RegisterImage image_;
   AlarmNumbers numbers_;
-  std::deque<std::uint16_t> waiting_;
+  std::deque<std::pair<std::uint16_t, std::string>> waiting_;  // number of the alarm, address of the client
   std::int64_t cursor_ = 0, last_ = 0;
   std::unique_ptr<ModbusListener> listener_;
   FeedLoop loop_;

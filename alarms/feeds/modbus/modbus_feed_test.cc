@@ -175,6 +175,7 @@ TEST_F(ModbusFeedTest, AnAcknowledgementIsStoredInTheJournalUnderTheNameOfTheFee
   ASSERT_EQ(rows->size(), 1u);
   EXPECT_EQ(rows->front().event.event, "acknowledged");
   EXPECT_EQ(rows->front().event.user, "modbus");
+  EXPECT_EQ(rows->front().event.comment, "from 127.0.0.1");
   ASSERT_EQ(link.WriteRegister(kAcknowledge, 2), LinkOutcome::kDone);
   EXPECT_TRUE(WaitUntil([&] { return Words(kAcknowledgeOutcome, 1)[0] == kNothingToAcknowledge; }));
 }
@@ -267,6 +268,32 @@ TEST_F(ModbusFeedTest, ConnectionsBeyondTheLimitAreClosedAtOnce) {
   EXPECT_FALSE(second.Hear(500).bytes.empty());
   EXPECT_TRUE(Plain(port()).Hear(500).closed);
   EXPECT_THAT(status().state, HasSubstr("1 refused"));
+}
+
+TEST_F(ModbusFeedTest, TheConnectionThatIsIdleLongestGivesWayToAnother) {
+  Start({.connections = 2});
+  const Plain idle(port()), busy(port());
+  const double begin = Now();
+  while (Now() - begin < 1.3) {
+    ASSERT_TRUE(busy.Send(kReadMagic));
+    ASSERT_FALSE(busy.Hear(500).bytes.empty());
+  }
+  const Plain third(port());
+  ASSERT_TRUE(third.Send(kReadMagic));
+  EXPECT_FALSE(third.Hear(500).bytes.empty());
+  EXPECT_TRUE(idle.Hear(500).closed);
+  ASSERT_TRUE(busy.Send(kReadMagic));
+  EXPECT_FALSE(busy.Hear(500).bytes.empty());
+}
+
+TEST_F(ModbusFeedTest, WithoutTheRightToAcknowledgeClientsOnlyRead) {
+  Raise("left", 1);
+  Start({.acknowledge = false});
+  ModbusLink link("127.0.0.1", port(), 1, 1);
+  Connect(link);
+  EXPECT_EQ(link.WriteRegister(kAcknowledge, 1), LinkOutcome::kException);
+  EXPECT_THAT(link.problem(), HasSubstr("Illegal data address"));
+  EXPECT_FALSE(StateOf("left", 1).acknowledged);
 }
 
 TEST_F(ModbusFeedTest, AnIdleConnectionIsClosed) {

@@ -79,15 +79,14 @@ void RegisterImage::ShowHealth(int axis, const Health& health) {
   registers_[detail + kNeeded] = strokes(health.needed);
 }
 
-void RegisterImage::ShowAxis(int axis, const AxisPicture& picture, double wall) {
+void RegisterImage::ShowAxis(int axis, const AxisPicture& picture, double now) {
   if (axis < 1 || axis > kMostAxes) return;
   const int first = kFirstAxis + (axis - 1) * kAxisStride;
   const auto shown = std::min<std::size_t>(picture.estimates.size(), kMostParameters);
   const bool stroke = !picture.estimates.empty();
   ShowHealth(axis, picture.health);
   registers_[first + kParameters] = static_cast<std::uint16_t>(shown);
-  registers_[first + kStrokeAge] =
-      stroke ? Seconds16(wall - picture.estimates[0].time) : std::uint16_t{65535};
+  registers_[first + kStrokeAge] = stroke ? Seconds16(now - picture.estimates[0].time) : std::uint16_t{65535};
   registers_[first + kAxisStanding] = static_cast<std::uint16_t>(
       std::count_if(picture.alarms.begin(), picture.alarms.end(),
                     [](const AlarmState& a) { return StateName(a) != kStateCodes[0]; }));
@@ -101,7 +100,7 @@ void RegisterImage::ShowAxis(int axis, const AxisPicture& picture, double wall) 
     PutFloat(place + kValue, estimate.value);
     PutFloat(place + kStd, estimate.std);
     registers_[place + kQuality] = QualityOf(estimate);
-    registers_[place + kEstimateAge] = Seconds16(wall - estimate.last_excited);
+    registers_[place + kEstimateAge] = Seconds16(now - estimate.last_excited);
     PutFloat(place + kEstimateOil, estimate.oil_temperature - kZeroCelsius);
     PutText(place + kParameterName, 8, estimate.parameter);
   }

@@ -34,8 +34,8 @@ class RegisterImage {
  public:
   RegisterImage();
 
-  /// `axis` from 1; 0 and beyond the last axis of the map are left out.
-  void ShowAxis(int axis, const AxisPicture& picture, double wall);
+  /// `axis` from 1; 0 and beyond the last axis of the map are left out. `now`: s, as strokes count time.
+  void ShowAxis(int axis, const AxisPicture& picture, double now);
   /// `number` from 1; beyond the last alarm of the map it is left out. `sequence`: newest row about it.
   void ShowAlarm(int number, int axis, const AlarmState& alarm, std::int64_t sequence);
   /// Rows in order of sequence.

@@ -5,6 +5,9 @@
 #include <chrono>
 #include <fstream>
 
+#include "alarms/feeds/sparkplug/broker_check.h"
+#include "core/secret_file.h"
+
 namespace hydroscope {
 namespace {
 
@@ -38,7 +41,7 @@ Status Readable(const MqttCertificates& files) {
   for (const std::string* path : {&files.ca, &files.certificate, &files.key})
     if (!path->empty() && !std::ifstream(*path))
       return BadInput("[feeds.sparkplug]: {} cannot be read; does the file exist and may it be read?", *path);
-  return {};
+  return files.key.empty() ? Status{} : CheckSecret(files.key, "[feeds.sparkplug] key_file");
 }
 
 class Connection : public MqttConnection, public mqtt::callback, public mqtt::iaction_listener {
@@ -84,7 +87,7 @@ class Connection : public MqttConnection, public mqtt::callback, public mqtt::ia
   }
 
  private:
-  void connection_lost(const std::string&) override { listener_.lost(); }
+  void connection_lost(const std::string& why) override { listener_.lost(why); }
   void message_arrived(mqtt::const_message_ptr message) override {
     listener_.arrived({message->get_topic(), message->to_string(), message->get_qos()});
   }
@@ -106,8 +109,11 @@ Result<std::unique_ptr<MqttConnection>> MqttConnection::Open(const MqttOptions& 
     return tl::unexpected(readable.error());
   try {
     auto connection = std::make_unique<Connection>(options, std::move(listener));
-    if (const Status connected = connection->Connect(options); !connected)
+    if (const Status connected = connection->Connect(options); !connected) {
+      const std::string why = WhyNoConnection(options.broker, options.certificates);
+      if (!why.empty()) return BadInput("MQTT broker {}: {}", options.broker, why);
       return tl::unexpected(connected.error());
+    }
     return connection;
   } catch (const std::exception& exception) {
     return BadInput("[feeds.sparkplug] broker = \"{}\": {}", options.broker, exception.what());

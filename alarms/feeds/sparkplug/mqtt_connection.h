@@ -35,7 +35,7 @@ class MqttConnection {
   struct Listener {
     std::function<void(std::int64_t id)> acknowledged;  ///< the broker has taken the message with this id
     std::function<void(MqttMessage message)> arrived;
-    std::function<void()> lost;
+    std::function<void(const std::string& why)> lost;  ///< `why` as the library says it, often ""
   };
 
   /// Errors: no broker there, it refuses us, its certificate is not to be trusted, a file cannot be read.

@@ -198,6 +198,14 @@ std::optional<ToldRow> RowOf(const std::string& bytes) {
   return row;
 }
 
+std::string HealthOf(const std::string& bytes) {
+  Payload payload;
+  if (!payload.ParseFromString(bytes)) return "";
+  for (const Payload::Metric& metric : payload.metrics())
+    if (metric.name() == "Health") return metric.string_value();
+  return "";
+}
+
 std::string TopicPart(const std::string& name) {
   std::string part = name;
   for (char& c : part)

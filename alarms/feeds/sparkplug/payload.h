@@ -32,6 +32,8 @@ struct ToldRow {
   std::string alarm, comment;
 };
 std::optional<ToldRow> RowOf(const std::string& payload);
+/// Health that a device's birth or data tells, "F" say; "" if it tells none.
+std::string HealthOf(const std::string& payload);
 
 /// A name as topics allow it: without /, + and #.
 std::string TopicPart(const std::string& name);

@@ -13,18 +13,22 @@
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
 #include "alarms/feeds/sparkplug/primary_host.h"
+#include "core/secret_file.h"
 #include "storage/outbox.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr std::int64_t kRowsAtOnce = 1000;
-constexpr std::int64_t kMostWaiting = 20'000;      // items in the outbox; the journal keeps the rest
-constexpr std::int64_t kMostUnacknowledged = 400;  // messages the broker has not acknowledged
+constexpr std::int64_t kMostWaiting = 20'000;           // items in the outbox; the journal keeps the rest
+constexpr std::int64_t kRebirthPeriod = 5'000'000'000;  // ns between births because somebody asked for them
+constexpr std::int64_t kMostUnacknowledged = 400;       // messages the broker has not acknowledged
 
 Result<std::string> FirstLine(const std::string& path) {
   std::string line;
   if (path.empty()) return line;
+  if (const Status secret = CheckSecret(path, "[feeds.sparkplug] password_file"); !secret)
+    return tl::unexpected(secret.error());
   std::ifstream file(path);
   if (!std::getline(file, line))
     return BadInput("[feeds.sparkplug] password_file = \"{}\" cannot be read, or is empty", path);
@@ -88,8 +92,11 @@ class SparkplugFeed : public Feed {
     }
     if (!born_)
       if (const Status begun = BeginSession(); !begun) return begun;
-    if (rebirth_.exchange(false))
+    if (const std::int64_t now = clock_().monotonic_ns; rebirth_ && now - reborn_ >= kRebirthPeriod) {
+      rebirth_ = false;
+      reborn_ = now;
       if (const Status born = Births(); !born) return born;
+    }
     if (const Status told = TellAxes(); !told) return told;
     if (const Status sent = SendItems(); !sent) return sent;
     if (const Status removed = RemoveAcknowledged(); !removed) stored_ = removed;
@@ -146,7 +153,7 @@ class SparkplugFeed : public Feed {
          .certificates = {.ca = spec_.ca_file, .certificate = spec_.certificate_file, .key = spec_.key_file}},
         {.acknowledged = [this](std::int64_t id) { Acknowledged(id); },
          .arrived = [this](MqttMessage message) { Arrived(message); },
-         .lost = [this] { loop_.Wake(); }});
+         .lost = [this](const std::string& why) { Lost(why); }});
     if (!opened) return tl::unexpected(opened.error());
     connection_ = std::move(*opened);
     if (const Status subscribed = connection_->Subscribe(NodeTopic("NCMD")); !subscribed) return subscribed;
@@ -285,6 +292,8 @@ class SparkplugFeed : public Feed {
     std::lock_guard lock(mutex_);
     status_.connected = heard;
     status_.state = fmt::format("{} rows wait in the outbox", count);
+    if (heard) lost_.clear();
+    if (!lost_.empty()) status_.state = fmt::format("{}; {}", lost_, status_.state);
     if (!host_.online())
       status_.state = fmt::format("the primary host {} is offline; {}", host_.id(), status_.state);
     status_.delivered = first > 0 ? first - 1 : cursor_;
@@ -296,6 +305,13 @@ class SparkplugFeed : public Feed {
     {
       std::lock_guard lock(mutex_);
       acknowledged_.push_back(id);
+    }
+    loop_.Wake();
+  }
+  void Lost(const std::string& why) {
+    {
+      std::lock_guard lock(mutex_);
+      lost_ = why.empty() ? "the broker closed the connection or fell silent" : why;
     }
     loop_.Wake();
   }
@@ -333,7 +349,8 @@ class SparkplugFeed : public Feed {
   std::map<std::string, Announced> announced_;              // by machine
   std::uint8_t birth_death_ = 0, sequence_ = 0;
   std::int64_t historical_up_to_ = 0, sent_ = 0, in_flight_ = 0;
-  std::int64_t pictured_ = 0;  // ns, monotonic
+  std::int64_t pictured_ = 0;              // ns, monotonic
+  std::int64_t reborn_ = -kRebirthPeriod;  // ns, monotonic, last births that somebody asked for
   std::unique_ptr<MqttConnection> connection_;
 
   sparkplug::PrimaryHost host_;
@@ -342,6 +359,7 @@ class SparkplugFeed : public Feed {
 
   std::atomic<bool> rebirth_ = false;
   mutable std::mutex mutex_;              // guards what follows
+  std::string lost_;                      // why the last connection ended; "" while there is one
   std::vector<std::string> host_states_;  // arrived, not yet taken
   std::vector<std::int64_t> acknowledged_;
   FeedStatus status_;

@@ -88,6 +88,19 @@ TEST_F(SparkplugFeedTest, IsBornAgainOnCommand) {
   EXPECT_EQ(Metric(births[0], "bdSeq"), Metric(births[1], "bdSeq"));
 }
 
+TEST_F(SparkplugFeedTest, ManyRequestsForBirthsAreAnsweredOnce) {
+  StartBroker();
+  StartFeed();
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DBIRTH") == 2; }));
+  for (int k = 0; k < 20; ++k)
+    ASSERT_TRUE(host().Send(broker().port(), "spBv1.0/hydroscope/NCMD/press",
+                            "12180a144e6f646520436f6e74726f6c2f526562697274687001"));
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("NBIRTH") >= 2; }));
+  Raise("left", 1);
+  ASSERT_TRUE(WaitUntil([&] { return host().Count("DDATA/press/left") == 1; }));
+  EXPECT_LE(host().Count("NBIRTH"), 3) << "20 requests within a second or two";
+}
+
 TEST_F(SparkplugFeedTest, DiesWithTheNumberOfItsBirthAndIsBornWithTheNext) {
   StartBroker();
   StartFeed();

@@ -114,8 +114,9 @@ class SparkplugTlsTest : public SparkplugFeedTest {
     files_.Make("nobody", "stranger", "DNS:press_7");
   }
   /// A listener that shows the certificate `broker` and asks for one of the authority.
-  void StartTlsBroker(const std::string& alternative = "IP:127.0.0.1") {
+  void StartTlsBroker(const std::string& alternative = "IP:127.0.0.1", bool expired = false) {
     files_.Make("broker", "authority", alternative);
+    if (expired) files_.Expire("broker", "authority", alternative);
     StartBroker(fmt::format(
         "listener {} 127.0.0.1\ncafile {}\ncertfile {}\nkeyfile {}\nrequire_certificate true\n", port_,
         files_.Certificate("authority"), files_.Certificate("broker"), files_.Key("broker")));
@@ -170,6 +171,40 @@ TEST_F(SparkplugTlsTest, TheBrokerRefusesANodeWithoutACertificateItTrusts) {
   EXPECT_TRUE(IsRefused()) << status().state;
   StartFeed(Encrypted("authority", "nobody"));
   EXPECT_TRUE(IsRefused()) << status().state;
+}
+
+TEST_F(SparkplugTlsTest, SaysWhyABrokerIsNotTrusted) {
+  const auto reason = [&](const std::string& authority, const std::string& own) {
+    StartFeed(Encrypted(authority, own));
+    EXPECT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
+    return status().state;
+  };
+  EXPECT_THAT(reason("authority", "node"), HasSubstr("nobody listens at 127.0.0.1"));
+  StartTlsBroker();
+  EXPECT_THAT(reason("stranger", "node"), HasSubstr("of another authority than ca_file"));
+  EXPECT_THAT(reason("authority", ""), HasSubstr("refuses our certificate"));
+}
+
+TEST_F(SparkplugTlsTest, SaysThatTheCertificateIsOfAnotherName) {
+  StartTlsBroker("DNS:elsewhere.example");
+  StartFeed(Encrypted("authority", "node"));
+  ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
+  EXPECT_THAT(status().state, HasSubstr("it was made for another name"));
+}
+
+TEST_F(SparkplugTlsTest, SaysThatTheCertificateHasExpired) {
+  StartTlsBroker("IP:127.0.0.1", true);
+  StartFeed(Encrypted("authority", "node"));
+  ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
+  EXPECT_THAT(status().state, HasSubstr("has expired"));
+}
+
+TEST_F(SparkplugTlsTest, AKeyThatEverybodyMayReadIsRefused) {
+  StartTlsBroker();
+  std::filesystem::permissions(files_.Key("node"), std::filesystem::perms(0644));
+  StartFeed(Encrypted("authority", "node"));
+  ASSERT_TRUE(WaitUntil([&] { return status().errors >= 1; }));
+  EXPECT_THAT(status().state, HasSubstr("may be read by every user"));
 }
 
 TEST_F(SparkplugTlsTest, AFileThatIsNotThereIsNamed) {

@@ -1,0 +1,86 @@
+#include "live/event_log.h"
+
+#include <fmt/format.h>
+
+#include "core/printable.h"
+#include "live/log.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kRowsAtOnce = 1000;
+
+void TellRow(const JournalRow& row) {
+  const AlarmEvent& e = row.event;
+  LogFields fields = {{"machine", row.machine}, {"what", e.event}, {"row", std::to_string(row.sequence)}};
+  if (!e.alarm.empty()) fields.push_back({"alarm", e.alarm});
+  fields.push_back({"severity", SeverityName(e.severity)});
+  if (e.stroke >= 0) fields.push_back({"stroke", std::to_string(e.stroke)});
+  for (const auto& [key, text] : {std::pair("user", e.user), {"comment", e.comment}, {"text", e.text}})
+    if (!text.empty()) fields.push_back({key, Printable(text)});
+  (e.event == "raised" || e.event == "escalated" ? LogWarning : LogInfo)("alarm", fields);
+}
+
+std::string NameOf(const SenderStatus& sender) { return sender.name.empty() ? "unnamed" : sender.name; }
+
+}  // namespace
+
+EventLog::EventLog(std::string journal) : journal_path_(std::move(journal)) {
+  if (auto opened = AlarmJournal::OpenExisting(journal_path_)) journal_ = std::move(*opened);
+  if (!journal_) return;
+  if (const auto last = journal_->LastSequence()) told_ = *last;
+}
+
+void EventLog::Look(const LiveStatus& status) {
+  for (const SourceStatus& source : status.sources) {
+    const Link now{source.connected, source.state};
+    if (Link& before = sources_[source.name]; std::exchange(before, now) != now)
+      (now.connected ? LogInfo : LogWarning)(
+          now.connected ? "source_connected" : "source_not_connected",
+          {{"source", Printable(source.name)}, {"state", Printable(source.state)}});
+  }
+  for (const FeedStatus& feed : status.feeds) {
+    // While it is connected its state counts clients and rows: no event.
+    const Link now{feed.connected, feed.connected ? "" : feed.state};
+    if (Link& before = feeds_[feed.name]; std::exchange(before, now) != now) {
+      if (now.connected)
+        LogInfo("feed_connected", {{"feed", Printable(feed.name)}});
+      else
+        LogWarning("feed_not_connected", {{"feed", Printable(feed.name)}, {"why", Printable(feed.state)}});
+    }
+  }
+  LookAtSenders(status);
+  LookAtJournal();
+}
+
+void EventLog::LookAtSenders(const LiveStatus& status) {
+  std::map<SenderId, std::string> now;
+  for (const SenderStatus& sender : status.senders) {
+    now[sender.id] = NameOf(sender);
+    if (!senders_.contains(sender.id))
+      LogInfo("sender_found", {{"sender", Printable(NameOf(sender))},
+                               {"session", std::to_string(sender.id.session)},
+                               {"channels", std::to_string(sender.channels)},
+                               {"refused_channels", std::to_string(sender.refused.size())}});
+  }
+  for (const auto& [id, name] : senders_)
+    if (!now.contains(id))
+      LogWarning("sender_silent", {{"sender", Printable(name)}, {"session", std::to_string(id.session)}});
+  senders_ = std::move(now);
+}
+
+void EventLog::LookAtJournal() {
+  if (!journal_) {
+    auto opened = AlarmJournal::OpenExisting(journal_path_);
+    if (!opened) return;  // there is none yet
+    journal_ = std::move(*opened);
+  }
+  const auto rows = journal_->Rows("", told_.value_or(0), kRowsAtOnce);
+  if (!rows) return journal_.reset();  // what keeps it from being read is told by those who write it
+  for (const JournalRow& row : *rows) {
+    TellRow(row);
+    told_ = row.sequence;
+  }
+}
+
+}  // namespace hydroscope

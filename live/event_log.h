@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "live/live_status.h"
+#include "storage/alarm_journal.h"
+
+namespace hydroscope {
+
+/// Tells the log what an operator wants to read there later: links and senders that come and go, feeds that are
+/// lost and why, and every row of the alarm journal. Compares what the service says with what it said at the
+/// look before. One object belongs to one thread.
+class EventLog {
+ public:
+  /// Rows of the journal from `after` on: those before stand in the log of an earlier life.
+  explicit EventLog(std::string journal);
+
+  void Look(const LiveStatus& status);
+
+ private:
+  struct Link {
+    bool connected = false;
+    std::string state;
+    bool operator==(const Link&) const = default;
+  };
+  void LookAtSenders(const LiveStatus& status);
+  void LookAtJournal();
+
+  std::string journal_path_;
+  std::optional<AlarmJournal> journal_;
+  std::optional<std::int64_t> told_;  ///< sequence of the newest row in the log
+  std::map<std::string, Link> sources_, feeds_;
+  std::map<SenderId, std::string> senders_;
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,132 @@
+#include "live/surveillance.h"
+
+#include "live/log.h"
+
+namespace hydroscope {
+
+Surveillance::Surveillance(LiveService& service, ValveChecks& checks, const LiveOptions& options, Clock clock)
+    : service_(service),
+      checks_(checks),
+      options_(options),
+      clock_(std::move(clock)),
+      machine_(service.machine()) {
+  Begin();
+}
+
+Surveillance::~Surveillance() { Stop(); }
+
+/// Of an axis that is its own press, that axis.
+std::string Surveillance::press() const {
+  return AxisCount(machine_) > 1 ? machine_.name : AxisMachineName(machine_, 0);
+}
+
+void Surveillance::Begin() {
+  auto press_monitor = MakePressMonitor();  // pairs journal and database
+  if (press_monitor && !press_monitor->notice().empty())
+    LogWarning("journal_set_aside", {{"why", press_monitor->notice()}});
+  const std::string journal = AlarmJournal::PathFor(options_.database);
+  std::lock_guard lock(mutex_);
+  journal_ = FileIdentity::Of(journal);
+  if (!log_) log_.emplace(journal);
+  feeds_.emplace(Feeds::Start(machine_, options_.database, clock_, board_));
+  self_.emplace(journal, press(), *board_);
+  if (press_monitor)
+    watch_ = std::make_unique<DriftWatch>(std::move(press_monitor),
+                                          DriftWatch::Inputs{[this] { return service_.status(); },
+                                                             [this] { return checks_.checking(); }, board_},
+                                          clock_);
+}
+
+/// nullptr, with the reason in `not_watched_`, if the model's parameters cannot be watched or journal or rules
+/// are unusable: the strokes are stored all the same and can be judged later.
+std::unique_ptr<PressMonitor> Surveillance::MakePressMonitor() {
+  auto press_monitor =
+      PressMonitor::Create(options_.machine_file, machine_.name, MachinesOfAxes(machine_), options_.database);
+  const Status usable =
+      press_monitor ? (*press_monitor)->watchable() : Status(tl::unexpected(press_monitor.error()));
+  std::lock_guard lock(mutex_);
+  not_watched_ = usable ? "" : usable.error().text;
+  if (usable) return std::move(*press_monitor);
+  LogError("drift_is_not_watched", {{"why", not_watched_}});
+  return nullptr;
+}
+
+void Surveillance::Start() {
+  watching_ = true;
+  if (watch_) watch_->Start();
+}
+
+void Surveillance::BeginAnew(const std::string& why) {
+  std::unique_ptr<DriftWatch> watch;
+  std::optional<Feeds> feeds;
+  {
+    std::lock_guard lock(mutex_);
+    watch = std::move(watch_);
+    feeds = std::exchange(feeds_, std::nullopt);
+    self_.reset();
+    log_.reset();
+  }
+  watch.reset();
+  feeds.reset();
+  Begin();
+  if (watching_ && watch_) watch_->Start();
+  self_->BegunAnew(why, Seconds(clock_().wall_ns));
+}
+
+void Surveillance::Look() {
+  const LiveStatus now = status();
+  const bool writes = now.writer.state == WriterState::kWriting;
+  if (writes && now.writer.databases != databases_) {
+    databases_ = now.writer.databases;
+    BeginAnew(now.writer.begun_anew);
+  } else if (writes && journal_.exists() &&
+             FileIdentity::Of(AlarmJournal::PathFor(options_.database)) != journal_) {
+    LogError("journal_gone", {{"why", "it was deleted, moved or replaced; another one is begun"}});
+    BeginAnew(
+        "the alarm journal was deleted, moved or replaced while in use: its rows and references are lost");
+  }
+  self_->Look(now.writer, WhyNotJudged(), Seconds(clock_().wall_ns));
+  log_->Look(now);
+}
+
+void Surveillance::Reload(const Machine& machine) {
+  machine_ = machine;
+  if (!watch_) return;
+  if (auto press_monitor = MakePressMonitor()) watch_->Replace(std::move(press_monitor));
+}
+
+void Surveillance::Stop() {
+  if (watch_) watch_->Stop();
+}
+
+void Surveillance::Finish() {
+  if (watch_) watch_->Finish();
+}
+
+std::string Surveillance::WhyNotJudged() const {
+  std::lock_guard lock(mutex_);
+  return watch_ ? watch_->status().problem : not_watched_;
+}
+
+/// Health of each axis is what the feeds read: that of the board.
+DriftWatchStatus Surveillance::Drift() const {
+  DriftWatchStatus drift;
+  drift.problem = WhyNotJudged();
+  std::lock_guard lock(mutex_);
+  if (watch_) drift.axes = watch_->status().axes;
+  for (int axis = 0; !watch_ && axis < AxisCount(machine_); ++axis)
+    drift.axes.push_back({.name = AxisMachineName(machine_, axis), .health = {}, .alarms = {}});
+  for (AxisHealth& axis : drift.axes) axis.health = board_->Of(axis.name);
+  return drift;
+}
+
+LiveStatus Surveillance::status() const {
+  LiveStatus now = service_.status();
+  now.drift = Drift();
+  now.valve_check = checks_.state();
+  std::lock_guard lock(mutex_);
+  if (feeds_) now.feeds = feeds_->status();
+  return now;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "alarms/feeds/feeds.h"
+#include "live/drift_watch.h"
+#include "live/event_log.h"
+#include "live/live_service.h"
+#include "live/service_watch.h"
+#include "live/valve_checks.h"
+#include "storage/file_identity.h"
+
+namespace hydroscope {
+
+/// All that reads what the service stores and tells others: drift watch and journal, feeds, alarms of the
+/// service itself, the log. When the writer had to begin another database, or the journal was taken away, all
+/// of it begins anew, since each has the lost file open.
+class Surveillance {
+ public:
+  /// Pairs journal and database, and starts the feeds. `service` and `checks` outlive it.
+  Surveillance(LiveService& service, ValveChecks& checks, const LiveOptions& options, Clock clock);
+  ~Surveillance();
+
+  /// Starts the drift watch; once the service runs.
+  void Start();
+  /// What there is to tell about the service itself; once a second.
+  void Look();
+  /// Goes on with another machine file or other rules.
+  void Reload(const Machine& machine);
+  /// Ends the drift watch; Finish judges what was stored since.
+  void Stop();
+  void Finish();
+  /// From any thread.
+  LiveStatus status() const;
+
+ private:
+  void Begin();
+  void BeginAnew(const std::string& why);
+  std::unique_ptr<PressMonitor> MakePressMonitor();
+  std::string WhyNotJudged() const;
+  DriftWatchStatus Drift() const;
+  std::string press() const;
+
+  LiveService& service_;
+  ValveChecks& checks_;
+  LiveOptions options_;
+  Clock clock_;
+  Machine machine_;
+  std::shared_ptr<HealthBoard> board_ = std::make_shared<HealthBoard>();
+  std::int64_t databases_ = 1;  ///< WriterStatus::databases that this watches
+  bool watching_ = false;
+  mutable std::mutex mutex_;  ///< guards what follows: Look replaces it while others ask
+  std::string not_watched_;   ///< why there is no drift watch
+  std::unique_ptr<DriftWatch> watch_;
+  std::optional<Feeds> feeds_;
+  std::optional<ServiceWatch> self_;
+  std::optional<EventLog> log_;
+  FileIdentity journal_;
+};
+
+}  // namespace hydroscope
