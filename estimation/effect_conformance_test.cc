@@ -115,7 +115,7 @@ TEST(Effects, StateLawSourceUnitRangeAndWhatToLookFor) {
   EXPECT_EQ(ids.size(), model->effects.size());
   for (const auto& e : model->effects) {
     EXPECT_FALSE(e->title.empty() || e->law.empty() || e->source.empty() || e->parameter.empty() ||
-                 e->unit.empty())
+                 e->unit.empty() || e->family.empty())
         << e->id;
     EXPECT_LT(e->min, e->max) << e->id;
     EXPECT_GT(e->typical, e->min) << e->id;
@@ -124,6 +124,9 @@ TEST(Effects, StateLawSourceUnitRangeAndWhatToLookFor) {
         << e->id;
     for (const std::string& other : e->confused_with)
       EXPECT_EQ(ids.count(other), 1u) << e->id << " names " << other;
+    for (const Effect::Twin& twin : e->twins)
+      EXPECT_EQ(ids.count(twin.id), 1u) << e->id << " has the twin " << twin.id;
+    for (const std::vector<double>& at : e->grid) EXPECT_FALSE(e->where && e->where(at).empty()) << e->id;
   }
 }
 

@@ -235,5 +235,13 @@ TEST(AppendPressLine, KeepsPositionsToTenNanometresAndLeavesMissingValuesEmpty) 
   EXPECT_EQ(text, "0.002000,15000000.0,,21000000.0,0.12345678,0.10000000,1.250000,40.0000\n");
 }
 
+TEST(Press, AVentedSensorReadsItsZeroErrorAlone) {
+  PressOptions options;
+  options.effects = {{"pressure_offset", 3e5, {}}};
+  options.imperfections = {{"pressure_zero", 2e5, {}, ""}, {"tank_pressure", 4e5, {}, ""}};
+  EXPECT_NEAR(VentedReading(options, 10), 5e5, 5 * options.noise.p_A / std::sqrt(5000.0));
+  EXPECT_EQ(TankLinePressure(options), 4e5);
+}
+
 }  // namespace
 }  // namespace hydroscope
