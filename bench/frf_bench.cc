@@ -1,8 +1,11 @@
-// Frequency response of a valve from stepped sines and from noise, 60 s at 1 kHz.
-
-#include <benchmark/benchmark.h>
+// Frequency response of a valve from stepped sines and from noise, 60 s at 1 kHz, its model included. Writes the
+// noise for scipy_csd.py (bench/frf.sh runs both).
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
 #include <numbers>
 #include <random>
 
@@ -47,29 +50,47 @@ FrequencyRecord Noise() {
   return Lagged(std::move(command));
 }
 
-void Measure(benchmark::State& state, const FrequencyRecord& record, FrequencyResponseMethod method) {
+/// CPU seconds of one evaluation, best of `repeats`; negative if it fails.
+double Best(const FrequencyRecord& record, FrequencyResponseMethod method, int repeats) {
   FrequencyResponseOptions options;
   options.method = method;
-  for (auto _ : state) {
+  double best = -1;
+  for (int i = 0; i < repeats; ++i) {
+    const std::clock_t start = std::clock();
     const auto response = MeasureFrequencyResponse(record, options);
-    if (!response) {
-      state.SkipWithError(response.error().text.c_str());
-      return;
-    }
-    benchmark::DoNotOptimize(response->points.data());
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    if (!response || !response->model) return -1;
+    if (best < 0 || seconds < best) best = seconds;
   }
-  state.SetItemsProcessed(state.iterations() * kSamples);
+  return best;
 }
 
-void FrequencyResponseOfSteppedSines(benchmark::State& state) {
-  Measure(state, SteppedSines(), FrequencyResponseMethod::kSine);
-}
-void FrequencyResponseOfNoise(benchmark::State& state) {
-  Measure(state, Noise(), FrequencyResponseMethod::kWelch);
+/// Command, then response, as doubles: what the peer evaluates.
+bool Write(const SignalRun& run, const char* path) {
+  std::ofstream file(path, std::ios::binary);
+  for (const std::vector<double>* signal : {&run.input, &run.output}) {
+    file.write(reinterpret_cast<const char*>(signal->data()),
+               static_cast<std::streamsize>(signal->size() * sizeof(double)));
+  }
+  return static_cast<bool>(file);
 }
 
-BENCHMARK(FrequencyResponseOfSteppedSines)->Unit(benchmark::kMillisecond);
-BENCHMARK(FrequencyResponseOfNoise)->Unit(benchmark::kMillisecond);
+int Run(const char* path, int repeats) {
+  const FrequencyRecord noise = Noise();
+  if (!Write(noise.runs[0], path)) return 1;
+  const double sines = Best(SteppedSines(), FrequencyResponseMethod::kSine, repeats);
+  const double welch = Best(noise, FrequencyResponseMethod::kWelch, repeats);
+  std::printf("stepped_sines_and_model %.6f\nnoise_and_model %.6f\n", sines, welch);
+  return sines > 0 && welch > 0 ? 0 : 1;
+}
 
 }  // namespace
 }  // namespace hydroscope
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: frf_bench FILE_FOR_THE_NOISE [REPEATS]\n");
+    return 2;
+  }
+  return hydroscope::Run(argv[1], argc > 2 ? std::atoi(argv[2]) : 20);
+}

@@ -37,7 +37,7 @@ bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
   if (response.method == FrequencyResponseMethod::kWelch)
     return true;  // bins without excitation are expected
   for (const FrequencyPoint& p : response.points) {
-    if (p.reason != PointReason::kUsed) return false;
+    if (p.reason != PointReason::kUsed && p.reason != PointReason::kOutsideRange) return false;
   }
   return true;
 }
@@ -101,6 +101,10 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--min-coherence", a->options.min_coherence, "welch: points below are left out of the fit")
       ->capture_default_str();
+  command->add_option("--from", a->options.lowest, "Hz: points below are left out of the fit")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--to", a->options.highest, "Hz: points above are left out of the fit")
+      ->check(CLI::PositiveNumber);
   command
       ->add_option("--settle", a->settle,
                    "sine: s to leave out after each change of frequency (default: found from the response)")
@@ -112,6 +116,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       "  hydroscope simulate valve --out sweep.csv\n"
       "  hydroscope frf sweep.csv --machine machines/valve_sweep.toml\n"
       "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --json valve.json --svg bode.svg\n"
+      "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --from 20 --to 120\n"
       "  hydroscope frf chirp_0A.txt -m machines/servo_press_chirp.toml --method welch --segment 4096");
   command->callback([a, &exit_code] {
     const auto code = RunFrf(*a);

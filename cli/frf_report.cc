@@ -58,6 +58,10 @@ const char* Note(PointReason reason) {
       return "left out: low coherence";
     case PointReason::kClipped:
       return "left out: clipped";
+    case PointReason::kNoPower:
+      return "left out: no power";
+    case PointReason::kOutsideRange:
+      return "left out: outside the range";
   }
   return "";
 }

@@ -85,11 +85,21 @@ SettleRule RuleFor(const FrequencyResponseOptions& options, const FrequencyRecor
   return rule;
 }
 
-std::vector<FrequencyPoint> CorrelateAll(const FrequencyRecord& record, const Search& search,
-                                         const SettleRule& rule) {
-  std::vector<CorrelatedPoint> correlated;
+std::vector<HeldSineSums> SumsOf(const FrequencyRecord& record, const Search& search) {
+  std::vector<HeldSineSums> sums;
   for (const HeldInRun& h : search.held) {
-    correlated.push_back(CorrelateHeldSine(record.runs[h.run], record.sample_period, h.held, rule));
+    const SignalRun& run = record.runs[h.run];
+    sums.emplace_back(run.input, run.output, h.held.omega, h.held.begin, h.held.end);
+  }
+  return sums;
+}
+
+std::vector<FrequencyPoint> CorrelateAll(const FrequencyRecord& record, const Search& search,
+                                         const std::vector<HeldSineSums>& sums, const SettleRule& rule) {
+  std::vector<CorrelatedPoint> correlated;
+  for (std::size_t i = 0; i < search.held.size(); ++i) {
+    const HeldInRun& h = search.held[i];
+    correlated.push_back(CorrelateHeldSine(record.runs[h.run], record.sample_period, h.held, sums[i], rule));
   }
   PoolVariances(correlated);
   std::vector<FrequencyPoint> points;
@@ -97,6 +107,17 @@ std::vector<FrequencyPoint> CorrelateAll(const FrequencyRecord& record, const Se
   std::stable_sort(points.begin(), points.end(),
                    [](const auto& a, const auto& b) { return a.frequency < b.frequency; });
   return points;
+}
+
+bool SameUse(const std::vector<FrequencyPoint>& a, const std::vector<FrequencyPoint>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& p, const auto& q) { return p.reason == q.reason; });
+}
+
+bool SameWindows(const std::vector<FrequencyPoint>& a, const std::vector<FrequencyPoint>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& p, const auto& q) {
+    return p.reason == q.reason && p.begin == q.begin && p.end == q.end;
+  });
 }
 
 int CountReason(const std::vector<FrequencyPoint>& points, PointReason reason) {
@@ -124,9 +145,17 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   }
   FrequencyResponse response;
   response.method = FrequencyResponseMethod::kSine;
+  const std::vector<HeldSineSums> sums = SumsOf(record, search);
   for (int pass = 0; pass < 3; ++pass) {  // the transient's length comes from the model of the pass before
-    response.points = CorrelateAll(record, search, RuleFor(options, record, response.model));
-    TakeModel(FitValveModel(response.points, 1, record.sample_period, search.stairs), response);
+    auto points = CorrelateAll(record, search, sums, RuleFor(options, record, response.model));
+    LeaveOutOfRange(points, options);
+    if (pass > 0 && SameWindows(points, response.points)) break;
+    const std::optional<ValveModel> before = response.model;
+    const bool near = before && SameUse(points, response.points);
+    response.points = std::move(points);
+    TakeModel(
+        FitValveModel(response.points, 1, record.sample_period, search.stairs, near ? &*before : nullptr),
+        response);
     if (!response.model) break;
   }
   const int total = static_cast<int>(response.points.size());
@@ -158,6 +187,7 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   warn(clipped, "command or response is clipped");
   warn(silent, "the response does not stand out of its noise");
   warn(brief, "fewer than 2 whole periods after the transient");
+  warn(CountReason(response.points, PointReason::kOutsideRange), "outside the range asked for");
   if (search.unsteady > 0) {
     response.warnings.push_back(fmt::format(
         "{} stretches of the command were left out: frequency or amplitude not steady", search.unsteady));
@@ -173,6 +203,14 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
   response.segment_length = spectra->segment_length;
   response.points = std::move(spectra->points);
   const int used = CountReason(response.points, PointReason::kUsed);
+  const int outside = CountReason(response.points, PointReason::kOutsideRange);
+  if (used < 3 && outside > 0) {
+    return BadInput(
+        "only {} coherent frequencies lie within {:g} to {:g} Hz, at least 3 are needed; {} lie outside: "
+        "give "
+        "a wider range or a longer --segment",
+        used, options.lowest, options.highest, outside);
+  }
   if (used < 3) {
     return BadInput(
         "command and response are not related: coherence reaches the limit at {} of {} frequencies, at least "
@@ -180,6 +218,12 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
         "are needed; check that the right columns are mapped, that the command moves and the valve is "
         "enabled",
         used, response.points.size());
+  }
+  if (const int powerless = CountReason(response.points, PointReason::kNoPower); powerless > 0) {
+    response.warnings.push_back(fmt::format(
+        "{} coherent frequencies left out: the command has hardly any power there, what both channels share "
+        "is accident or disturbance",
+        powerless));
   }
   for (const SignalRun& run : record.runs) {
     if (LooksClipped(run.input) || LooksClipped(run.output)) {
@@ -257,6 +301,10 @@ const char* PointReasonName(PointReason reason) {
       return "low_coherence";
     case PointReason::kClipped:
       return "clipped";
+    case PointReason::kNoPower:
+      return "no_power";
+    case PointReason::kOutsideRange:
+      return "outside_range";
   }
   return "";
 }
@@ -269,8 +317,19 @@ Status FrequencyResponseOptions::Validate() const {
   if (!(min_coherence > 0 && min_coherence < 1)) {
     return UsageError("minimum coherence {}: a number between 0 and 1 is needed", min_coherence);
   }
+  if (!(lowest >= 0 && highest > lowest)) {
+    return UsageError("frequencies from {:g} to {:g} Hz: the second must be the larger one, both positive",
+                      lowest, highest);
+  }
   if (settle_time < 0) return UsageError("settle time {} s: a positive number is needed", settle_time);
   return {};
+}
+
+void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options) {
+  for (FrequencyPoint& p : points) {
+    const bool inside = p.frequency >= options.lowest && p.frequency <= options.highest;
+    if (p.reason == PointReason::kUsed && !inside) p.reason = PointReason::kOutsideRange;
+  }
 }
 
 Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,

@@ -37,6 +37,8 @@ enum class PointReason {
   kNoResponse,    ///< the response at this frequency does not stand out of its noise
   kLowCoherence,  ///< coherence below the limit: noise, nonlinearity or no excitation
   kClipped,       ///< command or response sits on a rail for a part of each period
+  kNoPower,       ///< the command has hardly any power there: coherent by accident or by a disturbance
+  kOutsideRange,  ///< outside the range of frequencies asked for
 };
 /// Short machine name ("used", "too_short", ...).
 const char* PointReasonName(PointReason reason);
@@ -113,6 +115,8 @@ struct FrequencyResponseOptions {
   std::size_t segment_length =
       0;                       ///< samples per Welch segment; 0: largest power of two with 8 in the record
   double min_coherence = 0.8;  ///< points below take no part in the fit
+  double lowest = 0;           ///< Hz, points below take no part in the fit
+  double highest = std::numeric_limits<double>::infinity();  ///< Hz, nor do points above
   /// s left out at the start of every held frequency; NaN: found from the fitted model and the block scatter
   double settle_time = std::numeric_limits<double>::quiet_NaN();
 
@@ -127,6 +131,9 @@ struct FrequencyResponse {
   std::size_t segment_length = 0;     ///< Welch: samples per segment
   std::vector<std::string> warnings;  ///< what the reader of the result should know, one sentence each
 };
+
+/// Marks points outside the range of frequencies asked for.
+void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options);
 
 /// Response and model. Bad input (too short, constant input, no steady frequency, no coherence, everything
 /// clipped) is an error that says what was found and what to do; too few points for a model is not: see

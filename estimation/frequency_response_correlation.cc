@@ -17,34 +17,23 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kRelativeFloor = 1e-6;  // of the gain: below it, rounding and not noise sets the error
 constexpr int kMostBlocks = 16;
-
-struct Pair {
-  HarmonicFit input, output;
-  Complex Ratio() const { return output.fundamental() / input.fundamental(); }
-};
-
-Pair FitPair(const SignalRun& run, double omega, std::size_t begin, std::size_t end) {
-  const std::size_t samples = end - begin;
-  const double phase = omega * static_cast<double>(begin);
-  const int harmonics = HarmonicsFor(omega, samples);
-  return {FitHarmonics(std::span(run.input).subspan(begin, samples), omega, phase, harmonics),
-          FitHarmonics(std::span(run.output).subspan(begin, samples), omega, phase, harmonics)};
-}
+constexpr double kRailShare =
+    0.03;  // of the samples on the extreme, beyond what a sine's resolution explains
 
 /// Variance of the ratio (real and imaginary part together) if both residuals are white.
-double WhiteVariance(const Pair& pair) {
+double WhiteVariance(const HeldSineSums::Fits& pair) {
   const double gain_squared = std::norm(pair.Ratio());
   return (pair.output.residual_variance + gain_squared * pair.input.residual_variance) /
          (static_cast<double>(pair.input.samples) * std::norm(pair.input.fundamental()));
 }
 
 /// Samples to leave out at the start of the hold before any look at the blocks.
-double SettleSamples(const SignalRun& run, const HeldSine& held, const SettleRule& settle) {
+double SettleSamples(const HeldSineSums& sums, const HeldSine& held, const SettleRule& settle) {
   const double hold = static_cast<double>(held.end - held.begin);
   if (settle.fixed >= 0) return settle.fixed;
   if (settle.time_constant < 0) return std::max(kTwoPi / held.omega, 0.4 * hold);
   const auto middle = held.begin + static_cast<std::size_t>(0.4 * hold);
-  const Pair pair = FitPair(run, held.omega, middle, held.end);
+  const HeldSineSums::Fits pair = sums.Fit(middle, held.end);
   const double noise = std::sqrt(pair.output.residual_variance / static_cast<double>(pair.output.samples));
   const double share = std::clamp(0.1 * noise / std::abs(pair.output.fundamental()), 1e-6, 0.07);
   return std::max(0.0, settle.dead_time) + settle.time_constant * std::log(1 / share) + 1;
@@ -87,12 +76,12 @@ std::vector<std::size_t> BlockBorders(const Window& window, double omega) {
   return borders;
 }
 
-std::vector<Complex> BlockRatios(const SignalRun& run, double omega,
+std::vector<Complex> BlockRatios(const HeldSineSums& sums, double omega,
                                  const std::vector<std::size_t>& borders) {
   std::vector<Complex> ratios;
   for (std::size_t b = 0; b + 1 < borders.size(); ++b) {
     if (HarmonicsFor(omega, borders[b + 1] - borders[b]) == 0) return {};
-    ratios.push_back(FitPair(run, omega, borders[b], borders[b + 1]).Ratio());
+    ratios.push_back(sums.Fit(borders[b], borders[b + 1]).Ratio());
   }
   return ratios;
 }
@@ -145,22 +134,22 @@ bool LooksClipped(std::span<const double> signal) {
   const auto [low, high] = std::minmax_element(signal.begin(), signal.end());
   const double amplitude = (*high - *low) / 2;
   if (!(amplitude > 0)) return true;
+  const auto at_low = std::count(signal.begin(), signal.end(), *low);
+  const auto at_high = std::count(signal.begin(), signal.end(), *high);
+  const double at_rail = static_cast<double>(std::max(at_low, at_high));
+  const double samples = static_cast<double>(signal.size());
+  if (at_rail <= std::max(kRailShare * samples, 5.0)) return false;
   double resolution = 2 * amplitude;
-  std::size_t at_low = 0, at_high = 0;
-  for (std::size_t n = 0; n < signal.size(); ++n) {
-    at_low += signal[n] == *low;
-    at_high += signal[n] == *high;
-    if (n > 0 && signal[n] != signal[n - 1])
-      resolution = std::min(resolution, std::abs(signal[n] - signal[n - 1]));
+  for (std::size_t n = 1; n < signal.size(); ++n) {
+    if (signal[n] != signal[n - 1]) resolution = std::min(resolution, std::abs(signal[n] - signal[n - 1]));
   }
   // A sine spends acos(1 - q/A)/pi of its period within q of its top; a square wave of two values is no sine.
   const double expected = std::acos(std::max(-1.0, 1 - resolution / amplitude)) / std::numbers::pi;
-  const double limit = (2 * expected + 0.03) * static_cast<double>(signal.size());
-  return static_cast<double>(std::max(at_low, at_high)) > std::max(limit, 5.0);
+  return at_rail > (2 * expected + kRailShare) * samples;
 }
 
 CorrelatedPoint CorrelateHeldSine(const SignalRun& run, double sample_period, const HeldSine& held,
-                                  const SettleRule& settle) {
+                                  const HeldSineSums& sums, const SettleRule& settle) {
   CorrelatedPoint result;
   FrequencyPoint& point = result.point;
   point.frequency = held.omega / (kTwoPi * sample_period);
@@ -170,19 +159,19 @@ CorrelatedPoint CorrelateHeldSine(const SignalRun& run, double sample_period, co
   point.begin = time_of(held.begin);
   point.end = time_of(held.end);
 
-  Window window = WholePeriods(held, static_cast<double>(held.begin) + SettleSamples(run, held, settle));
+  Window window = WholePeriods(held, static_cast<double>(held.begin) + SettleSamples(sums, held, settle));
   if (!window.valid()) return result;
   std::vector<std::size_t> borders = BlockBorders(window, held.omega);
-  std::vector<Complex> ratios = BlockRatios(run, held.omega, borders);
+  std::vector<Complex> ratios = BlockRatios(sums, held.omega, borders);
   if (ratios.size() < 2) return result;
   if (const std::size_t transient = settle.fixed < 0 ? TransientBlocks(ratios) : 0; transient > 0) {
     window = WholePeriods(held, static_cast<double>(borders[transient]));
     borders = BlockBorders(window, held.omega);
-    ratios = BlockRatios(run, held.omega, borders);
+    ratios = BlockRatios(sums, held.omega, borders);
     if (!window.valid() || ratios.size() < 2) return result;
   }
 
-  const Pair pair = FitPair(run, held.omega, window.begin, window.end);
+  const HeldSineSums::Fits pair = sums.Fit(window.begin, window.end);
   point.response = pair.Ratio();
   point.amplitude = 2 * std::abs(pair.input.fundamental());
   point.output_amplitude = 2 * std::abs(pair.output.fundamental());

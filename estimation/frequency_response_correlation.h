@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "estimation/frequency_response.h"
+#include "estimation/frequency_response_harmonics.h"
 #include "estimation/frequency_response_segments.h"
 
 namespace hydroscope {
@@ -23,14 +24,14 @@ struct SettleRule {
 /// others. Evaluated is the largest number of whole periods at the end of the hold, command and response
 /// alike, so that noise and phase of the measured command count too: G = Y / U.
 ///
-/// The variance is that of the mean over up to 16 blocks of whole periods, which holds for coloured noise
+/// `sums` are those of the hold. The variance is that of the mean over up to 16 blocks of whole periods, which holds for coloured noise
 /// too; PoolVariances() steadies it.
 struct CorrelatedPoint {
   FrequencyPoint point;
   double white_variance = 0;  ///< per component, from the residuals if they were white
 };
 CorrelatedPoint CorrelateHeldSine(const SignalRun& run, double sample_period, const HeldSine& held,
-                                  const SettleRule& settle);
+                                  const HeldSineSums& sums, const SettleRule& settle);
 
 /// Empirical Bayes shrinkage of the block variances towards `white_variance` times a common factor (Smyth
 /// 2004, Stat. Appl. Genet. Mol. Biol. 3(1), art. 3, sec. 6.2): where the ratios of the two scatter no more

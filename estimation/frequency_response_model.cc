@@ -1,7 +1,10 @@
 #include "estimation/frequency_response_model.h"
 
+#include <ceres/tiny_solver.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -30,9 +33,15 @@ double TFactor(double dof) {
   return boost::math::quantile(boost::math::students_t(std::max(dof, 1.0)), 0.975) / kNormal95;
 }
 
+/// Product without the detour that operator* takes for infinite factors.
+Complex Times(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
 Complex SecondOrder(double omega, double omega_0, double damping) {
-  const double r = omega / omega_0;
-  return 1.0 / Complex(1 - r * r, 2 * damping * r);
+  const double r = omega / omega_0, real = 1 - r * r, imaginary = 2 * damping * r;
+  const double squared = real * real + imaginary * imaginary;
+  return {real / squared, -imaginary / squared};
 }
 
 /// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
@@ -53,97 +62,161 @@ void ForEachImage(double omega, double hold, Visit visit) {
   }
 }
 
+double SquaredMagnitude(Complex z) { return z.real() * z.real() + z.imag() * z.imag(); }
+
+/// What the fit needs of a measured point.
+struct Target {
+  double omega = 0;  // rad/s
+  Complex response;
+  double phase = 0;     // rad, unwrapped
+  double variance = 0;  // of real and of imaginary part
+  double dof = 1;
+};
+
+/// Points to be fitted and the model of their response at given parameters.
 class Problem {
  public:
-  explicit Problem(const std::vector<FrequencyPoint>& points, double hold = 0) : hold_(hold) {
-    for (const FrequencyPoint& point : points) {
-      if (point.reason == PointReason::kUsed && point.variance > 0) points_.push_back(point);
+  explicit Problem(std::vector<FrequencyPoint> points, double hold = 0) : hold_(hold) {
+    std::erase_if(
+        points, [](const FrequencyPoint& p) { return p.reason != PointReason::kUsed || !(p.variance > 0); });
+    UnwrapPhases(points);
+    for (const FrequencyPoint& p : points) {
+      targets_.push_back({kTwoPi * p.frequency, p.response, p.phase, p.variance, p.dof});
     }
-    UnwrapPhases(points_);
-    if (!points_.empty()) time_scale_ = kTwoPi * points_.back().frequency;
+    if (!targets_.empty()) time_scale_ = targets_.back().omega;
   }
 
-  const std::vector<FrequencyPoint>& points() const { return points_; }
+  /// The same with fewer points: of each of `most` equal steps of log frequency the one known best.
+  Problem Thinned(std::size_t most) const {
+    if (targets_.size() <= most) return *this;
+    const double first = std::log(lowest()), span = std::log(highest()) - first;
+    Problem thinned(hold_, time_scale_);
+    std::size_t step = most;
+    for (const Target& target : targets_) {
+      const double place = (std::log(target.omega) - first) / span;
+      const auto here = std::min(most - 1, static_cast<std::size_t>(static_cast<double>(most) * place));
+      if (here != step) {
+        thinned.targets_.push_back(target);
+        step = here;
+      } else if (target.variance < thinned.targets_.back().variance) {
+        thinned.targets_.back() = target;
+      }
+    }
+    return thinned;
+  }
+
+  const std::vector<Target>& targets() const { return targets_; }
+  double lowest() const { return targets_.front().omega; }
+  double highest() const { return targets_.back().omega; }
   double time_scale() const { return time_scale_; }
 
+  /// Weighted sum of squares of the misfit.
   double Cost(const Vector4& p) const {
     double cost = 0;
-    for (const FrequencyPoint& point : points_) {
-      cost += std::norm(point.response - Model(p, kTwoPi * point.frequency)) / point.variance;
+    const Parameters given(p);
+    for (const Target& target : targets_) {
+      cost += SquaredMagnitude(target.response - Model(given, target.omega)) / target.variance;
     }
     return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
   }
 
-  /// Normal matrix J'J and gradient J'r of the weighted residuals.
-  void Linearise(const Vector4& p, Matrix4& normal, Vector4& gradient) const {
-    normal.setZero();
-    gradient.setZero();
-    const double omega_0 = std::exp(p(kLogOmega)), damping = std::exp(p(kLogDamping));
-    for (const FrequencyPoint& point : points_) {
-      Complex model = 0;
-      Eigen::Vector4cd slope = Eigen::Vector4cd::Zero();
-      ForEachImage(kTwoPi * point.frequency, hold_, [&](double omega, Complex factor) {
-        const double r = omega / omega_0;
-        const Complex shape = SecondOrder(omega, omega_0, damping);
-        const Complex delayed = factor * shape * std::polar(1.0, -omega / time_scale_ * p(kDeadTime));
-        const Complex term = p(kGain) * delayed;
-        model += term;
-        slope(kLogOmega) += term * shape * Complex(-2 * r * r, 2 * damping * r);
-        slope(kLogDamping) -= term * shape * Complex(0, 2 * damping * r);
-        slope(kGain) += delayed;
-        slope(kDeadTime) += term * Complex(0, -omega / time_scale_);
-      });
-      const Complex residual = point.response - model;
-      normal += (slope.conjugate() * slope.transpose()).real() / point.variance;
-      gradient += (slope.conjugate() * residual).real() / point.variance;
+  /// Misfit of real and imaginary part of each point over its standard deviation, and its slopes to the four
+  /// parameters, `jacobian` column by column (may be null).
+  void Residuals(const Vector4& p, double* residuals, double* jacobian) const {
+    const std::size_t rows = 2 * targets_.size();
+    const Parameters given(p);
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      const Target& target = targets_[i];
+      const double weight = 1 / std::sqrt(target.variance);
+      std::array<Complex, 4> slope{};
+      const Complex model =
+          jacobian ? ModelWithSlopes(given, target.omega, slope) : Model(given, target.omega);
+      residuals[2 * i] = weight * (model.real() - target.response.real());
+      residuals[2 * i + 1] = weight * (model.imag() - target.response.imag());
+      for (std::size_t k = 0; jacobian && k < 4; ++k) {
+        jacobian[k * rows + 2 * i] = weight * slope[k].real();
+        jacobian[k * rows + 2 * i + 1] = weight * slope[k].imag();
+      }
     }
   }
 
   /// Best dead time and gain for given f0 and D: the phase left over is a line through the origin (or through
   /// +-pi if the polarity is reversed), the gain a projection.
   Vector4 Complete(double omega_0, double damping) const {
+    std::vector<Complex> shapes;
+    std::vector<double> phase_left;
+    for (const Target& target : targets_) {
+      shapes.push_back(SecondOrder(target.omega, omega_0, damping));
+      phase_left.push_back(target.phase - std::arg(shapes.back()));
+    }
     Vector4 best(std::log(omega_0), std::log(damping), 1, 0);
-    double best_cost = std::numeric_limits<double>::infinity();
+    double best_projection = -1;
     for (const double polarity : {0.0, std::numbers::pi, -std::numbers::pi}) {
       double ww = 0, wp = 0;
-      for (const FrequencyPoint& point : points_) {
-        const double omega = kTwoPi * point.frequency, weight = std::norm(point.response) / point.variance;
-        const double r = omega / omega_0;
-        const double left = point.phase + std::atan2(2 * damping * r, 1 - r * r) - polarity;
+      for (std::size_t i = 0; i < targets_.size(); ++i) {
+        const double omega = targets_[i].omega;
+        const double weight = SquaredMagnitude(targets_[i].response) / targets_[i].variance;
         ww += weight * omega * omega;
-        wp -= weight * omega * left;
+        wp -= weight * omega * (phase_left[i] - polarity);
       }
-      Vector4 p = best;
-      p(kGain) = 1;
-      p(kDeadTime) = wp / ww * time_scale_;
+      const double dead_time = wp / ww;
       double numerator = 0, denominator = 0;
-      for (const FrequencyPoint& point : points_) {
-        const Complex model = Model(p, kTwoPi * point.frequency);
-        numerator += (std::conj(model) * point.response).real() / point.variance;
-        denominator += std::norm(model) / point.variance;
+      for (std::size_t i = 0; i < targets_.size(); ++i) {
+        const Complex model = Times(shapes[i], std::polar(1.0, -targets_[i].omega * dead_time));
+        numerator += Times(std::conj(model), targets_[i].response).real() / targets_[i].variance;
+        denominator += SquaredMagnitude(model) / targets_[i].variance;
       }
-      p(kGain) = numerator / denominator;
-      if (const double cost = Cost(p); cost < best_cost) {
-        best_cost = cost;
-        best = p;
+      // What the projection takes off the weighted squares: the most is the best fit.
+      if (const double projection = numerator * numerator / denominator; projection > best_projection) {
+        best_projection = projection;
+        best(kGain) = numerator / denominator;
+        best(kDeadTime) = dead_time * time_scale_;
       }
     }
     return best;
   }
 
  private:
-  Complex Model(const Vector4& p, double omega) const {
-    const double omega_0 = std::exp(p(kLogOmega)), damping = std::exp(p(kLogDamping));
+  Problem(double hold, double time_scale) : hold_(hold), time_scale_(time_scale) {}
+
+  struct Parameters {
+    explicit Parameters(const Vector4& p)
+        : omega_0(std::exp(p(kLogOmega))),
+          damping(std::exp(p(kLogDamping))),
+          gain(p(kGain)),
+          scaled_dead_time(p(kDeadTime)) {}
+    double omega_0, damping, gain, scaled_dead_time;
+  };
+
+  Complex Model(const Parameters& p, double omega) const {
     Complex sum = 0;
     ForEachImage(omega, hold_, [&](double image, Complex factor) {
-      sum += factor * SecondOrder(image, omega_0, damping) *
-             std::polar(1.0, -image / time_scale_ * p(kDeadTime));
+      sum += Times(Times(factor, SecondOrder(image, p.omega_0, p.damping)),
+                   std::polar(1.0, -image / time_scale_ * p.scaled_dead_time));
     });
-    return p(kGain) * sum;
+    return p.gain * sum;
+  }
+
+  Complex ModelWithSlopes(const Parameters& p, double frequency, std::array<Complex, 4>& slope) const {
+    Complex model = 0;
+    ForEachImage(frequency, hold_, [&](double omega, Complex factor) {
+      const double r = omega / p.omega_0;
+      const Complex shape = SecondOrder(omega, p.omega_0, p.damping);
+      const Complex delayed =
+          Times(Times(factor, shape), std::polar(1.0, -omega / time_scale_ * p.scaled_dead_time));
+      const Complex term = p.gain * delayed;
+      const Complex shaped = Times(term, shape);
+      model += term;
+      slope[kLogOmega] += Times(shaped, Complex(-2 * r * r, 2 * p.damping * r));
+      slope[kLogDamping] -= Times(shaped, Complex(0, 2 * p.damping * r));
+      slope[kGain] += delayed;
+      slope[kDeadTime] += Times(term, Complex(0, -omega / time_scale_));
+    });
+    return model;
   }
 
   double hold_;
-  std::vector<FrequencyPoint> points_;
+  std::vector<Target> targets_;
   double time_scale_ = 1;
 };
 
@@ -152,10 +225,10 @@ bool SquaredGainStart(const Problem& problem, double& omega_0, double& damping) 
   const double scale = problem.time_scale();  // keeps the columns of one size
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const FrequencyPoint& point : problem.points()) {
-    const double squared = std::norm(point.response), w = kTwoPi * point.frequency / scale;
+  for (const Target& target : problem.targets()) {
+    const double squared = std::norm(target.response), w = target.omega / scale;
     const Eigen::Vector3d row(w * w * squared, -w * w * w * w * squared, 1);
-    const double weight = 1 / (4 * squared * point.variance);
+    const double weight = 1 / (4 * squared * target.variance);
     normal += weight * row * row.transpose();
     right += weight * squared * row;
   }
@@ -170,14 +243,11 @@ bool SquaredGainStart(const Problem& problem, double& omega_0, double& damping) 
 /// The few best starting points, best first.
 std::vector<Vector4> Starts(const Problem& problem) {
   std::vector<std::pair<double, Vector4>> candidates;
-  const auto add = [&](double omega_0, double damping) {
-    const Vector4 p = problem.Complete(omega_0, damping);
-    candidates.emplace_back(problem.Cost(p), p);
-  };
-  const double lowest = kTwoPi * problem.points().front().frequency / 2;
-  const double highest = kTwoPi * problem.points().back().frequency * 6;
-  for (double omega_0 = lowest; omega_0 <= highest; omega_0 *= 1.3) {
-    for (const double damping : {0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 3.0}) add(omega_0, damping);
+  for (double omega_0 = problem.lowest() / 2; omega_0 <= 6 * problem.highest(); omega_0 *= 1.3) {
+    for (const double damping : {0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 3.0}) {
+      const Vector4 p = problem.Complete(omega_0, damping);
+      candidates.emplace_back(problem.Cost(p), p);
+    }
   }
   std::sort(candidates.begin(), candidates.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -189,39 +259,50 @@ std::vector<Vector4> Starts(const Problem& problem) {
   return starts;
 }
 
-/// Levenberg-Marquardt with Marquardt's scaling of the diagonal.
-double Polish(const Problem& problem, Vector4& p, bool damping_fixed = false) {
-  double cost = problem.Cost(p), damping = 1e-3;
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    Matrix4 normal;
-    Vector4 gradient;
-    problem.Linearise(p, normal, gradient);
-    if (damping_fixed) {
-      normal.row(kLogDamping).setZero();
-      normal.col(kLogDamping).setZero();
-      normal(kLogDamping, kLogDamping) = 1;
-      gradient(kLogDamping) = 0;
-    }
-    bool improved = false;
-    double gained = 0;
-    while (!improved && damping < 1e12) {
-      Matrix4 damped = normal;
-      damped.diagonal() += damping * normal.diagonal();
-      const Vector4 next = p + damped.ldlt().solve(gradient);
-      const double next_cost = problem.Cost(next);
-      improved = next_cost < cost;
-      if (improved) {
-        gained = cost - next_cost;
-        p = next;
-        cost = next_cost;
-        damping = std::max(damping / 10, 1e-12);
-      } else {
-        damping *= 10;
-      }
-    }
-    if (!improved || gained < 1e-10 * (cost + 1e-12)) break;
+/// The problem as Ceres asks for it.
+struct MisfitOfPoints {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 4 };
+
+  const Problem& problem;
+  bool hold_damping = false;
+
+  int NumResiduals() const { return static_cast<int>(2 * problem.targets().size()); }
+  bool operator()(const double* parameters, double* residuals, double* jacobian) const {
+    problem.Residuals(Eigen::Map<const Vector4>(parameters), residuals, jacobian);
+    // Without a slope there is no step.
+    if (jacobian && hold_damping) std::fill_n(jacobian + kLogDamping * NumResiduals(), NumResiduals(), 0.0);
+    return true;
   }
-  return cost;
+};
+
+struct Linearisation {
+  Eigen::VectorXd residuals;
+  Eigen::Matrix<double, Eigen::Dynamic, 4> jacobian;
+};
+
+Linearisation Linearised(const Problem& problem, const Vector4& p) {
+  const auto rows = static_cast<std::ptrdiff_t>(2 * problem.targets().size());
+  Linearisation at{Eigen::VectorXd(rows), Eigen::Matrix<double, Eigen::Dynamic, 4>(rows, 4)};
+  problem.Residuals(p, at.residuals.data(), at.jacobian.data());
+  return at;
+}
+
+struct PolishOptions {
+  bool hold_damping = false;
+  int most_iterations = 200;
+};
+
+/// Levenberg-Marquardt (Ceres) from `p` to the next minimum; returns its cost.
+double Polish(const Problem& problem, Vector4& p, const PolishOptions& options = {}) {
+  ceres::TinySolver<MisfitOfPoints> solver;
+  solver.options.function_tolerance = 1e-8;  // of chi^2: 1 is a standard deviation
+  solver.options.parameter_tolerance = 1e-12;
+  solver.options.gradient_tolerance = 0;
+  solver.options.cost_threshold = 0;
+  solver.options.max_num_iterations = options.most_iterations;
+  const double cost = 2 * solver.Solve({problem, options.hold_damping}, &p).final_cost;
+  return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
 }
 
 struct Minimum {
@@ -230,28 +311,61 @@ struct Minimum {
   bool first_order = false;  ///< damping ran to its limit
 };
 
-Minimum FindMinimum(const Problem& problem) {
+// Points that the search for starting values looks at: more do not tell one valley from another.
+constexpr std::size_t kPointsOfSearch = 32;
+// Nor do more iterations: a response of first order has no bottom, its damping grows and grows.
+constexpr int kIterationsOfSearch = 12;
+
+/// The deepest valley that the starts lead into, seen from few points.
+Minimum DeepestValley(const Problem& problem) {
   Minimum best;
   for (Vector4 p : Starts(problem)) {
-    const double cost = Polish(problem, p);
+    const double cost = Polish(problem, p, {.most_iterations = kIterationsOfSearch});
     if (cost < best.cost) best = {p, cost, false};
-  }
-  if (best.p(kLogDamping) > std::log(kLargestDamping)) {
-    // Beyond, f0 and D only matter as f0/(2 D): hold D and let the rest settle.
-    const double corner = std::exp(best.p(kLogOmega) - best.p(kLogDamping)) / 2;
-    Vector4 p = problem.Complete(2 * kLargestDamping * corner, kLargestDamping);
-    best.cost = Polish(problem, p, true);
-    best.p = p;
-    best.first_order = true;
   }
   return best;
 }
 
+/// Parameters of a model, half a sample of hold counted as dead time.
+Vector4 ParametersOf(const ValveModel& model, double time_scale) {
+  return {std::log(kTwoPi * model.natural_frequency.value), std::log(model.damping.value), model.gain.value,
+          (model.dead_time.value + model.command_hold / 2) * time_scale};
+}
+
+/// Where the damping is at its limit f0 and D only matter as f0/(2 D): D is held and the rest settles.
+Minimum AtLargestDamping(const Problem& problem, const Vector4& p) {
+  const double corner = std::exp(p(kLogOmega) - p(kLogDamping)) / 2;
+  const Problem thinned = problem.Thinned(kPointsOfSearch);
+  Minimum held{thinned.Complete(2 * kLargestDamping * corner, kLargestDamping), 0, true};
+  Polish(thinned, held.p, {.hold_damping = true});
+  held.cost = Polish(problem, held.p, {.hold_damping = true});
+  return held;
+}
+
+/// More damping would fit better still.
+bool WantsMoreDamping(const Problem& problem, const Vector4& p) {
+  const auto [residuals, jacobian] = Linearised(problem, p);
+  return jacobian.col(kLogDamping).dot(residuals) < 0;
+}
+
+Minimum FindMinimum(const Problem& problem, const ValveModel* near) {
+  Minimum found;
+  found.p =
+      near ? ParametersOf(*near, problem.time_scale()) : DeepestValley(problem.Thinned(kPointsOfSearch)).p;
+  const double limit = std::log(kLargestDamping) - 1e-9;
+  if (found.p(kLogDamping) > limit) {
+    const Minimum held = AtLargestDamping(problem, found.p);
+    if (WantsMoreDamping(problem, held.p)) return held;
+    found.p = held.p;
+  }
+  found.cost = Polish(problem, found.p);
+  return found.p(kLogDamping) > limit ? AtLargestDamping(problem, found.p) : found;
+}
+
 /// Inverse of the normal matrix; false if a combination of the parameters has no effect at all.
 bool Covariance(const Problem& problem, const Vector4& p, Matrix4& covariance) {
-  Matrix4 normal;
-  Vector4 gradient;
-  problem.Linearise(p, normal, gradient);
+  const auto jacobian = Linearised(problem, p).jacobian;
+  const Matrix4 normal = jacobian.transpose() * jacobian;
   const Vector4 scale = normal.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix4 scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   if (!scaled.allFinite()) return false;
@@ -264,11 +378,11 @@ bool Covariance(const Problem& problem, const Vector4& p, Matrix4& covariance) {
 /// Factor on every std: misfit beyond the noise, and Student's t where degrees of freedom are few.
 double WidenIntervals(const Problem& problem, double correlation, ValveModel& model) {
   double from_points = 0, expected = 0;
-  for (const FrequencyPoint& point : problem.points()) {
-    from_points += std::min(point.dof, 1e6);
-    expected += point.dof > 4 ? point.dof / (point.dof - 2) : 2;
+  for (const Target& target : problem.targets()) {
+    from_points += std::min(target.dof, 1e6);
+    expected += target.dof > 4 ? target.dof / (target.dof - 2) : 2;
   }
-  expected /= static_cast<double>(problem.points().size());
+  expected /= static_cast<double>(problem.targets().size());
   const double dof = std::max(1.0, model.degrees_of_freedom / correlation);
   const double chi = model.chi_squared / correlation / expected;
   if (boost::math::cdf(boost::math::chi_squared(dof), chi) > 0.95) {
@@ -346,21 +460,20 @@ void UnwrapPhases(std::vector<FrequencyPoint>& points, const ValveModel* model) 
 namespace {
 
 Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double correlation) {
-  const auto& points = problem.points();
   Matrix4 covariance;
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
     return BadInput(
         "the {} frequencies from {:.4g} to {:.4g} Hz do not determine f0 and D; sweep up to the frequency at "
         "which the "
         "phase passes -90 degrees",
-        points.size(), points.front().frequency, points.back().frequency);
+        problem.targets().size(), problem.lowest() / kTwoPi, problem.highest() / kTwoPi);
   }
   ValveModel model;
   model.chi_squared = found.cost;
   model.first_order = found.first_order;
-  model.degrees_of_freedom = 2 * static_cast<int>(points.size()) - 4;
-  model.lowest = points.front().frequency;
-  model.highest = points.back().frequency;
+  model.degrees_of_freedom = 2 * static_cast<int>(problem.targets().size()) - 4;
+  model.lowest = problem.lowest() / kTwoPi;
+  model.highest = problem.highest() / kTwoPi;
   const double factor = WidenIntervals(problem, correlation, model);
   return Describe(problem, found.p, covariance, model, factor);
 }
@@ -368,13 +481,13 @@ Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double corr
 }  // namespace
 
 Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation,
-                                 double sample_period, bool surely_held) {
+                                 double sample_period, bool surely_held, const ValveModel* near) {
   const Problem continuous(points);
-  if (continuous.points().size() < 3) {
+  if (continuous.targets().size() < 3) {
     return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
-                    continuous.points().size());
+                    continuous.targets().size());
   }
-  const Minimum found = FindMinimum(continuous);
+  const Minimum found = FindMinimum(continuous, near);
   Result<ValveModel> model = Fit(continuous, found, correlation);
   const bool try_hold = sample_period > 0 && model && (surely_held || model->inflation > 1) &&
                         !model->first_order && 2 * model->highest * sample_period < 1;

@@ -198,7 +198,7 @@ void SetEdges(std::span<const double> signal, HeldSine& held) {
   const double tolerance = std::max(5 * held.noise, 1e-3 * held.amplitude);
   const auto predicted = [&](std::size_t n) {
     double value = fit.coefficients[0].real();
-    for (std::size_t k = 1; k < fit.coefficients.size(); ++k) {
+    for (int k = 1; k <= fit.harmonics; ++k) {
       const double angle = static_cast<double>(k) * held.omega * static_cast<double>(n);
       value += 2 * (fit.coefficients[k] * std::polar(1.0, angle)).real();
     }
@@ -242,6 +242,7 @@ void Examine(std::span<const double> signal, std::size_t begin, std::size_t end,
 /// Neighbours must not share samples: the later one, whose transient is dropped anyway, gives way.
 void PartOverlaps(std::vector<HeldSine>& found) {
   for (std::size_t i = 1; i < found.size(); ++i) found[i].begin = std::max(found[i].begin, found[i - 1].end);
+  std::erase_if(found, [](const HeldSine& held) { return held.begin >= held.end; });
 }
 
 /// A command that its controller refreshes every few samples only: crossings of the stairs scatter, those of

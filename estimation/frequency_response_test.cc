@@ -352,6 +352,25 @@ TEST(FrequencyResponse, TheValveCheckRecordHoldsTheModelAndItsConditions) {
   EXPECT_FALSE(MakeValveCheck(FrequencyResponse{}, 0, 0, 0));
 }
 
+TEST(FrequencyResponse, OnlyTheFrequenciesAskedForEnterTheModel) {
+  const FrequencyRecord record = Simulate({}, 1);
+  FrequencyResponseOptions options;
+  options.lowest = 25;
+  options.highest = 125;
+  const auto response = MeasureFrequencyResponse(record, options);
+  ASSERT_TRUE(response && response->model);
+  EXPECT_EQ(response->points.size(), 16u);
+  for (const FrequencyPoint& p : response->points) {
+    const bool inside = p.frequency > 25 && p.frequency < 125;
+    EXPECT_EQ(p.reason, inside ? PointReason::kUsed : PointReason::kOutsideRange) << p.frequency;
+  }
+  EXPECT_NEAR(response->model->lowest, 30, 1e-3);
+  EXPECT_NEAR(response->model->highest, 120, 1e-3);
+  ExpectTruthInside({}, *response->model);
+  options.lowest = 170;
+  EXPECT_EQ(options.Validate().error().kind, ErrorKind::kUsage);
+}
+
 /// Response and command of the measured press chirp; empty if the file is not there.
 FrequencyRecord MeasuredChirp() {
   const char* folder = std::getenv("HYDROSCOPE_DATA");
@@ -406,6 +425,39 @@ TEST(FrequencyResponse, TheMeasuredPressChirpGivesTheKnownResponse) {
     EXPECT_NEAR(std::abs(response->model->Response(p.frequency)), p.gain(), 0.03) << p.frequency;
     EXPECT_NEAR(response->model->Phase(p.frequency), p.phase, 3 / kDegrees) << p.frequency;
   }
+}
+
+/// A chirp up to 20 Hz through a valve of 30 Hz, and a disturbance that the cards of both channels pick up,
+/// a thousandth of the command: coherent where there is nothing to measure.
+TEST(FrequencyResponse, CoherentFrequenciesWithoutPowerDoNotSpoilTheModel) {
+  FrequencyRecord record{1e-3, {{}}};
+  const double omega_0 = 2 * std::numbers::pi * 30, damping = 0.7;
+  Normal normal(1);
+  double position = 0, speed = 0;
+  for (int n = 0; n < 60'000; ++n) {
+    const double t = n * 1e-3, rate = 20.0 / 60;
+    const double command = std::sin(std::numbers::pi * rate * t * t);
+    double hum = 0;
+    for (const double f : {57.0, 130.0, 180.0, 270.0}) hum += 1e-3 * std::sin(2 * std::numbers::pi * f * t);
+    record.runs[0].input.push_back(command + hum + 1e-5 * normal());
+    record.runs[0].output.push_back(position + 2 * hum + 1e-5 * normal());
+    for (int step = 0; step < 20; ++step) {
+      const double h = 1e-3 / 20;
+      speed += h * omega_0 * (omega_0 * (command - position) - 2 * damping * speed);
+      position += h * speed;
+    }
+  }
+  const auto response = MeasureFrequencyResponse(record);
+  ASSERT_TRUE(response && response->model);
+  for (const FrequencyPoint& p : response->points) {
+    if (p.frequency > 25) {
+      EXPECT_NE(p.reason, PointReason::kUsed) << p.frequency;
+    }
+  }
+  EXPECT_NEAR(response->model->natural_frequency.value, 30, 1);
+  EXPECT_NEAR(response->model->damping.value, 0.7, 0.05);
+  ASSERT_FALSE(response->warnings.empty());
+  EXPECT_NE(response->warnings[0].find("hardly any power"), std::string::npos) << response->warnings[0];
 }
 
 }  // namespace

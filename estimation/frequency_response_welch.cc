@@ -4,7 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <unsupported/Eigen/FFT>
+
+#include "core/quantile.h"
 
 namespace hydroscope {
 namespace {
@@ -14,6 +18,9 @@ using Complex = std::complex<double>;
 constexpr double kIndependentShare = 1 / (1 + 2.0 / 36);
 constexpr std::size_t kShortest = 32;
 constexpr int kFewestSegments = 4;
+// Of the median amplitude of the command at coherent frequencies. A chirp of a servo press whose card adds
+// noise has 0.3 to 1 % beside its band (`hydroscope frf chirp_0A.txt --segment 16384`), 10 % at its edge.
+constexpr double kLeastAmplitude = 0.02;
 
 std::vector<double> HannWindow(std::size_t length) {
   std::vector<double> window(length);
@@ -24,65 +31,98 @@ std::vector<double> HannWindow(std::size_t length) {
   return window;
 }
 
-/// Half spectrum of one segment, its mean taken off, windowed.
-std::vector<Complex> SegmentSpectrum(Eigen::FFT<double>& fft, const double* first,
-                                     const std::vector<double>& window) {
-  double mean = 0;
-  for (std::size_t n = 0; n < window.size(); ++n) mean += first[n];
-  mean /= static_cast<double>(window.size());
-  std::vector<double> windowed(window.size());
-  for (std::size_t n = 0; n < window.size(); ++n) windowed[n] = (first[n] - mean) * window[n];
-  std::vector<Complex> spectrum;
-  fft.fwd(spectrum, windowed);
-  return spectrum;
-}
-
-struct SegmentPair {
+/// Half spectra of all segments, one after the other.
+struct SegmentSpectra {
+  std::size_t bins = 0;  // of one segment
+  int segments = 0;
   std::vector<Complex> input, output;
+
+  std::span<const Complex> Input(int segment) const { return Segment(input, segment); }
+  std::span<const Complex> Output(int segment) const { return Segment(output, segment); }
+
+ private:
+  std::span<const Complex> Segment(const std::vector<Complex>& all, int segment) const {
+    return std::span(all).subspan(static_cast<std::size_t>(segment) * bins, bins);
+  }
 };
 
-std::vector<SegmentPair> AllSegments(const FrequencyRecord& record, std::size_t length) {
+SegmentSpectra Transform(const FrequencyRecord& record, std::size_t length) {
+  SegmentSpectra spectra;
+  spectra.bins = length / 2 + 1;
+  for (const SignalRun& run : record.runs) {
+    if (run.input.size() < length) continue;
+    spectra.segments += 1 + static_cast<int>((run.input.size() - length) / (length / 2));
+  }
+  spectra.input.resize(static_cast<std::size_t>(spectra.segments) * spectra.bins);
+  spectra.output.resize(spectra.input.size());
+
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   const std::vector<double> window = HannWindow(length);
-  std::vector<SegmentPair> segments;
+  std::vector<double> windowed(length);
+  // The segment's mean is taken off.
+  const auto transform = [&](const double* first, Complex* spectrum) {
+    const double mean = std::accumulate(first, first + length, 0.0) / static_cast<double>(length);
+    for (std::size_t n = 0; n < length; ++n) windowed[n] = (first[n] - mean) * window[n];
+    fft.fwd(spectrum, windowed.data(), static_cast<std::ptrdiff_t>(length));
+  };
+  std::size_t place = 0;
   for (const SignalRun& run : record.runs) {
     for (std::size_t start = 0; start + length <= run.input.size(); start += length / 2) {
-      segments.push_back({SegmentSpectrum(fft, run.input.data() + start, window),
-                          SegmentSpectrum(fft, run.output.data() + start, window)});
+      transform(run.input.data() + start, spectra.input.data() + place);
+      transform(run.output.data() + start, spectra.output.data() + place);
+      place += spectra.bins;
     }
   }
-  return segments;
+  return spectra;
+}
+
+/// Sums over the segments, bin by bin.
+struct BinSums {
+  double uu = 0, yy = 0;
+  Complex uy = 0;
+  double consistent = 0;  // sum of |U|^2 |Y - H U|^2 / (1 - leverage)
+  double fourth = 0;      // sum of squared leverages
+};
+
+std::vector<BinSums> SumOverSegments(const SegmentSpectra& spectra) {
+  std::vector<BinSums> sums(spectra.bins);
+  for (int s = 0; s < spectra.segments; ++s) {
+    const std::span<const Complex> u = spectra.Input(s), y = spectra.Output(s);
+    for (std::size_t bin = 0; bin < spectra.bins; ++bin) {
+      sums[bin].uu += std::norm(u[bin]);
+      sums[bin].yy += std::norm(y[bin]);
+      sums[bin].uy += std::conj(u[bin]) * y[bin];
+    }
+  }
+  for (int s = 0; s < spectra.segments; ++s) {
+    const std::span<const Complex> u = spectra.Input(s), y = spectra.Output(s);
+    for (std::size_t bin = 0; bin < spectra.bins; ++bin) {
+      BinSums& sum = sums[bin];
+      if (!(sum.uu > 0)) continue;
+      const double power = std::norm(u[bin]), leverage = power / sum.uu;
+      const double residual = std::norm(y[bin] - sum.uy / sum.uu * u[bin]);
+      sum.consistent += power * residual / std::max(1 - leverage, 0.1);
+      sum.fourth += leverage * leverage;
+    }
+  }
+  return sums;
 }
 
 /// H1, coherence and variance of one bin.
-FrequencyPoint EvaluateBin(const std::vector<SegmentPair>& segments, std::size_t bin) {
-  double uu = 0, yy = 0;
-  Complex uy = 0;
-  for (const SegmentPair& s : segments) {
-    uu += std::norm(s.input[bin]);
-    yy += std::norm(s.output[bin]);
-    uy += std::conj(s.input[bin]) * s.output[bin];
-  }
+FrequencyPoint EvaluateBin(const BinSums& sums, int segments) {
   FrequencyPoint point;
-  point.coherence = uu > 0 && yy > 0 ? std::norm(uy) / (uu * yy) : 0;
+  point.coherence = sums.uu > 0 && sums.yy > 0 ? std::norm(sums.uy) / (sums.uu * sums.yy) : 0;
   point.reason = PointReason::kLowCoherence;
   if (!(point.coherence > 0)) return point;
-  point.response = uy / uu;
-  const double averages = std::max(2.0, static_cast<double>(segments.size()) * kIndependentShare);
+  point.response = sums.uy / sums.uu;
+  const double averages = std::max(2.0, segments * kIndependentShare);
   const double stationary =
       std::norm(point.response) * (1 - point.coherence) / (2 * (averages - 1) * point.coherence);
-  double consistent = 0, fourth = 0;
-  for (const SegmentPair& s : segments) {
-    const double leverage = std::norm(s.input[bin]) / uu;
-    const double residual = std::norm(s.output[bin] - point.response * s.input[bin]);
-    consistent += std::norm(s.input[bin]) * residual / std::max(1 - leverage, 0.1);
-    fourth += leverage * leverage;
-  }
-  consistent /= 2 * uu * uu * kIndependentShare;
+  const double consistent = sums.consistent / (2 * sums.uu * sums.uu * kIndependentShare);
   point.variance = std::max({stationary, consistent, 1e-12 * std::norm(point.response)});
   point.periods = averages;
-  point.dof = std::clamp(2 / fourth - 2, 1.0, 2 * (averages - 1));
+  point.dof = std::clamp(2 / sums.fourth - 2, 1.0, 2 * (averages - 1));
   return point;
 }
 
@@ -106,8 +146,23 @@ void SmoothNoise(std::vector<FrequencyPoint>& points) {
   }
 }
 
-/// Coherence that two unrelated signals exceed in one of a hundred cases.
-double ChanceCoherence(double averages) { return 1 - std::pow(0.01, 1 / std::max(1.0, averages - 1)); }
+/// Coherence that two unrelated signals exceed at any of `bins` frequencies in one of a hundred cases.
+double ChanceCoherence(double averages, std::size_t bins) {
+  return 1 - std::pow(0.01 / static_cast<double>(bins), 1 / std::max(1.0, averages - 1));
+}
+
+/// Coherent points at which the command has hardly any power are accidents, or a disturbance that both
+/// channels share.
+void LeaveOutPowerless(std::vector<FrequencyPoint>& points) {
+  std::vector<double> amplitudes;
+  for (const FrequencyPoint& p : points) {
+    if (p.reason == PointReason::kUsed) amplitudes.push_back(p.amplitude);
+  }
+  const double least = kLeastAmplitude * Median(std::move(amplitudes), 0);
+  for (FrequencyPoint& p : points) {
+    if (p.reason == PointReason::kUsed && p.amplitude < least) p.reason = PointReason::kNoPower;
+  }
+}
 
 }  // namespace
 
@@ -124,8 +179,8 @@ Result<WelchSpectra> EstimateByWelch(const FrequencyRecord& record, const Freque
         longest, options.segment_length > 0 ? options.segment_length : 8 * kShortest,
         options.segment_length > 0 ? " for one segment (give a shorter --segment)" : "");
   }
-  const std::vector<SegmentPair> segments = AllSegments(record, spectra.segment_length);
-  spectra.segments = static_cast<int>(segments.size());
+  const SegmentSpectra segments = Transform(record, spectra.segment_length);
+  spectra.segments = segments.segments;
   if (spectra.segments < kFewestSegments) {
     return BadInput(
         "only {} segments of {} samples fit into the record, at least {} are needed to judge coherence; "
@@ -134,25 +189,23 @@ Result<WelchSpectra> EstimateByWelch(const FrequencyRecord& record, const Freque
   }
   const double length = static_cast<double>(spectra.segment_length);
   const double averages = spectra.segments * kIndependentShare;
-  const double limit = std::max(options.min_coherence, ChanceCoherence(averages));
+  const double limit = std::max(options.min_coherence, ChanceCoherence(averages, segments.bins));
+  const std::vector<BinSums> sums = SumOverSegments(segments);
   for (std::size_t bin = 2; bin < spectra.segment_length / 2; ++bin) {
-    FrequencyPoint point = EvaluateBin(segments, bin);
+    FrequencyPoint point = EvaluateBin(sums[bin], spectra.segments);
     point.frequency = static_cast<double>(bin) / (length * record.sample_period);
-    double power = 0, response_power = 0;
-    for (const SegmentPair& s : segments) {
-      power += std::norm(s.input[bin]);
-      response_power += std::norm(s.output[bin]);
-    }
     // Mean square in the window's noise bandwidth (1.5 bins): sum w = n/2.
     const double scale = 2 / (length * length / 4) / spectra.segments;
-    point.amplitude = std::sqrt(power * scale);
-    point.output_amplitude = std::sqrt(response_power * scale);
+    point.amplitude = std::sqrt(sums[bin].uu * scale);
+    point.output_amplitude = std::sqrt(sums[bin].yy * scale);
     point.begin = record.runs.front().start;
     point.end = record.runs.back().start +
                 static_cast<double>(record.runs.back().input.size()) * record.sample_period;
-    point.reason = point.coherence >= limit ? PointReason::kUsed : PointReason::kLowCoherence;
+    if (point.coherence >= limit) point.reason = PointReason::kUsed;
     spectra.points.push_back(point);
   }
+  LeaveOutPowerless(spectra.points);
+  LeaveOutOfRange(spectra.points, options);
   SmoothNoise(spectra.points);
   return spectra;
 }

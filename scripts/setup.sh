@@ -10,6 +10,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev libtomlplusplus-dev libcli11-dev libexpected-dev libmatio-dev
   libsqlitecpp-dev libsqlite3-dev nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
+  libceres-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
   libmicrohttpd-dev libspdlog-dev libsystemd-dev
   libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler
@@ -17,7 +18,7 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev python3-numpy python3-pandas python3-sklearn) ;;
+    --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
     --style) packages+=(clang-format) ;;
     --fuzz) packages+=(clang libclang-rt-14-dev) ;;
     *) echo "setup.sh: unknown option '$option', expected --bench, --fuzz or --style" >&2; exit 2 ;;
