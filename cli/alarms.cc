@@ -13,8 +13,8 @@
 #include "cli/alarms_scada.h"
 #include "cli/commands.h"
 #include "core/printable.h"
+#include "core/time_text.h"
 #include "core/units.h"
-#include "core/utc_text.h"
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "storage/alarm_journal.h"
@@ -98,6 +98,14 @@ Json RowJson(const JournalRow& row) {
           {"last_stroke", e.last_stroke}};
 }
 
+/// When the alarm was raised, and until when it is put aside; "" if neither is known.
+std::string Since(const AlarmState& alarm) {
+  std::string text;
+  if (CountsFrom1970(alarm.raised_wall)) text = ", since " + LocalTimeText(alarm.raised_wall);
+  if (alarm.shelved_until) text += ", shelved until " + LocalTimeText(*alarm.shelved_until);
+  return text;
+}
+
 struct Listed {
   std::string machine;
   AlarmState alarm;
@@ -138,18 +146,17 @@ Status List(const AlarmsArguments& a) {
   const auto alarms = ListedAlarms(*journal, a);
   if (!alarms) return tl::unexpected(alarms.error());
   Json document = {{"alarms", Json::array()}};
-  if (alarms->empty() && a.json != "-") std::cout << "no alarm stands\n";
+  if (alarms->empty() && a.json != "-") Say("no alarm stands\n");
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
     document["alarms"].push_back(AlarmJson(machine, i + 1, alarm));
     if (a.json != "-")
-      std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}\n     {}\n", i + 1, StateName(alarm),
-                               SeverityName(alarm.severity), Printable(machine), Printable(alarm.id),
-                               Printable(alarm.text));
+      Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}{}\n     {}\n", i + 1, StateName(alarm),
+                      SeverityName(alarm.severity), Printable(machine), Printable(alarm.id), Since(alarm),
+                      Printable(alarm.text)));
   }
   if (a.json != "-" && !alarms->empty())
-    std::cout << "acknowledge with `hydroscope alarms --db " << a.db
-              << " ack NUMBER`, or by name MACHINE/ALARM\n";
+    Say("acknowledge with `hydroscope alarms --db " + a.db + " ack NUMBER`, or by name MACHINE/ALARM\n");
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
 
@@ -200,8 +207,8 @@ Status Act(const AlarmsArguments& a, const char* done,
   });
   if (!stored) return stored;
   if (a.json != "-")
-    std::cout << found->machine << " / " << found->alarm.id
-              << (changed ? std::string(" ") + done : std::string(": nothing to do")) << "\n";
+    Say(Printable(found->machine) + " / " + Printable(found->alarm.id) +
+        (changed ? std::string(" ") + done : std::string(": nothing to do")) + "\n");
   return a.json.empty()
              ? Status{}
              : WriteJson(a.json,
@@ -220,12 +227,12 @@ Status Journal(const AlarmsArguments& a) {
     const AlarmEvent& e = row.event;
     document["journal"].push_back(RowJson(row));
     if (a.json != "-")
-      std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, UtcText(row.wall),
-                               e.stroke, Printable(row.machine),
-                               e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
-                               e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
-                               e.user.empty() ? "" : " by " + Printable(e.user),
-                               e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\"");
+      Say(fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
+                      e.stroke, Printable(row.machine), e.alarm.empty() ? "axis" : Printable(e.alarm),
+                      Printable(e.event),
+                      e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
+                      e.user.empty() ? "" : " by " + Printable(e.user),
+                      e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\""));
   }
   return a.json.empty() ? Status{} : WriteJson(a.json, document);
 }
@@ -241,13 +248,13 @@ Status Metrics(const AlarmsArguments& a) {
   for (const Listed& l : *listed) states.push_back(l.alarm);
   const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
   if (a.json != "-") {
-    std::cout << fmt::format(
+    Say(fmt::format(
         "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: "
         "{}\nstale: {}\n",
         m.annunciations, m.hours, m.per_hour, m.most_in_10_minutes, m.floods,
         m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
-        m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", ")));
-    for (const auto& [source, count] : m.top) std::cout << fmt::format("{:>7}  {}\n", count, source);
+        m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", "))));
+    for (const auto& [source, count] : m.top) Say(fmt::format("{:>7}  {}\n", count, Printable(source)));
   }
   Json top = Json::array();
   for (const auto& [source, count] : m.top) top.push_back({{"source", source}, {"raised", count}});

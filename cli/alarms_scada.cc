@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
-#include "core/utc_text.h"
+#include "core/time_text.h"
 #include "host/output.h"
 #include "live/scada_client.h"
 
@@ -91,22 +91,22 @@ std::string AxisName(const Seen& seen, int axis) {
 }
 
 void Print(const Seen& seen, const std::string& endpoint) {
-  std::cout << "axes, their parameters in SI with 95 % intervals\n";
-  for (const ScadaAxis& axis : seen.axes) std::cout << AxisText(axis);
-  std::cout << (seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
+  Say("axes, their parameters in SI with 95 % intervals\n");
+  for (const ScadaAxis& axis : seen.axes) Say(AxisText(axis));
+  Say(seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
   for (const ScadaAlarm& a : seen.alarms)
-    std::cout << fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
-                             a.severity, AxisName(seen, a.axis), a.name,
-                             UtcText(static_cast<double>(a.raised)), a.value, kNormal95 * a.std);
+    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
+                    a.severity, AxisName(seen, a.axis), a.name, LocalTimeText(static_cast<double>(a.raised)),
+                    a.value, kNormal95 * a.std));
   if (!seen.alarms.empty())
-    std::cout << "acknowledge with `hydroscope alarms --modbus " << endpoint << " --ack NUMBER`\n";
-  std::cout << "\nnewest of " << seen.rows.size() << " journal rows in the ring\n";
+    Say("acknowledge with `hydroscope alarms --modbus " + endpoint + " --ack NUMBER`\n");
+  Say(fmt::format("\nnewest of {} journal rows in the ring\n", seen.rows.size()));
   const std::size_t first = seen.rows.size() - std::min(seen.rows.size(), kRowsShown);
   for (std::size_t i = first; i < seen.rows.size(); ++i) {
     const ScadaRow& r = seen.rows[i];
-    std::cout << fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, UtcText(r.wall),
-                             r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis),
-                             r.alarm, r.event, r.alarm == 0 ? "" : " -> " + r.state);
+    Say(fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, LocalTimeText(r.wall),
+                    r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis), r.alarm,
+                    r.event, r.alarm == 0 ? "" : " -> " + r.state));
   }
 }
 
@@ -127,7 +127,7 @@ Status ShowScada(const std::string& endpoint, int acknowledge, const std::string
     if (!changed) return tl::unexpected(changed.error());
     document["acknowledged"] = {{"number", acknowledge}, {"changed", *changed}};
     if (json != "-")
-      std::cout << "alarm " << acknowledge << (*changed ? " acknowledged\n" : ": nothing to acknowledge\n");
+      Say(fmt::format("alarm {}{}\n", acknowledge, *changed ? " acknowledged" : ": nothing to acknowledge"));
   }
   const auto seen = Look(*client);
   if (!seen) return tl::unexpected(seen.error());

@@ -28,7 +28,7 @@ int RunLive(const CheckArguments& arguments) {
       (*model)->machine, arguments.seconds,
       [](const Machine& machine, const Clock& clock) { return MakeSources(machine, clock, 1); }, RealTime);
   if (!check) return ReportError(check.error());
-  if (arguments.json != "-") std::cout << LiveCheckText(*check);
+  if (arguments.json != "-") Say(LiveCheckText(*check));
   if (!arguments.json.empty())
     if (const Status written = WriteJson(arguments.json, LiveCheckJson(*check)); !written)
       return ReportError(written.error());
@@ -41,7 +41,7 @@ int Run(const CheckArguments& arguments) {
     return ReportError({ErrorKind::kUsage, "check needs LOG and --machine, or --live MACHINE"});
   const auto check = CheckLog(arguments.log, arguments.machine);
   if (!check) return ReportError(check.error());
-  if (arguments.json != "-") std::cout << CheckText(*check, arguments.machine);
+  if (arguments.json != "-") Say(CheckText(*check, arguments.machine));
   if (!arguments.json.empty())
     if (const Status written = WriteJson(arguments.json, CheckJson(*check)); !written)
       return ReportError(written.error());

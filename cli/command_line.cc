@@ -25,6 +25,14 @@ std::vector<std::string> OptionsOf(const CLI::App& app) {
   return names;
 }
 
+/// --quiet for every command that does something.
+void AddQuiet(CLI::App& app) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  for (CLI::App* command : commands) AddQuiet(*command);
+  if (app.get_parent() != nullptr)
+    app.add_flag_callback("--quiet", BeQuiet, "No text for people on stdout and no progress; errors stay");
+}
+
 /// What in the words nobody knows, and what comes nearest; "" if every command and option is known.
 std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* at = &app;
@@ -84,7 +92,10 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddVerifyLiveCommand(app, exit_code);
   AddAlarmsCommand(app, exit_code);
   AddLearnCommand(app, exit_code);
+  AddReportCommand(app, exit_code);
   AddBenchmarkCommand(app, exit_code);
+  AddShellCommands(app, exit_code);
+  AddQuiet(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -25,7 +25,10 @@ void AddStatusCommand(CLI::App& app, int& exit_code);
 void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
 void AddAlarmsCommand(CLI::App& app, int& exit_code);
 void AddLearnCommand(CLI::App& app, int& exit_code);
+void AddReportCommand(CLI::App& app, int& exit_code);
 void AddBenchmarkCommand(CLI::App& app, int& exit_code);
+/// `completion` for bash and zsh and `manual`, from what all other commands say of themselves: added last.
+void AddShellCommands(CLI::App& app, int& exit_code);
 /// The benchmarks called live-...
 void AddLiveBenchmarks(CLI::App& benchmark, int& exit_code);
 void AddAlarmBenchmarks(CLI::App& benchmark, int& exit_code);

@@ -51,7 +51,7 @@ Status RunCompare(const CompareArguments& a) {
   if (!results) return tl::unexpected(results.error());
   nlohmann::json json = nlohmann::json::array();
   for (const CompareResult& result : *results) {
-    if (a.json != "-") std::cout << (json.empty() ? "" : "\n") << CompareText(result);
+    if (a.json != "-") Say((json.empty() ? "" : "\n") + CompareText(result));
     json.push_back(CompareJson(result));
     json.back()["machine"] = result.log.machine.name;
   }

@@ -148,7 +148,7 @@ Status RunExplain(const ExplainArguments& a) {
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
   auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
   if (!explained) return tl::unexpected(explained.error());
-  if (a.json != "-") std::cout << explained->text;
+  if (a.json != "-") Say(explained->text);
   if (!a.report.empty())
     if (const Status written = WriteExplainReport(a.report, explained->results); !written) return written;
   return a.json.empty() ? Status() : WriteJson(a.json, explained->json);

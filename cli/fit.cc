@@ -33,7 +33,7 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
       exit_code = ReportError(result.error());
       return;
     }
-    if (options->json != "-") std::cout << FitText(*result);
+    if (options->json != "-") Say(FitText(*result));
     if (options->json.empty()) return;
     if (const Status written = WriteJson(options->json, FitJson(*result)); !written)
       exit_code = ReportError(written.error());

@@ -61,7 +61,7 @@ Result<int> RunFrf(const FrfArguments& a) {
           fmt::format("; {} of {} rows were left out ({})", log->left_out, log->rows, log->left_out_why);
     return tl::unexpected(error);
   }
-  if (a.json != "-") std::cout << FrfText(*response, *log, *machine, a.log);
+  if (a.json != "-") Say(FrfText(*response, *log, *machine, a.log));
   if (!a.json.empty()) {
     if (const Status s = WriteJson(a.json, FrfJson(*response, *log, *machine)); !s)
       return tl::unexpected(s.error());

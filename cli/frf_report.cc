@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/interval_text.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -16,12 +17,8 @@ namespace {
 constexpr double kDistortionHint = 0.02;  // of the fundamental: a valve well inside its limits stays below
 constexpr std::size_t kMostRows = 40;     // of the table for people
 
-/// "183.88 +- 0.04": both with the decimals that show the uncertainty with two digits.
-std::string WithInterval(ValueWithStd v, double factor, const char* unit) {
-  const double value = v.value * factor, half = kNormal95 * v.std * factor;
-  if (!std::isfinite(half) || half <= 0) return fmt::format("{:.6g} {}", value, unit);
-  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 9);
-  return fmt::format("{:.{}f} ± {:.{}f} {}", value, decimals, half, decimals, unit);
+std::string WithUnit(ValueWithStd v, double factor, const char* unit) {
+  return WithInterval(v.value * factor, kNormal95 * v.std * factor) + " " + unit;
 }
 
 /// Rows of the table: all points, or of many the one nearest to each of equal steps of log frequency.
@@ -111,15 +108,15 @@ std::string WelchTable(const FrequencyResponse& response) {
 std::string ModelText(const ValveModel& m) {
   const auto beyond = [&](double f) { return f > m.highest ? "  (beyond the measured frequencies)" : ""; };
   std::string text = "Model: second order with dead time, 95 % intervals\n";
-  text += fmt::format("  natural frequency f0   {}\n", WithInterval(m.natural_frequency, 1, "Hz"));
-  text += fmt::format("  damping D              {}\n", WithInterval(m.damping, 1, ""));
-  text += fmt::format("  gain K_v               {}\n", WithInterval(m.gain, 1, ""));
-  text += fmt::format("  dead time T_dead       {}\n", WithInterval(m.dead_time, 1e3, "ms"));
-  text += fmt::format("  -3 dB at               {}{}\n", WithInterval(m.bandwidth, 1, "Hz"),
+  text += fmt::format("  natural frequency f0   {}\n", WithUnit(m.natural_frequency, 1, "Hz"));
+  text += fmt::format("  damping D              {}\n", WithUnit(m.damping, 1, ""));
+  text += fmt::format("  gain K_v               {}\n", WithUnit(m.gain, 1, ""));
+  text += fmt::format("  dead time T_dead       {}\n", WithUnit(m.dead_time, 1e3, "ms"));
+  text += fmt::format("  -3 dB at               {}{}\n", WithUnit(m.bandwidth, 1, "Hz"),
                       beyond(m.bandwidth.value));
-  text += fmt::format("  -90 degrees at         {}{}\n", WithInterval(m.phase_90, 1, "Hz"),
-                      beyond(m.phase_90.value));
-  text += fmt::format("  step reaches 90 % in   {}\n", WithInterval(m.rise_time_90, 1e3, "ms"));
+  text +=
+      fmt::format("  -90 degrees at         {}{}\n", WithUnit(m.phase_90, 1, "Hz"), beyond(m.phase_90.value));
+  text += fmt::format("  step reaches 90 % in   {}\n", WithUnit(m.rise_time_90, 1e3, "ms"));
   text += fmt::format("  misfit {:.3g} times the noise at {} degrees of freedom\n",
                       std::sqrt(m.chi_squared / std::max(1, m.degrees_of_freedom)), m.degrees_of_freedom);
   return text;

@@ -162,7 +162,7 @@ int RunLearn(const LearnArguments& a) {
   for (const Candidate& candidate : *candidates) {
     auto learned = LearnOne(a, history->database, candidate, *rules, *journal);
     if (!learned) return ReportError(learned.error());
-    if (a.json != "-") std::cout << LearnedText(*learned);
+    if (a.json != "-") Say(LearnedText(*learned));
     document["learned"].push_back(std::move(*learned));
   }
   if (a.json.empty()) return kDone;

@@ -21,7 +21,7 @@ struct ModelOptions {
 };
 
 void Show(const std::string& text, const nlohmann::json& document, const std::string& json, int& exit_code) {
-  if (json != "-") std::cout << text;
+  if (json != "-") Say(text);
   if (json.empty()) return;
   if (const Status written = WriteJson(json, document); !written) exit_code = ReportError(written.error());
 }

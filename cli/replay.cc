@@ -24,7 +24,7 @@ int Run(const ReplayArguments& arguments) {
                                     arguments.options.database)});
   const auto outcome = RunReplay(arguments.options);
   if (!outcome) return ReportError(outcome.error());
-  if (arguments.json != "-") std::cout << ReplayText(arguments.options, *outcome);
+  if (arguments.json != "-") Say(ReplayText(arguments.options, *outcome));
   if (!arguments.json.empty())
     if (const Status written = WriteJson(arguments.json, ReplayJson(arguments.options, *outcome)); !written)
       return ReportError(written.error());

@@ -114,11 +114,11 @@ Status RunServe(const PressArguments& a) {
 
 Status RunPress(const PressArguments& a) {
   if (a.list_effects) {
-    std::cout << EffectTable();
+    Say(EffectTable());
     return {};
   }
   if (a.list_imperfections) {
-    std::cout << ImperfectionTable();
+    Say(ImperfectionTable());
     return {};
   }
   if (!a.serve.machine.empty()) return RunServe(a);

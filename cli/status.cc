@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "core/constants.h"
+#include "core/printable.h"
 #include "host/output.h"
 #include "live/http_endpoint.h"
 #include "live/live_status.h"
@@ -67,7 +68,7 @@ int RunValveChecks(const StatusArguments& a) {
       list.push_back(std::move(check));
     }
   }
-  if (a.json != "-") std::cout << text;
+  if (a.json != "-") Say(text);
   if (!a.json.empty())
     if (const Status written = WriteJson(a.json, {{"valve_checks", list}}); !written)
       return ReportError(written.error());
@@ -80,8 +81,8 @@ int RunStatus(const StatusArguments& a) {
   if (!a.valve_check.empty()) {
     const auto asked = AskService(socket, "POST", "/valve_check?axis=" + a.valve_check);
     if (!asked) return ReportError(asked.error());
-    std::cout << "The controller will be asked for a valve sweep of " << a.valve_check
-              << "; `hydroscope status --valve-checks` shows what comes of it.\n";
+    Say("The controller will be asked for a valve sweep of " + Printable(a.valve_check) +
+        "; `hydroscope status --valve-checks` shows what comes of it.\n");
     return kDone;
   }
   const auto answer = AskService(socket, "GET", "/status");
@@ -90,7 +91,7 @@ int RunStatus(const StatusArguments& a) {
   if (!status.is_object())
     return ReportError(
         {ErrorKind::kInternal, "the service's answer is no JSON; is it another version of the program?"});
-  if (a.json != "-") std::cout << StatusText(status);
+  if (a.json != "-") Say(StatusText(status));
   if (!a.json.empty())
     if (const Status written = WriteJson(a.json, status); !written) return ReportError(written.error());
   return status.at("writer").at("state") == "writing" ? kDone : kPartlyDone;
@@ -121,7 +122,7 @@ int RunVerify(const std::string& database, const std::string& json) {
   }
   text += fmt::format("{} runs are the same to the last bit, {} differ, {} were not compared\n", same,
                       different, static_cast<std::int64_t>(runs->size()) - same - different);
-  if (json != "-") std::cout << text;
+  if (json != "-") Say(text);
   if (!json.empty())
     if (const Status written = WriteJson(json, {{"runs", list}, {"same", same}, {"different", different}});
         !written)

@@ -9,37 +9,30 @@
 
 #include "cli/trend_summary.h"
 #include "core/constants.h"
+#include "core/interval_text.h"
+#include "core/time_text.h"
 #include "core/units.h"
 #include "report/text_sink.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kSparkWidth = 20;
+constexpr std::size_t kSparkWidth = 10;
 
 std::string Counted(std::int64_t count, const char* thing) {
   return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
 }
 
-/// Decimals that leave two uncertain digits of a number known to +- half_width.
-int Decimals(double half_width) {
-  if (half_width <= 0) return 4;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(half_width))), 0, 9);
-}
-
 std::string ValueText(double value, double half_width) {
-  if (!std::isfinite(value)) return "-";
-  if (!std::isfinite(half_width)) return fmt::format("{:.5g} ± ?", value);
-  const double size = std::max(std::abs(value), half_width);
-  if (size != 0 && (size < 1e-4 || size >= 1e7)) return fmt::format("{:.3e} ± {:.1e}", value, half_width);
-  const int decimals = Decimals(half_width);
-  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
+  return std::isfinite(value) ? WithInterval(value, half_width) : "-";
 }
 
+/// "" if the last stroke excited it.
 std::string LastExcited(const TrendSummary& s) {
-  if (!s.since) return "never";
-  if (*s.since == 0) return "last stroke";
-  return Counted(*s.since, "stroke") + " ago";
+  if (!s.since) return "never excited: these strokes have nothing to do with it";
+  if (*s.since == 0) return "";
+  return fmt::format("last excited {} ago, {} of {} told something", Counted(*s.since, "stroke"), s.updated,
+                     s.strokes);
 }
 
 std::string ChangeText(const TrendSummary& s) {
@@ -56,9 +49,9 @@ std::string ChangeText(const TrendSummary& s) {
   return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name, judged);
 }
 
-std::string TableRow(std::size_t name_width, const std::array<std::string, 7>& cells) {
-  return fmt::format("{:<{}} {:>21} {:<6} {:>10} {:<15} {:<29} {}\n", cells[0], name_width, cells[1],
-                     cells[2], cells[3], cells[4], cells[5], cells[6]);
+std::string TableRow(std::size_t name_width, const std::array<std::string, 5>& cells) {
+  return fmt::format("{:<{}} {:>20} {:<6} {:<31} {}\n", cells[0], name_width, cells[1], cells[2], cells[3],
+                     cells[4]);
 }
 
 std::string Row(const TrendSummary& s, std::size_t name_width) {
@@ -67,8 +60,7 @@ std::string Row(const TrendSummary& s, std::size_t name_width) {
   const double half_width = kNormal95 * s.latest.std * unit.factor;
   return TableRow(name_width,
                   {s.parameter, ValueText(value, half_width), unit.name == "1" ? "-" : std::string(unit.name),
-                   fmt::format("{} of {}", s.updated, s.strokes), LastExcited(s), ChangeText(s),
-                   Sparkline(s.values, s.stds, kSparkWidth)});
+                   ChangeText(s), Sparkline(s.values, s.stds, kSparkWidth)});
 }
 
 std::string Header(const MachineTrends& trends) {
@@ -78,8 +70,11 @@ std::string Header(const MachineTrends& trends) {
       Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, "stroke"),
       Counted(static_cast<std::int64_t>(trends.runs.size()), "run"), first.sequence, last.sequence);
   const RunInfo& run = trends.runs.back();
-  text += fmt::format("last log {}{}, ends at {:.1f} s", run.source, run.complete ? "" : " (not finished)",
-                      last.time);
+  text += fmt::format(
+      "last log {}{}, {}", run.source, run.complete ? "" : " (not finished)",
+      CountsFrom1970(first.time)
+          ? fmt::format("strokes from {} to {}", LocalTimeText(first.time), LocalTimeText(last.time))
+          : fmt::format("ends at {:.1f} s", last.time));
   if (std::isfinite(last.oil_temperature))
     text += fmt::format(", oil {:.1f} °C", last.oil_temperature - kZeroCelsius);
   return text + "\n";
@@ -87,9 +82,14 @@ std::string Header(const MachineTrends& trends) {
 
 std::string Reasons(const std::vector<TrendSummary>& summaries) {
   std::string text;
-  for (const TrendSummary& s : summaries)
-    if (s.latest.reason != EstimateReason::kUpdated)
-      text += fmt::format("{}: {}\n", s.parameter, ReasonText(s.latest.reason));
+  for (const TrendSummary& s : summaries) {
+    const std::string excited = LastExcited(s);
+    const bool updated = s.latest.reason == EstimateReason::kUpdated;
+    if (excited.empty() && updated) continue;
+    const bool never = !s.since;
+    text += fmt::format("{}: {}{}{}\n", s.parameter, updated || never ? "" : ReasonText(s.latest.reason),
+                        excited.empty() || updated || never ? "" : "; ", excited);
+  }
   return text.empty() ? text : "\nNot updated by the last stroke\n" + text;
 }
 
@@ -174,8 +174,7 @@ std::string TrendText(const MachineTrends& trends) {
   std::string text = Header(trends);
   std::size_t name_width = 9;
   for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
-  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "updated", "last excited",
-                                       "change, 95 %", "over the strokes"});
+  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "change, 95 %", "strokes"});
   for (const TrendSummary& s : summaries) text += Row(s, name_width);
   return text + Reasons(summaries);
 }

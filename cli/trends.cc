@@ -94,8 +94,7 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
 
 Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines) {
   if (a.csv != "-" && a.json != "-")
-    for (std::size_t i = 0; i < machines.size(); ++i)
-      std::cout << (i > 0 ? "\n" : "") << TrendText(machines[i]);
+    for (std::size_t i = 0; i < machines.size(); ++i) Say((i > 0 ? "\n" : "") + TrendText(machines[i]));
   if (!a.csv.empty())
     if (const Status written = WriteTrendCsv(a.csv, machines); !written) return written;
   if (!a.json.empty())

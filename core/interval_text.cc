@@ -11,8 +11,21 @@
 
 namespace hydroscope {
 
+namespace {
+
+/// Sizes outside would be a row of zeros, before or behind the point.
+bool ReadsWithoutExponent(double size) { return size == 0 || (size >= 1e-4 && size < 1e7); }
+
+}  // namespace
+
 std::string WithInterval(double value, double half_width) {
   if (!std::isfinite(half_width)) return fmt::format("{:.4g} ± ?", value);
+  if (const double size = std::max(std::abs(value), std::abs(half_width));
+      std::isfinite(size) && !ReadsWithoutExponent(size)) {
+    const int exponent = static_cast<int>(std::floor(std::log10(size)));
+    const double scale = std::pow(10.0, exponent);
+    return fmt::format("({})e{}", WithInterval(value / scale, half_width / scale), exponent);
+  }
   const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
   const int decimals =
       leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;

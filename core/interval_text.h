@@ -4,7 +4,8 @@
 
 namespace hydroscope {
 
-/// "1.21 ± 0.02", both with the same number of decimals, two digits of the half width.
+/// "1.21 ± 0.02", both with the same number of decimals, two digits of the half width; small and large values with an
+/// exponent: "(4.51 ± 0.03)e-12".
 std::string WithInterval(double value, double half_width);
 
 /// A value with its 95 % interval in the unit people read: "1.210 ± 0.012 GPa", from SI.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "core/constants.h"
@@ -10,41 +12,71 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 54> kUnits = {{
-    {"1", {1, 0, "1"}},         {"%", {0.01, 0, "1"}},
-    {"s", {1, 0, "s"}},         {"ms", {1e-3, 0, "s"}},
-    {"us", {1e-6, 0, "s"}},     {"ns", {1e-9, 0, "s"}},
-    {"min", {60, 0, "s"}},      {"h", {3600, 0, "s"}},
-    {"d", {86400, 0, "s"}},     {"Pa", {1, 0, "Pa"}},
-    {"kPa", {1e3, 0, "Pa"}},    {"MPa", {1e6, 0, "Pa"}},
-    {"GPa", {1e9, 0, "Pa"}},    {"bar", {1e5, 0, "Pa"}},
-    {"mbar", {1e2, 0, "Pa"}},   {"psi", {6894.757293168, 0, "Pa"}},
-    {"m", {1, 0, "m"}},         {"cm", {1e-2, 0, "m"}},
-    {"mm", {1e-3, 0, "m"}},     {"um", {1e-6, 0, "m"}},
-    {"m/s", {1, 0, "m/s"}},     {"mm/s", {1e-3, 0, "m/s"}},
-    {"m2", {1, 0, "m2"}},       {"cm2", {1e-4, 0, "m2"}},
-    {"mm2", {1e-6, 0, "m2"}},   {"m3", {1, 0, "m3"}},
-    {"l", {1e-3, 0, "m3"}},     {"cm3", {1e-6, 0, "m3"}},
-    {"m3/s", {1, 0, "m3/s"}},   {"l/min", {1e-3 / 60, 0, "m3/s"}},
-    {"V", {1, 0, "V"}},         {"mV", {1e-3, 0, "V"}},
-    {"mA", {1e-3, 0, "A"}},     {"A", {1, 0, "A"}},
-    {"N", {1, 0, "N"}},         {"kN", {1e3, 0, "N"}},
-    {"K", {1, 0, "K"}},         {"degC", {1, 273.15, "K"}},
-    {"°C", {1, 273.15, "K"}},   {"Hz", {1, 0, "Hz"}},
-    {"rad/s", {1, 0, "rad/s"}}, {"m3/(s Pa)", {1, 0, "m3/(s Pa)"}},
-    {"rad", {1, 0, "rad"}},     {"deg", {kTwoPi / 360, 0, "rad"}},
-    {"1/s", {1, 0, "1/s"}},     {"1/min", {1.0 / 60, 0, "1/s"}},
-    {"W", {1, 0, "W"}},         {"kW", {1e3, 0, "W"}},
-    {"Nm", {1, 0, "N m"}},      {"rpm", {kTwoPi / 60, 0, "rad/s"}},
-    {"m/s2", {1, 0, "m/s2"}},   {"kg", {1, 0, "kg"}},
-    {"1/K", {1, 0, "1/K"}},     {"%/K", {0.01, 0, "1/K"}},
+constexpr std::array<Named, 63> kUnits = {{
+    {"1", {1, 0, "1"}},           {"%", {0.01, 0, "1"}},
+    {"s", {1, 0, "s"}},           {"ms", {1e-3, 0, "s"}},
+    {"us", {1e-6, 0, "s"}},       {"ns", {1e-9, 0, "s"}},
+    {"min", {60, 0, "s"}},        {"h", {3600, 0, "s"}},
+    {"d", {86400, 0, "s"}},       {"Pa", {1, 0, "Pa"}},
+    {"kPa", {1e3, 0, "Pa"}},      {"MPa", {1e6, 0, "Pa"}},
+    {"GPa", {1e9, 0, "Pa"}},      {"bar", {1e5, 0, "Pa"}},
+    {"mbar", {1e2, 0, "Pa"}},     {"psi", {6894.757293168, 0, "Pa"}},
+    {"m", {1, 0, "m"}},           {"cm", {1e-2, 0, "m"}},
+    {"mm", {1e-3, 0, "m"}},       {"um", {1e-6, 0, "m"}},
+    {"m/s", {1, 0, "m/s"}},       {"mm/s", {1e-3, 0, "m/s"}},
+    {"m2", {1, 0, "m2"}},         {"cm2", {1e-4, 0, "m2"}},
+    {"mm2", {1e-6, 0, "m2"}},     {"m3", {1, 0, "m3"}},
+    {"l", {1e-3, 0, "m3"}},       {"cm3", {1e-6, 0, "m3"}},
+    {"m3/s", {1, 0, "m3/s"}},     {"l/min", {1e-3 / 60, 0, "m3/s"}},
+    {"V", {1, 0, "V"}},           {"mV", {1e-3, 0, "V"}},
+    {"mA", {1e-3, 0, "A"}},       {"A", {1, 0, "A"}},
+    {"N", {1, 0, "N"}},           {"kN", {1e3, 0, "N"}},
+    {"K", {1, 0, "K"}},           {"degC", {1, 273.15, "K"}},
+    {"°C", {1, 273.15, "K"}},     {"Hz", {1, 0, "Hz"}},
+    {"rad/s", {1, 0, "rad/s"}},   {"m3/(s Pa)", {1, 0, "m3/(s Pa)"}},
+    {"rad", {1, 0, "rad"}},       {"deg", {kTwoPi / 360, 0, "rad"}},
+    {"1/s", {1, 0, "1/s"}},       {"1/min", {1.0 / 60, 0, "1/s"}},
+    {"W", {1, 0, "W"}},           {"kW", {1e3, 0, "W"}},
+    {"Nm", {1, 0, "N m"}},        {"rpm", {kTwoPi / 60, 0, "rad/s"}},
+    {"m/s2", {1, 0, "m/s2"}},     {"kg", {1, 0, "kg"}},
+    {"1/K", {1, 0, "1/K"}},       {"%/K", {0.01, 0, "1/K"}},
+    {"mm/s2", {1e-3, 0, "m/s2"}}, {"rad/s2", {1, 0, "rad/s2"}},
+    {"J", {1, 0, "J"}},           {"kJ", {1e3, 0, "J"}},
+    {"N/m", {1, 0, "N/m"}},       {"N/mm", {1e3, 0, "N/m"}},
+    {"N s/m", {1, 0, "N s/m"}},   {"1/V", {1, 0, "1/V"}},
+    {"m3/s2", {1, 0, "m3/s2"}},
 }};
+
+/// The SI unit of `si` per second.
+std::string RateOf(std::string_view si) {
+  if (si == "1") return "1/s";
+  for (const std::string_view rate : {"m/s", "rad/s", "m3/s"})
+    if (si == rate) return std::string(rate) + "2";
+  return std::string(si) + "/s";
+}
+
+/// "bar/s", "K/min": every unit but those of time, per second and per minute.
+const std::map<std::string, Unit, std::less<>>& Rates() {
+  static const auto rates = [] {
+    static std::set<std::string> si;  // what Unit::si looks into
+    std::map<std::string, Unit, std::less<>> all;
+    for (const auto& [name, unit] : kUnits) {
+      if (unit.si == "s") continue;
+      const std::string_view rate = *si.insert(RateOf(unit.si)).first;
+      all[std::string(name) + "/s"] = {unit.scale, 0, rate};
+      all[std::string(name) + "/min"] = {unit.scale / 60, 0, rate};
+    }
+    return all;
+  }();
+  return rates;
+}
 
 }  // namespace
 
 std::optional<Unit> FindUnit(std::string_view name) {
   for (const auto& [key, unit] : kUnits)
     if (key == name) return unit;
+  if (const auto rate = Rates().find(name); rate != Rates().end()) return rate->second;
   return std::nullopt;
 }
 

@@ -9,6 +9,7 @@
 #include "diagnosis/extended_fit.h"
 #include "diagnosis/predictability.h"
 #include "diagnosis/refine.h"
+#include "estimation/floor_trust.h"
 
 namespace hydroscope {
 
@@ -33,7 +34,7 @@ inline constexpr double kTwinExcess = 0.2;
 struct ExplainOptions {
   double min_gain = 40.0;  ///< held-out error energy an effect must remove, in units of the noise variance
   double min_t = 4.0;      ///< size over its stroke-clustered standard error
-  double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
+  double floor_excess = kFloorExcess;
   double doubt_excess = 0.12;  ///< ... and above which the explanation is flagged as partial
   double left_share = 0.005;   ///< ... plus this share of the base model's excess
   double max_remainder =

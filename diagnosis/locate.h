@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "diagnosis/residuals.h"
+#include "estimation/floor_trust.h"
 
 namespace hydroscope {
 
@@ -12,7 +13,7 @@ struct LocateOptions {
   int pair_bins = 5;  ///< per signal, two-signal maps
   double p_floor =
       0.01;  ///< chance of calling any bin of sensor noise alone an error (Bonferroni over all bins)
-  double floor_excess = 0.15;  ///< model error energy over noise energy that still counts as at the floor
+  double floor_excess = kFloorExcess;
   double above_rest =
       1.5;  ///< located: model error energy over that of the rest of the map, whichever stroke is left out
   double overlap = 4;       ///< windows that share noise: 2 half windows of WindowSamples, in blocks

@@ -327,7 +327,9 @@ Status FrequencyResponseOptions::Validate() const {
 
 void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options) {
   for (FrequencyPoint& p : points) {
-    const bool inside = p.frequency >= options.lowest && p.frequency <= options.highest;
+    // A frequency that is held is known to some 1e-8.
+    const bool inside =
+        p.frequency >= options.lowest * (1 - 1e-6) && p.frequency <= options.highest * (1 + 1e-6);
     if (p.reason == PointReason::kUsed && !inside) p.reason = PointReason::kOutsideRange;
   }
 }

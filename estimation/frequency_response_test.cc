@@ -48,7 +48,7 @@ Coverage CoverageOver(const Sweep& sweep, int seeds, const char* name) {
     return ModelOf(clean);
   }();
   const auto inside = [](const ValueWithStd& v, double t) {
-    return std::abs(v.value - t) <= 1.96 * v.std ? 1 : 0;
+    return std::abs(v.value - t) <= kNormal95 * v.std ? 1 : 0;
   };
   Coverage c;
   for (int i = 0; i < seeds; ++i) {

@@ -8,8 +8,6 @@
 #include <span>
 #include <unsupported/Eigen/FFT>
 
-#include "core/quantile.h"
-
 namespace hydroscope {
 namespace {
 
@@ -18,7 +16,7 @@ using Complex = std::complex<double>;
 constexpr double kIndependentShare = 1 / (1 + 2.0 / 36);
 constexpr std::size_t kShortest = 32;
 constexpr int kFewestSegments = 4;
-// Of the median amplitude of the command at coherent frequencies. A chirp of a servo press whose card adds
+// Of the typical amplitude of the command. A chirp of a servo press whose card adds
 // noise has 0.3 to 1 % beside its band (`hydroscope frf chirp_0A.txt --segment 16384`), 10 % at its edge.
 constexpr double kLeastAmplitude = 0.02;
 
@@ -151,14 +149,26 @@ double ChanceCoherence(double averages, std::size_t bins) {
   return 1 - std::pow(0.01 / static_cast<double>(bins), 1 / std::max(1.0, averages - 1));
 }
 
-/// Coherent points at which the command has hardly any power are accidents, or a disturbance that both
-/// channels share.
-void LeaveOutPowerless(std::vector<FrequencyPoint>& points) {
+/// The amplitude of the command above and below which the coherent frequencies have as much of it. Many frequencies
+/// of next to none, beside the band of a chirp, do not count.
+double TypicalAmplitude(const std::vector<FrequencyPoint>& points) {
   std::vector<double> amplitudes;
   for (const FrequencyPoint& p : points) {
     if (p.reason == PointReason::kUsed) amplitudes.push_back(p.amplitude);
   }
-  const double least = kLeastAmplitude * Median(std::move(amplitudes), 0);
+  std::sort(amplitudes.begin(), amplitudes.end());
+  double above = std::accumulate(amplitudes.begin(), amplitudes.end(), 0.0) / 2;
+  for (const double amplitude : amplitudes) {
+    above -= amplitude;
+    if (above <= 0) return amplitude;
+  }
+  return 0;
+}
+
+/// Coherent points at which the command has hardly any power are accidents, or a disturbance that both
+/// channels share.
+void LeaveOutPowerless(std::vector<FrequencyPoint>& points) {
+  const double least = kLeastAmplitude * TypicalAmplitude(points);
   for (FrequencyPoint& p : points) {
     if (p.reason == PointReason::kUsed && p.amplitude < least) p.reason = PointReason::kNoPower;
   }

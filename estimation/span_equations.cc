@@ -1,5 +1,7 @@
 #include "estimation/span_equations.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +9,8 @@
 
 namespace hydroscope {
 namespace {
+
+constexpr int kFewestRows = 4;  // of a block: fewer do not part sensor noise from motion
 
 /// Blocks per sample of ModelStructure::disturb, whose noise changes with opening and pressure only.
 constexpr int kWalkStep = 5;
@@ -57,11 +61,26 @@ HYDROSCOPE_WIDE void ScaledDifference(std::ptrdiff_t rows, double scale, const d
 WindowSamples WindowSamples::From(const WindowSpec& spec, double period) {
   WindowSamples w;
   w.period = period;
-  w.block = std::max(4, static_cast<int>(std::lround(spec.block / period)));
+  w.block = std::max(kFewestRows, static_cast<int>(std::lround(spec.block / period)));
   const double block = w.block * period;
   w.span = std::max(w.min_span, static_cast<int>(std::lround(spec.span / block)));
   w.half_window = std::max(1, static_cast<int>(std::lround(spec.half_width / block)));
   return w;
+}
+
+std::vector<std::string> WindowSamples::Clamps(const WindowSpec& spec, double period) {
+  const WindowSamples taken = From(spec, period);
+  const double block = taken.block * period;
+  std::vector<std::string> said;
+  const auto say = [&](const char* key, double asked, double used, const char* why) {
+    // Rounding to whole rows or blocks is no news.
+    if (used > 1.5 * asked)
+      said.push_back(fmt::format("[window] {} = {:.4g} s is taken as {:.4g} s: {}", key, asked, used, why));
+  };
+  say("block", spec.block, block, "a block holds at least four rows");
+  say("span", spec.span, taken.span * block, "a span holds at least five blocks");
+  say("half_width", spec.half_width, taken.half_window * block, "it holds at least one block");
+  return said;
 }
 
 double WindowSamples::FlowVarianceGain() const {

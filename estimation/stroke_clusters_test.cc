@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/constants.h"
 #include "estimation/gram_fit.h"
 
 namespace hydroscope {
@@ -66,7 +67,7 @@ int Held(Runs::Share share, Covariance covariance) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const Runs runs(share, seed);
     const double student = StudentFactor(static_cast<double>(runs.equations.size()) - 1);
-    held += std::abs(runs.theta[0] - 2) <= 1.96 * student * std::sqrt(covariance(runs)(0, 0));
+    held += std::abs(runs.theta[0] - 2) <= kNormal95 * student * std::sqrt(covariance(runs)(0, 0));
   }
   return held;
 }

@@ -8,8 +8,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kRingSize = 5;
-constexpr int kLookAhead = 2;
+constexpr int kLeastReach = 2;     ///< blocks of a gate rate to either side: one alone is noise
 constexpr int kBeyond = 2;         ///< blocks kept of what was measured before and after a stretch
 constexpr double kHoldTime = 0.1;  ///< s
 /// Flags that say a row does not follow the one before at the sample period.
@@ -24,6 +23,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
       window_(window),
       gate_(machine.gate),
       sink_(std::move(sink)),
+      reach_(std::max(kLeastReach, window.half_window)),
       conditions_(*model_) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   needed_.assign(machine.signals.size(), false);
@@ -41,7 +41,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
   Pending empty;
   empty.sample.resize(channels * window_.block);
   empty.mean.resize(gate_signal_.size());
-  ring_.assign(kRingSize, empty);
+  ring_.assign(2 * reach_ + 1, empty);
   filling_ = empty;
   held_.assign(channels, std::numeric_limits<double>::quiet_NaN());
   held_for_.assign(channels, 0);
@@ -125,20 +125,20 @@ void StrokeSegmenter::Fill(const SampleBlock& block, std::size_t first, int coun
 void StrokeSegmenter::CompleteBlock() {
   for (double& mean : filling_.mean) mean /= window_.block;
   rows_in_block_ = 0;
-  if (pending_ == kRingSize) {
+  if (pending_ == std::ssize(ring_)) {
     std::rotate(ring_.begin(), ring_.begin() + 1, ring_.end());
     --pending_;
   }
   std::swap(ring_[pending_++], filling_);
   ++undecided_;
-  if (undecided_ > kLookAhead) Decide(pending_ - undecided_);
+  if (undecided_ > reach_) Decide(pending_ - undecided_);
 }
 
 void StrokeSegmenter::Decide(int index) {
   --undecided_;
   next_block_ = index;
   if (GateOpen(index)) {
-    if (in_stroke_ && direction_ != stroke_direction_) EndStroke();
+    if (in_stroke_ && (direction_ != stroke_direction_ || LongEnough(index))) EndStroke();
     stroke_direction_ = direction_;
     Append(index);
   } else {
@@ -147,13 +147,18 @@ void StrokeSegmenter::Decide(int index) {
   }
 }
 
+bool StrokeSegmenter::LongEnough(int index) const {
+  const double half_block = 0.5 * window_.block * window_.period;
+  return gate_.max_stroke > 0 && ring_[index].begin - summary_.begin > gate_.max_stroke - half_block;
+}
+
 bool StrokeSegmenter::GateOpen(int index) {
   direction_ = 0;
   for (const Bound& bound : bounds_) {
     double x = ring_[index].mean[bound.slot];
     if (bound.rate) {
       // Mean of the blocks after minus mean of those before; one-sided at the border of a segment.
-      const int first = std::max(0, index - 2), last = std::min(pending_ - 1, index + 2);
+      const int first = std::max(0, index - reach_), last = std::min(pending_ - 1, index + reach_);
       const int before = std::max(1, index - first), after = std::max(1, last - index);
       if (last - first < 2) return false;
       double sum_after = 0, sum_before = 0;

@@ -19,10 +19,11 @@ namespace hydroscope {
 /// Cuts a stream of samples into strokes and strokes into stretches of good samples inside the gate.
 ///
 /// Samples are taken block by block; a bad value in a needed channel, a gap or a clock jump ends the segment
-/// and restarts the block grid. The gate looks at block means (and at their rate over +-2 blocks, hence a
-/// delay of two blocks), so that sensor noise does not decide which samples are used. Time outside the gate
-/// longer than `GateSpec::stroke_gap` ends the stroke, and so does a change of sign under an abs(...) of the
-/// gate: on its way the magnitude was zero.
+/// and restarts the block grid. The gate looks at block means (and at their rate over half a window of flows,
+/// at least two blocks, to either side, hence a delay of as many), so that sensor noise does not decide which
+/// samples are used. Time outside the gate longer than `GateSpec::stroke_gap` ends the stroke, and so does a
+/// change of sign under an abs(...) of the gate: on its way the magnitude was zero. A stroke that has lasted
+/// `GateSpec::max_stroke` ends, and the next begins with the block after.
 class StrokeSegmenter {
  public:
   struct Sink {
@@ -67,6 +68,8 @@ class StrokeSegmenter {
   void Fill(const SampleBlock& block, std::size_t first, int count);
   void CompleteBlock();
   void Decide(int index);
+  /// Whether the stroke has lasted max_stroke when block `index` begins.
+  bool LongEnough(int index) const;
   /// Whether all bounds hold; notes the signs of those on a magnitude in `direction_`.
   bool GateOpen(int index);
   void Break();
@@ -84,10 +87,11 @@ class StrokeSegmenter {
   WindowSamples window_;
   GateSpec gate_;
   Sink sink_;
+  int reach_;  ///< blocks to either side that a rate of the gate is taken over
   std::vector<Bound> bounds_;
   std::vector<int> gate_signal_;  ///< machine signal of each slot
   std::vector<bool> needed_;      ///< per machine signal
-  std::vector<Pending> ring_;     ///< the last five blocks; ring_[pending_ - 1] is the newest
+  std::vector<Pending> ring_;     ///< the last 2 reach_ + 1 blocks; ring_[pending_ - 1] is the newest
   int pending_ = 0, undecided_ = 0;
   Pending filling_;
   int rows_in_block_ = 0;

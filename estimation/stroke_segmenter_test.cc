@@ -87,11 +87,12 @@ struct Heard {
   std::int64_t discarded = 0, discard_calls = 0;
 };
 
-Heard Hear(const SampleBlock& all, std::size_t rows_per_block, const Machine& machine = TestMachine()) {
+Heard Hear(const SampleBlock& all, std::size_t rows_per_block, const Machine& machine = TestMachine(),
+           const WindowSamples& window = {}) {
   Heard heard;
   const auto model = *BuildModel(machine);
   StrokeSegmenter segmenter(
-      machine, model, WindowSamples{},
+      machine, model, window,
       {[&](Stretch& s, double begin) {
          const auto copy = [&](int c) { return std::vector<double>(s[c], s[c] + s.samples); };
          heard.pieces.push_back(
@@ -288,6 +289,91 @@ TEST(StrokeSegmenter, AShortStrokeIsDiscardedAndCounted) {
   EXPECT_NEAR(heard.strokes[0].begin, 1.2, 0.05);
   EXPECT_EQ(heard.strokes[0].index, 0);
   EXPECT_EQ(heard.totals.used, heard.strokes[0].counters.used);  // nothing of the short one
+}
+
+TEST(StrokeSegmenter, AStrokeThatLastsTooLongIsCutIntoEpisodes) {
+  Machine machine = TestMachine();
+  machine.gate.max_stroke = 1.0;
+  Rows rows;
+  rows.Rest(0.5).Draw(3.5).Rest(0.5);
+  const Heard heard = Hear(rows.block(), 1024, machine);
+  ASSERT_EQ(heard.strokes.size(), 4u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(heard.strokes[i].end - heard.strokes[i].begin, 1.0, 0.03);
+    EXPECT_NEAR(heard.strokes[i + 1].begin, heard.strokes[i].end, 1e-9);
+  }
+  EXPECT_EQ(heard.totals.gated, Hear(rows).totals.gated) << "no row is lost where an episode ends";
+}
+
+TEST(StrokeSegmenter, ALogWithoutConditionsIsCutIntoEpisodesFromItsFirstRowToItsLast) {
+  Machine machine = TestMachine();
+  machine.gate.bounds.clear();
+  machine.gate.max_stroke = 0.5;
+  Rows rows;
+  rows.Rest(1.0).Draw(1.0);
+  const Heard heard = Hear(rows.block(), 1024, machine);
+  EXPECT_EQ(heard.strokes.size(), 4u);
+  EXPECT_EQ(heard.totals.gated, 1000);
+}
+
+TEST(StrokeSegmenter, RatesOfTheGateAreTakenOverTheWindowOfFlows) {
+  Rows rows;
+  rows.Draw(3.0);
+  for (std::size_t k = 0; k < rows.rows(); ++k)  // stops and goes three times a second
+    rows.block().signal[kZ][k] += 0.004 * std::sin(2 * std::acos(-1.0) * 3 * rows.block().time[k]);
+  WindowSamples wide;
+  wide.half_window = 16;  // 0.32 s
+  const Heard narrow = Hear(rows.block(), 1024), steady = Hear(rows.block(), 1024, TestMachine(), wide);
+  EXPECT_LT(narrow.totals.gated, 0.8 * static_cast<double>(rows.rows()));
+  EXPECT_GT(steady.totals.gated, 0.95 * static_cast<double>(rows.rows()));
+}
+
+/// A force balance of the user's own whose expressions do not read the oil temperature.
+Machine OwnMachine() {
+  const auto machine = ParseMachine(R"toml(
+[machine]
+name = "own"
+[log]
+time = { column = "t", unit = "s" }
+[signals]
+p_A = { column = "p", unit = "Pa" }
+z = { column = "z", unit = "m" }
+y_v = { column = "y", unit = "1" }
+T_oil = { column = "T", unit = "K", required = false }
+[gate]
+conditions = { "ddt(z)" = { max = -0.004 } }
+[balance]
+output = "p_A"
+unit = "Pa"
+terms = { a = "y_v" }
+)toml",
+                                    "own.toml");
+  EXPECT_TRUE(machine) << (machine ? "" : machine.error().text);
+  return machine.value_or(Machine{});
+}
+
+TEST(StrokeSegmenter, TheOilTemperatureIsKeptAlsoWhereNoExpressionReadsIt) {
+  Rows rows;
+  rows.Rest(0.5).Draw(1.0).Rest(0.5);
+  rows.Flag(kOil, 400, quality::kMissing);
+  rows.block().signal[kOil][400] = std::numeric_limits<double>::quiet_NaN();
+  std::vector<StrokeSummary> strokes;
+  const Machine machine = OwnMachine();
+  StrokeSegmenter segmenter(
+      machine, *BuildModel(machine), WindowSamples{},
+      {[](Stretch&, double) {}, [&](const StrokeSummary& s) { strokes.push_back(s); }, [] {}});
+  segmenter.Process(rows.block());
+  segmenter.Finish();
+  ASSERT_EQ(strokes.size(), 1u);
+  EXPECT_NEAR(strokes[0].oil_temperature, 313.15, 1e-9);
+}
+
+TEST(WindowSamples, SayWhatTheyTakeLargerThanAskedFor) {
+  const WindowSpec asked{.block = 0.02, .span = 0.56, .half_width = 0.04};
+  EXPECT_TRUE(WindowSamples::Clamps(asked, 0.002).empty());
+  const auto said = WindowSamples::Clamps(asked, 0.05);
+  ASSERT_EQ(said.size(), 3u);
+  EXPECT_EQ(said[0], "[window] block = 0.02 s is taken as 0.2 s: a block holds at least four rows");
 }
 
 TEST(StrokeSegmenter, TheGateMayLookAtASignalTheModelDoesNotRead) {

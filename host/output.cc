@@ -1,14 +1,36 @@
 #include "host/output.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/wrapped_text.h"
+
 namespace hydroscope {
+namespace {
+
+constexpr int kUsualWidth = 80, kLeastWidth = 40;  // characters
+
+bool quiet = false;
+
+std::size_t LineWidth() {
+  winsize window{};
+  int width = kUsualWidth;
+  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
+    width = window.ws_col;
+  else if (const char* columns = std::getenv("COLUMNS"); columns != nullptr && std::atoi(columns) > 0)
+    width = std::atoi(columns);
+  return static_cast<std::size_t>(std::max(width, kLeastWidth));
+}
+
+}  // namespace
 
 int ReportError(const Error& error) {
   std::cerr << "hydroscope: " << error.text << "\n";
@@ -23,7 +45,13 @@ int ReportError(const Error& error) {
   return kOwnFault;
 }
 
-Status WriteJson(const std::string& path, const nlohmann::json& document) {
+Status WriteJson(const std::string& path, nlohmann::json document) {
+  const auto number = [](nlohmann::json& object) {
+    if (object.is_object() && !object.contains("schema")) object["schema"] = kJsonSchema;
+  };
+  if (document.is_array())  // of several machines
+    for (nlohmann::json& machine : document) number(machine);
+  number(document);
   if (path == "-") {
     std::cout << document.dump(2) << "\n";
     return {};
@@ -35,10 +63,16 @@ Status WriteJson(const std::string& path, const nlohmann::json& document) {
   return {};
 }
 
+void BeQuiet() { quiet = true; }
+
+void Say(const std::string& text) {
+  if (!quiet) std::cout << WrappedText(text, LineWidth()) << std::flush;
+}
+
 ProgressBar::ProgressBar(std::string what, std::string unit)
     : what_(std::move(what)),
       unit_(std::move(unit)),
-      terminal_(isatty(STDERR_FILENO) != 0),
+      terminal_(!quiet && isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()),
       last_draw_(start_) {}
 

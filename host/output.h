@@ -15,10 +15,20 @@ enum ExitCode { kDone = 0, kOwnFault = 1, kWrongUse = 2, kWrongInput = 3, kPartl
 /// Prints the error to stderr and returns the exit code that belongs to its kind.
 int ReportError(const Error& error);
 
-/// Writes `document` to `path` ("-" is stdout), indented, with a final newline.
-Status WriteJson(const std::string& path, const nlohmann::json& document);
+/// Version of the JSON that commands write: grows when a key is renamed or taken away, not when one is added.
+inline constexpr int kJsonSchema = 1;
 
-/// Progress on stderr with rate and time left; silent when stderr is no terminal.
+/// Writes `document` to `path` ("-" is stdout), indented, with a final newline. Objects without a "schema"
+/// get kJsonSchema.
+Status WriteJson(const std::string& path, nlohmann::json document);
+
+/// The text for people, on stdout; lines too long for the terminal (elsewhere: for COLUMNS of the environment, else for
+/// 80 characters) are broken at blanks. Silent after BeQuiet.
+void Say(const std::string& text);
+/// From now on Say and ProgressBar are silent; errors still go to stderr.
+void BeQuiet();
+
+/// Progress on stderr with rate and time left; silent when stderr is no terminal, and after BeQuiet.
 class ProgressBar {
  public:
   /// `what` stands before the bar; `unit` is what the rate counts ("rows").

@@ -13,6 +13,7 @@
 #include "live/check_live.h"
 #include "live/live_status.h"
 #include "live/verify_live.h"
+#include "machines/die_cushion/press_file_fixture.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "simulator/press.h"
@@ -21,11 +22,12 @@ namespace hydroscope {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kPeriod = 0.002;  // s
 constexpr std::size_t kRowsPerBatch = 10;
 
-const char* const kMachine = R"toml(
+const std::string kMachine = R"toml(
 [machine]
 name = "press"
 model = "die_cushion"
@@ -41,15 +43,7 @@ y_v = { dds = "{axis}/y_v", unit = "1" }
 T_oil = { modbus = { register = 30 }, unit = "degC", stuck_time = 0, required = false }
 [live.modbus]
 poll_period = 0.5
-[geometry]
-A_A = 0.0125
-dp_nom = { value = 35, unit = "bar" }
-p_t = 0
-[gate]
-conditions = { y_v = { min = 0.04 }, "ddt(z)" = { max = -0.004, unit = "m/s" } }
-stroke_gap = 0.25
-min_stroke = 0.3
-)toml";
+)toml" + kPressGeometryAndGate;
 
 const SimulatedLog& Log() {
   static const SimulatedLog log = [] {
@@ -388,6 +382,10 @@ TEST_F(LiveServiceTest, StatusAndMetricsTellChannelsAxesAndCounters) {
     EXPECT_EQ(json.at("channels").size(), 8u);
     EXPECT_EQ(json.at("axes")[0].at("counters").at("rows"), 10'000);
     EXPECT_THAT(StatusText(json), HasSubstr("press/left"));
+    auto ahead = json;  // a sender whose clock is ahead
+    for (auto& channel : ahead.at("channels")) channel["age_s"] = -3.2;
+    EXPECT_THAT(StatusText(ahead), HasSubstr(" 0 s "));
+    EXPECT_THAT(StatusText(ahead), Not(HasSubstr("-3")));
     EXPECT_THAT(PrometheusText(status),
                 HasSubstr("hydroscope_axis_events_total{axis=\"press/left\",event=\"rows\"} 10000"));
   });

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/printable.h"
+#include "core/time_text.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -127,13 +128,7 @@ std::string Shown(const json& value, const std::string& si) {
   return fmt::format("{:.5g} {}", value.get<double>() * unit.factor + unit.offset, unit.name);
 }
 
-std::string Age(const json& age) {
-  if (!age.is_number()) return "never";
-  const double s = age.get<double>();
-  return s < 1     ? fmt::format("{:.0f} ms", s * 1e3)
-         : s < 120 ? fmt::format("{:.1f} s", s)
-                   : fmt::format("{:.0f} min", s / 60);
-}
+std::string Age(const json& age) { return age.is_number() ? DurationText(age.get<double>()) : "never"; }
 
 std::string SenderName(const json& sender) {
   const auto name = sender.at("name").get<std::string>();
@@ -301,7 +296,7 @@ std::string StatusText(const json& s) {
                         feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
                         feed.at("errors").get<std::int64_t>());
   text += DriftText(s.at("drift"));
-  text += fmt::format("\n{:<24} {:>9} {:>9} {:>14} {:>14} {:>8}\n", "channel", "rate", "age", "value",
+  text += fmt::format("\n{:<22} {:>9} {:>9} {:>13} {:>13} {:>8}\n", "channel", "rate", "age", "value",
                       "noise", "flagged");
   for (const json& c : s.at("channels")) {
     const auto unit = c.at("unit").get<std::string>();
@@ -310,7 +305,7 @@ std::string StatusText(const json& s) {
       const DisplayUnit shown = DisplayUnitFor(unit);
       noise = fmt::format("{:.3g} {}", c.at("noise_std").get<double>() * shown.factor, shown.name);
     }
-    text += fmt::format("{:<24} {:>6.0f} Hz {:>9} {:>14} {:>14} {:>8}{}\n", c.at("name").get<std::string>(),
+    text += fmt::format("{:<22} {:>6.0f} Hz {:>9} {:>13} {:>13} {:>8}{}\n", c.at("name").get<std::string>(),
                         c.at("rate_hz").get<double>(), Age(c.at("age_s")), Shown(c.at("value"), unit), noise,
                         c.at("flagged").get<std::int64_t>(), c.at("stale").get<bool>() ? "  STALE" : "");
   }

@@ -157,7 +157,9 @@ std::string SiUnitName(const Dimension& dimension) {
       "Pa/V",     "1/V",      "m/V",        "m3/(s V)",  "N/A",
       "Pa/K",     "m3/(s K)", "N/K",        "m3/s2",     "m/(s V)",
       "Pa/m3",    "sqrt(Pa)", "m6/(s2 Pa)", "1/m",       "N s2/m2",
-      "m2/s",     "s/m",      "m3/m"};
+      "m2/s",     "s/m",      "m3/m",       "1/V2",      "N/V2",
+      "m/V2",     "Pa/V2",    "m3/(s V2)",  "1/m2",      "1/Pa2",
+      "N m/rad"};
   for (const std::string_view name : familiar)
     if (*ParseSiUnit(name) == dimension) return std::string(name);
   std::string above, below;

@@ -68,6 +68,7 @@ struct GateSpec {
   std::vector<GateBound> bounds;  ///< all must hold
   double stroke_gap = 0.25;       ///< s outside the gate that end a stroke
   double min_stroke = 0.3;        ///< s inside the gate below which a stroke is too short
+  double max_stroke = 0;          ///< s after which a stroke ends and the next begins; 0 = never
 
   bool operator==(const GateSpec&) const = default;
 };
@@ -75,7 +76,7 @@ struct GateSpec {
 struct WindowSpec {
   double block = 0.02;       ///< s averaged into one equation
   double span = 0.56;        ///< s that share one intercept (integration constant)
-  double half_width = 0.04;  ///< s, half width of the triangular window in which flows are shown and compared
+  double half_width = 0.04;  ///< s, half width of the triangular window of flows and of the gate's rates
 
   bool operator==(const WindowSpec&) const = default;
 };

@@ -207,6 +207,7 @@ std::string GateSection(const Machine& machine, const MachineNotes& notes) {
   if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
   pairs.emplace_back("stroke_gap", Plain(machine.gate.stroke_gap));
   pairs.emplace_back("min_stroke", Plain(machine.gate.min_stroke));
+  if (machine.gate.max_stroke > 0) pairs.emplace_back("max_stroke", Plain(machine.gate.max_stroke));
   return Section("[gate]", "When the model holds: all conditions at once; times in s.", pairs, notes, "gate");
 }
 

@@ -14,7 +14,7 @@ const std::vector<MachineSection>& MachineFileSections() {
         "modbus"}},
       {"signals.<name>.modbus", {"register", "ring", "stride", "type", "order"}},
       {"geometry.<name>", {"value", "std", "unit"}},
-      {"gate", {"conditions", "stroke_gap", "min_stroke"}},
+      {"gate", {"conditions", "stroke_gap", "min_stroke", "max_stroke"}},
       {"gate.conditions.<signal>", {"min", "max", "unit"}},
       {"window", {"block", "span", "half_width"}},
       {"estimator",

@@ -239,7 +239,8 @@ std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, co
     if (limits == nullptr) continue;
     TableReader reader(*limits, path + "." + entry.key, section.problems());
     reader.AllowOnly(MachineFileKeys("gate.conditions.<signal>"));
-    std::string unit = SiOf(machine.signals[index].unit) + (bound.rate ? "/s" : "");
+    std::string unit = SiOf(machine.signals[index].unit);
+    if (bound.rate) unit = FindFileUnit(unit + "/s").value_or(FileUnit{.si = unit + "/s"}).si;
     const std::string si = unit;
     reader.UnitName("unit", unit, si);
     const Quantity quantity{.si = si, .default_unit = unit};
@@ -257,6 +258,9 @@ void ReadGate(TableReader& file, Machine& machine) {
     section.AllowOnly(MachineFileKeys("gate"));
     section.Number("stroke_gap", machine.gate.stroke_gap, kSecondsAboveZero);
     section.Number("min_stroke", machine.gate.min_stroke, kSecondsAboveZero);
+    section.Number("max_stroke", machine.gate.max_stroke, kSecondsAboveZero);
+    if (section.Has("max_stroke") && machine.gate.max_stroke < machine.gate.min_stroke)
+      section.Wrong("max_stroke", fmt::format("not less than min_stroke, {} s", machine.gate.min_stroke));
     machine.gate.bounds = ReadBounds(section, "conditions", "gate.conditions", machine);
   });
 }

@@ -67,11 +67,6 @@ Error FileProblems::ToError() const {
 
 std::optional<FileUnit> FindFileUnit(std::string_view name) {
   if (const auto unit = FindUnit(name)) return FileUnit{unit->scale, unit->offset, std::string(unit->si)};
-  for (const auto& [per, seconds] : {std::pair<std::string_view, double>("/s", 1), {"/min", 60}}) {
-    if (name.size() <= per.size() || !name.ends_with(per)) continue;
-    const auto numerator = FindUnit(name.substr(0, name.size() - per.size()));
-    if (numerator) return FileUnit{numerator->scale / seconds, 0.0, std::string(numerator->si) + "/s"};
-  }
   return std::nullopt;
 }
 

@@ -28,6 +28,29 @@ TEST(MachineUnits, ThoseOfPowerTorqueAndRotationMayStandEverywhere) {
   }
 }
 
+TEST(MachineUnits, GatesOnRatesTakeUnitsOfTheRate) {
+  const auto machine = ParseMachine(R"toml(
+[machine]
+name = "own"
+[log]
+time = { column = "t", unit = "s" }
+[signals]
+w = { column = "w", unit = "rpm" }
+v = { column = "v", unit = "mm/s" }
+[gate]
+conditions = { "ddt(w)" = { max = 1, unit = "rad/s2" }, "ddt(v)" = { min = 2, unit = "mm/s2" } }
+[balance]
+output = "v"
+unit = "m/s"
+terms = { a = "w" }
+)toml",
+                                    "own.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  ASSERT_EQ(machine->gate.bounds.size(), 2u);
+  for (const GateBound& bound : machine->gate.bounds)
+    EXPECT_DOUBLE_EQ(bound.min.value_or(*bound.max), bound.signal == "v" ? 2e-3 : 1.0);
+}
+
 TEST(MachineUnits, HaveTheirSizeInSi) {
   EXPECT_DOUBLE_EQ(FindFileUnit("rpm")->scale, 2 * std::numbers::pi / 60);
   EXPECT_DOUBLE_EQ(FindFileUnit("deg")->scale, std::numbers::pi / 180);

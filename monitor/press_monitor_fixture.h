@@ -8,37 +8,14 @@
 #include <sstream>
 
 #include "core/expect_ok.h"
+#include "machines/die_cushion/press_file_fixture.h"
 #include "monitor/press_monitor.h"
 #include "studies/simulated_strokes.h"
 
 /// A press of two axes with strokes of simulated cushions, for the tests of PressMonitor and AxisMonitor.
 namespace hydroscope::press_monitor_test {
 
-inline const char* const kMachine = R"toml(
-[machine]
-name = "press"
-model = "die_cushion"
-[live]
-grid_period = 0.002
-axes = ["left", "right"]
-[live.dds]
-[signals]
-p_A = { dds = "{axis}/p_A", unit = "Pa" }
-p_B = { dds = "{axis}/p_B", unit = "Pa", required = false }
-p_0 = { dds = "{axis}/p_0", unit = "Pa", required = false }
-z   = { dds = "{axis}/z", unit = "m" }
-y_v = { dds = "{axis}/y_v", unit = "1" }
-U_v = { dds = "{axis}/U_v", unit = "V", stuck_time = 0, required = false }
-T_oil = { dds = "{axis}/T_oil", unit = "K", stuck_time = 0, required = false }
-[geometry]
-A_A = 0.0125
-dp_nom = { value = 35, unit = "bar" }
-p_t = 0
-[gate]
-conditions = { y_v = { min = 0.04 }, "ddt(z)" = { max = -0.004, unit = "m/s" } }
-stroke_gap = 0.25
-min_stroke = 0.3
-)toml";
+inline const std::string kMachine = PressFile(R"("left", "right")", "grid_period = 0.002\n", "K");
 
 inline const char* const kRules = R"toml(
 [monitor]

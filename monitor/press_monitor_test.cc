@@ -39,7 +39,7 @@ TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
   Store(0, Leaking());  // too few to learn from
   ASSERT_OK(press->CatchUp(900));
   EXPECT_THAT(DriftSection(press->axis(0), 100).value(), HasSubstr("being learned"));
-  EXPECT_EQ(DriftVerdictBox(press->axis(0)), "");
+  EXPECT_EQ(AlarmsBox({}, press->axis(0).alarms()), "");
   Store(1, Healthy());
   Store(1, Leaking());
   ASSERT_OK(press->CatchUp(1000));
@@ -48,7 +48,7 @@ TEST_F(PressMonitorTest, TheReportShowsWhatWasLearnedAndWhatMovedFirst) {
   EXPECT_LT(section.find("internal_leakage, deviation"), section.find("K′, deviation"));
   for (const char* curve : {"bulk modulus", "valve flow", "dead volume"})
     EXPECT_THAT(section, HasSubstr(curve));
-  EXPECT_THAT(DriftVerdictBox(press->axis(1)), testing::ContainsRegex(kInternalLeakageAppeared));
+  EXPECT_THAT(AlarmsBox({}, press->axis(1).alarms()), testing::ContainsRegex(kInternalLeakageAppeared));
 }
 
 /// The same strokes as if the oil had never been compressed: dead volume and bulk modulus are not to be told.

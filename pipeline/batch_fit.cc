@@ -6,6 +6,7 @@
 #include "pipeline/log_pass.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
+#include "replay/resampled_reader.h"
 
 namespace hydroscope {
 namespace {
@@ -106,12 +107,15 @@ LogStrokes StrokeCollector::Finish(const Pipeline& pipeline) {
   return std::move(out_);
 }
 
-/// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h).
-Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, KeepSamples keep) {
+namespace {
+
+/// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h). `period`: of the logs before, 0 = none.
+Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
   Machine machine = stated;
   AssumeTolerances(machine);
   if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());
-  auto reader = OpenRecording(log, machine);
+  std::string note;
+  auto reader = OpenRecording(log, machine, period, note);
   if (!reader) return tl::unexpected(reader.error());
   StrokeCollector collector(machine, keep);
   auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), collector.Sink());
@@ -122,8 +126,11 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& stated, Ke
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
+  if (!note.empty()) out.notes.push_back(log + ": " + note);
   return out;
 }
+
+}  // namespace
 
 void Append(LogStrokes next, LogStrokes& all) {
   // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
@@ -137,17 +144,21 @@ void Append(LogStrokes next, LogStrokes& all) {
   }
   for (StrokeStretches& stretches : next.stretches) all.stretches.push_back(std::move(stretches));
   Add(next.totals, all.totals);
+  all.notes.insert(all.notes.end(), next.notes.begin(), next.notes.end());
   all.discarded_strokes += next.discarded_strokes;
   all.reader.rows += next.reader.rows;
   all.reader.rejected_rows += next.reader.rejected_rows;
 }
 
+Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine, KeepSamples keep) {
+  return ReadOne(log, machine, keep, 0);
+}
+
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep) {
-  constexpr double kSamePeriod = 0.05;
   std::optional<LogStrokes> all;
   for (const std::string& log : logs) {
-    auto next = ReadStrokes(log, machine, keep);
+    auto next = ReadOne(log, machine, keep, all ? all->window.period : 0);
     if (!next) return next;
     if (!all) {
       all = std::move(*next);
@@ -156,8 +167,10 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
     const double period = next->window.period, first = all->window.period;
     if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
       return BadInput(
-          "{}: rows are {:.4g} s apart, in {} {:.4g} s; explain logs of one sampling rate together", log,
-          period, logs.front(), first);
+          "{}: rows are {:.4g} s apart, in {} {:.4g} s, too different to be taken together; give logs of "
+          "nearly the "
+          "same sampling rate (25 %)",
+          log, period, logs.front(), first);
     Append(std::move(*next), *all);
   }
   if (!all) return UsageError("no log given");

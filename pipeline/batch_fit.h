@@ -23,6 +23,7 @@ struct LogStrokes {
   LogCounters reader;
   WindowSamples window;
   std::shared_ptr<const ModelStructure> model;
+  std::vector<std::string> notes;          ///< what should be known of the logs, one sentence each
   std::vector<StrokeStretches> stretches;  ///< per stroke, as far as kMaxKeptSamples reach; only if asked for
 
   std::vector<StrokeGram> Grams() const;
@@ -66,8 +67,8 @@ Result<LogStrokes> ReadStrokes(const std::string& log, const Machine& machine,
 /// Stretch::log go on.
 void Append(LogStrokes next, LogStrokes& all);
 
-/// The same for several logs of one machine, one after the other as if recorded in a row. Error: their
-/// sampling rates differ by more than 5 %, so that equal windows do not hold equal times.
+/// The same for several logs of one machine, one after the other as if recorded in a row. Logs whose sampling rate is
+/// nearly that of the first are interpolated (replay/resampled_reader.h). Error: it is not even nearly the same.
 Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machine& machine,
                                KeepSamples keep = KeepSamples::kNo);
 

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "pipeline/axis_log.h"
+#include "replay/resampled_reader.h"
 
 namespace hydroscope {
 namespace {
@@ -200,6 +201,13 @@ Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const M
     return BadInput("{}: this log holds all axes; say which one is meant: {}#{}", log, log,
                     machine.live->axes.front());
   return OpenLog(log, machine);
+}
+
+Result<std::unique_ptr<LogReader>> OpenRecording(const std::string& log, const Machine& machine,
+                                                 double period, std::string& note) {
+  auto reader = OpenRecording(log, machine);
+  if (reader) reader = AtPeriod(std::move(*reader), period, note);
+  return reader;
 }
 
 Result<LogFingerprint> FingerprintRecording(const std::string& log) {

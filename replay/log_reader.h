@@ -41,7 +41,7 @@ class LogReader {
   virtual const LogCounters& counters() const = 0;
 };
 
-/// Opens a CSV (plain or .gz) or MAT (v5, v7.3) log with the columns, units, scales and offsets of `machine`.
+/// Opens a CSV (plain or .gz) or MAT (v4 to v7.3) log with the columns, units, scales and offsets of `machine`.
 /// Missing column: an error that lists the columns found and suggests the nearest.
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine);
 

@@ -1,6 +1,8 @@
 #include <matio.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -61,6 +63,30 @@ bool ToDoubles(matio_classes kind, const unsigned char* bytes, std::int64_t coun
   }
 }
 
+constexpr std::size_t kVersion4Head = 20, kLongestName = 64;  // bytes
+
+/// Version 4 has no signature: five whole numbers (type, rows, columns, imaginary part, length of the name) and the name
+/// of the first matrix, with a zero behind it (MAT-File Format, The MathWorks, 2019, chapter 2). The type's decimal
+/// digits MOPT are machine, 0, precision and kind. No text begins so: its first four bytes are a number above 5000.
+bool IsVersion4(std::string_view head) {
+  if (head.size() < kVersion4Head + 2) return false;
+  std::array<std::int32_t, 5> number;
+  std::memcpy(number.data(), head.data(), kVersion4Head);
+  if (number[0] < 0 || number[0] >= 5000)  // of a machine with the other order of bytes
+    for (std::int32_t& n : number)
+      n = static_cast<std::int32_t>(__builtin_bswap32(static_cast<std::uint32_t>(n)));
+  const auto [type, rows, columns, imaginary, length] = number;
+  const bool plain =
+      type >= 0 && type < 5000 && type / 100 % 10 == 0 && type / 10 % 10 <= 5 && type % 10 <= 2;
+  if (!plain || rows < 1 || columns < 1 || (imaginary != 0 && imaginary != 1)) return false;
+  if (length < 2 || length > static_cast<std::int32_t>(std::min(kLongestName, head.size() - kVersion4Head)))
+    return false;
+  const std::string_view name = head.substr(kVersion4Head, static_cast<std::size_t>(length));
+  return name.back() == '\0' && std::all_of(name.begin(), name.end() - 1, [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+         });
+}
+
 bool HoldsNumbers(const matvar_t& variable) {
   double none;
   return variable.isComplex == 0 && variable.rank == 2 &&
@@ -70,17 +96,18 @@ bool HoldsNumbers(const matvar_t& variable) {
 }  // namespace
 
 bool IsMatFile(const std::string& path) {
-  char head[10] = {};
-  std::ifstream(path, std::ios::binary).read(head, sizeof head);
-  const std::string_view text(head, sizeof head);
-  return text == "MATLAB 5.0" || text == "MATLAB 7.3";
+  std::array<char, kVersion4Head + kLongestName> head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), head.size());
+  const std::string_view text(head.data(), static_cast<std::size_t>(file.gcount()));
+  return text.starts_with("MATLAB 5.0") || text.starts_with("MATLAB 7.3") || IsVersion4(text);
 }
 
 Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
   std::unique_ptr<MatColumns> columns(new MatColumns(path));
   columns->file_ = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
   if (columns->file_ == nullptr)
-    return BadInput("log '{}': the MAT file cannot be opened; expected version 5 to 7.3", path);
+    return BadInput("log '{}': the MAT file cannot be opened; expected version 4 to 7.3", path);
   while (matvar_t* variable = Mat_VarReadNextInfo(columns->file_)) columns->variables_.push_back(variable);
   for (matvar_t*& variable : columns->variables_) {
     if (variable->name == nullptr) continue;

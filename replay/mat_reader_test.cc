@@ -93,6 +93,7 @@ TEST_P(MatReaderTest, ReadsLongVectorsInSlices) {
 }
 
 TEST_P(MatReaderTest, ReadsFieldsOfAStruct) {
+  if (GetParam().version == MAT_FT_MAT4) GTEST_SKIP() << "version 4 has no structs";
   const char* fields[] = {"t", "p"};
   std::size_t dims[2] = {1, 1};
   matvar_t* log = Mat_VarCreateStruct("log", 2, dims, fields, 2);
@@ -156,7 +157,8 @@ TEST_P(MatReaderTest, ShowsItsHead) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Versions, MatReaderTest,
-                         ::testing::Values(Format{"v5", MAT_FT_MAT5, MAT_COMPRESSION_NONE},
+                         ::testing::Values(Format{"v4", MAT_FT_MAT4, MAT_COMPRESSION_NONE},
+                                           Format{"v5", MAT_FT_MAT5, MAT_COMPRESSION_NONE},
                                            Format{"v7", MAT_FT_MAT5, MAT_COMPRESSION_ZLIB},
                                            Format{"v73", MAT_FT_MAT73, MAT_COMPRESSION_ZLIB}),
                          [](const auto& info) { return info.param.name; });

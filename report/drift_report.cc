@@ -166,17 +166,18 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
 
 }  // namespace
 
-std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press) {
+std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis) {
   std::string sentences;
   bool changed = false;
   AlarmSeverity worst = AlarmSeverity::kAdvisory;
-  for (const auto* alarms : {&press, &axis.alarms()})
+  for (const auto* alarms : {&press, &axis})
     for (const AlarmState& alarm : *alarms) {
       if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
       worst = std::max(worst, alarm.severity);
       changed = changed || TellsAChange(alarm);
       sentences +=
-          fmt::format("<li><b>{}</b>, {}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
+          fmt::format("<li><b>{}</b>, {}{}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
+                      alarm.raised_stroke > 0 ? fmt::format(", since stroke {}", alarm.raised_stroke) : "",
                       alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
     }
   if (sentences.empty()) return "";

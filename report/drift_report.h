@@ -7,9 +7,8 @@
 
 namespace hydroscope {
 
-/// HTML: the alarms that stand, in words, those of the press (`press`) before those of the axis; "" if none
-/// does.
-std::string DriftVerdictBox(const AxisMonitor& axis, const std::vector<AlarmState>& press = {});
+/// HTML: the alarms that stand, in words, those of the press before those of the axis; "" if none does.
+std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis);
 
 /// HTML: what the healthy machine was learned from, and per watched quantity the learned curve over oil
 /// temperature with its points and what was judged since, and the deviation over the strokes. While

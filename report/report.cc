@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "core/constants.h"
+#include "core/time_text.h"
 #include "models/output_unit.h"
 #include "report/report_page.h"
 #include "report/report_plots.h"
@@ -137,15 +138,20 @@ std::string Cards(const Report& report) {
          "clear, below 0.05 a hint.</p>\n";
 }
 
-std::string DurationText(double seconds) {
-  if (!(seconds > 0)) return "–";
-  if (seconds < 120) return FormatFixed(seconds, 0) + " s";
-  if (seconds < 2 * 3600) return FormatFixed(seconds / 60, 0) + " min";
-  return FormatFixed(seconds / 3600, 1) + " h";
-}
-
 std::string Tile(const std::string& value, const std::string& label) {
   return "<div class=\"tile\"><b>" + value + "</b><span>" + label + "</span></div>";
+}
+
+/// When the strokes were made, or where the logs know no date how long they last together.
+std::string TimeTile(const ReportInput& input, double duration) {
+  if (!input.strokes.empty() && CountsFrom1970(input.strokes.front().begin)) {
+    const double first = input.strokes.front().begin, last = input.strokes.back().end;
+    return Tile(DurationText(last - first),
+                "from " + LocalTimeText(first) + " to " + LocalTimeText(last) + ", first to last stroke");
+  }
+  const std::string of =
+      input.runs.size() > 1 ? fmt::format(", added up over {} logs without dates", input.runs.size()) : "";
+  return Tile(DurationText(duration), "from first to last stroke" + of);
 }
 
 std::string Tiles(const Report& report) {
@@ -161,7 +167,7 @@ std::string Tiles(const Report& report) {
   std::string out = "<div class=\"tiles\">";
   out += Tile(FormatCount(static_cast<std::int64_t>(report.input.strokes.size())), "strokes");
   out += Tile(FormatCount(report.input.rows), "rows read");
-  out += Tile(DurationText(analysis.duration), "from first to last stroke of the runs");
+  out += TimeTile(report.input, analysis.duration);
   out += Tile(oil, "oil temperature");
   out += Tile(error, errors.floor > 0 ? "model error, rms; sensor noise alone: " + shown(errors.floor)
                                       : "model error, rms");

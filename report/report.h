@@ -46,7 +46,7 @@ struct ReportInput {
   std::vector<SkippedItem> skipped;
   std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained
   bool explanation_leads = false;           ///< it stands before the verdict on the parameters
-  std::string drift_verdict;                ///< HTML of DriftVerdictBox, "" = no alarm stands
+  std::string drift_verdict;                ///< HTML of AlarmsBox, "" = no alarm stands
   std::string drift;                        ///< HTML of DriftSection
   std::string explanation;                  ///< HTML of ExplainSections
   std::int64_t rows = 0;                    ///< rows read

@@ -1,5 +1,6 @@
 #include "report/report_parameters.h"
 
+#include <array>
 #include <cmath>
 
 #include "core/units.h"
@@ -15,6 +16,18 @@ std::string PrettyUnit(std::string unit) {
   return unit == "1" ? "" : unit;
 }
 
+/// A unit with a power of ten where numbers would begin or end in a row of zeros: "10⁻⁹ N s/m".
+void ChooseExponent(ParameterInfo& info, double typical) {
+  const double size = std::abs(typical * info.factor);
+  if (!std::isfinite(size) || size == 0 || (size >= 1e-3 && size < 1e6) || info.offset != 0) return;
+  static constexpr std::array<const char*, 10> kRaised = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const int exponent = 3 * static_cast<int>(std::floor(std::log10(size) / 3));
+  info.factor *= std::pow(10.0, -exponent);
+  std::string power = exponent < 0 ? "⁻" : "";
+  for (const char digit : std::to_string(std::abs(exponent))) power += kRaised[digit - '0'];
+  info.unit = "10" + power + (info.unit.empty() ? "" : " " + info.unit);
+}
+
 void ChooseUnit(ParameterInfo& info, std::string_view si_unit, double typical) {
   const DisplayUnit unit = DisplayUnitFor(si_unit);
   info.factor = unit.factor;
@@ -24,6 +37,7 @@ void ChooseUnit(ParameterInfo& info, std::string_view si_unit, double typical) {
   if (si_unit == "Pa" && std::abs(typical) > 1e8) info.factor = 1e-9, info.unit = "GPa";
   if (si_unit == "m3/(s Pa)") info.factor = 6e4 * 1e7, info.unit = "l/min per 100 bar";
   if (si_unit == "K") info.relative = false;
+  ChooseExponent(info, typical);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "core/relative_change.h"
+#include "diagnosis/locate.h"
 #include "models/machine_kind.h"
 #include "report/svg_text.h"
 
@@ -291,8 +292,10 @@ void AddOilSentence(std::vector<std::string>& out, const ReportAnalysis& analysi
     out.push_back(fmt::format("No dependence on the oil temperature is seen in {}.", JoinNames(not_seen)));
 }
 
+/// Growth of the error worth a sentence, of its size at first: as much is within what counts as at the noise floor.
 bool ErrorGrew(const ThirdsComparison& ratio) {
-  return SignificanceOf(ratio.change) == Significance::kClear && ratio.change.value > 0.15 * ratio.first;
+  return SignificanceOf(ratio.change) == Significance::kClear &&
+         ratio.change.value > kFloorExcess * ratio.first;
 }
 
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,

@@ -14,6 +14,7 @@
 #include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
+#include "replay/resampled_reader.h"
 #include "report/drift_report.h"
 #include "report/explain_report.h"
 #include "report/stroke_overlays.h"
@@ -112,6 +113,7 @@ class AxisReplay {
     return std::find(earlier_settings_.begin(), earlier_settings_.end(), settings) != earlier_settings_.end();
   }
   Result<int> StoreVersion(const std::string& definition);
+  Result<std::unique_ptr<LogReader>> Open(const std::string& log, std::string& note) const;
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
@@ -230,6 +232,16 @@ Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& 
   return own;
 }
 
+/// The log, at the sample period of the machine's runs so far where that is nearly its own.
+Result<std::unique_ptr<LogReader>> AxisReplay::Open(const std::string& log, std::string& note) const {
+  const auto runs = database_.Runs(machine_id_);
+  if (!runs) return tl::unexpected(runs.error());
+  double period = 0;
+  for (const RunInfo& run : *runs)
+    if (period <= 0) period = ParseRunSummary(run.summary_json).sample_period;
+  return OpenRecording(log, machine_, period, note);
+}
+
 LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count) {
   LogReplay replay;
   replay.log = log;
@@ -240,7 +252,8 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
     return replay;
   };
   if (const Status plausible = JudgeSizes(log, machine_); !plausible) return fail(plausible.error());
-  auto reader = OpenRecording(log, machine_);
+  std::string note;
+  auto reader = Open(log, note);
   if (!reader) return fail(reader.error());
   const auto fingerprint = Recognise(log, replay);
   if (!fingerprint) return fail(fingerprint.error());
@@ -253,6 +266,7 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
     replay.summary = ParseRunSummary(run->summary_json);
     return replay;
   }
+  if (!note.empty()) replay.notes.push_back(note);
   if (const Status done = Identify(**reader, count + std::filesystem::path(log).filename().string(), replay);
       !done)
     return fail(done.error());
@@ -322,7 +336,8 @@ Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
   for (const LogReplay& replay : outcome.logs)
     if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;
   if (last == nullptr || last->run.id == overlay_run_) return {};
-  auto reader = OpenRecording(last->log, machine_);
+  std::string note;
+  auto reader = Open(last->log, note);
   if (!reader) return tl::unexpected(reader.error());
   std::optional<ReportCollector> collector;
   auto pipeline = Pipeline::Create(machine_, (*reader)->SamplePeriod(),
@@ -399,7 +414,7 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   auto section = DriftSection(axis, press.rules().commissioning);
   if (!section) return tl::unexpected(section.error());
   watch.section_html = std::move(*section);
-  watch.verdict_html = DriftVerdictBox(axis, press.alarms());
+  watch.verdict_html = AlarmsBox(press.alarms(), axis.alarms());
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "setup/column_meaning.h"
@@ -73,6 +74,10 @@ std::string ColumnOf(const Machine& machine, const std::string& signal) {
   return machine.signals[index].column + " " + machine.signals[index].unit;
 }
 
+void ExpectColumns(const Machine& machine, const std::map<std::string, std::string>& columns) {
+  for (const auto& [signal, column] : columns) EXPECT_EQ(ColumnOf(machine, signal), column) << signal;
+}
+
 /// The proposed text loads, and as the very machine that was proposed.
 void ExpectLoads(const MachineProposal& proposal) {
   const auto machine = ParseMachine(proposal.text, "log.toml");
@@ -90,13 +95,13 @@ TEST(MachineProposal, RecognisesTheExamplePressCompletely) {
   const Machine& m = proposal.machine;
   EXPECT_EQ(m.model, "die_cushion");
   EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "t s");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "p_A Pa");
-  EXPECT_EQ(ColumnOf(m, "p_B"), "p_B Pa");
-  EXPECT_EQ(ColumnOf(m, "p_0"), "p_0 Pa");
-  EXPECT_EQ(ColumnOf(m, "z"), "z m");
-  EXPECT_EQ(ColumnOf(m, "y_v"), "y_v 1");
-  EXPECT_EQ(ColumnOf(m, "U_v"), "U_v V");
-  EXPECT_EQ(ColumnOf(m, "T_oil"), "T_oil degC");
+  ExpectColumns(m, {{"p_A", "p_A Pa"},
+                    {"p_B", "p_B Pa"},
+                    {"p_0", "p_0 Pa"},
+                    {"z", "z m"},
+                    {"y_v", "y_v 1"},
+                    {"U_v", "U_v V"},
+                    {"T_oil", "T_oil degC"}});
   for (const ProposedColumn& column : proposal.columns)
     EXPECT_TRUE(column.sure) << column.signal << ": " << column.why;
   EXPECT_THAT(proposal.open, IsEmpty());
@@ -119,13 +124,13 @@ TEST(MachineProposal, RecognisesAGermanLogInPlantUnits) {
   const Machine& m = proposal.machine;
   EXPECT_EQ(m.model, "die_cushion");
   EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "Zeit [ms] ms");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "Druck A [bar] bar");
-  EXPECT_EQ(ColumnOf(m, "p_B"), "Druck B [bar] bar");
-  EXPECT_EQ(ColumnOf(m, "p_0"), "Systemdruck [bar] bar");
-  EXPECT_EQ(ColumnOf(m, "z"), "Weg [mm] mm");
-  EXPECT_EQ(ColumnOf(m, "y_v"), "Schieberstellung [%] %");
-  EXPECT_EQ(ColumnOf(m, "U_v"), "Ventilspannung [V] V");
-  EXPECT_EQ(ColumnOf(m, "T_oil"), "Öltemperatur [°C] °C");
+  ExpectColumns(m, {{"p_A", "Druck A [bar] bar"},
+                    {"p_B", "Druck B [bar] bar"},
+                    {"p_0", "Systemdruck [bar] bar"},
+                    {"z", "Weg [mm] mm"},
+                    {"y_v", "Schieberstellung [%] %"},
+                    {"U_v", "Ventilspannung [V] V"},
+                    {"T_oil", "Öltemperatur [°C] °C"}});
   ExpectLoads(proposal);
 }
 
@@ -137,10 +142,8 @@ TEST(MachineProposal, FindsUnitsByTheSizeOfTheNumbers) {
       }));
   const Machine& m = proposal.machine;
   EXPECT_EQ(m.log.time_unit, "ms");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "pressure_A MPa");
-  EXPECT_EQ(ColumnOf(m, "z"), "position mm");
-  EXPECT_EQ(ColumnOf(m, "y_v"), "spool %");
-  EXPECT_EQ(ColumnOf(m, "T_oil"), "oil_temp K");
+  ExpectColumns(
+      m, {{"p_A", "pressure_A MPa"}, {"z", "position mm"}, {"y_v", "spool %"}, {"T_oil", "oil_temp K"}});
   ExpectLoads(proposal);
 }
 
@@ -150,13 +153,13 @@ TEST(MachineProposal, RecognisesColumnsWithoutNamesByTheirBehaviour) {
   EXPECT_EQ(m.model, "die_cushion");
   EXPECT_EQ(m.log.header, false);
   EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "1 s");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "2 Pa");
-  EXPECT_EQ(ColumnOf(m, "p_B"), "3 Pa");
-  EXPECT_EQ(ColumnOf(m, "p_0"), "4 Pa");
-  EXPECT_EQ(ColumnOf(m, "z"), "5 m");
-  EXPECT_EQ(ColumnOf(m, "y_v"), "6 1");
-  EXPECT_EQ(ColumnOf(m, "U_v"), "7 V");
-  EXPECT_EQ(ColumnOf(m, "T_oil"), "8 degC");
+  ExpectColumns(m, {{"p_A", "2 Pa"},
+                    {"p_B", "3 Pa"},
+                    {"p_0", "4 Pa"},
+                    {"z", "5 m"},
+                    {"y_v", "6 1"},
+                    {"U_v", "7 V"},
+                    {"T_oil", "8 degC"}});
   EXPECT_THAT(proposal.text, HasSubstr("<-- check"));
   ExpectLoads(proposal);
 }
@@ -277,9 +280,7 @@ TEST(MachineProposal, TakesUnitsFromTheEndOfNames) {
       }));
   const Machine& m = proposal.machine;
   EXPECT_EQ(m.log.time_column + " " + m.log.time_unit, "t_ms ms");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "pA_bar bar");
-  EXPECT_EQ(ColumnOf(m, "p_B"), "pB_bar bar");
-  EXPECT_EQ(ColumnOf(m, "z"), "s_mm mm");
+  ExpectColumns(m, {{"p_A", "pA_bar bar"}, {"p_B", "pB_bar bar"}, {"z", "s_mm mm"}});
   EXPECT_EQ(ColumnOf(m, "y_v"), "y_v 1") << "no volt";
   EXPECT_EQ(ColumnOf(m, "T_oil"), "T_oil_C degC");
   ExpectLoads(proposal);
@@ -306,9 +307,7 @@ TEST(MachineProposal, GuessesColumnsWithoutTellingNamesAndSaysSo) {
   }));
   const Machine& m = proposal.machine;
   EXPECT_EQ(m.model, "die_cushion");
-  EXPECT_EQ(ColumnOf(m, "z"), "AI_1 mm");
-  EXPECT_EQ(ColumnOf(m, "y_v"), "AI_2 1");
-  EXPECT_EQ(ColumnOf(m, "p_A"), "AI_3 bar");
+  ExpectColumns(m, {{"z", "AI_1 mm"}, {"y_v", "AI_2 1"}, {"p_A", "AI_3 bar"}});
   for (const ProposedColumn& column : proposal.columns) {
     const bool guessed = column.signal == "z" || column.signal == "y_v" || column.signal == "p_A";
     EXPECT_FALSE(guessed && column.sure) << column.signal;

@@ -14,14 +14,16 @@ namespace {
 using namespace command_line_test;
 using testing::HasSubstr;
 
+constexpr double kRaised = 1772373909;  // s since 1970: 2026-03-01 14:05:09 UTC
+
 class AlarmsCommand : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
     auto journal = AlarmJournal::Open(AlarmJournal::PathFor(File("press.db")));
     ASSERT_OK(journal);
-    ASSERT_OK(journal->Change("press/left", 1000, [](AxisContent& axis) -> Status {
-      const AlarmMoment now{.time = 10, .wall = 1000, .stroke = 5};
+    ASSERT_OK(journal->Change("press/left", kRaised, [](AxisContent& axis) -> Status {
+      const AlarmMoment now{.time = 10, .wall = kRaised, .stroke = 5};
       const AlarmCondition condition{.value = 2, .std = 0.1, .limit = 1, .unit = "1", .text = "high"};
       for (const char* id : {"no_samples", "seal"})
         axis.Append(alarm_machine::Observe(axis.Alarm(id), {.on_delay = 1}, condition, now));
@@ -57,6 +59,10 @@ TEST_F(AlarmsCommand, TakesAnAlarmOutOfServiceAndBackWithARowForEach) {
   EXPECT_EQ(rows[0].at("user"), "meier");
   EXPECT_EQ(rows[0].at("comment"), "sensor is being changed");
   EXPECT_EQ(rows[1].at("event"), "in_service");
+}
+
+TEST_F(AlarmsCommand, TheListSaysSinceWhen) {
+  EXPECT_THAT(Alarms({"list"}).out, testing::ContainsRegex("no_samples, since 2026-03-0[12] [0-9][0-9]:"));
 }
 
 TEST_F(AlarmsCommand, AnAlarmAtRestCanBeTakenOutOfServiceByName) {

@@ -49,6 +49,7 @@ class CommandLine : public testing::Test {
   pid_t Start(const std::vector<std::string>& words) {
     const pid_t child = fork();
     if (child != 0) return child;
+    setenv("COLUMNS", "1000", 1);  // lines stay whole
     if (freopen(File("stdout").c_str(), "w", stdout) == nullptr) _exit(99);
     if (freopen(File("stderr").c_str(), "w", stderr) == nullptr) _exit(99);
     std::vector<std::string> kept = words;

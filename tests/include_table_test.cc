@@ -76,7 +76,7 @@ const std::vector<Reserved> kReservedWords = {
     {"high_resolution_clock", {"studies/"}},
     {"clock_gettime", {"studies/"}},
     {"std::time(", {"dds/shared_memory.cc"}},  // age of what killed processes left behind
-    {"getenv", {"cli/", "live/", "studies/"}},
+    {"getenv", {"host/", "cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
     {"<sys/socket.h>", {"live/", "studies/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
     {"sleep_for", {"live/", "studies/", "cli/"}},

@@ -224,5 +224,12 @@ TEST_F(OneAnswer, ABadSignalOfTheLibraryMakesNoPerfectModel) {
     EXPECT_GT(stroke["rms_modelled"].get<double>(), 1) << stroke.dump();
 }
 
+TEST_F(OneAnswer, MoreStrokesAreNotAdvisedWhereTheModelMissesAnEffect) {
+  const std::string log = Simulate("leak.csv", 90, 4, {"--effect", "internal_leakage=4.5e-12"});
+  const Ran check = Run({"check", log, "-m", Cushion()});
+  EXPECT_THAT(check.out, HasSubstr("find what the model misses first"));
+  EXPECT_THAT(check.out, Not(HasSubstr("record at least")));
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "machines/die_cushion/press_file_fixture.h"
 #include "simulator/log_format.h"
 #include "simulator/press.h"
 #include "storage/alarm_journal.h"
@@ -14,30 +15,7 @@ namespace {
 using namespace command_line_test;
 using testing::HasSubstr;
 
-const char* const kPress = R"toml(
-[machine]
-name = "press"
-model = "die_cushion"
-[live]
-axes = ["c1", "c2", "c3", "c4"]
-[live.dds]
-[signals]
-p_A = { dds = "{axis}/p_A", unit = "Pa" }
-p_B = { dds = "{axis}/p_B", unit = "Pa", required = false }
-p_0 = { dds = "{axis}/p_0", unit = "Pa", required = false }
-z   = { dds = "{axis}/z", unit = "m" }
-y_v = { dds = "{axis}/y_v", unit = "1" }
-U_v = { dds = "{axis}/U_v", unit = "V", stuck_time = 0, required = false }
-T_oil = { dds = "{axis}/T_oil", unit = "degC", stuck_time = 0, required = false }
-[geometry]
-A_A = 0.0125
-dp_nom = { value = 35, unit = "bar" }
-p_t = 0
-[gate]
-conditions = { y_v = { min = 0.04 }, "ddt(z)" = { max = -0.004, unit = "m/s" } }
-stroke_gap = 0.25
-min_stroke = 0.3
-)toml";
+const std::string kPress = PressFile(R"("c1", "c2", "c3", "c4")", "", "degC");
 
 /// Logs of a healthy press, and of the same press with a fault, simulated once.
 class ReplayPress : public CommandLine {

@@ -63,6 +63,14 @@ void DoubtSlowRows(CheckResult& check) {
   }
 }
 
+/// More strokes of a machine that the model does not describe make intervals narrower and no truer.
+void SendToExplain(CheckResult& check) {
+  if (!check.suspicion.suspected) return;
+  for (CheckedParameter& parameter : check.parameters)
+    if (parameter.verdict == Identifiability::kWeak)
+      parameter.advice = "find what the model misses first: 'hydroscope explain' with the same arguments";
+}
+
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
   if (!fitted) {
     check.no_fit = fitted.error().text;
@@ -74,6 +82,7 @@ void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult&
   check.suspicion = std::move(fitted->suspicion);
   check.parameters = JudgeParameters(check.figures.parameters, check.driving);
   TakeConfoundings(fitted->confounded, check);
+  SendToExplain(check);
   DoubtSlowRows(check);
 }
 
@@ -125,6 +134,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.driving.too_short = pipeline->discarded_strokes();
     TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
     check.hints = PlausibilityHints(check);
+    const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
+    check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
   }
   return check;
 }

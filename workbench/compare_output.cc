@@ -68,6 +68,7 @@ std::string OverallText(const CompareResult& result) {
   text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used\n", result.strokes,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
+  for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: compared on its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());
@@ -100,16 +101,16 @@ std::string StrokesText(const CompareResult& result) {
   const std::size_t worst = result.WorstStroke();
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   std::string text = fmt::format("\nPer stroke, {}; free run in bar\n", unit.name) +
-                     "  stroke   begin s  measured  modelled  difference   %      noise  free run\n";
+                     "  stroke  begin s  measured  modelled  difference   %      noise  free run\n";
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
-    text += fmt::format("  {:>6} {:>9} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g} {:>9}{}\n", s.stroke,
+    text += fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g} {:>9}{}\n", s.stroke,
                         std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
                         s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
                         s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
                         s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar) : std::string("-"),
-                        k == worst ? "   worst" : "");
+                        k == worst ? " worst" : "");
   }
   if (result.per_stroke.size() > kShown)
     text +=

@@ -374,6 +374,7 @@ std::string ExplainText(const ExplainResult& result) {
   text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
+  for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   text += NotFiniteText(result.log.totals);
   for (const std::string& warning : x.warnings) text += fmt::format("WARNING: {}\n", warning);
   if (result.strokes < result.log.strokes.size())

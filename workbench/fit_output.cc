@@ -65,6 +65,7 @@ std::string FitText(const FitResult& result) {
       "{} strokes, {} of {} rows used\n",
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
       result.fit.strokes, result.log.totals.used, result.log.totals.samples);
+  for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";
   const ModelHeadline headline = HeadlineOf(result.fit, result.suspicion.suspected);

@@ -11,6 +11,7 @@
 #include "core/units.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/run_summary.h"
+#include "replay/resampled_reader.h"
 
 namespace hydroscope {
 namespace {
@@ -79,7 +80,7 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
       history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
-    if (period > 0 && std::abs(own - period) > 1e-3 * period)
+    if (period > 0 && std::abs(own - period) > kSamePeriod * period)
       return BadInput(
           "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; choose strokes of one "
           "with --from and --to",
@@ -127,7 +128,7 @@ std::optional<double> Seconds(const std::string& text) {
   return rest == "s" || rest.empty() ? std::optional(value) : std::nullopt;
 }
 
-/// "2025-03-01", "2025-03-01T06:30", "2025-03-01 06:30:05" as seconds since 1970, UTC.
+/// "2025-03-01", "2025-03-01T06:30", "2025-03-01 06:30:05" as seconds since 1970, in the time zone of this computer.
 std::optional<double> Date(const std::string& text) {
   std::tm date{};
   int used = 0;
@@ -142,7 +143,8 @@ std::optional<double> Date(const std::string& text) {
   if (!whole_day && between != 'T' && between != ' ') return std::nullopt;
   date.tm_year -= 1900;
   date.tm_mon -= 1;
-  return static_cast<double>(timegm(&date));
+  date.tm_isdst = -1;  // summer time where it is
+  return static_cast<double>(mktime(&date));
 }
 
 Result<std::int64_t> RunBegin(const Database& database, std::int64_t machine, const std::string& number) {

@@ -15,6 +15,10 @@
 namespace hydroscope {
 namespace {
 
+/// Spread of the ram speed over its mean below which strokes count as of one speed: leakage and valve flow then part by
+/// less than their noise (log f of the example presses).
+constexpr double kOneSpeed = 0.15;
+
 /// What tells two effects apart. Laws that differ only in one quantity need strokes that vary that quantity
 /// alone.
 struct Separation {
@@ -116,11 +120,10 @@ double RelativeSpread(const std::vector<StrokeRecord>& strokes, Get get) {
 
 /// What to say where all strokes are alike in a condition that hides something then.
 std::optional<std::string> Monotony(const ExplainResult& result) {
-  constexpr double kSame = 0.15;  ///< spread over the mean
   const std::vector<Condition>& conditions = result.log.model->conditions;
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const auto value = [c](const StrokeSummary& s) { return s.conditions[c]; };
-    if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kSame) continue;
+    if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kOneSpeed) continue;
     const DisplayUnit unit = DisplayUnitFor(conditions[c].unit);
     const double shown = value(result.log.strokes.front().summary) * unit.factor;
     return fmt::format(

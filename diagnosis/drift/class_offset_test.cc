@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/constants.h"
+
 namespace hydroscope::drift {
 namespace {
 
@@ -22,7 +24,7 @@ TEST(ClassOffset, IsFoundWithinItsStdAndOneWildStrokeHardlyMovesIt) {
     auto strokes = Strokes(2.0, 0.5, 60, random);
     strokes[7].value = 1000;
     const ClassOffset offset = MeasureOffset(strokes);
-    inside += std::abs(offset.offset - 2.0) < 1.96 * offset.std;
+    inside += std::abs(offset.offset - 2.0) < kNormal95 * offset.std;
   }
   EXPECT_GT(inside, 370);
 }

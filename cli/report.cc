@@ -1,0 +1,49 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "review/stored_report.h"
+
+namespace hydroscope {
+namespace {
+
+struct ReportArguments {
+  std::string db, machine, out, json;
+};
+
+Status RunReport(const ReportArguments& a) {
+  const auto written = WriteStoredReport(a.db, a.machine, a.out);
+  if (!written) return tl::unexpected(written.error());
+  if (a.json != "-")
+    Say(fmt::format("{}: {} strokes of {} in {} runs\n", a.out, written->strokes, written->machine,
+                    written->runs));
+  if (a.json.empty()) return {};
+  return WriteJson(a.json, {{"report", a.out},
+                            {"machine", written->machine},
+                            {"strokes", written->strokes},
+                            {"runs", written->runs},
+                            {"alarms", written->alarms}});
+}
+
+}  // namespace
+
+void AddReportCommand(CLI::App& app, int& exit_code) {
+  auto a = std::make_shared<ReportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "report", "The maintenance report of a database, also while `hydroscope serve` writes it");
+  command->add_option("--db,-d", a->db, "Database that `hydroscope replay` or `serve` fills")->required();
+  command->add_option("--machine,-m", a->machine, "Name of the machine, if the database holds several");
+  command->add_option("--out,-o", a->out, "Page to write (HTML)")->required();
+  command->add_option("--json", a->json, "Write what the page rests on as JSON to this file; - is stdout");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope report --db press.db --out press.html\n"
+      "  hydroscope report --db press.db --machine press/cushion_1 --out cushion_1.html");
+  command->callback([a, &exit_code] {
+    const Status done = RunReport(*a);
+    exit_code = done ? kDone : ReportError(done.error());
+  });
+}
+
+}  // namespace hydroscope

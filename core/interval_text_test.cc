@@ -1,0 +1,24 @@
+#include "core/interval_text.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
+  EXPECT_EQ(WithInterval(1.2103, 0.0214), "1.210 ± 0.021");
+  EXPECT_EQ(WithInterval(12202, 424), "12202 ± 424");
+  EXPECT_EQ(WithInterval(3, NAN), "3 ± ?");
+  EXPECT_EQ(WithInterval(0, 0), "0 ± 0");
+}
+
+TEST(WithInterval, SmallAndLargeValuesCarryAnExponent) {
+  EXPECT_EQ(WithInterval(4.512e-12, 3.1e-14), "(4.512 ± 0.031)e-12");
+  EXPECT_EQ(WithInterval(-2e-7, 5e-7), "(-2.0 ± 5.0)e-7");
+  EXPECT_EQ(WithInterval(1.21e9, 1.2e7), "(1.210 ± 0.012)e9");
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,33 @@
+#include "core/units.h"
+
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+TEST(Units, EveryQuantityMayComePerSecondOrPerMinute) {
+  struct Case {
+    const char *name, *si;
+    double scale;
+  };
+  for (const Case& c : {Case{"bar/s", "Pa/s", 1e5},
+                        {"V/s", "V/s", 1},
+                        {"K/min", "K/s", 1.0 / 60},
+                        {"degC/min", "K/s", 1.0 / 60},
+                        {"kN/s", "N/s", 1e3},
+                        {"mm/s/s", "m/s2", 1e-3},
+                        {"%/s", "1/s", 0.01},
+                        {"mm/s2", "m/s2", 1e-3}}) {
+    const auto unit = FindUnit(c.name);
+    ASSERT_TRUE(unit) << c.name;
+    EXPECT_EQ(unit->si, c.si) << c.name;
+    EXPECT_DOUBLE_EQ(unit->scale, c.scale) << c.name;
+    EXPECT_EQ(unit->offset, 0) << c.name;
+  }
+  EXPECT_EQ(FindUnit("m/s")->si, "m/s");
+  EXPECT_FALSE(FindUnit("s/s"));
+  EXPECT_FALSE(FindUnit("bars/s"));
+}
+
+}  // namespace
+}  // namespace hydroscope

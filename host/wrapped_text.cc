@@ -1,0 +1,59 @@
+#include "host/wrapped_text.h"
+
+#include <algorithm>
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kHang = 4;  // blanks that a continued line stands further in
+
+/// Bytes of the first `count` characters.
+std::size_t BytesOf(std::string_view text, std::size_t count) {
+  std::size_t at = 0;
+  while (at < text.size() && (count > 0 || (text[at] & 0xC0) == 0x80)) {
+    if ((text[at] & 0xC0) != 0x80) --count;
+    ++at;
+  }
+  return at;
+}
+
+bool IsCommand(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+  return line.starts_with("hydroscope ") || line.starts_with("next: hydroscope ");
+}
+
+void AppendWrapped(std::string_view line, std::size_t width, std::string& out) {
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  std::size_t indent = 0;  // of what is being broken
+  while (BytesOf(line, width - indent) < line.size()) {
+    const std::size_t fits = BytesOf(line, width - indent);
+    std::size_t blank = line.rfind(' ', fits);
+    if (blank == line.npos || line.find_first_not_of(' ') > blank) blank = line.find(' ', fits);
+    if (blank == line.npos) break;  // one long word
+    std::string_view taken = line.substr(0, blank);
+    out.append(indent, ' ').append(taken.substr(0, taken.find_last_not_of(' ') + 1)) += '\n';
+    line.remove_prefix(std::min(line.find_first_not_of(' ', blank), line.size()));
+    indent = std::min(begin + kHang, width / 2);
+    if (line.empty()) return;
+  }
+  out.append(indent, ' ').append(line) += '\n';
+}
+
+}  // namespace
+
+std::string WrappedText(std::string_view text, std::size_t width) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    if (IsCommand(line))
+      out.append(line) += '\n';
+    else
+      AppendWrapped(line, width, out);
+    if (end == text.size()) out.pop_back();
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,75 @@
+#include "review/stored_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "models/model_structure.h"
+#include "report/drift_report.h"
+#include "report/explain_report.h"
+#include "report/report.h"
+#include "review/replay_report.h"
+#include "workbench/explain_history.h"
+#include "workbench/history_output.h"
+#include "workbench/stored_change.h"
+#include "workbench/stroke_history.h"
+
+namespace hydroscope {
+namespace {
+
+/// The one machine that is meant.
+Result<HistoryPart> Chosen(Database& database, const std::string& path, const std::string& machine) {
+  auto parts = ChosenMachines(
+      database, path, machine.empty() ? std::vector<std::string>{} : std::vector<std::string>{machine});
+  if (!parts) return tl::unexpected(parts.error());
+  if (parts->size() == 1) return parts->front();
+  std::string names;
+  for (const HistoryPart& part : *parts) names += (names.empty() ? "" : ", ") + part.machine;
+  return UsageError("{} holds {} machines: {}. Choose one with --machine NAME", path, parts->size(), names);
+}
+
+void AddExplanation(const Database& database, const std::string& path, const HistoryPart& part,
+                    const Machine& machine, ReportInput& input) {
+  const auto history = LoadHistory(database, path, {part}, machine);
+  if (!history) return;
+  auto explained = ExplainHistory(*history);
+  if (!explained) return;
+  explained->described = HistoryLine(*history);
+  explained->target = fmt::format("--db {}", path);
+  const bool adequate = explained->explanation.verdict == Verdict::kAdequate;
+  input.explanation_verdict = ExplainVerdictBox(*explained);
+  if (explained->explanation.no_verdict.empty()) input.misses = !adequate;
+  input.explanation_leads = !adequate;
+  input.explanation = ExplainSections(*explained, false);
+}
+
+}  // namespace
+
+Result<StoredReport> WriteStoredReport(const std::string& path, const std::string& name,
+                                       const std::string& page) {
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto part = Chosen(*database, path, name);
+  if (!part) return tl::unexpected(part.error());
+  if (part->strokes() <= 0) return BadInput("{}: machine \"{}\" has no strokes yet", path, part->machine);
+  auto machine = StoredMachine(*database, path, *part);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto model = BuildModel(*machine);
+  if (!model) return tl::unexpected(model.error());
+
+  ReplayOutcome outcome;
+  outcome.machine = std::move(*machine);
+  if (const Status collected = CollectOutcome(*database, part->id, **model, outcome); !collected)
+    return tl::unexpected(collected.error());
+  auto input = MakeReportInput(*database, part->id, outcome, {});
+  if (!input) return tl::unexpected(input.error());
+  const std::vector<AlarmState> alarms = AlarmsBeside(path, part->machine);
+  input->drift_verdict = AlarmsBox({}, alarms);
+  AddExplanation(*database, path, *part, outcome.machine, *input);
+  if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
+  const auto standing =
+      std::count_if(alarms.begin(), alarms.end(), [](const AlarmState& a) { return a.active; });
+  return StoredReport{part->machine, part->strokes(), outcome.runs.size(), standing};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/result.h"
+
+namespace hydroscope {
+
+struct StoredReport {
+  std::string machine;
+  std::int64_t strokes = 0;
+  std::size_t runs = 0;
+  std::int64_t alarms = 0;  ///< that are active
+};
+
+/// Writes the maintenance report of a machine of a database: what was recorded, what stands in its journal, and what
+/// `explain` finds in its strokes. Only reads, so that a service may write meanwhile. `machine`: "" = the only one.
+/// Errors: no database, no such machine or several, no strokes, the page cannot be written.
+Result<StoredReport> WriteStoredReport(const std::string& database, const std::string& machine,
+                                       const std::string& page);
+
+}  // namespace hydroscope
