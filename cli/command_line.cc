@@ -77,23 +77,9 @@ int RunCommandLine(int argc, const char* const* argv) {
       "  hydroscope replay press.csv --machine machines/die_cushion.toml --db press.db --report press.html\n"
       "  hydroscope trends --db press.db");
   int exit_code = kDone;
-  AddInitCommand(app, exit_code);
-  AddCheckCommand(app, exit_code);
-  AddSimulateCommand(app, exit_code);
-  AddFitCommand(app, exit_code);
-  AddCompareCommand(app, exit_code);
-  AddExplainCommand(app, exit_code);
-  AddModelCommand(app, exit_code);
-  AddFrfCommand(app, exit_code);
-  AddReplayCommand(app, exit_code);
-  AddTrendsCommand(app, exit_code);
-  AddServeCommand(app, exit_code);
-  AddStatusCommand(app, exit_code);
-  AddVerifyLiveCommand(app, exit_code);
-  AddAlarmsCommand(app, exit_code);
-  AddLearnCommand(app, exit_code);
-  AddReportCommand(app, exit_code);
-  AddBenchmarkCommand(app, exit_code);
+#define HYDROSCOPE_ADD_COMMAND(Name) Add##Name##Command(app, exit_code);
+  HYDROSCOPE_COMMANDS(HYDROSCOPE_ADD_COMMAND)
+#undef HYDROSCOPE_ADD_COMMAND
   AddShellCommands(app, exit_code);
   AddQuiet(app);
   try {

@@ -8,25 +8,31 @@ class App;
 
 namespace hydroscope {
 
-/// Every command lives in cli/<name>.cc, adds itself to `app` and leaves its exit code in
+/// The commands, in the order of --help. Each lives in cli/<name>.cc, adds itself to `app` and leaves its exit code in
 /// `exit_code` when it runs.
-void AddInitCommand(CLI::App& app, int& exit_code);
-void AddCheckCommand(CLI::App& app, int& exit_code);
-void AddSimulateCommand(CLI::App& app, int& exit_code);
-void AddFitCommand(CLI::App& app, int& exit_code);
-void AddCompareCommand(CLI::App& app, int& exit_code);
-void AddExplainCommand(CLI::App& app, int& exit_code);
-void AddModelCommand(CLI::App& app, int& exit_code);
-void AddFrfCommand(CLI::App& app, int& exit_code);
-void AddReplayCommand(CLI::App& app, int& exit_code);
-void AddTrendsCommand(CLI::App& app, int& exit_code);
-void AddServeCommand(CLI::App& app, int& exit_code);
-void AddStatusCommand(CLI::App& app, int& exit_code);
-void AddVerifyLiveCommand(CLI::App& app, int& exit_code);
-void AddAlarmsCommand(CLI::App& app, int& exit_code);
-void AddLearnCommand(CLI::App& app, int& exit_code);
-void AddReportCommand(CLI::App& app, int& exit_code);
-void AddBenchmarkCommand(CLI::App& app, int& exit_code);
+#define HYDROSCOPE_COMMANDS(_) \
+  _(Init)                      \
+  _(Check)                     \
+  _(Simulate)                  \
+  _(Fit)                       \
+  _(Compare)                   \
+  _(Explain)                   \
+  _(Model)                     \
+  _(Frf)                       \
+  _(Replay)                    \
+  _(Trends)                    \
+  _(Serve)                     \
+  _(Status)                    \
+  _(VerifyLive)                \
+  _(Alarms)                    \
+  _(Learn)                     \
+  _(Report)                    \
+  _(Benchmark)
+
+#define HYDROSCOPE_DECLARE_COMMAND(Name) void Add##Name##Command(CLI::App& app, int& exit_code);
+HYDROSCOPE_COMMANDS(HYDROSCOPE_DECLARE_COMMAND)
+#undef HYDROSCOPE_DECLARE_COMMAND
+
 /// `completion` for bash and zsh and `manual`, from what all other commands say of themselves: added last.
 void AddShellCommands(CLI::App& app, int& exit_code);
 /// The benchmarks called live-...

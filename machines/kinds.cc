@@ -1,5 +1,3 @@
-#include <array>
-
 #include "machines/die_cushion/kind.h"
 #include "machines/own_balance/kind.h"
 #include "machines/valve/kind.h"
@@ -7,7 +5,7 @@
 namespace hydroscope {
 
 std::span<const MachineKind* const> MachineKinds() {
-  static constexpr std::array<const MachineKind*, 3> kKinds = {
+  static constexpr const MachineKind* kKinds[] = {
       &kDieCushion,
       &kValve,
       &kOwnBalance,

@@ -5,12 +5,36 @@
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
+namespace {
 
-Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
-  if (IsMatFile(path)) return MatReader::Open(path, machine);
+bool IsText(const std::string&) { return true; }
+
+Result<std::unique_ptr<LogReader>> OpenText(const std::string& path, const Machine& machine) {
   auto source = OpenFileSource(path);
   if (!source) return tl::unexpected(source.error());
   return CsvReader::Open(std::move(*source), machine, path);
+}
+
+Result<std::unique_ptr<LogReader>> OpenMat(const std::string& path, const Machine& machine) {
+  return MatReader::Open(path, machine);
+}
+
+/// A format of logs; the first one that recognises a file reads it.
+struct Format {
+  bool (*recognises)(const std::string& path);
+  Result<std::unique_ptr<LogReader>> (*open)(const std::string& path, const Machine& machine);
+};
+constexpr Format kFormats[] = {
+    {IsMatFile, OpenMat},
+    {IsText, OpenText},
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
+  for (const Format& format : kFormats)
+    if (format.recognises(path)) return format.open(path, machine);
+  return BadInput("{}: no format of logs that is known", path);
 }
 
 }  // namespace hydroscope

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Adds an effect, a kind of machine, a command and a log format to a copy of the sources, compiles what was touched, and
+# prints the files and lines that each took. Fails where one of them takes more than docs/architecture.md says.
+# Usage: scripts/one_of_each.sh [compiler]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+compiler=${1:-c++}
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+cp -r core models machines host setup cli replay acquisition "$copy"
+cd "$copy"
+git init -q . && git add -A && git -c user.name=copy -c user.email=copy commit -qm copy
+
+compiles() {
+  "$compiler" -std=c++20 -fsyntax-only -DHYDROSCOPE_VERSION='"0"' -I. -isystem /usr/include/eigen3 "$@"
+}
+
+# judge WHAT ALLOWED_LINES FILES_TO_COMPILE...: new files are free, lines in files that were there are counted.
+judge() {
+  local what=$1 allowed=$2 created changed lines
+  shift 2
+  git add -A
+  created=$(git diff --cached --name-only --diff-filter=A | wc -l)
+  changed=$(git diff --cached --name-only --diff-filter=M | wc -l)
+  lines=$(git diff --cached --numstat --diff-filter=M | awk '{n += $1} END {print n + 0}')
+  for file in "$@"; do compiles "$file"; done
+  printf '%-18s %d new file(s), %d line(s) in %d file(s) that were there\n' "$what" "$created" "$lines" "$changed"
+  if ((lines > allowed)); then
+    echo "$what: $lines lines in files that were there, at most $allowed are documented" >&2
+    exit 1
+  fi
+  git -c user.name=copy -c user.email=copy commit -qm "$what"
+}
+
+# renamed FROM TO FILE: the file with one name in place of another.
+renamed() { sed "s/$1/$2/g" "$3"; }
+
+effects=machines/die_cushion/effects
+renamed ExternalLeakage DrainLeakage $effects/external_leakage.cc | sed 's/external_leakage/drain_leakage/' > $effects/drain_leakage.cc
+sed -i '0,/^  _(ReturnLineResistance)/s//  _(DrainLeakage) \\\n  _(ReturnLineResistance)/' $effects/effects.h
+judge "effect" 1 $effects/drain_leakage.cc machines/die_cushion/library.cc
+
+mkdir machines/pump
+renamed kValve kPump machines/valve/kind.h > machines/pump/kind.h
+renamed kValve kPump machines/valve/kind.cc | sed 's/machines\/valve/machines\/pump/; s/"valve"/"pump"/' > machines/pump/kind.cc
+sed -i '/machines\/valve\/kind.h/i #include "machines/pump/kind.h"' machines/kinds.cc
+sed -i 's/^      &kValve,/      \&kPump,\n      \&kValve,/' machines/kinds.cc
+judge "kind of machine" 2 machines/pump/kind.cc machines/kinds.cc
+
+renamed AddInitCommand AddAdviseCommand cli/init.cc | sed 's/add_subcommand("init"/add_subcommand("advise"/' > cli/advise.cc
+sed -i 's/^  _(Init) /  _(Advise) \\\n  _(Init) /' cli/commands.h
+judge "command" 1 cli/advise.cc cli/command_line.cc
+
+renamed CsvReader TdmsReader replay/csv_reader.h > replay/tdms_reader.h
+sed -i 's/^    {IsMatFile, /    {IsTdmsFile, OpenTdms},\n    {IsMatFile, /; s/#include "replay\/mat_reader.h"/&\n#include "replay\/tdms_reader.h"/' replay/log_reader.cc
+cat >> replay/tdms_reader.h <<'READER'
+namespace hydroscope {
+bool IsTdmsFile(const std::string& path);
+Result<std::unique_ptr<LogReader>> OpenTdms(const std::string& path, const Machine& machine);
+}  // namespace hydroscope
+READER
+judge "log format" 2 replay/log_reader.cc
