@@ -17,6 +17,7 @@
 #include "studies/recovery.h"
 #include "studies/seal_friction.h"
 #include "studies/since_benchmark.h"
+#include "studies/state_machines.h"
 #include "studies/thirty_runs.h"
 
 namespace hydroscope {
@@ -298,6 +299,18 @@ void AddOwnMachines(CLI::App& benchmark, int& exit_code) {
   command->callback([o, &exit_code] { exit_code = RunOwnMachines(*o); });
 }
 
+void AddStateMachines(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<StateMachinesOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "state-machines", "Effects hidden in simulated machines that are described by states");
+  command->add_option("--cases", o->cases, "Simulated machines")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the machines")->capture_default_str();
+  command->footer("Example:\n  hydroscope benchmark state-machines --cases 36");
+  command->callback([o, &exit_code] { exit_code = RunStateMachines(*o); });
+}
+
 void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   auto o = std::make_shared<ExampleLogOptions>();
   o->machine_file = "machines/die_cushion.toml";
@@ -345,6 +358,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddAlarmBenchmarks(*benchmark, exit_code);
   AddSealFriction(*benchmark, exit_code);
   AddOwnMachines(*benchmark, exit_code);
+  AddStateMachines(*benchmark, exit_code);
 }
 
 }  // namespace hydroscope

@@ -7,13 +7,14 @@
 #include "workbench/compare_output.h"
 #include "workbench/history_options.h"
 #include "workbench/history_output.h"
+#include "workbench/states_output.h"
 
 namespace hydroscope {
 namespace {
 
 struct CompareArguments {
   std::vector<std::string> logs;
-  std::string machine, hold_out, json;
+  std::string machine, hold_out, json, csv;
   HistoryOptions history;
 };
 
@@ -41,12 +42,26 @@ Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
   return results;
 }
 
+Status CompareStates(const CompareArguments& a) {
+  const auto fit = FitStatesLogs(a.logs, a.machine, a.hold_out);
+  if (!fit) return tl::unexpected(fit.error());
+  if (a.json != "-") std::cout << CompareText(*fit);
+  if (!a.csv.empty())
+    if (const Status written = WriteStatesCsv(*fit, a.csv); !written) return written;
+  if (a.json.empty()) return {};
+  nlohmann::json json = CompareJson(*fit);
+  json["machine"] = fit->log.machine.name;
+  return WriteJson(a.json, json);
+}
+
 Status RunCompare(const CompareArguments& a) {
   if (a.logs.empty() == a.history.db.empty())
     return UsageError("compare needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("compare LOG needs --machine M.toml");
   if (!a.hold_out.empty() && !a.history.db.empty())
     return UsageError("--hold-out needs logs, not a database");
+  if (a.history.db.empty() && HasStates(a.machine)) return CompareStates(a);
+  if (!a.csv.empty()) return UsageError("--csv is for machines with [states]: measured beside simulated");
   const auto results = Compare(a);
   if (!results) return tl::unexpected(results.error());
   nlohmann::json json = nlohmann::json::array();
@@ -72,6 +87,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
                       "Machine file (TOML); with --db the model stored there if it is not given");
   AddHistoryOptions(*command, a->history);
   command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
+  command->add_option("--csv", a->csv, "Machines with [states]: write measured beside simulated, row by row");
   command->footer(
       "Examples:\n"
       "  hydroscope compare press.csv --machine machines/die_cushion.toml\n"

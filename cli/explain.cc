@@ -9,6 +9,7 @@
 #include "workbench/history_options.h"
 #include "workbench/history_output.h"
 #include "workbench/measured_sizes.h"
+#include "workbench/states_output.h"
 #include "workbench/stored_change.h"
 
 namespace hydroscope {
@@ -140,12 +141,22 @@ Result<Explained> ExplainDatabase(const ExplainArguments& a) {
   return out;
 }
 
+Status ExplainStatesOfLogs(const ExplainArguments& a) {
+  if (!a.report.empty())
+    return UsageError("explain --report has no page for machines with [states] yet; use the text or --json");
+  const auto explained = ExplainStatesLogs(a.logs, a.machine);
+  if (!explained) return tl::unexpected(explained.error());
+  if (a.json != "-") std::cout << ExplainText(*explained);
+  return a.json.empty() ? Status() : WriteJson(a.json, ExplainJson(*explained));
+}
+
 Status RunExplain(const ExplainArguments& a) {
   if (a.logs.empty() == a.history.db.empty())
     return UsageError("explain needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
   if (!a.measured.empty() && a.logs.empty()) return UsageError("--measured needs a LOG");
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
+  if (a.history.db.empty() && HasStates(a.machine)) return ExplainStatesOfLogs(a);
   auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
   if (!explained) return tl::unexpected(explained.error());
   if (a.json != "-") Say(explained->text);

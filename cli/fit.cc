@@ -6,15 +6,33 @@
 #include "host/output.h"
 #include "workbench/fit_log.h"
 #include "workbench/fit_output.h"
+#include "workbench/states_output.h"
 
 namespace hydroscope {
+namespace {
+
+struct FitArguments {
+  std::vector<std::string> logs;
+  std::string machine, hold_out, json;
+};
+
+/// Says what was fitted, as text and as JSON.
+template <typename Fit>
+Status TellFit(const Result<Fit>& fit, const std::string& json) {
+  if (!fit) return tl::unexpected(fit.error());
+  if (json != "-") Say(FitText(*fit));
+  return json.empty() ? Status() : WriteJson(json, FitJson(*fit));
+}
+
+Status RunFit(const FitArguments& a) {
+  if (HasStates(a.machine)) return TellFit(FitStatesLogs(a.logs, a.machine, a.hold_out), a.json);
+  return TellFit(FitLogs(a.logs, a.machine, a.hold_out), a.json);
+}
+
+}  // namespace
 
 void AddFitCommand(CLI::App& app, int& exit_code) {
-  struct Options {
-    std::vector<std::string> logs;
-    std::string machine, hold_out, json;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitArguments>();
   CLI::App* command = app.add_subcommand(
       "fit", "Physical parameters of the model from logs of one machine, with 95 % intervals");
   command->add_option("logs", options->logs, "Logs of one machine (CSV, CSV.gz or MAT)")->required();
@@ -28,15 +46,7 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
       "  hydroscope fit X-ring257_*bar.csv -m machines/seal_friction.toml --hold-out X-ring257_3bar.csv\n"
       "  hydroscope fit press.csv -m machines/die_cushion.toml --json -");
   command->callback([options, &exit_code] {
-    const auto result = FitLogs(options->logs, options->machine, options->hold_out);
-    if (!result) {
-      exit_code = ReportError(result.error());
-      return;
-    }
-    if (options->json != "-") Say(FitText(*result));
-    if (options->json.empty()) return;
-    if (const Status written = WriteJson(options->json, FitJson(*result)); !written)
-      exit_code = ReportError(written.error());
+    if (const Status done = RunFit(*options); !done) exit_code = ReportError(done.error());
   });
 }
 

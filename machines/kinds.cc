@@ -1,5 +1,6 @@
 #include "machines/die_cushion/kind.h"
 #include "machines/own_balance/kind.h"
+#include "machines/own_states/kind.h"
 #include "machines/valve/kind.h"
 
 namespace hydroscope {
@@ -9,6 +10,7 @@ std::span<const MachineKind* const> MachineKinds() {
       &kDieCushion,
       &kValve,
       &kOwnBalance,
+      &kOwnStates,
   };
   return kKinds;
 }

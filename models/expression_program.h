@@ -12,6 +12,7 @@ namespace hydroscope {
 /// operation. Computed at one point, or on columns of samples block by block; nothing is allocated and no text is read.
 class ExpressionProgram {
  public:
+  ExpressionProgram() = default;
   /// `outputs` are values of the graph; all its inputs are below `inputs`. Operations on inputs from `first_fixed` on
   /// alone (parameters) are computed once for many points.
   ExpressionProgram(const ExpressionGraph& graph, const std::vector<int>& outputs, int inputs,
@@ -38,7 +39,7 @@ class ExpressionProgram {
   };
 
  private:
-  std::size_t inputs_, registers_;
+  std::size_t inputs_ = 0, registers_ = 0;
   std::vector<double> constants_;  ///< registers inputs_ ... inputs_ + constants_.size() - 1
   std::vector<Instruction> fixed_, code_;
   std::vector<std::size_t> outputs_;

@@ -10,6 +10,7 @@
 #include "models/feeds_spec.h"
 #include "models/live_spec.h"
 #include "models/model_history.h"
+#include "models/states_spec.h"
 
 namespace hydroscope {
 
@@ -40,6 +41,9 @@ struct KnownValue {
   bool operator==(const KnownValue&) const = default;
 };
 
+/// What a signal does between two rows.
+enum class InputHold { kZero, kLinear };
+
 /// How a text log is laid out; what is absent is found by looking at the file.
 struct LogFormat {
   std::optional<char> separator;  ///< ',' ';' '\t' ' '
@@ -50,6 +54,7 @@ struct LogFormat {
   std::string time_column = "t";  ///< "" = no time column: rows are `sample_period` apart
   std::string time_unit = "s";
   std::optional<double> sample_period;  ///< s; found from the time column if absent
+  InputHold hold = InputHold::kLinear;  ///< models with states are integrated between rows
 
   bool operator==(const LogFormat&) const = default;
 };
@@ -161,6 +166,10 @@ struct UserEffectSpec {
   std::vector<ShapeSpec> shape = {};         ///< names that its expression may use beside the signals
   std::optional<double> min = {}, max = {};  ///< SI, sizes of the parameter that physics allows
   std::optional<double> typical = {};        ///< SI, a size worth knowing about
+  /// Of a model with states, in place of `terms`: state or output (TermSpec::parameter) and what is added to its
+  /// equation, with the effect's own parameters.
+  std::vector<TermSpec> adds = {};
+  std::vector<ParameterSpec> parameters = {};
 
   bool operator==(const UserEffectSpec&) const = default;
 };
@@ -191,6 +200,7 @@ struct Machine {
   ValveSpec valve;
   ExperimentSpec experiment;
   BalanceSpec balance;
+  StatesSpec states;
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding
   /// Nonlinear parameters (thresholds, widths, ...) of added effects, by effect and name, SI; those not given

@@ -44,6 +44,9 @@ const std::map<std::string, std::string> kChapters = {
     {"balance", "`[balance]` and `[[effect]]`"},
     {"effect", "`[balance]` and `[[effect]]`"},
     {"shape.<name>", "`[balance]` and `[[effect]]`"},
+    {"states.<name>", "`[states]`"},
+    {"parameters.<name>", "`[states]`"},
+    {"episodes", "`[states]`"},
     {"terms.<parameter>", "`[balance]` and `[[effect]]`"},
     {"signals.<name>.modbus", "`[live]`"},
     {"live", "`[live]`"},
@@ -113,7 +116,8 @@ TEST(MachineFilePage, ShowsExamplesThatLoad) {
   ASSERT_TRUE(whole) << whole.error().text;
   for (const std::string& example : examples) {
     std::string text = example;
-    const bool own = example.find("[balance]") != std::string::npos;
+    const bool own =
+        example.find("[balance]") != std::string::npos || example.find("[states]") != std::string::npos;
     if (example.find("header = false") != std::string::npos)
       text += "[signals]\np_A = { column = 2, unit = \"Pa\" }\nz = { column = 3, unit = \"m\" }\ny_v = 4\n";
     else if (!own && example.find("[signals]") == std::string::npos)

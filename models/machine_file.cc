@@ -87,6 +87,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadValve(file, machine);
   ReadExperiment(file, machine);
   ReadBalance(file, machine);
+  ReadStates(file, machine);
   ReadEffects(file, machine);
   ReadLive(file, machine);
   ReadFeeds(file, machine);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "core/units.h"
@@ -103,6 +104,7 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
   if (log.unit_row) pairs.emplace_back("unit_row", Plain(*log.unit_row));
   pairs.emplace_back("time", Inline({{"column", Quoted(log.time_column)}, {"unit", Quoted(log.time_unit)}}));
   if (log.sample_period) pairs.emplace_back("sample_period", Plain(*log.sample_period));
+  if (log.hold == InputHold::kZero) pairs.emplace_back("hold", Quoted("zero"));
   return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
                  pairs, notes, "log");
 }
@@ -275,7 +277,8 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
 }
 
 std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
-  if (machine.valve == ValveSpec{} && KindOf(machine).build != nullptr) return "";
+  const MachineKind& kind = KindOf(machine);
+  if (machine.valve == ValveSpec{} && (kind.build != nullptr || kind.has_states)) return "";
   // A file with this section must have both signals; a built-in default may lack them.
   return Section("[valve]", "Frequency response: gain = output / (input / full_scale), full_scale in SI.",
                  {{"input", Quoted(machine.valve.input)},
@@ -326,12 +329,51 @@ std::string BalanceSection(const Machine& machine, const MachineNotes& notes) {
   return Section("[balance]", "output = sum of parameter * expression, in SI.", pairs, notes, "balance");
 }
 
+Pairs ParameterPairs(const std::vector<ParameterSpec>& parameters) {
+  Pairs pairs;
+  for (const ParameterSpec& p : parameters) {
+    Pairs about = {{"start", Plain(p.start)}};
+    if (std::isfinite(p.min)) about.emplace_back("min", Plain(p.min));
+    if (std::isfinite(p.max)) about.emplace_back("max", Plain(p.max));
+    if (!p.unit.empty()) about.emplace_back("unit", Quoted(p.unit));
+    pairs.emplace_back(p.name, Inline(about));
+  }
+  return pairs;
+}
+
+std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
+  const StatesSpec& spec = machine.states;
+  if (spec.states.empty()) return "";
+  Pairs states, outputs;
+  for (const StateSpec& s : spec.states) {
+    Pairs about = {{"ddt", Quoted(s.ddt)}, {"initial", Quoted(s.initial)}};
+    if (!s.min.empty()) about.emplace_back("min", Quoted(s.min));
+    if (!s.max.empty()) about.emplace_back("max", Quoted(s.max));
+    if (!s.unit.empty()) about.emplace_back("unit", Quoted(s.unit));
+    states.emplace_back(s.name, Inline(about));
+  }
+  for (const OutputSpec& o : spec.outputs) outputs.emplace_back(o.signal, Quoted(o.expression));
+  std::string text =
+      Section("[states]", "d state / dt = ddt, in SI.", states, notes, "states") +
+      Section("[outputs]", "Measured signals as the model gives them.", outputs, notes, "outputs");
+  if (!spec.parameters.empty())
+    text += Section("[parameters]", "What is identified, within its range.", ParameterPairs(spec.parameters),
+                    notes, "parameters");
+  if (spec.episode_seconds)
+    text += Section("[episodes]", "A continuous log is cut into pieces.",
+                    {{"seconds", Plain(*spec.episode_seconds)}}, notes, "episodes");
+  return text;
+}
+
 std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
   std::string text;
   for (const UserEffectSpec& effect : machine.user_effects) {
     Pairs pairs = {{"id", Quoted(effect.id)}};
     if (!effect.description.empty()) pairs.emplace_back("description", Quoted(effect.description));
-    pairs.emplace_back("terms", Terms(effect.terms));
+    if (!effect.terms.empty()) pairs.emplace_back("terms", Terms(effect.terms));
+    if (!effect.adds.empty()) pairs.emplace_back("adds", Terms(effect.adds));
+    if (!effect.parameters.empty())
+      pairs.emplace_back("parameters", Inline(ParameterPairs(effect.parameters)));
     if (effect.min) pairs.emplace_back("min", Plain(*effect.min));
     if (effect.max) pairs.emplace_back("max", Plain(*effect.max));
     if (effect.typical) pairs.emplace_back("typical", Plain(*effect.typical));
@@ -456,8 +498,8 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           GeometrySection(machine, notes) + GateSection(machine, notes) + ConditionsSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
-          BalanceSection(machine, notes) + EffectSections(machine, notes) + LiveSections(machine, notes) +
-          FeedsSections(machine, notes);
+          BalanceSection(machine, notes) + StatesSections(machine, notes) + EffectSections(machine, notes) +
+          LiveSections(machine, notes) + FeedsSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
   return text + FormatModelHistory(machine.model_history);

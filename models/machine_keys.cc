@@ -3,11 +3,11 @@
 namespace hydroscope {
 const std::vector<MachineSection>& MachineFileSections() {
   static const std::vector<MachineSection> sections = {
-      {"",
-       {"machine", "log", "signals", "geometry", "gate", "conditions", "window", "estimator", "monitor",
-        "valve", "balance", "effect", "live", "feeds", "experiment", "model_history"}},
+      {"", {"machine",    "log",           "signals", "geometry", "gate",       "conditions", "window",
+            "estimator",  "monitor",       "valve",   "balance",  "effect",     "live",       "feeds",
+            "experiment", "model_history", "states",  "outputs",  "parameters", "episodes"}},
       {"machine", {"name", "model", "description", "model_version", "effects", "effect_values"}},
-      {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period"}},
+      {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period", "hold"}},
       {"log.time", {"column", "unit"}},
       {"signals.<name>",
        {"column", "unit", "scale", "offset", "min", "max", "noise", "stuck_time", "required", "dds",
@@ -26,7 +26,11 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"experiment", {"ram_speed", "pressure", "rod_pressure", "warm_up", "max_strokes", "signals"}},
       {"experiment.<range>", {"min", "max", "unit"}},
       {"balance", {"output", "unit", "terms", "derived"}},
-      {"effect", {"id", "description", "terms", "unit", "min", "max", "typical", "shape"}},
+      {"effect",
+       {"id", "description", "terms", "unit", "min", "max", "typical", "shape", "adds", "parameters"}},
+      {"states.<name>", {"ddt", "initial", "min", "max", "unit"}},
+      {"parameters.<name>", {"start", "min", "max", "unit"}},
+      {"episodes", {"seconds"}},
       {"shape.<name>", {"min", "max", "unit"}},
       {"terms.<parameter>", {"expression", "unit"}},
       {"live", {"grid_period", "axes", "dds", "modbus"}},

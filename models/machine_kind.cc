@@ -1,5 +1,7 @@
 #include "models/machine_kind.h"
 
+#include "core/units.h"
+
 namespace hydroscope {
 
 const MachineKind* FindKind(std::string_view id) {
@@ -27,6 +29,12 @@ const MachineKind& OwnKind() {
   return *MachineKinds().front();
 }
 
+const MachineKind& StatesKind() {
+  for (const MachineKind* kind : MachineKinds())
+    if (kind->has_states) return *kind;
+  return *MachineKinds().front();
+}
+
 std::vector<std::string> KindNames() {
   std::vector<std::string> names;
   for (const MachineKind* kind : MachineKinds()) names.emplace_back(kind->id);
@@ -35,6 +43,12 @@ std::vector<std::string> KindNames() {
 
 std::string_view OutputSi(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
+  if (kind.has_states) {  // several outputs: errors are shares of their variation
+    if (machine.states.outputs.size() != 1) return "1";
+    const int signal = machine.SignalIndex(machine.states.outputs.front().signal);
+    const auto unit = FindUnit(machine.signals[static_cast<std::size_t>(signal)].unit);
+    return unit ? unit->si : "1";
+  }
   return kind.output_unit.empty() ? std::string_view(machine.balance.unit) : kind.output_unit;
 }
 

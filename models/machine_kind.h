@@ -56,6 +56,8 @@ struct MachineKind {
   std::span<const MachineParameter> parameters;
   std::string_view output_unit;  ///< SI; "": [balance] of the machine file says
   bool own_library = false;      ///< balance and effects are those of the machine file
+  bool has_states =
+      false;  ///< described by states (models/state_model.h), fitted by simulation; `build` is nullptr
   MachineWords (*words)(const Machine&) = nullptr;
   /// Signal of the temperature, K, that parameters are compensated for; "" = none.
   std::string_view temperature = "";
@@ -80,6 +82,8 @@ const MachineKind& KindOf(const Machine& machine);
 
 /// The kind of machines with a balance of their own (MachineKind::own_library).
 const MachineKind& OwnKind();
+/// The kind of machines that are described by states (MachineKind::has_states).
+const MachineKind& StatesKind();
 std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);

@@ -115,9 +115,10 @@ bool IsIdentifier(const std::string& name) {
 }  // namespace
 
 void ReadMachineSection(TableReader& file, Machine& machine) {
-  const std::string own(OwnKind().id);
+  const std::string own(OwnKind().id), states(StatesKind().id);
   machine.model = KindNames().front();
   if (file.Has("balance")) machine.model = own;
+  if (file.Has("states")) machine.model = states;
   Section(file, "machine", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("machine"));
     section.Text("name", machine.name);
@@ -126,6 +127,8 @@ void ReadMachineSection(TableReader& file, Machine& machine) {
     if (const auto model = section.Choice("model", KindNames())) {
       if (file.Has("balance") && KindNames()[*model] != own)
         section.Wrong("model", "\"" + own + "\", because the file has its own [balance]");
+      if (file.Has("states") && KindNames()[*model] != states)
+        section.Wrong("model", "\"" + states + "\", because the file has its own [states]");
       machine.model = KindNames()[*model];
     }
     section.Texts("effects", machine.added_effects);
@@ -149,6 +152,8 @@ void ReadLogSection(TableReader& file, Machine& machine) {
     if (section.Has("header")) section.Flag("header", log.header.emplace(true));
     if (section.Has("unit_row")) section.Flag("unit_row", log.unit_row.emplace(false));
     section.Number("sample_period", log.sample_period, kSecondsAboveZero);
+    if (const auto hold = section.Choice("hold", {"zero", "linear"}))
+      log.hold = *hold == 0 ? InputHold::kZero : InputHold::kLinear;
     if (section.Has("time")) ReadTimeColumn(section, *file.Table("log"), log);
     if (log.time_column.empty() && !log.sample_period)
       section.Wrong("time", "a column, or sample_period = <seconds between rows> beside it");

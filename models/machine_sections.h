@@ -22,6 +22,10 @@ void ReadConditions(TableReader& file, Machine& machine);
 std::string ConditionText(const Condition& condition);
 void ReadExperiment(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
+/// [states], [outputs], [parameters] and [episodes]: a machine that is described by states.
+void ReadStates(TableReader& file, Machine& machine);
+/// `adds` and `parameters` of an effect of such a machine.
+void ReadStateEffect(TableReader& section, const Machine& machine, UserEffectSpec& effect);
 void ReadEffects(TableReader& file, Machine& machine);
 void ReadModelHistory(TableReader& file, Machine& machine);
 /// `effect_values` of the section [machine].
@@ -47,6 +51,8 @@ std::string SiOf(const std::string& unit);
 /// checked against `names`.
 std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& key, const ExpressionNames& names,
                                 std::vector<ExpressionUnit>& units);
+/// Whether expressions can use it as a name.
+bool IsName(const std::string& text);
 /// Notes what is wrong with an expression, pointing at the character. `node` is its text in the file.
 void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key,
                        const ExpressionError& error);

@@ -12,12 +12,6 @@
 namespace hydroscope {
 namespace {
 
-/// Names that expressions can use.
-bool IsName(const std::string& text) {
-  const auto tree = ParseExpression(text);
-  return tree && (*tree)->kind == ExpressionNode::Kind::kName && (*tree)->text == text;
-}
-
 /// Column of a character of a text in quotes, from 1; 0 where escapes or several lines hide it.
 std::size_t ColumnOf(const toml::node& node, const std::string& text, std::size_t at) {
   const toml::source_region& where = node.source();
@@ -110,6 +104,11 @@ void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machi
   section.Text("id", effect.id);
   CheckId(section, machine, effect, ids);
   section.Text("description", effect.description);
+  if (KindOf(machine).has_states) {
+    ReadStateEffect(section, machine, effect);
+    machine.user_effects.push_back(std::move(effect));
+    return;
+  }
   ReadShape(section, machine, effect);
   std::vector<ExpressionUnit> units;
   effect.terms = ReadTerms(section, "terms", ExpressionNamesOf(machine, effect), units);
@@ -129,6 +128,11 @@ void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machi
 }
 
 }  // namespace
+
+bool IsName(const std::string& text) {
+  const auto tree = ParseExpression(text);
+  return tree && (*tree)->kind == ExpressionNode::Kind::kName && (*tree)->text == text;
+}
 
 void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key,
                        const ExpressionError& error) {

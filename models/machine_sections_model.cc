@@ -72,7 +72,8 @@ void CheckModelGeometry(TableReader& file, const Machine& machine, const Machine
 }
 
 void CheckValveSignals(TableReader& file, const Machine& machine) {
-  if (KindOf(machine).build != nullptr && !file.Has("valve")) return;
+  const MachineKind& kind = KindOf(machine);
+  if ((kind.build != nullptr || kind.has_states) && !file.Has("valve")) return;
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) >= 0) continue;
     file.Problem(fmt::format("[valve] signal {} is not in [signals]; {}signals: {}", name,

@@ -52,6 +52,12 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
     (*model)->temperature_channel = (*model)->MeasuredChannel(kind.temperature);
     return model;
   }
+  if (kind.has_states)
+    return BadInput(
+        "machine '{}': a model with states leaves no stored strokes yet, so nothing can follow it in a "
+        "database or live; use "
+        "check, fit, compare, explain and model with its logs",
+        machine.name);
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
     if (other->build != nullptr) known.push_back(other->id);

@@ -27,6 +27,22 @@ std::vector<std::vector<double>> GridOf(const std::vector<ShapeSpec>& shape) {
   return grid;
 }
 
+/// An effect of a model with states.
+Effect DescribeStateEffect(const UserEffectSpec& spec) {
+  Effect e;
+  e.id = spec.id;
+  e.title = spec.description.empty() ? spec.id : spec.description;
+  for (const TermSpec& term : spec.adds)
+    e.law += fmt::format("{}{} + ({})", e.law.empty() ? "" : ", ", term.parameter, term.expression);
+  for (const ParameterSpec& p : spec.parameters) e.parameter += (e.parameter.empty() ? "" : ", ") + p.name;
+  e.source = "machine file";
+  e.min = -kInfinity;
+  e.max = e.typical = kInfinity;
+  e.hidden_in = "-";
+  e.plain = "An effect of the machine file.";
+  return e;
+}
+
 /// The parts with the constants' values put in.
 std::vector<ExpressionPart> WithShape(std::vector<ExpressionPart> parts, const std::vector<ShapeSpec>& shape,
                                       const std::vector<double>& values) {
@@ -66,6 +82,7 @@ std::string ParameterUnit(const TermSpec& term, const ExpressionUnit& expression
 
 Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec,
                           const std::string& output_unit) {
+  if (!spec.adds.empty()) return DescribeStateEffect(spec);
   const TermSpec& term = spec.terms.at(0);
   Effect e;
   e.id = spec.id;

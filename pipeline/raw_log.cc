@@ -14,7 +14,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPiece = 20.0;  ///< s read from the database at once
+constexpr double kSecondsAtOnce = 20.0;  ///< s read from the database at once
 constexpr double kForever = 1e300;
 
 /// One run after the other, piece by piece.
@@ -69,7 +69,7 @@ class RawReader : public LogReader {
         run_begins_ = true;
         continue;
       }
-      const double end = std::min(to_, at_ + kPiece);
+      const double end = std::min(to_, at_ + kSecondsAtOnce);
       auto window = database_.LoadRaw(run.run, at_, end);
       if (!window) return tl::unexpected(window.error());
       window_ = std::move(*window);

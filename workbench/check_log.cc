@@ -15,6 +15,7 @@
 #include "workbench/identifiability.h"
 #include "workbench/machine_model.h"
 #include "workbench/plausibility.h"
+#include "workbench/states_log.h"
 
 namespace hydroscope {
 namespace {
@@ -86,6 +87,31 @@ void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult&
   DoubtSlowRows(check);
 }
 
+/// What a fit of the model with states says of this log.
+void TakeStatesFit(const std::string& log, CheckResult& check) {
+  auto episodes = ReadEpisodes({log}, check.machine);
+  if (!episodes) {
+    check.no_fit = episodes.error().text;
+    return;
+  }
+  check.driving.strokes = static_cast<int>(episodes->episodes.size());
+  check.pass.summary.gated = check.pass.summary.used = episodes->used;
+  const auto fit = FitEpisodes(std::move(*episodes));
+  if (!fit) {
+    check.no_fit = fit.error().text;
+    return;
+  }
+  Driving pieces = check.driving;  // intervals come from pieces of the episodes
+  pieces.strokes = static_cast<int>(fit->fit.pieces.size());
+  check.parameters = JudgeParameters(fit->parameters, pieces);
+  const double factor = fit->error.unit.factor;
+  check.figures.rms_holdout = fit->error.rms_holdout / factor;
+  check.figures.noise_floor = fit->error.noise_floor / factor;
+  check.figures.rms_residual = fit->error.rms / factor;
+  check.figures.rms_measured = check.figures.rms_modelled =
+      fit->fit.noise.size() == 1 ? fit->fit.scale[0] : 1.0;  // several outputs: shares of their variation
+}
+
 }  // namespace
 
 bool CheckResult::Clean() const {
@@ -136,6 +162,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.hints = PlausibilityHints(check);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
+  } else if (KindOf(*machine).has_states) {
+    TakeStatesFit(log, check);
   }
   return check;
 }

@@ -113,7 +113,9 @@ std::string Gate(const CheckResult& check) {
 }
 
 std::string Identification(const CheckResult& check) {
-  if (KindOf(check.machine).build == nullptr)
+  if (KindOf(check.machine).has_states && check.parameters.empty())
+    return fmt::format("\nno fit: {}\n", check.no_fit);
+  if (KindOf(check.machine).build == nullptr && !KindOf(check.machine).has_states)
     return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
   std::string text = "\nwhat this log can tell";
   if (!check.machine.added_effects.empty())
@@ -157,9 +159,10 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (!check.hints.empty()) text += "\nlook at this first\n";
   for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
-  const char* next = KindOf(check.machine).build == nullptr ? "frf"
-                     : check.driving.strokes > 0            ? "fit"
-                                                            : nullptr;
+  const MachineKind& kind = KindOf(check.machine);
+  const char* next = kind.build == nullptr && !kind.has_states ? "frf"
+                     : check.driving.strokes > 0               ? "fit"
+                                                               : nullptr;
   if (next != nullptr)
     text += fmt::format("\nnext: hydroscope {} {} --machine {}\n", next, check.log, machine_file);
   return text;

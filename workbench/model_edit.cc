@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "models/find_effect.h"
+#include "models/machine_kind.h"
 #include "models/model_structure.h"
+#include "models/state_model.h"
 #include "workbench/machine_model.h"
 
 namespace hydroscope {
@@ -97,13 +99,19 @@ std::string WithoutHistory(const std::string& text) {
 Result<Machine> WithEffect(const Machine& machine, const std::string& id, int version) {
   if (IsAdded(machine, id))
     return BadInput("effect '{}' is already part of the model of {}", id, machine.name);
+  Machine next = machine;
+  next.added_effects.push_back(id);
+  if (KindOf(machine).has_states) {
+    if (const auto model = BuildStateModel(next, next.added_effects); !model)
+      return tl::unexpected(model.error());
+    next.model_version = version;
+    return next;
+  }
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   ModelStructure library = **model;
   AddSampleEffects(library, {id});
   if (const auto effect = FindEffect(library, id); !effect) return tl::unexpected(effect.error());
-  Machine next = machine;
-  next.added_effects.push_back(id);
   next.model_version = version;
   return next;
 }

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "models/state_model.h"
+
+namespace hydroscope {
+
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Rows of a log in a row, without a gap.
+struct Episode {
+  int log = 0;
+  std::int64_t first_row = 0;  ///< of the log
+  std::vector<double> time;    ///< s
+  RowMatrix signal;            ///< row x signal of the machine, SI; an output that is no good reading is NaN
+
+  int rows() const { return static_cast<int>(time.size()); }
+};
+
+/// Further columns of the sensitivities: what terms added to the equations would change, per unit of each.
+struct AddedTerms {
+  int count = 0;
+  /// Values of the terms at a state and input.
+  std::function<void(const double* state, const double* input, double* values)> values;
+};
+
+struct SimulationOptions {
+  double tolerance = 1e-5;  ///< of a step's error, over the state's size
+  int stiff_steps = 40;  ///< more explicit steps between two rows than these: the implicit method takes over
+  int max_steps = 4000;  ///< between two rows; what needs more has diverged
+  double divergence = 1e15;  ///< SI; a state beyond has diverged
+};
+
+/// What a run gives at each row of an episode.
+struct StateRun {
+  bool diverged = false;
+  int rows = 0;          ///< rows reached
+  RowMatrix outputs;     ///< row x output
+  RowMatrix states;      ///< row x state
+  RowMatrix slopes;      ///< (row, output) x (parameters, initial states, added terms per state, per output)
+  Eigen::VectorXd end;   ///< states at the end
+  RowMatrix end_slopes;  ///< their sensitivities
+};
+
+/// Runs a model with states over rows: between two rows by Dormand and Prince's method of order 5(4) (1980) with steps
+/// chosen by its error estimate, or, where that takes too many steps, by the L-stable SDIRK method of order 4(3) of Hairer
+/// and Wanner (1996, IV.6). Sensitivities are those of the steps as they are taken: each stage is differentiated exactly,
+/// with the Jacobians of the compiled equations. Where a state is at a limit and driven beyond, it stays there.
+class StateSimulator {
+ public:
+  StateSimulator(std::shared_ptr<const StateModel> model, const SimulationOptions& options = {});
+
+  /// For all following runs.
+  void SetParameters(const Eigen::VectorXd& parameters);
+  /// Initial states of an episode: as the machine file says, `estimated` (one per state, those used that are estimated)
+  /// elsewhere; `slopes` (if not nullptr) by the parameters. Clamped to the limits.
+  Eigen::VectorXd Initial(const Episode& episode, const Eigen::VectorXd& estimated,
+                          RowMatrix* slopes = nullptr);
+
+  /// Runs from row `first` to row `last` (inclusive) with initial states x0. `start_slopes`: sensitivities of x0, states x
+  /// columns, parameters first; nullptr: none are wanted.
+  void Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
+           const RowMatrix* start_slopes, StateRun& run, const AddedTerms* added = nullptr);
+
+  const StateModel& model() const { return *model_; }
+  /// SI; min of each state, then max of each.
+  const Eigen::VectorXd& limits() const { return limits_; }
+  std::int64_t steps() const { return steps_; }  ///< taken since it was made
+
+ private:
+  void Rate(const double* x, double fraction, double* rate);
+  void RateAndSlopes(const double* x, double fraction, double* rate);
+  void HoldAtLimits(const double* x, double* rate, bool slopes);
+  void InputAt(double fraction);
+  bool Interval(double period);
+  bool ExplicitStep(double fraction, double share, double period, double& error);
+  bool ExplicitSlopes(double fraction, double share, double period);
+  double Fastest();
+  bool ImplicitStep(double fraction, double share, double period, double& error);
+  bool SolveStage(double fraction, double step, const double* base, double* k);
+  void SlopesOfRate(const double* state_slopes, double* out) const;
+  void Clamp();
+  void Output(int row, StateRun& run);
+
+  std::shared_ptr<const StateModel> model_;
+  SimulationOptions options_;
+  int states_, inputs_, parameters_, columns_ = 0;
+  bool linear_;
+  Eigen::VectorXd theta_, limits_;
+  RowMatrix limit_slopes_;
+  std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
+  std::vector<double> x_, next_, scale_, u0_, u1_, u_, k_, stage_x_;
+  std::vector<bool> held_;  ///< states at a limit in the stage looked at
+  std::vector<double> s_, stage_s_, ks_, jacobian_, added_values_;  ///< sensitivities, row by row
+  const AddedTerms* added_ = nullptr;
+  int added_from_ = 0;  ///< first column of the added terms
+  bool stiff_ = false, with_slopes_ = false;
+  double next_share_ = 1, fastest_ = 0;
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace hydroscope

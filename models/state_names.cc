@@ -1,0 +1,51 @@
+#include "models/state_names.h"
+
+namespace hydroscope {
+namespace {
+
+void AddName(const std::string& name, const std::string& unit, ExpressionNames& names) {
+  names.units[name] = unit.empty() ? std::nullopt : ParseSiUnit(unit);
+  names.constants.erase(name);
+}
+
+void AddParameters(const std::vector<ParameterSpec>& parameters, ExpressionNames& names) {
+  for (const ParameterSpec& p : parameters) AddName(p.name, p.unit, names);
+}
+
+}  // namespace
+
+ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effect) {
+  ExpressionNames names = ExpressionNamesOf(machine);
+  for (const OutputSpec& output : machine.states.outputs) names.units.erase(output.signal);
+  for (const StateSpec& state : machine.states.states) AddName(state.name, state.unit, names);
+  AddParameters(machine.states.parameters, names);
+  if (effect != nullptr) AddParameters(effect->parameters, names);
+  return names;
+}
+
+ExpressionNames LimitNamesOf(const Machine& machine) {
+  ExpressionNames names = ExpressionNamesOf(machine);
+  for (const SignalSpec& signal : machine.signals) names.units.erase(signal.name);
+  AddParameters(machine.states.parameters, names);
+  return names;
+}
+
+ExpressionNames InitialNamesOf(const Machine& machine) {
+  ExpressionNames names = ExpressionNamesOf(machine);
+  AddParameters(machine.states.parameters, names);
+  return names;
+}
+
+int StateIndex(const Machine& machine, const std::string& name) {
+  for (std::size_t i = 0; i < machine.states.states.size(); ++i)
+    if (machine.states.states[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+int OutputIndex(const Machine& machine, const std::string& signal) {
+  for (std::size_t i = 0; i < machine.states.outputs.size(); ++i)
+    if (machine.states.outputs[i].signal == signal) return static_cast<int>(i);
+  return -1;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "models/expression_check.h"
+
+namespace hydroscope {
+
+/// What equations of states and outputs may name: states, parameters, [geometry], pi, and the signals that are no
+/// outputs (inputs). `effect`: with the parameters of one.
+ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effect = nullptr);
+/// What limits may name: parameters and [geometry].
+ExpressionNames LimitNamesOf(const Machine& machine);
+/// What initial values may name: all signals, parameters and [geometry].
+ExpressionNames InitialNamesOf(const Machine& machine);
+
+/// Index of a state; -1 if there is none of that name.
+int StateIndex(const Machine& machine, const std::string& name);
+/// Index of the output that is this signal, -1 if none is.
+int OutputIndex(const Machine& machine, const std::string& signal);
+
+}  // namespace hydroscope

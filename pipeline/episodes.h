@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "estimation/state_simulation.h"
+#include "pipeline/log_pass.h"
+
+namespace hydroscope {
+
+/// Logs of a machine that is described by states, cut into episodes.
+struct EpisodeLog {
+  Machine machine;
+  std::vector<Episode> episodes;
+  std::int64_t rows = 0, used = 0;
+  double period = 0;  ///< s
+  std::vector<std::string> warnings;
+  LogPass pass;  ///< of the last log
+
+  double Seconds() const;
+};
+
+/// Reads logs. Rows without a good reading of an input end an episode, so do gaps and steps of the clock; readings of
+/// outputs that are no good are left out. Long pieces are cut as [episodes] says. Readings that repeat or stand out count as
+/// good on inputs, which may rest and jump. Errors: a log cannot be read, no episode is left (says why), a rate in [gate].
+Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine);
+
+}  // namespace hydroscope

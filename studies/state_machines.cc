@@ -1,0 +1,217 @@
+#include "studies/state_machines.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+namespace hydroscope {
+namespace {
+
+/// A kind's file, and its effects by id.
+struct KindFile {
+  const char* head;
+  std::vector<std::pair<const char*, const char*>> effects;
+  std::vector<const char*> hidden;
+};
+
+const KindFile& FileOf(StateMachineKind kind) {
+  static const KindFile oscillator = {
+      R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+[states]
+x = { ddt = "v", initial = "estimate" }
+v = { ddt = "w0^2*(u - x) - d*v", initial = "estimate" }
+[outputs]
+y = "x"
+[parameters]
+w0 = { start = 250, min = 100, max = 1000 }
+d = { start = 10, min = 1, max = 300 }
+)toml",
+      {{"cubic", "adds = { v = \"-k3*x^3\" }\nparameters = { k3 = { start = 1e5, min = 0, max = 1e8 } }\n"},
+       {"quadratic",
+        "adds = { v = \"-k2*x^2\" }\nparameters = { k2 = { start = 1e4, min = -1e7, max = 1e7 } }\n"},
+       {"coulomb",
+        "adds = { v = \"-c*tanh(v/0.5)\" }\nparameters = { c = { start = 100, min = 0, max = 1e5 } }\n"},
+       {"drag",
+        "adds = { v = \"-q*v*abs(v)\" }\nparameters = { q = { start = 0.1, min = 0, max = 100 } }\n"}},
+      {"cubic", "drag", "coulomb"}};
+  static const KindFile tanks = {
+      R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "1" }
+[states]
+h_1 = { ddt = "pump*u - k1*sqrt(max(h_1, 0))", initial = "estimate", min = 0, max = 100 }
+h_2 = { ddt = "k1*sqrt(max(h_1, 0)) - k2*sqrt(max(h_2, 0))", initial = "estimate", min = 0, max = 100 }
+[outputs]
+y = "h_2"
+[parameters]
+k1 = { start = 0.2, min = 0.005, max = 1 }
+k2 = { start = 0.2, min = 0.005, max = 1 }
+pump = { start = 0.2, min = 0.005, max = 1 }
+)toml",
+      {{"overflow",
+        "adds = { h_1 = \"-c*max(h_1 - brim, 0)\" }\n"
+        "parameters = { brim = { start = 20, min = 1, max = 100 }, c = { start = 1, min = 0.1, max = 10 } "
+        "}\n"},
+       {"leak", "adds = { h_1 = \"-l*h_1\" }\nparameters = { l = { start = 0.001, min = 0, max = 0.1 } }\n"},
+       {"offset", "adds = { y = \"b\" }\nparameters = { b = { start = 0, min = -2, max = 2 } }\n"},
+       {"pump_curve",
+        "adds = { h_1 = \"-g*u^2\" }\nparameters = { g = { start = 0.001, min = 0, max = 0.1 } }\n"}},
+      {"overflow", "leak"}};
+  static const KindFile actuator = {
+      R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+p = { column = "p", unit = "1" }
+w = { column = "w", unit = "1" }
+[states]
+q = { ddt = "k*(a*u - v - l*q)", initial = "p" }
+v = { ddt = "q - s*z - b*(v - v_l)", initial = "w" }
+z = { ddt = "v - v_l", initial = "estimate" }
+v_l = { ddt = "s*z + b*(v - v_l) - 2*v_l", initial = "estimate" }
+[outputs]
+p = "q"
+w = "v"
+[parameters]
+k = { start = 2000, min = 500, max = 20000 }
+a = { start = 0.5, min = 0.1, max = 5 }
+l = { start = 0.02, min = 0.001, max = 0.2 }
+s = { start = 1500, min = 300, max = 20000 }
+b = { start = 2, min = 0.5, max = 50 }
+)toml",
+      {{"coulomb",
+        "adds = { v = \"-c*tanh(v/0.02)\" }\nparameters = { c = { start = 1, min = 0, max = 100 } }\n"},
+       {"root_flow",
+        "adds = { q = \"k*a*u*(sqrt(max(1 - sign(u)*q/ps, 0)) - 1)\" }\n"
+        "parameters = { ps = { start = 60, min = 10, max = 1000 } }\n"},
+       {"drag", "adds = { v = \"-g*v*abs(v)\" }\nparameters = { g = { start = 1, min = 0, max = 1000 } }\n"},
+       {"hardening",
+        "adds = { v = \"-h*z^3\" }\nparameters = { h = { start = 1e4, min = 0, max = 1e10 } }\n"}},
+      {"coulomb", "root_flow"}};
+  return kind == StateMachineKind::kOscillator ? oscillator
+         : kind == StateMachineKind::kTanks    ? tanks
+                                               : actuator;
+}
+
+constexpr std::array<const char*, 3> kKindNames = {"oscillator", "tanks", "actuator"};
+
+/// Error of the machine's next log, free run with its initial states estimated, over its noise.
+double NextLogError(const StateMachineCase& one, const Machine& machine, const StateFit& fit) {
+  // The same machine: parameters are drawn first, so a longer log of the same seed goes on where this one ends.
+  SimulatedStates longer = one.simulated;
+  longer.rows *= 2;
+  const StatesLog log = SimulateStates(longer);
+  const Episode whole = EpisodeOf(log, machine);
+  const auto rows = static_cast<Eigen::Index>(one.simulated.rows);
+  const Episode next{0, rows, {whole.time.begin() + rows, whole.time.end()}, whole.signal.bottomRows(rows)};
+  const StateFit followed = FollowStates(fit.model, std::span(&next, 1), fit.parameters, fit.noise);
+  if (!followed.solved()) return INFINITY;
+  const Eigen::VectorXd rms = RmsOf(followed.residuals, followed.model->output.rows);
+  double worst = 0;
+  for (Eigen::Index j = 0; j < rms.size(); ++j)
+    worst = std::max(worst, rms[j] / log.noise[static_cast<std::size_t>(j)]);
+  return worst;
+}
+
+}  // namespace
+
+Machine StatesMachine(StateMachineKind kind, const std::string& without) {
+  const KindFile& file = FileOf(kind);
+  std::string text = file.head;
+  for (const auto& [id, rest] : file.effects)
+    if (without != id) text += fmt::format("[[effect]]\nid = \"{}\"\n{}", id, rest);
+  const auto machine = ParseMachine(text, kKindNames[static_cast<std::size_t>(kind)]);
+  if (!machine) std::fprintf(stderr, "%s\n", machine.error().text.c_str());
+  return machine.value_or(Machine{});
+}
+
+Episode EpisodeOf(const StatesLog& log, const Machine& machine) {
+  Episode episode;
+  episode.time = log.time;
+  episode.signal.resize(static_cast<Eigen::Index>(log.time.size()),
+                        static_cast<Eigen::Index>(machine.signals.size()));
+  for (Eigen::Index row = 0; row < episode.signal.rows(); ++row) {
+    const auto at = static_cast<std::size_t>(row);
+    episode.signal(row, 0) = log.input[at];
+    for (std::size_t j = 0; j < log.outputs.size(); ++j)
+      episode.signal(row, static_cast<Eigen::Index>(j) + 1) = log.outputs[j][at];
+  }
+  return episode;
+}
+
+StateMachineCase CaseNumber(int number, const StateMachinesOptions& options) {
+  StateMachineCase out;
+  out.simulated.kind = static_cast<StateMachineKind>(number % 3);
+  out.simulated.seed = options.seed * 1000 + static_cast<std::uint64_t>(number);
+  out.simulated.rows = options.rows;
+  const int turn = number / 3 % 4;  // two known effects, one unknown, one healthy
+  const auto& hidden = FileOf(out.simulated.kind).hidden;
+  if (turn < 3)
+    out.simulated.hidden = hidden[static_cast<std::size_t>(number / 3 + number / 12) % hidden.size()];
+  out.known = turn != 2;
+  return out;
+}
+
+StateMachinesScore ScoreStateMachines(const StateMachinesOptions& options, bool print) {
+  StateMachinesScore score;
+  for (int number = 0; number < options.cases; ++number) {
+    const StateMachineCase one = CaseNumber(number, options);
+    const std::string& hidden = one.simulated.hidden;
+    const Machine machine = StatesMachine(one.simulated.kind, one.known ? "" : hidden);
+    const Episode episode = EpisodeOf(SimulateStates(one.simulated), machine);
+    const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+    ++score.cases;
+    const bool in_set = std::find(x.set.begin(), x.set.end(), hidden) != x.set.end();
+    const bool wrong = !x.set.empty() && !in_set;
+    score.wrong += wrong;
+    double ratio = 0;
+    if (hidden.empty()) {
+      ++score.healthy;
+      score.adequate += x.verdict == Verdict::kAdequate;
+    } else if (one.known) {
+      ++score.hidden;
+      const bool first = !x.set.empty() && x.set.front() == hidden;
+      score.first += first;
+      if (first) ratio = NextLogError(one, machine, x.final.fit);
+      score.worst_ratio = std::max(score.worst_ratio, ratio);
+    } else {
+      ++score.unknown_law;
+      score.unknown += x.verdict == Verdict::kUnknown;
+    }
+    if (!print) continue;
+    fmt::print("{:>4} {:<11} hidden {:<10}{:<9} {:<9} [{}]{} left {:.3f} -> {:.3f}{}\n", number,
+               kKindNames[static_cast<std::size_t>(one.simulated.kind)], hidden.empty() ? "-" : hidden,
+               one.known ? "" : " (absent)", VerdictName(x.verdict), fmt::join(x.set, ", "),
+               x.nearest.empty() ? "" : fmt::format(" part {}", fmt::join(x.nearest, ", ")),
+               x.base_left.share, x.final_left.share,
+               ratio > 0 ? fmt::format(", next log {:.2f} x noise", ratio) : "");
+    std::fflush(stdout);
+  }
+  return score;
+}
+
+int RunStateMachines(const StateMachinesOptions& options) {
+  const StateMachinesScore score = ScoreStateMachines(options, true);
+  fmt::print(
+      "\n{} cases: known effect named first {} of {}, law absent called unknown {} of {}, healthy adequate "
+      "{} of {}, "
+      "wrong {}; error of the next log at most {:.2f} times its noise\n",
+      score.cases, score.first, score.hidden, score.unknown, score.unknown_law, score.adequate, score.healthy,
+      score.wrong, score.worst_ratio);
+  const bool reached = score.first >= 0.95 * score.hidden && score.wrong <= 0.01 * score.cases;
+  fmt::print("{}\n", reached ? "all goals reached" : "NOT all goals reached");
+  return reached ? 0 : 1;
+}
+
+}  // namespace hydroscope

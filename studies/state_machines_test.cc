@@ -1,0 +1,57 @@
+#include "studies/state_machines.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace hydroscope {
+namespace {
+
+StatesExplanation ExplainOf(StateMachineKind kind, const std::string& hidden,
+                            const std::string& without = {}) {
+  const Machine machine = StatesMachine(kind, without);
+  const Episode episode = EpisodeOf(SimulateStates({kind, hidden, 5, 1000}), machine);
+  return ExplainStates(machine, std::span(&episode, 1));
+}
+
+TEST(StateMachines, TheSpringThatIsHiddenIsNamed) {
+  const StatesExplanation x = ExplainOf(StateMachineKind::kOscillator, "cubic");
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
+  EXPECT_LT(x.final.held_out, 0.05 * x.base.held_out);
+}
+
+TEST(StateMachines, TheSpringThatNobodyThoughtOfIsUnknown) {
+  EXPECT_EQ(ExplainOf(StateMachineKind::kOscillator, "cubic", "cubic").verdict, Verdict::kUnknown);
+}
+
+TEST(StateMachines, ATankThatOverflowsUnseenIsNamedAndAHealthyOneAdequate) {
+  const StatesExplanation x = ExplainOf(StateMachineKind::kTanks, "overflow");
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
+  EXPECT_EQ(ExplainOf(StateMachineKind::kTanks, "").verdict, Verdict::kAdequate);
+}
+
+/// The example of docs/state_models.md: the indented lines before the commands.
+std::string ExampleOfTheDocs() {
+  std::ifstream file(std::string(HYDROSCOPE_SOURCE_DIR) + "/docs/state_models.md");
+  std::string text, line;
+  while (std::getline(file, line) && !line.starts_with("    hydroscope"))
+    if (line.starts_with("    ")) text += line.substr(4) + "\n";
+  return text;
+}
+
+TEST(StateMachines, TheExampleOfTheDocsIsFitted) {
+  const auto machine = ParseMachine(ExampleOfTheDocs(), "state_models.md");
+  ASSERT_TRUE(machine) << machine.error().text;
+  const Episode episode = EpisodeOf(SimulateStates({StateMachineKind::kTanks, "", 3, 600}), *machine);
+  const auto model = BuildStateModel(*machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_LT(fit.noise[0], 0.01 * fit.scale[0]);
+  EXPECT_TRUE(BuildStateModel(*machine, {"overflow", "leak"}));
+}
+
+}  // namespace
+}  // namespace hydroscope
