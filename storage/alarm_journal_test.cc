@@ -59,7 +59,9 @@ TEST_F(AlarmJournalFile, IsReadWithoutTheRightToWrite) {
       EXPECT_FALSE(Raise(*journal, "press", "two"));
     }
   }
-  if (getuid() == 0) ASSERT_EQ(seteuid(0), 0);
+  if (getuid() == 0) {
+    ASSERT_EQ(seteuid(0), 0);
+  }
   std::filesystem::permissions(folder, std::filesystem::perms(0755));
   std::filesystem::remove_all(folder);
 }

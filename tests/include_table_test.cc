@@ -42,7 +42,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"monitor", {"core", "models", "diagnosis", "storage", "alarms", "host", "pipeline", "workbench"}},
     {"report", {"core", "models", "diagnosis", "storage", "pipeline", "workbench", "monitor"}},
     {"review",
-     {"core", "models", "estimation", "storage", "host", "pipeline", "workbench", "monitor", "report"}},
+     {"core", "models", "estimation", "storage", "replay", "host", "pipeline", "workbench", "monitor",
+      "report"}},
     {"live",
      {"core", "models", "acquisition", "estimation", "storage", "alarms", "host", "pipeline", "monitor"}},
     {"studies",
@@ -95,7 +96,6 @@ const std::map<std::string, std::string> kNameThings = {
     {"models/machine.h", "signals that [valve] means where it names none"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
     {"diagnosis/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
-    {"diagnosis/effect_ranking.cc", "effects that no stroke tells apart"},
     {"workbench/what_to_record.cc", "what tells effects apart"},
 };
 
