@@ -23,7 +23,7 @@ int ChannelOwners::IndexOf(const SenderId& id, std::int64_t now) {
     found->heard = now;
     return static_cast<int>(found - senders_.begin());
   }
-  if (senders_.size() < kSendersKept) {
+  if (senders_.size() < owners_.size() + kStrangersKept) {
     senders_.push_back({.id = id, .heard = now});
     return static_cast<int>(senders_.size()) - 1;
   }

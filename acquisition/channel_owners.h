@@ -55,8 +55,8 @@ class ChannelOwners {
     std::int64_t since = 0, heard = 0;  ///< ns
     bool told = false;                  ///< the owner has sent since the rival began
   };
-  static constexpr std::size_t kSendersKept = 32;
-  static constexpr std::size_t kRivalsKept = 4;  ///< of a channel
+  static constexpr std::size_t kStrangersKept = 32;  ///< senders that own no channel
+  static constexpr std::size_t kRivalsKept = 4;      ///< of a channel
 
   int IndexOf(const SenderId& id, std::int64_t now);
   bool Admit(std::size_t channel, int sender, std::int64_t now, std::int64_t allowed);

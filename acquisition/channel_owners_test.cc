@@ -84,6 +84,22 @@ TEST_F(Owners, ManyInventedSessionsTakeNobodysPlace) {
   EXPECT_THAT(Hear(1, 7, 0.02), ElementsAre(0, 1));
 }
 
+TEST_F(Owners, EveryChannelMayHaveASenderOfItsOwn) {
+  ChannelOwners many(200, 0.5);
+  for (int round = 0; round < 3; ++round)
+    for (std::uint16_t channel = 0; channel < 200; ++channel) {
+      const SampleBatch batch{.writer = 100u + channel,
+                              .session = 1,
+                              .period_ns = 1'000'000,
+                              .requested = {},
+                              .received = {round * 10'000'000, 0},
+                              .channels = {channel},
+                              .rows = 10,
+                              .values = {}};
+      EXPECT_EQ(many.Admit(0, batch).size(), 1u) << channel;
+    }
+}
+
 TEST_F(Owners, ASenderOfLongBatchesMayBeSilentForThreeOfThem) {
   SampleBatch batch{.session = 1,
                     .period_ns = kSecond,

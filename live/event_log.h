@@ -14,7 +14,7 @@ namespace hydroscope {
 /// look before. One object belongs to one thread.
 class EventLog {
  public:
-  /// Rows of the journal from `after` on: those before stand in the log of an earlier life.
+  /// Rows that the journal has by now stand in the log of an earlier life.
   explicit EventLog(std::string journal);
 
   void Look(const LiveStatus& status);

@@ -1,7 +1,9 @@
 #include "storage/alarm_journal.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -64,6 +66,30 @@ TEST_F(AlarmJournalFile, IsReadWithoutTheRightToWrite) {
   }
   std::filesystem::permissions(folder, std::filesystem::perms(0755));
   std::filesystem::remove_all(folder);
+}
+
+/// Whether this process has any lock on a file, as another one sees it.
+bool IsLocked(const std::string& path) {
+  const pid_t child = fork();
+  if (child == 0) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+    _exit(file >= 0 && fcntl(file, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 1;
+}
+
+TEST_F(AlarmJournalFile, ItsLocksSurviveThatTheSameProcessOpensItAgain) {
+  auto journal = AlarmJournal::Open(path);
+  ASSERT_TRUE(journal) << journal.error().text;
+  ASSERT_TRUE(Raise(*journal, "press", "one"));
+  ASSERT_TRUE(IsLocked(path));
+  { EXPECT_TRUE(AlarmJournal::Open(path)); }
+  EXPECT_TRUE(IsLocked(path)) << "another process would take the file for its own";
 }
 
 TEST_F(AlarmJournalFile, KeepsRowsStatesAndMonitorOverARestart) {

@@ -65,14 +65,16 @@ int Connection::ColumnCount(std::int64_t machine, int version) {
 }
 
 void CreateForOwnerAndGroup(const std::string& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
+  // Only a file that is not there: closing one that this process has open elsewhere would drop SQLite's locks on it.
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0640);
   if (file >= 0) close(file);
 }
 
 bool OnReadOnlyDisk(const std::string& path) {
   std::error_code ignored;
   const auto folder = std::filesystem::absolute(path, ignored).parent_path();
-  return access(folder.c_str(), W_OK) != 0 && !std::filesystem::exists(path + "-wal", ignored);
+  return faccessat(AT_FDCWD, folder.c_str(), W_OK, AT_EACCESS) != 0 &&
+         !std::filesystem::exists(path + "-wal", ignored);
 }
 
 std::string ImmutableUri(const std::string& path) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <functional>
@@ -65,7 +66,7 @@ class LiveRig {
   void StartService(std::vector<std::string> more = {});
   /// Another press that sends the same channels, until StopRival.
   void StartRival();
-  void StopRival() { rival_.reset(); }
+  void StopRival() { rival_->End(SIGTERM); }
   /// [feeds...] and environment of services started from now on.
   void SetFeeds(const std::string& feeds);
   void SetServiceEnvironment(Child::Environment environment) { environment_ = std::move(environment); }

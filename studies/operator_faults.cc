@@ -22,11 +22,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSeenWithin = 5;   // s, in every place: "within seconds"
-constexpr double kLockSeen = 13;    // s: SQLite waits for 10 s before it says that it is locked
-constexpr double kHealthBack = 30;  // s
-constexpr double kSettle = 3;       // s in which what was told of the fault before has arrived everywhere
-constexpr double kIdle = 62;        // s without a stroke after which a press counts as idle, and a little
+constexpr double kSeenWithin = 5;      // s, in every place: "within seconds"
+constexpr double kLockSeen = 13;       // s: SQLite waits for 10 s before it says that it is locked
+constexpr double kHealthBack = 30;     // s
+constexpr double kToldEverywhere = 3;  // s in which what was told of the fault before has arrived everywhere
+constexpr double kIdle = 62;           // s without a stroke after which a press counts as idle, and a little
 constexpr double kYear = 365 * 86400.0;
 constexpr char kFaketime[] = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1";
 
@@ -98,7 +98,9 @@ void ForgedBatches(OperatorRig& o) {
                      .shared_memory = false,
                      .interfaces = {"127.0.0.1"},
                      .peers = {}};
-  options.session = status->at("senders").at(0).at("session").get<std::uint64_t>();
+  for (const auto& sender : status->at("senders"))  // that of the press, not of its slow channels
+    if (!sender.at("name").get<std::string>().empty())
+      options.session = sender.at("session").get<std::uint64_t>();
   for (const auto& channel : status->at("channels"))
     if (const auto name = channel.at("name").get<std::string>();
         !name.ends_with("p_0") && !name.ends_with("T_oil")) {
@@ -155,7 +157,7 @@ bool Dropped(const OperatorRig& o) {
 
 /// Something befalls the database's file; another one is begun.
 void LoseDatabase(OperatorRig& o, const char* what, const char* log, const std::function<void()>& befalls) {
-  Sleep(kSettle);
+  Sleep(kToldEverywhere);
   const auto before = o.rig.Ask();
   const auto databases = before ? before->at("writer").at("databases").get<int>() : 0;
   o.view.Mark();
@@ -181,8 +183,12 @@ void DeleteDatabase(OperatorRig& o) {
   });
 }
 
+/// Of a young database all lies in the write-ahead log; what is overwritten must be what is read.
 void DamageDatabase(OperatorRig& o) {
-  LoseDatabase(o, "database overwritten in part", "database_begun_anew", [&] {
+  for (const double end = Now() + kHealthBack;
+       Now() < end && std::filesystem::file_size(o.rig.database()) < (256 << 10);)
+    Sleep(0.2);
+  LoseDatabase(o, "database overwritten in part", "error database_begun_anew", [&] {
     std::fstream file(o.rig.database(), std::ios::in | std::ios::out | std::ios::binary);
     file << std::string(64 << 10, 'x');
   });

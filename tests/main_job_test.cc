@@ -70,7 +70,8 @@ TEST_F(MainJob, AWornSealRaisesAnExplainedAlarmWhileThePressWorks) {
   EXPECT_EQ(service.Kill(SIGTERM), 0);
   EXPECT_EQ(Run({"verify-live", "--db", File("press.db")}).exit_code, 0);
   const auto list = Run({"alarms", "--db", File("press.db"), "list", "--json", "-"});
-  EXPECT_EQ(list.Json().at("alarms").at(0).at("state"), "ACKED");
+  EXPECT_EQ(list.Json().at("alarms").at(0).at("state"), "ACKED")
+      << Run({"alarms", "--db", File("press.db"), "journal"}).out;
 }
 
 }  // namespace
