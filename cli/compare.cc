@@ -45,7 +45,7 @@ Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
 Status CompareStates(const CompareArguments& a) {
   const auto fit = FitStatesLogs(a.logs, a.machine, a.hold_out);
   if (!fit) return tl::unexpected(fit.error());
-  if (a.json != "-") std::cout << CompareText(*fit);
+  if (a.json != "-") Say(CompareText(*fit));
   if (!a.csv.empty())
     if (const Status written = WriteStatesCsv(*fit, a.csv); !written) return written;
   if (a.json.empty()) return {};

@@ -146,7 +146,7 @@ Status ExplainStatesOfLogs(const ExplainArguments& a) {
     return UsageError("explain --report has no page for machines with [states] yet; use the text or --json");
   const auto explained = ExplainStatesLogs(a.logs, a.machine);
   if (!explained) return tl::unexpected(explained.error());
-  if (a.json != "-") std::cout << ExplainText(*explained);
+  if (a.json != "-") Say(ExplainText(*explained));
   return a.json.empty() ? Status() : WriteJson(a.json, ExplainJson(*explained));
 }
 
@@ -156,7 +156,11 @@ Status RunExplain(const ExplainArguments& a) {
   if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
   if (!a.measured.empty() && a.logs.empty()) return UsageError("--measured needs a LOG");
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
-  if (a.history.db.empty() && HasStates(a.machine)) return ExplainStatesOfLogs(a);
+  if (a.history.db.empty() && HasStates(a.machine)) {
+    if (!a.measured.empty())
+      return UsageError("--measured: a machine described by states has no effects of the library");
+    return ExplainStatesOfLogs(a);
+  }
   auto explained = a.history.db.empty() ? ExplainOneLog(a) : ExplainDatabase(a);
   if (!explained) return tl::unexpected(explained.error());
   if (a.json != "-") Say(explained->text);
