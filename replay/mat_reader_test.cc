@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "replay/log_head.h"
 
@@ -35,7 +36,10 @@ class MatReaderTest : public ::testing::TestWithParam<Format> {
     p.unit = "bar";
     machine_.signals = {p};
   }
-  ~MatReaderTest() override { std::filesystem::remove(path_); }
+  ~MatReaderTest() override {
+    if (file_ != nullptr) Mat_Close(file_);
+    std::filesystem::remove(path_);
+  }
 
   static matvar_t* Matrix(const char* name, std::vector<double> values, std::size_t rows) {
     std::size_t dims[2] = {rows, values.size() / rows};
@@ -50,7 +54,7 @@ class MatReaderTest : public ::testing::TestWithParam<Format> {
     Write(Matrix(name, std::move(values), rows));
   }
   Result<std::unique_ptr<LogReader>> Open() {
-    Mat_Close(file_);
+    Mat_Close(std::exchange(file_, nullptr));
     return OpenLog(path_, machine_);
   }
 
@@ -149,7 +153,7 @@ TEST_P(MatReaderTest, RefusesAMissingColumn) {
 TEST_P(MatReaderTest, ShowsItsHead) {
   Vector("t", {0, 1, 2});
   Vector("p", {1, 2, 3});
-  Mat_Close(file_);
+  Mat_Close(std::exchange(file_, nullptr));
   const auto head = ReadLogHead(path_, 2);
   ASSERT_TRUE(head);
   EXPECT_THAT(head->layout.names, UnorderedElementsAre("t", "p"));

@@ -4,6 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+export LSAN_OPTIONS=suppressions=$PWD/scripts/lsan_suppressions.txt:print_suppressions=0
 folders=(core dds models machines acquisition estimation storage alarms replay simulator)
 if [[ ${1:-} == all ]]; then
   scripts/build.sh asan
