@@ -36,7 +36,7 @@ Result<std::vector<double>> GivenValues(const Machine& machine, const Effect& ef
   if (given == machine.effect_values.end()) return values;
   for (const auto& [name, value] : given->second)
     if (std::none_of(effect.nonlinear.begin(), effect.nonlinear.end(),
-                     [&](const auto& n) { return n.name == name; }))
+                     [&name = name](const auto& n) { return n.name == name; }))
       return BadInput("machine {}: effect_values of {}: it has no parameter {}", machine.name, effect.id,
                       name);
   for (const NonlinearParameter& n : effect.nonlinear)
