@@ -151,8 +151,7 @@ void Aligner::WatchClock(Stream& stream, const SampleBatch& batch) {
   stream.wall_clock.Observe(newest, batch.received.monotonic_ns);
 }
 
-/// A batch far ahead of the sender's clock, or behind all frames, is believed only when the sender goes on
-/// there.
+/// A batch far ahead of the sender's clock, or behind all frames, is believed only when the sender goes on there.
 bool Aligner::Believable(Stream& stream, const SampleBatch& batch) {
   const auto last = batch.first_sequence + batch.rows - 1;
   const bool ahead = stream.clock.known() && stream.clock.ToHost(stream.SenderTime(last)) >

@@ -121,8 +121,7 @@ void BatchAssembler::Receive(BatchMessage&& message, HostTime received, const Em
   Deliver(session, layout->second, message, received, emit);
 }
 
-/// More than kLeeway beside where the count can be by now. Rows of a hole that come late are where they were
-/// expected.
+/// More than kLeeway beside where the count can be by now. Rows of a hole that come late are where they were expected.
 bool BatchAssembler::IsElsewhere(const Session& session, const BatchMessage& message, std::int64_t now) {
   const auto next = session.sequence.next();
   if (!next) return false;

@@ -45,8 +45,7 @@ struct BatchMessage {
 /// here until the sender goes on there.
 class BatchAssembler {
  public:
-  /// `wanted`: name on the wire of each channel of the source, "" = not from here. One name may feed several
-  /// channels.
+  /// `wanted`: name on the wire of each channel of the source, "" = not from here. One name may feed several channels.
   explicit BatchAssembler(std::vector<std::string> wanted);
 
   using Emit = std::function<void(SampleBatch&&)>;

@@ -335,8 +335,8 @@ void QualityMonitor::FlagBack(Quality* at, std::int64_t rows, Quality flag) {
   for (std::int64_t k = 1; k <= reach; ++k) at[-k] |= flag;
 }
 
-/// Counts readings exactly at one end of the range seen, and those within the noise of it; all with the sign turned on
-/// side 1.
+/// Counts readings exactly at one end of the range seen, and those within the noise of
+/// it; all with the sign turned on side 1.
 void QualityMonitor::WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track,
                                   Quality* flags) {
   Extreme& extreme = track.extremes[side];

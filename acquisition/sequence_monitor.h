@@ -6,8 +6,7 @@
 
 namespace hydroscope {
 
-/// Follows the row numbers of one session: what is missing, what comes twice, what comes late. Constant
-/// memory.
+/// Follows the row numbers of one session: what is missing, what comes twice, what comes late. Constant memory.
 class SequenceMonitor {
  public:
   struct Verdict {

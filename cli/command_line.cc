@@ -63,8 +63,8 @@ std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) 
 
 int RunCommandLine(int argc, const char* const* argv) {
   CLI::App app{
-      "Hydroscope: condition monitoring and diagnosis of servo-hydraulic machines by continuous "
-      "identification."};
+      "Hydroscope: condition monitoring and diagnosis of servo-hydraulic "
+      "machines by continuous identification."};
   app.name("hydroscope");
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all commands");

@@ -89,8 +89,8 @@ Status CheckValveSignals(const Machine& machine) {
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) < 0) {
       return BadInput(
-          "machine file {}: [valve] names the signal {}, but [signals] has none of that name; map it to its "
-          "column in the log",
+          "machine file {}: [valve] names the signal {}, but [signals] has none of "
+          "that name; map it to its column in the log",
           machine.name, name);
     }
   }

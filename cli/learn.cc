@@ -71,8 +71,7 @@ Status TellDoubts(const LearnArguments& a, const std::vector<Candidate>& candida
   if (refused.empty() || a.force) return {};
   return BadInput(
       "nothing was learned: the strokes of {} do not look like those of a healthy machine. Choose others "
-      "with "
-      "--from and --to, or insist with --force",
+      "with --from and --to, or insist with --force",
       refused);
 }
 
@@ -198,8 +197,8 @@ void AddLearnCommand(CLI::App& app, int& exit_code) {
       "learned without --force.\n"
       "Examples:\n"
       "  hydroscope learn --db press.db --machine press.toml\n"
-      "  hydroscope learn --db press.db --machine-name press/cushion_2 --from 2025-03-01 --comment \"new "
-      "seal\"");
+      "  hydroscope learn --db press.db --machine-name press/cushion_2 "
+      "--from 2025-03-01 --comment \"new seal\"");
   command->callback([a, &exit_code] {
     if (a->user.empty())
       if (const char* user = std::getenv("USER"); user != nullptr) a->user = user;

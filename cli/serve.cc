@@ -58,8 +58,7 @@ LiveService::Heartbeat Watchdog(const Clock& clock) {
   };
 }
 
-/// One line per stored step on stdout, for those who must know what is safe: axis, run, strokes and rows of
-/// it.
+/// One line per stored step on stdout, for those who must know what is safe: axis, run, strokes and rows of it.
 void PrintAcknowledged(const LiveWriter::Axis& axis, const WriteItem& item) {
   if (item.kind != WriteItem::Kind::kStep) return;
   const std::string line = fmt::format("stored {} run {} strokes {} rows {}\n", axis.name, axis.run,

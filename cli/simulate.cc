@@ -168,8 +168,8 @@ void AddPress(CLI::App& simulate, int& exit_code) {
       ->allow_extra_args(false);
   app->add_flag("--list-effects", a->list_effects, "Print the effects with units and typical sizes");
   app->add_option("--imperfection", a->imperfections,
-                  "What plants have and simulations lack: KIND[=SIZE][,NAME=VALUE...][,on=CHANNEL] in SI, "
-                  "repeatable")
+                  "What plants have and simulations lack: "
+                  "KIND[=SIZE][,NAME=VALUE...][,on=CHANNEL] in SI, repeatable")
       ->type_name("KIND")
       ->allow_extra_args(false);
   app->add_flag("--list-imperfections", a->list_imperfections,
@@ -248,8 +248,7 @@ void AddValve(CLI::App& simulate, int& exit_code) {
   app->footer(
       "Examples:\n"
       "  hydroscope simulate valve --out sweep.csv\n"
-      "  hydroscope simulate valve --out worn.csv --f0 120 --damping 0.9 --dead-time 0.001 --sample-rate "
-      "4000");
+      "  hydroscope simulate valve --out worn.csv --f0 120 --damping 0.9 --dead-time 0.001 --sample-rate 4000");
   app->callback([out, o, &exit_code] {
     const auto run = [&]() -> Status {
       if (const Status s = Validate(*o); !s) return s;

@@ -42,8 +42,7 @@ Status CheckRing(const ModbusRingSpec& ring, const PressServer::Options& options
   if (same) return {};
   return BadInput(
       "[live.modbus] ring: the simulated press of {} axes has ring = {{ session = {}, newest = {}, time = "
-      "{}, first = "
-      "{}, records = {}, width = {}, period = {} }}",
+      "{}, first = {}, records = {}, width = {}, period = {} }}",
       options.press.axes, kSession, kNewest, kTime, kRing, map.ring_records(), map.ring_width(),
       options.press.press.sample_period);
 }

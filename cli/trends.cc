@@ -57,8 +57,7 @@ std::vector<std::string> ParameterNames(const std::vector<TrendPoint>& points) {
   return {names.begin(), names.end()};
 }
 
-/// What the report judges changes by; without it (strokes of several models, say) the estimates alone are
-/// judged.
+/// What the report judges changes by; without it (strokes of several models, say) the estimates alone are judged.
 void AddBlocks(const TrendsArguments& a, Database& database, const HistoryPart& part, MachineTrends& trends) {
   if (part.strokes() <= 0) return;
   const auto machine = StoredMachine(database, a.db, part);
@@ -121,8 +120,7 @@ Status RunTrends(const TrendsArguments& a) {
   if (machines.empty())
     return BadInput(
         "{} holds no strokes yet: nothing in its logs was inside the gate, or their replay was stopped "
-        "before "
-        "the first stroke. `hydroscope check LOG --machine M.toml` tells what a log contains",
+        "before the first stroke. `hydroscope check LOG --machine M.toml` tells what a log contains",
         a.db);
   return Write(a, machines);
 }

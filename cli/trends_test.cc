@@ -105,8 +105,7 @@ TEST(Trends, CsvHasEveryPointWithEveryDigit) {
   ASSERT_EQ(rows.size(), 1u + 4 * 30);
   EXPECT_EQ(
       run.out.substr(0, run.out.find('\n')),
-      "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,"
-      "last_excited_s");
+      "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,last_excited_s");
   for (std::size_t i = 1; i < rows.size(); ++i) {
     ASSERT_EQ(rows[i].size(), 13u) << i;
     const StrokeRecord stroke = MakeStroke(static_cast<std::int64_t>(i - 1) / 4);

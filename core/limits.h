@@ -2,8 +2,8 @@
 
 namespace hydroscope {
 
-/// Parameters that a balance may have, fitted at once. Checked where a machine is read; everything that follows holds as
-/// many.
+/// Parameters that a balance may have, fitted at once. Checked where a machine is read;
+/// everything that follows holds as many.
 inline constexpr int kMaxParameters = 32;
 /// Physical parameters that may be derived from those beyond them.
 inline constexpr int kMaxDerived = 32;

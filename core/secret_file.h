@@ -14,8 +14,8 @@ inline Status CheckSecret(const std::string& path, const std::string& where) {
   struct stat found {};
   if (stat(path.c_str(), &found) != 0 || (found.st_mode & S_IROTH) == 0) return {};
   return BadInput(
-      "{} = \"{}\" may be read by every user of this computer; `chmod 640` it, and give it to the "
-      "group of the service",
+      "{} = \"{}\" may be read by every user of this computer; `chmod 640` it, "
+      "and give it to the group of the service",
       where, path);
 }
 

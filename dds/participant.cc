@@ -46,8 +46,7 @@ constexpr char kDiscoveryGroup[] = "239.255.0.1";  // of the DDSI-RTPS specifica
 constexpr std::uint32_t kSocketBuffer = 4u << 20;
 
 /// Numbers of this process's participants; a number determines the ports. Left to itself the library never
-/// uses one twice, so that a source that is built anew again and again would wander off the ports that peers
-/// ask.
+/// uses one twice, so that a source that is built anew again and again would wander off the ports that peers ask.
 class ParticipantIds {
  public:
   int Take() {

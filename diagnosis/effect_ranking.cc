@@ -128,8 +128,7 @@ bool EffectRanking::IsRefuted(const EffectEstimate& e) const {
 bool EffectRanking::IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
                            const ExtendedFit& best, double best_gain) const {
   const auto share = ShareOfTwins(strokes_.model(), id, best_id);
-  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ
-  // by it.
+  // Columns of rates of smoothed signals bring noise that alternating signs do not see: small gains differ by it.
   return share && gain > *share * best_gain - options_.sure_gain &&
          fit.excess_ratio < best.excess_ratio + options_.twin_excess;
 }
@@ -188,8 +187,8 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
   else if (separable)
     ranked.why_not =
         forbidden && !ranked.fit.solved
-            ? "it would fit only with a sign or size that physics forbids, and even a large one would hide "
-              "in the other parameters"
+            ? "it would fit only with a sign or size that physics forbids, and even a "
+              "large one would hide in the other parameters"
             : "these strokes excite it too little: even a large one would hide in the other parameters";
   else if (strokes_.model().effect_shapes[index].empty())
     ranked.why_not = "nothing like it was found in what the model leaves";

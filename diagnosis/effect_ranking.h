@@ -48,8 +48,7 @@ class EffectRanking {
   std::vector<RankedEffect> RankGeneric(const CandidateModel& on) const;
   /// Held-out error energy removed, in noise variances, less the price of free nonlinear parameters.
   double Gain(const ExtendedFit& from, const ExtendedFit& to) const;
-  /// Whether `candidate` explains about as well as `best`: a model confidence set by paired stroke-wise
-  /// losses.
+  /// Whether `candidate` explains about as well as `best`: a model confidence set by paired stroke-wise losses.
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
   /// Effects of the ranking that stand out and are rivals of the first one, the first one included.
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;

@@ -24,8 +24,7 @@ class StrokeEvidences {
                   const WindowSamples& window)
       : model_(model), theta_(theta), moves_(moves), window_(window) {}
 
-  /// A stroke played through: signals without sensor noise, whose energy is that of the same stroke with
-  /// noise.
+  /// A stroke played through: signals without sensor noise, whose energy is that of the same stroke with noise.
   const RivalEvidence& Played(const std::vector<double>& pressures, double speed, double rod, double oil,
                               double begin) {
     const auto [at, fresh] = played_.try_emplace({pressures, speed, rod, oil, begin});

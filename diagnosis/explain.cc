@@ -87,8 +87,7 @@ std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> rankin
   return firsts;
 }
 
-/// The model that has both, in the shapes that suit them best together: as ranked, or with the first in
-/// another one.
+/// The model that has both, in the shapes that suit them best together: as ranked, or with the first in another one.
 CandidateModel Explainer::Both(const CandidateModel& first, const RankedEffect& second) const {
   CandidateModel best = ranking_.With(first, second.fit.effects.back().choice);
   for (const EffectChoice& choice : Shapes(first.choices.back())) {
@@ -142,8 +141,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
   const Pair& best = pairs.front();
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
                    {strokes_.model().effects[best.effect[1]]->id}};
-  // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other
-  // one.
+  // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other one.
   for (std::size_t k = 1; k < pairs.size(); ++k) {
     const ExtendedFit &fit = pairs[k].model.fit, &best_fit = best.model.fit;
     if (std::any_of(fit.effects.begin(), fit.effects.end(),

@@ -206,8 +206,7 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
   return out;
 }
 
-/// An error above the floor that nothing predicts, and so small that the noise test may have missed its
-/// colour.
+/// An error above the floor that nothing predicts, and so small that the noise test may have missed its colour.
 bool IsFloorToBlame(const Explanation& x, const ExplainOptions& options) {
   return x.final_left.tested && x.final.excess_ratio + 1 < options.hidden_colour &&
          (x.final_left.share < options.nothing_share || x.final_left.p_value > options.nothing_p);
@@ -233,10 +232,10 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
   if (without.verdict == Verdict::kUnknown) return out;
-  without.warnings.push_back(fmt::format(
-      "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts it: taken as noise "
-      "that is not quite white",
-      100 * (std::sqrt(without.noise_scale) - 1)));
+  without.warnings.push_back(
+      fmt::format("the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
+                  "it: taken as noise that is not quite white",
+                  100 * (std::sqrt(without.noise_scale) - 1)));
   return without;
 }
 

@@ -33,8 +33,7 @@ SpanNoise NoiseOf(const SpanEquations& span, const Eigen::VectorXd& residual_wei
   const Eigen::VectorXd white = span.noise.leftCols(blocks).transpose() * residual_weights;
   const Eigen::VectorXd walk = span.walk.transpose() * residual_weights;
   SpanNoise out;
-  // The columns carry the energies that centring leaves: B - 1 variances of white noise, and (B^2 - 1) / 6 of
-  // a walk.
+  // The columns carry the energies that centring leaves: B - 1 variances of white noise, and (B^2 - 1) / 6 of a walk.
   out.white = white.squaredNorm() / span.equations;
   out.walk = blocks > 1 ? walk.squaredNorm() * 6.0 / (blocks * blocks - 1.0) : 0.0;
   return out;

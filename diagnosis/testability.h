@@ -18,8 +18,8 @@ std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_m
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
                    std::map<std::string, std::string>& untestable);
 
-/// Square of the correlation of the means over strokes of a channel with time, 0 if it was not measured (-1) or did not
-/// move.
+/// Square of the correlation of the means over strokes of a channel with time, 0 if it
+/// was not measured (-1) or did not move.
 double SharedCourse(std::span<const StrokeStretches> strokes, int channel);
 
 }  // namespace hydroscope

@@ -165,8 +165,8 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   if (CountReason(response.points, PointReason::kUsed) == 0) {
     if (clipped > 0) {
       return BadInput(
-          "command or response is clipped at {} of {} frequencies: lower the amplitude or check the sensor's "
-          "range",
+          "command or response is clipped at {} of {} frequencies: lower the "
+          "amplitude or check the sensor's range",
           clipped, total);
     }
     if (silent > 0) {
@@ -207,16 +207,14 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
   if (used < 3 && outside > 0) {
     return BadInput(
         "only {} coherent frequencies lie within {:g} to {:g} Hz, at least 3 are needed; {} lie outside: "
-        "give "
-        "a wider range or a longer --segment",
+        "give a wider range or a longer --segment",
         used, options.lowest, options.highest, outside);
   }
   if (used < 3) {
     return BadInput(
         "command and response are not related: coherence reaches the limit at {} of {} frequencies, at least "
-        "3 "
-        "are needed; check that the right columns are mapped, that the command moves and the valve is "
-        "enabled",
+        "3 are needed; check that the right columns are mapped, that the "
+        "command moves and the valve is enabled",
         used, response.points.size());
   }
   if (const int powerless = CountReason(response.points, PointReason::kNoPower); powerless > 0) {
@@ -245,8 +243,8 @@ void AddModelWarnings(FrequencyResponse& response) {
         "the response moves against the command: polarity of a sensor or of the valve is reversed");
   if (m.dead_time.value + 3 * m.dead_time.std < 0) {
     response.warnings.push_back(
-        "the dead time is negative: the command is recorded later than the response, or it is not the signal "
-        "the valve gets");
+        "the dead time is negative: the command is recorded later than the response, "
+        "or it is not the signal the valve gets");
   }
   if (m.first_order) {
     response.warnings.push_back(fmt::format(
@@ -263,8 +261,7 @@ void AddModelWarnings(FrequencyResponse& response) {
   if (m.command_hold > 0) {
     response.warnings.push_back(
         fmt::format("the response fits a command that is held between samples ({:.4g} ms): the hold is taken "
-                    "into account and is not "
-                    "part of the dead time",
+                    "into account and is not part of the dead time",
                     1e3 * m.command_hold));
   }
   if (m.inflation > 1) {

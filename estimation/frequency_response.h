@@ -19,8 +19,7 @@ namespace hydroscope {
 /// Stepped sines are evaluated by orthogonal correlation (Isermann and Muenchhof, Identification of Dynamic
 /// Systems, 2011, sec. 4.3), broadband signals by averaged cross spectra (Welch, 1967; Bendat and Piersol,
 /// Random Data, 4th ed. 2010, eq. 9.52 ff.). A command that is held from sample to sample is recognised by
-/// its effect on the fit; any other delay between the sampling instants of the two channels appears as dead
-/// time.
+/// its effect on the fit; any other delay between the sampling instants of the two channels appears as dead time.
 
 enum class FrequencyResponseMethod {
   kAuto,   ///< stepped sine if held frequencies cover most of the excitation, else Welch
@@ -63,8 +62,7 @@ struct FrequencyPoint {
   PointReason reason = PointReason::kUsed;
 
   double gain() const { return std::abs(response); }
-  /// Standard deviation of the gain such that +-1.96 of it is the 95 % interval also with few degrees of
-  /// freedom.
+  /// Standard deviation of the gain such that +-1.96 of it is the 95 % interval also with few degrees of freedom.
   double GainStd() const;
   /// The same of the phase, rad.
   double PhaseStd() const;

@@ -46,8 +46,7 @@ Complex SecondOrder(double omega, double omega_0, double damping) {
 
 /// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
 /// or for a command held from sample to sample also its images w_m = w + m 2 pi / hold, each through the hold
-/// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997,
-/// sec. 7.6).
+/// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997, sec. 7.6).
 template <typename Visit>
 void ForEachImage(double omega, double hold, Visit visit) {
   if (hold <= 0) {
@@ -464,8 +463,7 @@ Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double corr
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
     return BadInput(
         "the {} frequencies from {:.4g} to {:.4g} Hz do not determine f0 and D; sweep up to the frequency at "
-        "which the "
-        "phase passes -90 degrees",
+        "which the phase passes -90 degrees",
         problem.targets().size(), problem.lowest() / kTwoPi, problem.highest() / kTwoPi);
   }
   ValveModel model;

@@ -93,8 +93,7 @@ std::vector<HeldFrequency> HeldFrequencies(const std::vector<double>& crossings)
   return held;
 }
 
-/// Phasors of consecutive blocks of whole periods, against exp(i omega n) with n counted from the signal's
-/// start.
+/// Phasors of consecutive blocks of whole periods, against exp(i omega n) with n counted from the signal's start.
 struct Blocks {
   std::vector<Complex> phasor;
   std::vector<double> centre;       // samples

@@ -165,8 +165,7 @@ double TypicalAmplitude(const std::vector<FrequencyPoint>& points) {
   return 0;
 }
 
-/// Coherent points at which the command has hardly any power are accidents, or a disturbance that both
-/// channels share.
+/// Coherent points at which the command has hardly any power are accidents, or a disturbance that both channels share.
 void LeaveOutPowerless(std::vector<FrequencyPoint>& points) {
   const double least = kLeastAmplitude * TypicalAmplitude(points);
   for (FrequencyPoint& p : points) {
@@ -184,8 +183,7 @@ Result<WelchSpectra> EstimateByWelch(const FrequencyRecord& record, const Freque
   if (spectra.segment_length < kShortest || spectra.segment_length > longest) {
     return BadInput(
         "the record is too short for averaged spectra: its longest stretch without a gap has {} samples, {} "
-        "are "
-        "needed{}; record longer",
+        "are needed{}; record longer",
         longest, options.segment_length > 0 ? options.segment_length : 8 * kShortest,
         options.segment_length > 0 ? " for one segment (give a shorter --segment)" : "");
   }

@@ -16,8 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Grams of strokes of white regressors; the output has noise of std `sigma` and each stroke its own offset
-/// of theta.
+/// Grams of strokes of white regressors; the output has noise of std `sigma` and each stroke its own offset of theta.
 struct Synthetic {
   VectorXd theta = Eigen::Vector3d(2, -1, 0.5);
   std::vector<StrokeGram> strokes;

@@ -10,8 +10,8 @@ namespace hydroscope {
 
 /// The identification of the press paper as it was published: moving average, symmetrical derivative, the balance
 /// (ModelStructure::published, which the model must have) point by point every `update_period`, exponential forgetting.
-/// Kept to compare with, not recommended: sensor noise biases it (docs/mathematics.md), and its intervals know nothing of
-/// that.
+/// Kept to compare with, not recommended: sensor noise biases it (docs/mathematics.md),
+/// and its intervals know nothing of that.
 class PublishedEstimator : public StrokeEstimator {
  public:
   PublishedEstimator(const EstimatorSpec& spec, std::shared_ptr<const ModelStructure> model, double period);

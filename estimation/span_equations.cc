@@ -32,8 +32,7 @@ HYDROSCOPE_WIDE double SumBlocks(const double* increments, const std::vector<Blo
   return level;
 }
 
-/// `scale` times the difference of a block to the mean of those before; the mean then takes its `share` of
-/// it.
+/// `scale` times the difference of a block to the mean of those before; the mean then takes its `share` of it.
 HYDROSCOPE_WIDE void AddContrast(std::ptrdiff_t rows, const double* block, double scale, double share,
                                  double* __restrict mean, double* __restrict contrast) {
   for (std::ptrdiff_t i = 0; i < rows; ++i) {
@@ -126,8 +125,7 @@ const SpanEquations& SpanEquationBuilder::Build(Stretch& stretch, double begin) 
 }
 
 /// For the samples x_k of a block above its first one, x_k = sum of the increments before k: mean of x_k; sum
-/// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the
-/// next block.
+/// of x_k with alternating signs (+ - - +), scaled to keep white noise white; rise to the first sample of the next block.
 std::vector<BlockWeights> SpanEquationBuilder::WeightsOf(int block) {
   const int paired = block / 4 * 4;
   const double contrast = 1.0 / std::sqrt(static_cast<double>(block) * paired);

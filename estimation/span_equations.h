@@ -15,8 +15,7 @@ namespace hydroscope {
 /// constant. Sensor noise of the position then enters white and undifferentiated, and the small noise of the
 /// pressure meets its full signal, so the errors-in-variables bias that ruins the differenced form is nearly
 /// gone. Levels are averaged over blocks; the constant, one per span, is taken out by orthonormal (Helmert)
-/// contrasts, which keep white noise white. A short span keeps slow model errors from piling up in the
-/// integral.
+/// contrasts, which keep white noise white. A short span keeps slow model errors from piling up in the integral.
 ///
 /// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor
 /// noise: its outer product estimates what the noise adds to the regressors' Gram, for every column and every

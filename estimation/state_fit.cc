@@ -568,8 +568,8 @@ std::string DivergedText(const FitTask& task, const Eigen::VectorXd& theta) {
         task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
         episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
   }
-  return "the model diverges from every start; narrow the ranges in [parameters] or check the signs of its "
-         "equations";
+  return "the model diverges from every start; narrow the ranges in "
+         "[parameters] or check the signs of its equations";
 }
 
 /// Runs with sensitivities at a point, residuals, noise.

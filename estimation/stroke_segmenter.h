@@ -27,8 +27,7 @@ namespace hydroscope {
 class StrokeSegmenter {
  public:
   struct Sink {
-    /// One stretch: whole blocks, a full span or the rest of a segment. `begin` is its first new sample's
-    /// time.
+    /// One stretch: whole blocks, a full span or the rest of a segment. `begin` is its first new sample's time.
     std::function<void(Stretch&, double begin)> on_stretch;
     /// The stroke whose stretches were given is over.
     std::function<void(const StrokeSummary&)> on_stroke;

@@ -18,8 +18,7 @@ int ReportError(const Error& error);
 /// Version of the JSON that commands write: grows when a key is renamed or taken away, not when one is added.
 inline constexpr int kJsonSchema = 1;
 
-/// Writes `document` to `path` ("-" is stdout), indented, with a final newline. Objects without a "schema"
-/// get kJsonSchema.
+/// Writes `document` to `path` ("-" is stdout), indented, with a final newline. Objects without a "schema" get kJsonSchema.
 Status WriteJson(const std::string& path, nlohmann::json document);
 
 /// The text for people, on stdout; lines too long for the terminal (elsewhere: for COLUMNS of the environment, else for

@@ -145,8 +145,7 @@ Status DriftWatch::LookForSecondSender(int index, const LiveStatus& live, HostTi
   condition.severity = AlarmSeverity::kSignalLoss;
   condition.text = fmt::format(
       "two senders of the same channels: {} was first and is believed, {} is left out; switch off the one "
-      "that "
-      "is not this machine's, `hydroscope status` shows both",
+      "that is not this machine's, `hydroscope status` shows both",
       fmt::join(first, ", "), fmt::join(others, ", "));
   return Tell(index, "two_senders", condition, now);
 }
@@ -175,8 +174,8 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   condition.unit = "s";
   condition.severity = AlarmSeverity::kSignalLoss;
   condition.text = fmt::format(
-      "no samples of {}: check the controller and the link to it; `hydroscope check --live` shows every "
-      "channel",
+      "no samples of {}: check the controller and the link to it; "
+      "`hydroscope check --live` shows every channel",
       fmt::join(silent, ", "));
   return Tell(index, "no_samples", condition, now);
 }

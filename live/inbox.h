@@ -14,8 +14,7 @@ namespace hydroscope {
 
 /// Bounded queue between the threads of the sources and the pipeline. Each sender has a lane of its own. When
 /// the queue is full, the older half of the fullest lane goes at once: what remains of it is one piece, so
-/// that the newest strokes stay whole instead of having holes each, and who sends little loses nothing to who
-/// sends much.
+/// that the newest strokes stay whole instead of having holes each, and who sends little loses nothing to who sends much.
 class Inbox {
  public:
   struct Entry {

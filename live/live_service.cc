@@ -62,8 +62,7 @@ Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) 
   if (!machine->live)
     return BadInput(
         "{}: there is no [live] section, so nothing tells where live samples come from; "
-        "machines/press_live.toml "
-        "shows one",
+        "machines/press_live.toml shows one",
         path);
   model->machine = std::move(*machine);
   const auto structure = BuildModel(model->machine);

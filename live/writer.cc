@@ -328,8 +328,7 @@ Status LiveWriter::BeginRuns() {
 Status LiveWriter::Gone() const {
   return InternalError(
       "{}: the database file is gone: it was deleted, moved or replaced while in use. Nothing is written; "
-      "put it "
-      "back, or another one is begun {:.0f} s after it went",
+      "put it back, or another one is begun {:.0f} s after it went",
       path_, options_.anew_after);
 }
 
@@ -384,8 +383,7 @@ void LiveWriter::Count(const WriteItem& item) {
   status_.rows += item.step.rows;
   status_.strokes += static_cast<std::int64_t>(item.step.strokes.size());
   const std::int64_t now = clock_().monotonic_ns;
-  // A sender whose clock runs faster than ours (a simulated press at 15 times its speed) has no latency to
-  // tell.
+  // A sender whose clock runs faster than ours (a simulated press at 15 times its speed) has no latency to tell.
   if (item.sent == 0 || item.sent > now) return;
   if (latencies_.size() >= kLatenciesKept) {
     latencies_.erase(latencies_.begin(), latencies_.begin() + kLatenciesKept / 2);

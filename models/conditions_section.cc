@@ -57,11 +57,10 @@ void ReadConditions(TableReader& file, Machine& machine) {
       section.Problem(entry.where,
                       fmt::format("{} is a condition of every such machine; take another name", entry.key));
     if (signal < 0) {
-      section.Problem(
-          entry.where,
-          fmt::format("\"{}\": expected a signal, its speed \"abs(ddt(<signal>))\" or its largest value "
-                      "\"max(<signal>)\". {}",
-                      text, DidYouMean(condition.signal, signals)));
+      section.Problem(entry.where,
+                      fmt::format("\"{}\": expected a signal, its speed \"abs(ddt(<signal>))\" or its "
+                                  "largest value \"max(<signal>)\". {}",
+                                  text, DidYouMean(condition.signal, signals)));
       continue;
     }
     condition.unit = SiOf(machine.signals[static_cast<std::size_t>(signal)].unit);

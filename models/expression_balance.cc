@@ -86,8 +86,8 @@ class Derivation {
   std::vector<Quantity> derived_;
 };
 
-/// Channels for all signals that the balance and its effects read, or that strokes are told apart by, in the order of the
-/// machine file.
+/// Channels for all signals that the balance and its effects read, or that strokes are
+/// told apart by, in the order of the machine file.
 void AddSignalChannels(const Machine& machine, const std::vector<Expression>& balance,
                        ModelStructure& model) {
   std::set<std::string> base, all;

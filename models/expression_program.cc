@@ -10,8 +10,7 @@
 namespace hydroscope {
 namespace {
 
-/// Registers of one block of samples, on the stack: 32 kB, what the first cache holds. Long programs run on shorter
-/// blocks.
+/// Registers of one block of samples, on the stack: 32 kB, what the first cache holds. Long programs run on shorter blocks.
 constexpr std::size_t kBlockRegisters = 4096;
 constexpr std::size_t kLongestBlock = 128;
 

@@ -28,8 +28,8 @@ class ExpressionProgram {
   std::size_t output(std::size_t index) const { return outputs_[index]; }
   std::size_t operations() const { return fixed_.size() + code_.size(); }
 
-  /// Output 0 at `count` samples: inputs[i] points to the column of input i. For programs of one expression, whose size the
-  /// parser limits.
+  /// Output 0 at `count` samples: inputs[i] points to the column of input i. For programs of
+  /// one expression, whose size the parser limits.
   void RunColumns(const double* const* inputs, std::size_t count, double* values) const;
 
   /// Registers; operands that an operation does not have repeat its first.

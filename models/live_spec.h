@@ -92,8 +92,7 @@ struct LiveSpec {
   bool operator==(const LiveSpec&) const = default;
 };
 
-/// One channel of a live machine: a signal of an axis. A signal that all axes share is a channel of every
-/// axis.
+/// One channel of a live machine: a signal of an axis. A signal that all axes share is a channel of every axis.
 struct LiveChannel {
   std::string name;  ///< "cushion_1/p_A"; "p_A" if the machine has no named axes
   int axis = 0;      ///< index in LiveSpec::axes

@@ -126,8 +126,7 @@ struct ValveSpec {
   bool operator==(const ValveSpec&) const = default;
 };
 
-/// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes
-/// recorded.
+/// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes recorded.
 struct ExperimentSpec {
   std::optional<double> speed_min, speed_max;                ///< m/s, ram speeds
   std::optional<double> pressure_min, pressure_max;          ///< Pa, pressures in chamber A

@@ -45,8 +45,7 @@ std::optional<std::string> InUnit(double si, const FileUnit& unit, bool differen
   return std::nullopt;
 }
 
-/// A number in the unit that the key stands in, or { value, unit } in SI where that would not read back
-/// exactly.
+/// A number in the unit that the key stands in, or { value, unit } in SI where that would not read back exactly.
 std::string NumberIn(double si, const std::string& unit_name, bool difference = false) {
   const FileUnit unit = FindFileUnit(unit_name).value_or(FileUnit{});
   if (const auto text = InUnit(si, unit, difference)) return *text;

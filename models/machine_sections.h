@@ -35,8 +35,8 @@ void ReadFeeds(TableReader& file, Machine& machine);
 /// `dds` and `modbus` of one signal.
 void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
 
-/// Bounds on signals and on their rates: { z = { ... }, "ddt(z)" = { ... }, "abs(ddt(z))" = { ... } }. `path` stands in
-/// messages.
+/// Bounds on signals and on their rates: { z = { ... }, "ddt(z)" = { ... },
+/// "abs(ddt(z))" = { ... } }. `path` stands in messages.
 std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, const std::string& path,
                                   const Machine& machine);
 

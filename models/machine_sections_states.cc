@@ -47,8 +47,8 @@ void CheckText(TableReader& reader, const std::string& key, const std::string& t
   if (ContainsDdt(*checked->tree))
     ExpressionProblem(reader, *node, key,
                       {text.find("ddt"),
-                       "ddt(...) has no place here: make what changes a state of its own, or give "
-                       "its rate as a signal"});
+                       "ddt(...) has no place here: make what changes a state of its "
+                       "own, or give its rate as a signal"});
   const auto expected = ParseSiUnit(unit);
   if (expected && checked->unit.exact && !(checked->unit.dimension == *expected))
     reader.Wrong(key, fmt::format("an expression in {}, this one is in {}", SiUnitName(*expected),
@@ -64,10 +64,9 @@ std::string PerSecond(const std::string& unit) {
 void CheckName(TableReader& reader, const TableReader::Entry& entry, const Machine& machine,
                const char* what) {
   if (IsName(entry.key) && entry.key != "pi" && machine.SignalIndex(entry.key) < 0) return;
-  reader.Problem(entry.where,
-                 fmt::format("\"{}\" is no name for a {}: letters, digits and _ only, no digit first, and no "
-                             "signal of that name",
-                             entry.key, what));
+  reader.Problem(entry.where, fmt::format("\"{}\" is no name for a {}: letters, digits and _ only, no digit "
+                                          "first, and no signal of that name",
+                                          entry.key, what));
 }
 
 std::vector<ParameterSpec> ReadParameters(TableReader& section, const std::string& key,
@@ -201,9 +200,8 @@ void ReadStates(TableReader& file, Machine& machine) {
   const toml::table* outputs = file.Table("outputs");
   if (outputs == nullptr || outputs->empty()) {
     file.Problem(
-        "section [outputs] is missing; write e.g. level_2 = \"h_2\": a signal that is measured = what the "
-        "model "
-        "gives for it");
+        "section [outputs] is missing; write e.g. level_2 = \"h_2\": a signal that "
+        "is measured = what the model gives for it");
     return;
   }
   TableReader reader(*outputs, "outputs", file.problems());

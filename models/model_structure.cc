@@ -55,8 +55,7 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   if (kind.has_states)
     return BadInput(
         "machine '{}': a model with states leaves no stored strokes yet, so nothing can follow it in a "
-        "database or live; use "
-        "check, fit, compare, explain and model with its logs",
+        "database or live; use check, fit, compare, explain and model with its logs",
         machine.name);
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
@@ -72,21 +71,18 @@ Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine)
   if (!model) return tl::unexpected(model.error());
   if (machine.estimator.equation == EquationForm::kPublished && !(*model)->published)
     return BadInput(
-        "machine '{}': nothing was published of model {} that equation = \"published\" in [estimator] could "
-        "mean; "
-        "leave it out",
+        "machine '{}': nothing was published of model {} that equation = \"published\" "
+        "in [estimator] could mean; leave it out",
         machine.name, (*model)->name);
   const std::size_t effects = machine.added_effects.size();
   if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
     return BadInput(
         "machine '{}': {} parameters and {} added effects, at most {} can be fitted at once: take an effect "
-        "out "
-        "with 'hydroscope model remove'",
+        "out with 'hydroscope model remove'",
         machine.name, (*model)->base_count, effects, kMaxParameters);
   if ((*model)->conditions.size() > kMaxConditions)
     return BadInput(
-        "machine '{}': {} conditions of its strokes, at most {} can be stored: leave some out of "
-        "[conditions]",
+        "machine '{}': {} conditions of its strokes, at most {} can be stored: leave some out of [conditions]",
         machine.name, (*model)->conditions.size(), kMaxConditions);
   return *model;
 }

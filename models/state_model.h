@@ -51,8 +51,8 @@ struct StateModel {
 };
 
 /// The model with the effects of these ids, which the machine file must have. Its texts were checked when the file was
-/// read. Errors: an unknown id (suggests the nearest), more than kMaxParameters parameters, a parameter that no equation
-/// reads.
+/// read. Errors: an unknown id (suggests the nearest), more than kMaxParameters
+/// parameters, a parameter that no equation reads.
 Result<std::shared_ptr<const StateModel>> BuildStateModel(const Machine& machine,
                                                           const std::vector<std::string>& effects);
 

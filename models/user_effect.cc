@@ -10,8 +10,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Where the search for the constants of an effect starts: points evenly inside their limits, every
-/// combination.
+/// Where the search for the constants of an effect starts: points evenly inside their limits, every combination.
 std::vector<std::vector<double>> GridOf(const std::vector<ShapeSpec>& shape) {
   std::vector<std::vector<double>> grid = {{}};
   const int points = shape.size() > 1 ? 4 : 6;

@@ -216,8 +216,7 @@ bool AxisMonitor::AnyExplanationIsDue() const {
   return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
-/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored
-/// twice.
+/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored twice.
 Result<bool> AxisMonitor::Commission(double wall) {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
     const auto chunk = Load(collected_to_, kStrokesPerChange);

@@ -18,8 +18,7 @@
 
 namespace hydroscope {
 
-/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the
-/// built-in rules.
+/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the built-in rules.
 Result<drift::RuleBook> RulesFor(const std::string& machine_file);
 
 /// Judges the stored strokes of one axis in their order and keeps its alarms: the consumer of the trend
@@ -44,8 +43,7 @@ class AxisMonitor {
   /// Judges every stroke and valve check stored since the last call; `wall` in s since 1970. Errors: database
   /// or journal cannot be used.
   Status CatchUp(double wall);
-  /// Learns a new reference from the strokes first <= number < last and freezes it; strokes already judged
-  /// stay judged.
+  /// Learns a new reference from the strokes first <= number < last and freezes it; strokes already judged stay judged.
   Status Learn(std::int64_t first, std::int64_t last, double wall, const AlarmUser& user);
   /// For the live service, which says it anew after a restart. Idle suppresses what is not active yet: a
   /// fault found in production stands through the break.

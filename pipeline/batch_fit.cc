@@ -168,8 +168,7 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
     if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
       return BadInput(
           "{}: rows are {:.4g} s apart, in {} {:.4g} s, too different to be taken together; give logs of "
-          "nearly the "
-          "same sampling rate (25 %)",
+          "nearly the same sampling rate (25 %)",
           log, period, logs.front(), first);
     Append(std::move(*next), *all);
   }

@@ -190,9 +190,8 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
   }
   if (out.episodes.empty())
     return BadInput(
-        "{}: no episode of {} rows in which all inputs are good readings{}; 'hydroscope check' says what is "
-        "wrong "
-        "with the signals",
+        "{}: no episode of {} rows in which all inputs are good readings{}; 'hydroscope "
+        "check' says what is wrong with the signals",
         logs.front(), kLeastRows, machine.gate.bounds.empty() ? "" : " and [gate] holds");
   return out;
 }

@@ -17,8 +17,7 @@ namespace {
 
 constexpr std::size_t kPiece = 16;           ///< rows in a mean
 constexpr std::size_t kRowsPerLook = 16384;  ///< of a log between two judgements
-/// Share of the readings beyond which the range of a signal is looked at: bursts of wrong readings are no
-/// unit.
+/// Share of the readings beyond which the range of a signal is looked at: bursts of wrong readings are no unit.
 constexpr double kOutside = 0.01;
 /// Mean step between means over the range: white noise has a quarter, a stroke of a second some percent.
 constexpr double kRestless = 0.12;
@@ -155,10 +154,8 @@ Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
   const DisplayUnit unit = DisplayUnitFor(speed.unit);
   return BadInput(
       "{}: signal {} moves at {:.3g} {} at most, which no such machine does; plausible: {:g} to {:g} {}. "
-      "Rows are {:.4g} "
-      "s apart with the time in {}: check the unit of time (or sample_period) in [log] of the machine file, "
-      "and the unit "
-      "of {}",
+      "Rows are {:.4g} s apart with the time in {}: check the unit of time (or sample_period) in [log] of "
+      "the machine file, and the unit of {}",
       machine_.name, speed.signal, *top * unit.factor, unit.name, speed.lowest * unit.factor,
       speed.highest * unit.factor, unit.name, piece_time_ / kPiece, machine_.log.time_unit, speed.signal);
 }
@@ -222,8 +219,8 @@ Status JudgeStrokes(const std::string& database, const Machine& machine,
     const DisplayUnit unit = DisplayUnitFor(condition.unit);
     return BadInput(
         "{}: {}: the {} is {:.4g} {}, which no such machine has; plausible: {:g} to {:g} {}. They were "
-        "replayed with a "
-        "wrong unit of {} or of the time: correct the machine file and replay into a new database",
+        "replayed with a wrong unit of {} or of the time: correct the machine "
+        "file and replay into a new database",
         database, machine.name, condition.title, most * unit.factor, unit.name,
         condition.lowest * unit.factor, condition.highest * unit.factor, unit.name, condition.signal);
   }

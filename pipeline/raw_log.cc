@@ -169,8 +169,8 @@ Result<std::unique_ptr<LogReader>> OpenRaw(const RawName& name, const Machine& m
   if (!runs) return tl::unexpected(runs.error());
   if (!machine.live && !machine.log.sample_period)
     return BadInput(
-        "{}: the machine file has no [live] grid_period; take the one the service ran with, or give [log] "
-        "sample_period",
+        "{}: the machine file has no [live] grid_period; take the one the service "
+        "ran with, or give [log] sample_period",
         name.database);
   const double first = runs->front().first;
   return std::unique_ptr<LogReader>(

@@ -115,8 +115,7 @@ std::unique_ptr<LogReader> AtPeriod(std::unique_ptr<LogReader> reader, double pe
   if (!(period > 0) || apart <= kSamePeriod * period || apart > kNearPeriod * period) return reader;
   note = fmt::format(
       "rows {:.4g} ms apart are interpolated to {:.4g} ms, those of the logs before; that takes up to a "
-      "third of "
-      "the sensor noise away",
+      "third of the sensor noise away",
       1e3 * own, 1e3 * period);
   return std::make_unique<ResampledReader>(std::move(reader), period);
 }

@@ -113,8 +113,8 @@ std::string Term(const std::string& name, const std::string& text) {
 
 std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, const ParameterWords& words) {
   std::string out = fmt::format(
-      "<article class=\"card {}\"><h3><span>{}</span> <span class=\"name\">{}</span><span class=\"pill\">{} "
-      "{}</span></h3>",
+      "<article class=\"card {}\"><h3><span>{}</span> <span "
+      "class=\"name\">{}</span><span class=\"pill\">{} {}</span></h3>",
       ClassOf(words.standing), HtmlSymbol(info.symbol), EscapeText(info.name), ShapeOf(words.standing),
       words.pill);
   const std::string note = analysis.latest ? fmt::format(" <span>95 % interval, stroke {}</span>",
@@ -330,8 +330,8 @@ std::string Method(const Report& report) {
               "their strokes, so changes and slopes over oil temperature are judged on blocks of consecutive "
               "strokes that share none, each fitted by itself.");
   out += Term("Noise floor",
-              "The error that sensor noise alone would cause, sent through the same filters. Error "
-              "above it is model error.");
+              "The error that sensor noise alone would cause, sent through the same "
+              "filters. Error above it is model error.");
   if (!report.input.program_version.empty())
     out += Term("Program", "hydroscope " + EscapeText(report.input.program_version));
   out += "</dl></div>\n<h2>Parameters in one sentence</h2><div class=\"sheet\"><dl class=\"terms\">";

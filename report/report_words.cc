@@ -65,8 +65,8 @@ std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& i
     case Significance::kHint:
       return analysis.by_estimates
                  ? fmt::format(
-                       "{} in the estimates plotted: a hint, which blocks of strokes by themselves do not "
-                       "confirm",
+                       "{} in the estimates plotted: a hint, which blocks of "
+                       "strokes by themselves do not confirm",
                        numbers)
                  : fmt::format("{}: a hint, not conclusive ({})", numbers, PText(change.change));
     case Significance::kClear:
@@ -114,8 +114,8 @@ std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
                          Unsigned(std::abs(oil.slope.value) + oil.slope.HalfWidth(), scale, "/K"));
     case OilOutcome::kNotInStep:
       return fmt::format(
-          "it moved while the oil temperature moved, but not along a straight line, so the oil alone is a "
-          "doubtful explanation.{}",
+          "it moved while the oil temperature moved, but not along a straight line, so "
+          "the oil alone is a doubtful explanation.{}",
           oil.separable ? BeyondText(oil, scale) : "");
     case OilOutcome::kHint:
     case OilOutcome::kFollows:
@@ -190,19 +190,19 @@ std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInf
   const OilDependence& oil = analysis.oil;
   switch (oil.outcome) {
     case OilOutcome::kNotMeasured:
-      return "It changed over the record. Whether the oil temperature did it cannot be told, as that was not "
-             "measured.";
+      return "It changed over the record. Whether the oil temperature did it "
+             "cannot be told, as that was not measured.";
     case OilOutcome::kTooFewStrokes:
-      return "It changed over the record; there are too few strokes to tell whether the oil temperature did "
-             "it.";
+      return "It changed over the record; there are too few strokes to tell "
+             "whether the oil temperature did it.";
     case OilOutcome::kOilHardlyMoved:
       return fmt::format(
-          "It changed over the record while the oil temperature, averaged over blocks of strokes, stayed "
-          "within {} K.",
+          "It changed over the record while the oil temperature, averaged over "
+          "blocks of strokes, stayed within {} K.",
           FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
-      return "It changed over the record, and no dependence on the oil temperature is seen that would "
-             "account for it.";
+      return "It changed over the record, and no dependence on the oil "
+             "temperature is seen that would account for it.";
     case OilOutcome::kNotInStep:
       return "It changed over the record, not in step with the oil temperature.";
     case OilOutcome::kHint:
@@ -321,8 +321,8 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
         times));
   else if (ratio <= 1.3)
     out.push_back(
-        fmt::format("The model explains the measured {} about down to what sensor noise leaves ({} times "
-                    "the noise floor).",
+        fmt::format("The model explains the measured {} about down to what sensor noise "
+                    "leaves ({} times the noise floor).",
                     EscapeText(WordsOf(input.machine).output), times));
   else if (ratio <= 2)
     out.push_back(
@@ -417,13 +417,12 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
   auto& out = verdict.sentences;
   if (input.strokes.empty())
     out.push_back(
-        "No stroke was found in the record. Check the gate of the machine file against the log, and "
-        "what was skipped below.");
+        "No stroke was found in the record. Check the gate of the machine file "
+        "against the log, and what was skipped below.");
   else if (!AnyChangeKnown(analysis))
     out.push_back(
         fmt::format("A change over the record can be judged from {} strokes on that identify a parameter; "
-                    "this record has "
-                    "{} stroke{}.",
+                    "this record has {} stroke{}.",
                     6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())),
                     input.strokes.size() == 1 ? "" : "s"));
   for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})

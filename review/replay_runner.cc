@@ -214,16 +214,15 @@ Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& 
       if (run.complete && IsOfEarlierModel(known.settings)) return known;  // it stays as it is
       return BadInput(
           "{}: the database holds its strokes already (run {}), identified with other settings in the "
-          "machine file or by "
-          "another version of the program; a stroke is kept once. Replay all logs into a new database",
+          "machine file or by another version of the program; a stroke is kept "
+          "once. Replay all logs into a new database",
           log, run.id);
     }
     const auto grown = Continues(log, known.log);
     if (grown && *grown)
       return BadInput(
           "{}: the beginning of this log was replayed before (run {}, {}), and it has grown since; its "
-          "strokes "
-          "would be counted twice. Replay logs that are finished, or all of them into a new database",
+          "strokes would be counted twice. Replay logs that are finished, or all of them into a new database",
           log, run.id, run.source);
     if (!run.complete && !run.abandoned && !(known.log == own.log) && run.strokes > 0)
       replay.notes.push_back(fmt::format("the replay of {} had stopped after {} strokes; it stays as it is",

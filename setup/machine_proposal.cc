@@ -162,8 +162,7 @@ class Proposer {
     result_.open = std::move(draft.open);
   }
 
-  /// In a machine of the user's own every column of numbers is a signal, under its name made fit for
-  /// expressions.
+  /// In a machine of the user's own every column of numbers is a signal, under its name made fit for expressions.
   void AddOtherColumns() {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& column = head_.columns[i];

@@ -53,11 +53,9 @@ class PressGenerator {
   PressGenerator(PressGenerator&&) noexcept;
   PressGenerator& operator=(PressGenerator&&) noexcept;
 
-  /// The next row as the sensors show it, faults included; false at the end. Rows lost to a dropout are
-  /// skipped.
+  /// The next row as the sensors show it, faults included; false at the end. Rows lost to a dropout are skipped.
   bool Next(PressRow& row);
-  /// The same without noise, quantisation and faults (delays and offsets of the effects stay). Use one of the
-  /// two.
+  /// The same without noise, quantisation and faults (delays and offsets of the effects stay). Use one of the two.
   bool NextClean(PressRow& row);
   /// Noise of the latest row, in the order of kPressChannels: what Next adds to the row of NextClean.
   const std::array<double, 7>& noise() const;

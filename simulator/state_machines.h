@@ -14,8 +14,8 @@ enum class StateMachineKind {
   kActuator,    ///< valve, cylinder and a load on a spring; pressure and speed are measured
 };
 
-/// What is hidden in it, "" = nothing: kOscillator cubic, drag, coulomb; kTanks overflow, leak; kActuator coulomb,
-/// root_flow.
+/// What is hidden in it, "" = nothing: kOscillator cubic, drag, coulomb; kTanks
+/// overflow, leak; kActuator coulomb, root_flow.
 struct SimulatedStates {
   StateMachineKind kind = StateMachineKind::kOscillator;
   std::string hidden;

@@ -97,9 +97,8 @@ constexpr std::array<const char*, kJournalFormat> kJournalMigrations = {kJournal
 
 constexpr const char* kRowColumns =
     "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, "
-    "limit_value, unit, "
-    "oil_temperature_K, model_version, reference_version, user, comment, text, first_stroke, last_stroke, "
-    "cause";
+    "limit_value, unit, oil_temperature_K, model_version, reference_version, user, comment, text, "
+    "first_stroke, last_stroke, cause";
 
 Status CheckKind(SQLite::Database& db, const std::string& path) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
@@ -150,10 +149,9 @@ std::vector<std::string> SplitEffects(const std::string& listed) {
 std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& machine) {
   Query query(connection,
               "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
-              "shelved_until_s, on_count, "
-              "off_count, value, std, limit_value, unit, text, raised_time_s, raised_wall_s, raised_stroke, "
-              "first_stroke, "
-              "last_stroke, cause_kind, cause_effects FROM alarm WHERE machine = ? ORDER BY id",
+              "shelved_until_s, on_count, off_count, value, std, limit_value, unit, text, raised_time_s, "
+              "raised_wall_s, raised_stroke, first_stroke, last_stroke, cause_kind, cause_effects FROM alarm "
+              "WHERE machine = ? ORDER BY id",
               machine);
   std::vector<AlarmState> alarms;
   while (query.Step()) {
@@ -187,15 +185,14 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
 
 void StoreAlarm(Connection& connection, const std::string& machine, const AlarmState& a) {
   const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
-  Query(
-      connection,
-      "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-      "?)",
-      machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
-      static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
-      shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time, a.raised_wall,
-      a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
-      fmt::format("{}", fmt::join(a.cause.effects, ",")))
+  Query(connection,
+        "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+        "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
+        static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
+        shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
+        a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
+        fmt::format("{}", fmt::join(a.cause.effects, ",")))
       .Run();
 }
 
@@ -252,8 +249,8 @@ Status Exists(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) return {};
   return BadInput(
-      "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml --db D` writes it beside the "
-      "database D",
+      "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml "
+      "--db D` writes it beside the database D",
       path);
 }
 
@@ -363,8 +360,8 @@ Status AlarmJournal::Change(const std::string& machine, double wall,
 Result<std::vector<std::string>> AlarmJournal::Machines() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
     Query query(*impl_,
-                "SELECT machine FROM monitor UNION SELECT machine FROM alarm UNION SELECT machine FROM "
-                "journal ORDER BY 1");
+                "SELECT machine FROM monitor UNION SELECT machine FROM alarm UNION "
+                "SELECT machine FROM journal ORDER BY 1");
     std::vector<std::string> names;
     while (query.Step()) names.push_back(query.Text(0));
     return names;
@@ -398,8 +395,8 @@ Result<std::vector<std::pair<std::string, std::string>>> AlarmJournal::AlarmsByA
   using Alarms = std::vector<std::pair<std::string, std::string>>;
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<Alarms> {
     Query query(*impl_,
-                "SELECT machine, alarm FROM journal WHERE alarm <> '' GROUP BY machine, alarm ORDER BY "
-                "min(sequence)");
+                "SELECT machine, alarm FROM journal WHERE alarm <> '' GROUP BY "
+                "machine, alarm ORDER BY min(sequence)");
     Alarms alarms;
     while (query.Step()) alarms.emplace_back(query.Text(0), query.Text(1));
     return alarms;
@@ -409,8 +406,8 @@ Result<std::vector<std::pair<std::string, std::string>>> AlarmJournal::AlarmsByA
 Result<std::optional<StoredReference>> AlarmJournal::LatestReference(const std::string& machine) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::optional<StoredReference>> {
     Query query(*impl_,
-                "SELECT version, first_stroke, last_stroke, bytes FROM reference WHERE machine = ? ORDER BY "
-                "version DESC LIMIT 1",
+                "SELECT version, first_stroke, last_stroke, bytes FROM reference WHERE "
+                "machine = ? ORDER BY version DESC LIMIT 1",
                 machine);
     if (!query.Step()) return std::nullopt;
     const auto blob = query.Blob(3);

@@ -49,8 +49,7 @@ struct AxisContent {
 
 /// The alarm journal of a trend database, in a file of its own beside it: rows that are only ever appended,
 /// numbered without gaps, with the alarms' present states and the monitors' states. WAL, synchronous=FULL:
-/// what Change() has returned survives a loss of power. Triggers refuse to change or delete a row. Errors as
-/// of Database.
+/// what Change() has returned survives a loss of power. Triggers refuse to change or delete a row. Errors as of Database.
 class AlarmJournal {
  public:
   /// "press.db" -> "press.alarms.db".

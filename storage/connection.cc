@@ -39,8 +39,8 @@ Result<RunRow> Connection::FindRun(std::int64_t run) {
 
 std::vector<RunRow> Connection::RunsOf(std::int64_t machine) {
   Query query(*this,
-              "SELECT id, first_sequence, strokes, model_version, state, source FROM run WHERE machine = ? "
-              "ORDER BY id",
+              "SELECT id, first_sequence, strokes, model_version, state, source "
+              "FROM run WHERE machine = ? ORDER BY id",
               machine);
   std::vector<RunRow> runs;
   while (query.Step())
@@ -125,8 +125,7 @@ Error DatabaseError(const std::string& path, const SQLite::Database* db, const S
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return {ErrorKind::kInternal, fmt::format("{}: another process has been writing for more than {} s; "
-                                                "wait until it is done, or use another "
-                                                "database",
+                                                "wait until it is done, or use another database",
                                                 path, kBusyTimeout / 1000)};
     case SQLITE_NOTADB:
       return {ErrorKind::kBadInput,

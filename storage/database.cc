@@ -30,8 +30,7 @@ std::string Definition(Connection& connection, std::int64_t machine, int version
 std::vector<ModelVersion> ReadVersions(Connection& connection, std::int64_t machine, int version) {
   Query query(connection,
               "SELECT version, definition, promoted FROM model_version WHERE machine = ?1 AND (?2 = 0 OR "
-              "version = ?2) "
-              "ORDER BY version",
+              "version = ?2) ORDER BY version",
               machine, version);
   std::vector<ModelVersion> versions;
   while (query.Step())
@@ -161,8 +160,7 @@ Status Database::PromoteModel(std::int64_t machine, int version) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     Query(*impl_,
           "UPDATE model_version SET promoted = (SELECT max(promoted) + 1 FROM model_version WHERE machine = "
-          "?1) "
-          "WHERE machine = ?1 AND version = ?2",
+          "?1) WHERE machine = ?1 AND version = ?2",
           machine, version)
         .Run();
     return {};

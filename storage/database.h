@@ -168,8 +168,7 @@ class Database {
   Result<StrokeGram> SumGrams(std::int64_t machine, std::int64_t first, std::int64_t last) const;
 
   /// Raw window: consecutive samples as compressed blobs, the machine's oldest dropped beyond `max_bytes`.
-  /// Time increases strictly; rows not after the run's newest stored row are skipped (a resumed replay offers
-  /// them again).
+  /// Time increases strictly; rows not after the run's newest stored row are skipped (a resumed replay offers them again).
   Status StoreRaw(std::int64_t run, const std::vector<std::string>& signals, const std::vector<double>& time,
                   const std::vector<std::vector<double>>& values, std::int64_t max_bytes);
   /// Rows of the raw window with from <= time < to; empty if none is kept.
@@ -200,8 +199,7 @@ class Database {
   /// FNV-1a hash (16 hex digits) over every value of every table but `identity` in order of keys: equal
   /// content, equal digest.
   Result<std::string> ContentDigest() const;
-  /// Checks pages and indices (SQLite's integrity_check), stroke counts, holes and Gram checksums of the
-  /// whole file.
+  /// Checks pages and indices (SQLite's integrity_check), stroke counts, holes and Gram checksums of the whole file.
   Status CheckIntegrity() const;
 
  private:

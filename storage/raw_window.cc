@@ -55,8 +55,8 @@ struct OldestChunk {
 
 std::optional<OldestChunk> OldestChunkOf(Connection& connection, std::int64_t run) {
   Query query(connection,
-              "SELECT id, length(samples) + coalesce(length(flags), 0), last_s FROM raw_chunk WHERE run = ? "
-              "ORDER BY first_s LIMIT 1",
+              "SELECT id, length(samples) + coalesce(length(flags), 0), last_s FROM "
+              "raw_chunk WHERE run = ? ORDER BY first_s LIMIT 1",
               run);
   if (!query.Step()) return std::nullopt;
   return OldestChunk{query.Int(0), query.Int(1), query.Real(2)};
@@ -170,8 +170,7 @@ Result<RawWindow> Database::LoadRaw(std::int64_t run, double from, double to) co
     if (const auto row = impl_->FindRun(run); !row) return tl::unexpected(row.error());
     Query query(*impl_,
                 "SELECT first_s, rows, signals, samples, flags FROM raw_chunk WHERE run = ? AND last_s >= ? "
-                "AND first_s < ? "
-                "ORDER BY first_s",
+                "AND first_s < ? ORDER BY first_s",
                 run, from, to);
     RawWindow window;
     while (query.Step()) {

@@ -14,8 +14,7 @@ inline constexpr int kFormatVersion = 6;
 inline constexpr int kApplicationId = 0x48594452;
 
 /// Brings an open file to kFormatVersion: creates the tables in an empty file, migrates an older one, each
-/// step in one transaction. A file of another program or of a newer version is left untouched and is an
-/// error.
+/// step in one transaction. A file of another program or of a newer version is left untouched and is an error.
 Status PrepareForWriting(SQLite::Database& db, const std::string& path);
 
 /// The same check without writing anything; an older version is an error too.

@@ -68,18 +68,14 @@ TEST(Schema, AnOlderVersionIsBroughtUpToDateWithWhatItHolds) {
   }
   Execute(folder.File(),
           "DROP TABLE condition; ALTER TABLE stroke DROP COLUMN condition_3; ALTER TABLE stroke DROP COLUMN "
-          "condition_4; "
-          "ALTER TABLE stroke DROP COLUMN condition_5; ALTER TABLE stroke RENAME COLUMN condition_0 TO "
-          "mean_speed_m_s; "
-          "ALTER TABLE stroke RENAME COLUMN condition_1 TO mean_pressure_Pa; "
-          "ALTER TABLE stroke RENAME COLUMN condition_2 TO max_pressure_Pa; "
-          "ALTER TABLE stroke RENAME COLUMN rms_error TO rms_error_m3_s; "
-          "ALTER TABLE stroke RENAME COLUMN noise_floor TO noise_floor_m3_s; "
+          "condition_4; ALTER TABLE stroke DROP COLUMN condition_5; ALTER TABLE stroke RENAME COLUMN "
+          "condition_0 TO mean_speed_m_s; ALTER TABLE stroke RENAME COLUMN condition_1 TO mean_pressure_Pa; "
+          "ALTER TABLE stroke RENAME COLUMN condition_2 TO max_pressure_Pa; ALTER TABLE stroke RENAME COLUMN "
+          "rms_error TO rms_error_m3_s; ALTER TABLE stroke RENAME COLUMN noise_floor TO noise_floor_m3_s; "
           "DROP TABLE identity; DROP VIEW trend; ALTER TABLE estimate DROP COLUMN oil_temperature_K; CREATE "
-          "VIEW trend AS SELECT 1; "
-          "DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER TABLE run DROP COLUMN "
-          "rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; "
-          "ALTER TABLE model_version DROP COLUMN promoted; PRAGMA user_version = 1");
+          "VIEW trend AS SELECT 1; DROP TABLE valve_check; ALTER TABLE run DROP COLUMN sender_marks; ALTER "
+          "TABLE run DROP COLUMN rows_taken; ALTER TABLE raw_chunk DROP COLUMN flags; ALTER TABLE "
+          "model_version DROP COLUMN promoted; PRAGMA user_version = 1");
   EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("older database format 1"));
   Press press(folder.File());
   EXPECT_EQ(press.version, 1);

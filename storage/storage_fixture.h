@@ -43,8 +43,7 @@ inline std::vector<std::string> ColumnNames(int dimension) {
   return names;
 }
 
-/// Numbers that differ in every bit, the same in every run: a 64-bit mix (Steele, Lea, Flood 2014,
-/// splitmix64).
+/// Numbers that differ in every bit, the same in every run: a 64-bit mix (Steele, Lea, Flood 2014, splitmix64).
 inline double Noise(std::uint64_t seed) {
   seed += 0x9e3779b97f4a7c15ull;
   seed = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9ull;

@@ -34,8 +34,8 @@ Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) con
       if (ends.Real(0) < before)
         return BadInput(
             "{}: the time of log {} (run {}) begins at {:.6g} s, before the log ahead of it ended ({:.6g} "
-            "s), so a "
-            "time does not tell which log is meant; give a stroke number, or run:{} for where a log begins",
+            "s), so a time does not tell which log is meant; give a stroke "
+            "number, or run:{} for where a log begins",
             impl_->path, run.source, run.id, ends.Real(0), before, run.id);
       before = ends.Real(1);
       if (found || before < time) continue;

@@ -52,9 +52,8 @@ std::vector<TrendPoint> ReadTrend(Connection& connection, const ParameterRow& pa
       connection,
       "SELECT e.run, e.stroke, r.first_sequence + e.stroke, s.end_s, s.oil_temperature_K, e.value, e.std, "
       "e.excitation, e.last_excited_s, e.reason, e.oil_temperature_K FROM estimate e JOIN run r ON r.id = "
-      "e.run "
-      "JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke "
-      "WHERE e.parameter = ? AND (e.run, e.stroke) >= (?, ?) ORDER BY e.run, e.stroke",
+      "e.run JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke WHERE e.parameter = ? AND (e.run, "
+      "e.stroke) >= (?, ?) ORDER BY e.run, e.stroke",
       parameter.id, from.run, from.stroke);
   std::vector<TrendPoint> points;
   while (query.Step()) {

@@ -53,8 +53,7 @@ struct RigOptions {
   std::string feeds = "";                        ///< [feeds...] of the service's machine file
 };
 
-/// A simulated press and a service that watches it, each a process of its own, on the loopback unless told
-/// otherwise.
+/// A simulated press and a service that watches it, each a process of its own, on the loopback unless told otherwise.
 class LiveRig {
  public:
   explicit LiveRig(const RigOptions& options);

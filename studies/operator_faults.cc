@@ -313,10 +313,9 @@ std::string TlsListeners(const std::string& folder, int port) {
   const std::string key = "-newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -noenc -days 1";
   bool made = true;
   for (const char* authority : {"authority", "stranger"})
-    made = made && run(fmt::format(
-                       "req -x509 {} -subj /CN={} -addext basicConstraints=critical,CA:TRUE -keyout {}.key "
-                       "-out {}.pem",
-                       key, authority, authority, authority));
+    made = made && run(fmt::format("req -x509 {} -subj /CN={} -addext "
+                                   "basicConstraints=critical,CA:TRUE -keyout {}.key -out {}.pem",
+                                   key, authority, authority, authority));
   for (const auto& [name, alternative] :
        {std::pair("sound", "IP:127.0.0.1"), {"other", "DNS:elsewhere.example"}, {"old", "IP:127.0.0.1"}})
     made = made && run(fmt::format("req -x509 {} -subj /CN={} -CA authority.pem -CAkey authority.key -addext "

@@ -25,8 +25,7 @@ struct Sighting {
 };
 
 /// The places where an operator may see a fault of an axis: the service's log, its status, the registers of its
-/// Modbus feed, Sparkplug and DDS. A place tells a fault when health there is F, or when it has a row of its
-/// alarm.
+/// Modbus feed, Sparkplug and DDS. A place tells a fault when health there is F, or when it has a row of its alarm.
 class OperatorView {
  public:
   /// Lines of the machine file for the feeds that it looks at.

@@ -5,8 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-/// Replaces the global operator new of a test executable by one that counts. Include it in one file per
-/// executable.
+/// Replaces the global operator new of a test executable by one that counts. Include it in one file per executable.
 namespace hydroscope {
 
 inline std::atomic<std::int64_t> heap_allocations{0};

@@ -210,8 +210,7 @@ TEST_F(OneAnswer, OfADatabase) {
   ExpectOneAnswerOf(File("a.db"));
 }
 
-/// A stroke in which a signal that only effects of the library need was bad must not count as modelled
-/// perfectly.
+/// A stroke in which a signal that only effects of the library need was bad must not count as modelled perfectly.
 TEST_F(OneAnswer, ABadSignalOfTheLibraryMakesNoPerfectModel) {
   const std::string machine = Cushion();
   const std::string log =

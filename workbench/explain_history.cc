@@ -78,8 +78,8 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   AddUntestable(history, options.untestable);
   if (history.units.size() < kMinExplainStrokes)
     return BadInput(
-        "{}: {} strokes in the chosen part of the history, expected at least {}: the error is judged on "
-        "strokes left out",
+        "{}: {} strokes in the chosen part of the history, expected at least {}: "
+        "the error is judged on strokes left out",
         history.database, history.units.size(), kMinExplainStrokes);
   for (const std::string& id : options.start)
     if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());

@@ -22,16 +22,15 @@ std::string ImpossibleFigures(const GramFit& f) {
       return "the error of the model is no number: a signal it needs was bad in some of these strokes. See "
              "which with 'hydroscope check'";
   if (f.rms_measured <= 0)
-    return "no stroke is long enough for an error of the model: see gate and window of the machine file with "
-           "'hydroscope check'";
+    return "no stroke is long enough for an error of the model: see gate and window of "
+           "the machine file with 'hydroscope check'";
   if (f.rms_modelled <= 0)
     return "the model gives 0 throughout where an output was measured: a signal it needs is 0 or missing. "
-           "See "
-           "which with 'hydroscope check'";
+           "See which with 'hydroscope check'";
   if (f.noise_floor >= f.rms_measured)
     return fmt::format(
-        "sensor noise alone would be {:.0f} % of the measured output: longer blocks ([window]), or a better "
-        "sensor",
+        "sensor noise alone would be {:.0f} % of the measured output: longer "
+        "blocks ([window]), or a better sensor",
         100 * f.noise_floor / f.rms_measured);
   if (f.rms_residual > f.rms_measured)
     return fmt::format(

@@ -125,9 +125,8 @@ void JudgeGate(const CheckResult& check, std::vector<std::string>& hints) {
         fmt::format("gate: the condition {} holds in {:.1f} % of the log", c.condition, 100 * c.share);
     if (c.share_mirrored > 0.05)
       text += fmt::format(
-          "; with the sign of the signal reversed it would hold in {:.0f} %: set scale = -1 for that signal, "
-          "or "
-          "reverse the condition",
+          "; with the sign of the signal reversed it would hold in {:.0f} %: set scale = -1 "
+          "for that signal, or reverse the condition",
           100 * c.share_mirrored);
     else
       text += "; check its limits in [gate] against the range of the signal above";
@@ -141,8 +140,8 @@ void JudgeVariety(const Driving& d, std::vector<std::string>& hints) {
   for (const ConditionRange& range : d.ranges)
     if (!range.condition.hides.empty() && range.low > 0 && !range.varies())
       hints.push_back(
-          fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; vary {} between "
-                      "strokes to find out",
+          fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; "
+                      "vary {} between strokes to find out",
                       range.condition.title, range.Text(), range.condition.hides, range.condition.vary));
 }
 

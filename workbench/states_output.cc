@@ -44,8 +44,7 @@ std::vector<std::string> FitWarnings(const StatesFit& fit) {
   if (!fit.left.structured && fit.error.one_step < 0.5 * fit.error.rms)
     warnings.push_back(
         "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-        "itself (or a "
-        "disturbance that is not measured), and the intervals hold it");
+        "itself (or a disturbance that is not measured), and the intervals hold it");
   return warnings;
 }
 

@@ -72,8 +72,7 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     if (model->columns != history.model->ColumnNames())
       return BadInput(
           "{}: strokes of run {} ({}) of {} were recorded with other sums of products than this machine and "
-          "program "
-          "have; replay their logs into a new database",
+          "program have; replay their logs into a new database",
           history.database, run.id, run.source, part.machine);
     const RunSummary summary = ParseRunSummary(run.summary_json);
     if (!summary.too_slow.empty())
@@ -82,8 +81,8 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)
       return BadInput(
-          "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; choose strokes of one "
-          "with --from and --to",
+          "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; "
+          "choose strokes of one with --from and --to",
           history.database, run.id, run.source, own, period);
     period = own;
   }
@@ -208,8 +207,7 @@ Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, c
   if (!time)
     return UsageError(
         "\"{}\" is no place in the history; expected a stroke number (1234), a log (run:3), a time of the "
-        "logs (81.5s) or "
-        "a date (2025-03-01T06:30)",
+        "logs (81.5s) or a date (2025-03-01T06:30)",
         text);
   return database.SequenceAt(machine, *time);
 }

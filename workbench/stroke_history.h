@@ -43,8 +43,7 @@ struct StrokeHistory {
   std::int64_t strokes_per_unit() const;
 };
 
-/// Machines chosen by name, all if `names` is empty. Error: an unknown name (suggests the nearest), or no
-/// machine.
+/// Machines chosen by name, all if `names` is empty. Error: an unknown name (suggests the nearest), or no machine.
 Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::string& path,
                                                 const std::vector<std::string>& names);
 

@@ -19,8 +19,7 @@ namespace {
 /// less than their noise (log f of the example presses).
 constexpr double kOneSpeed = 0.15;
 
-/// What tells two effects apart. Laws that differ only in one quantity need strokes that vary that quantity
-/// alone.
+/// What tells two effects apart. Laws that differ only in one quantity need strokes that vary that quantity alone.
 struct Separation {
   std::string_view a, b, move;
 };
@@ -28,21 +27,19 @@ constexpr std::string_view kPressureSteps =
     "strokes at one slow ram speed and clearly different cushion pressures (for example 60, 120 and 200 bar)";
 constexpr std::string_view kRodSide =
     "strokes at the same cushion pressure but different pressure in chamber B, or a hold with the ram at "
-    "rest while "
-    "chamber B is relieved";
+    "rest while chamber B is relieved";
 constexpr std::string_view kOpenings =
-    "strokes with the same flow at different spool openings: a fast ram at high pressure and the same ram "
-    "speed at low "
-    "pressure";
+    "strokes with the same flow at different spool openings: a fast ram at high "
+    "pressure and the same ram speed at low pressure";
 constexpr std::string_view kSteps =
-    "quick steps: of the valve command while the ram moves steadily, and of the ram speed while the valve "
-    "stands still";
+    "quick steps: of the valve command while the ram moves steadily, and of the "
+    "ram speed while the valve stands still";
 constexpr std::string_view kLowPressure =
-    "strokes that start from a few bar and rise to working pressure, so that the stiffness is seen at low "
-    "pressure too";
+    "strokes that start from a few bar and rise to working pressure, so that "
+    "the stiffness is seen at low pressure too";
 constexpr std::string_view kRelieved =
-    "the pressure sensor with chamber A relieved to tank (it must read zero), then strokes at clearly "
-    "different pressures";
+    "the pressure sensor with chamber A relieved to tank (it must read zero), "
+    "then strokes at clearly different pressures";
 constexpr std::array<Separation, 17> kSeparations = {{
     {"internal_leakage", "external_leakage", kRodSide},
     {"internal_leakage", "orifice_leakage", kPressureSteps},
@@ -128,8 +125,7 @@ std::optional<std::string> Monotony(const ExplainResult& result) {
     const double shown = value(result.log.strokes.front().summary) * unit.factor;
     return fmt::format(
         "All strokes ran at nearly the same {0} ({1:.0f} {2}): {3}. Record strokes at two or three clearly "
-        "different "
-        "values of it, such as {4:.0f}, {1:.0f} and {5:.0f} {2}, and explain again.",
+        "different values of it, such as {4:.0f}, {1:.0f} and {5:.0f} {2}, and explain again.",
         conditions[c].vary, shown, unit.name, conditions[c].hides, 0.5 * shown, 1.5 * shown);
   }
   return std::nullopt;

@@ -11,8 +11,7 @@
 namespace hydroscope {
 
 /// A generated type whose reading of bytes from outside throws nothing: the generated code lets some
-/// exceptions of damaged messages (a wrong encapsulation, a length without memory) escape, and they would end
-/// the process.
+/// exceptions of damaged messages (a wrong encapsulation, a length without memory) escape, and they would end the process.
 template <typename Generated>
 class Tolerant : public Generated {
  public:

@@ -49,8 +49,7 @@ Sums WithoutError(const Sums& sums, const auto& error) {
 constexpr double kMostDoubt = 1e4;  ///< std of an error over the std of a size, against overflow
 
 /// Offsets of a class are medians of strokes like these: their errors (`doubt`, SI, each quantity alone) are
-/// correlated as the strokes' scores are. What these strokes hardly tell apart the offsets do not know
-/// either.
+/// correlated as the strokes' scores are. What these strokes hardly tell apart the offsets do not know either.
 Sums WithoutOffsetError(const Sums& sums, const Eigen::VectorXd& doubt) {
   return WithoutError(sums, [&](const Eigen::MatrixXd& c, const Eigen::VectorXd& unit) -> Eigen::MatrixXd {
     const Eigen::VectorXd r = doubt.cwiseProduct(unit).cwiseMin(kMostDoubt);

@@ -172,8 +172,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
   }
 }
 
-/// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from
-/// others.
+/// Opens a finding when a test says drifted, and names it once the strokes since tell its cause apart from others.
 void DriftMonitor::Explain(const Deviation& d, double oil_temperature) {
   const std::int64_t now = strokes_.back().sequence;
   int strongest = -1;

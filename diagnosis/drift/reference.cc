@@ -85,8 +85,8 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   const Eigen::VectorXd values = model.Solve(all);
   if (values.size() == 0)
     return BadInput(
-        "strokes {} ... {} do not tell the parameters apart; vary what drives the machine: speed, pressure, "
-        "load",
+        "strokes {} ... {} do not tell the parameters apart; vary what "
+        "drives the machine: speed, pressure, load",
         reference.first_, reference.last_);
   NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()),
                        all.g.head(model.base_count()), all.yy, all.equations};
@@ -94,8 +94,7 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   reference.theta_.head(model.base_count()) = SolveNormalEquations(base);
   reference.typical_ = values;
   reference.LearnCurves(model, strokes);
-  // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves
-  // fitted again.
+  // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves fitted again.
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<StrokeEvidence> level = reference.WithoutClassMeans(model, strokes);
     reference.curves_.clear();
@@ -142,8 +141,7 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
 }
 
 /// All curves together by Gauss-Newton on the bins' normal equations, so that what strokes hardly tell apart
-/// (flow and null at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens
-/// the covariance.
+/// (flow and null at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens the covariance.
 void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
   const std::vector<Bin> bins = BinByTemperature(strokes);
   NormalEquations all;

@@ -37,12 +37,10 @@ class Reference {
  public:
   static constexpr std::uint32_t kFormat = 4;
 
-  /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell
-  /// the parameters.
+  /// Learns from commissioning strokes, in their order. Errors: too few strokes, or the strokes do not tell the parameters.
   static Result<Reference> Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
                                  int version);
-  /// Adds a class that commissioning did not see from strokes of it, its offsets relative to the frozen
-  /// curves.
+  /// Adds a class that commissioning did not see from strokes of it, its offsets relative to the frozen curves.
   void AddClass(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
 
   /// Deviation of a stroke. A stroke of no learned class is judged if commissioning saw DriftThresholds::least_classes classes

@@ -35,8 +35,8 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   watched.picked_ = Independent(derived, model->base_count);
   if (static_cast<int>(watched.picked_.size()) != model->base_count)
     return BadInput(
-        "the {} parameters of model {} follow from fewer than its {} regressors; drift can only be watched "
-        "of as many",
+        "the {} parameters of model {} follow from fewer than its {} regressors; "
+        "drift can only be watched of as many",
         derived.size(), model->name, model->base_count);
   for (const std::size_t picked : watched.picked_) {
     const DerivedParameter& p = derived[picked];

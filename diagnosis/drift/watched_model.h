@@ -12,8 +12,7 @@
 
 namespace hydroscope::drift {
 
-/// A quantity that is watched: a physical parameter of the model or the size of an effect that is absent when
-/// healthy.
+/// A quantity that is watched: a physical parameter of the model or the size of an effect that is absent when healthy.
 struct Quantity {
   std::string name;  ///< "K", "V0", "Q_vn", "y_0", "internal_leakage"
   std::string unit;  ///< SI
@@ -33,8 +32,7 @@ struct StrokeEvidence {
 };
 
 /// Deviation of a stroke from a reference, linearised there: the gradient of the log-likelihood and its
-/// information, in units of the equations' noise variance. Alone, quantity j deviates by score[j] /
-/// information(j, j).
+/// information, in units of the equations' noise variance. Alone, quantity j deviates by score[j] / information(j, j).
 struct Score {
   Eigen::VectorXd score;
   Eigen::MatrixXd information;
@@ -44,8 +42,7 @@ struct Score {
 class WatchedModel {
  public:
   /// Parameters of the model (of more than it has regressors the first that are independent: the others follow from them),
-  /// then those of `effects` (ids) that its Gram carries and that have no nonlinear
-  /// parameter.
+  /// then those of `effects` (ids) that its Gram carries and that have no nonlinear parameter.
   static Result<WatchedModel> Create(std::shared_ptr<const ModelStructure> model,
                                      const std::vector<std::string>& effects);
 

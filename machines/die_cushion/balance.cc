@@ -27,14 +27,12 @@ constexpr double kRateHalfWidth = 0.02;  ///< s, of the windows of rates
 constexpr double kLeastRoot =
     300.0;  ///< sqrt(Pa), that of 0.9 bar: what the slope of the root is taken at, at least
 
-/// Whether the open edge leads to the tank; without a reading of the supply pressure (NaN) it is taken to do
-/// so.
+/// Whether the open edge leads to the tank; without a reading of the supply pressure (NaN) it is taken to do so.
 bool LeadsToTank(double spool, double supply, bool has_supply) {
   return (spool >= 0.0) | !has_supply | (supply != supply);
 }
 
-/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put
-/// back.
+/// sign(dp) sqrt|dp|. The square root of a noisy pressure is low by var/(8 dp^2) on average; that is put back.
 double NoiseCorrectedRoot(double dp, double variance) {
   const double magnitude = std::abs(dp);
   const double correction = 1.0 + variance / (8.0 * std::max(magnitude * magnitude, 25.0 * variance + 1e-30));
@@ -169,8 +167,8 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   const auto dp_nom = machine.Geometry("dp_nom");
   if (!area || !dp_nom || area->value <= 0 || dp_nom->value <= 0)
     return BadInput(
-        "machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom (nominal pressure drop "
-        "of the valve), both > 0",
+        "machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom "
+        "(nominal pressure drop of the valve), both > 0",
         machine.name);
   auto model = std::make_shared<ModelStructure>();
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};

@@ -55,8 +55,8 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
   const Strokes strokes = Watch(log);
   if (strokes.falling + strokes.rising < kRowsToDecide) {
     draft.decided.emplace_back(
-        "directions of z and y_v were not checked: no drawing stroke in the part of the log that was looked "
-        "at");
+        "directions of z and y_v were not checked: no drawing stroke in the "
+        "part of the log that was looked at");
     return;
   }
   const bool turned = strokes.rising > strokes.falling;
@@ -67,8 +67,7 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
     z.scale = -z.scale;
     z.offset = std::strtod(fmt::format("{:.4g}", end).c_str(), nullptr);
     draft.decided.emplace_back(
-        "z rises while the pressure is high: turned round (scale -1), because the model's z falls in a "
-        "stroke");
+        "z rises while the pressure is high: turned round (scale -1), because the model's z falls in a stroke");
   } else {
     draft.decided.emplace_back("z falls while the pressure is high, as the model expects");
   }
@@ -77,8 +76,7 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
     y.scale = -y.scale;
     y.offset = -y.offset;
     draft.decided.emplace_back(
-        "y_v is negative in the strokes: turned round (scale -1), because positive opens to tank in the "
-        "model");
+        "y_v is negative in the strokes: turned round (scale -1), because positive opens to tank in the model");
   } else {
     draft.decided.emplace_back("y_v is positive in the strokes, as the model expects");
   }

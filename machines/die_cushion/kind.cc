@@ -55,24 +55,21 @@ constexpr std::array<MachineParameter, 4> kCushionParameters = {{
      .si = "m3",
      .meaning = "dead volume",
      .symbol = "V_{0}",
-     .sentence = "Oil volume between valve and piston with the piston at its zero position: lines, fittings, "
-                 "bottom of "
-                 "the chamber."},
+     .sentence = "Oil volume between valve and piston with the piston at its zero position: "
+                 "lines, fittings, bottom of the chamber."},
     {.name = "Q_vn",
      .si = "m3/s",
      .meaning = "nominal valve flow",
      .symbol = "Q_{vn}",
      .sentence =
          "Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-         "and "
-         "density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold."},
+         "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold."},
     {.name = "y_0",
      .si = "1",
      .meaning = "spool null",
      .symbol = "y_{0}",
      .sentence = "Spool position at which the metering edge just closes, in % of the full spool stroke; it "
-                 "moves with "
-                 "wear of the edge and with the zero of the spool sensor.",
+                 "moves with wear of the edge and with the zero of the spool sensor.",
      .shown = "% of stroke",
      .factor = 100,
      .relative = false},

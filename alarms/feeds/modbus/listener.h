@@ -16,8 +16,7 @@ namespace hydroscope {
 /// A Modbus TCP server on a thread of its own. No client can hold up another: sockets never block, a request
 /// that is not complete 40 ms after its first byte ends its connection, so do a stream that is no Modbus and
 /// a client that does not read its answers. When there are as many as are allowed, the one that has been idle
-/// longest gives way to another one. libmodbus is no help here: its server reads and refuses with
-/// waits inside.
+/// longest gives way to another one. libmodbus is no help here: its server reads and refuses with waits inside.
 class ModbusListener {
  public:
   /// Runs `answer` with the registers while nobody changes them. `client`: address of who asks.

@@ -8,8 +8,7 @@
 namespace hydroscope::effects {
 namespace {
 
-/// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n), from the logarithms of absolute
-/// pressures.
+/// Oil taken up per gas volume once above the pre-charge: 1 - (p_pre / p)^(1/n), from the logarithms of absolute pressures.
 double TakenUp(double log_p, double log_precharge, double slope) {
   return 1.0 - Exp(std::min(log_precharge - log_p, 0.0) * slope);
 }
@@ -37,8 +36,7 @@ Effect Accumulator(const CushionGeometry&) {
   e.hidden_in = "K, V0";
   e.plain =
       "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left "
-      "open, a "
-      "trapped air pocket, a soft hose.";
+      "open, a trapped air pocket, a soft hose.";
   e.variant = [](const std::vector<double>& values) {
     const double exponent = values.size() > 1 ? values[1] : kPolytropic;
     return PlainVariant([log_precharge = Log(values[0] / kAirPressure + 1.0), slope = 1.0 / exponent](

@@ -20,11 +20,11 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.confused_with = {"V0_drift"};
   e.hidden_in = "K";
   e.plain =
-      "The oil column gets softer or stiffer while the log runs; look for: air drawn in or coming out, oil "
-      "that warms.";
+      "The oil column gets softer or stiffer while the log runs; look for: air "
+      "drawn in or coming out, oil that warms.";
   e.told_apart_by =
-      "the same strokes once more later, at the same oil temperature: what drifts goes on, what follows the "
-      "temperature comes back";
+      "the same strokes once more later, at the same oil temperature: what drifts goes "
+      "on, what follows the temperature comes back";
   e.drifting = "K";
 
   e.variant = [](const auto&) {

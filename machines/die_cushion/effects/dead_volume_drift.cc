@@ -3,8 +3,7 @@
 
 namespace hydroscope::effects {
 
-/// V_0 moves during the log at the relative rate d, V_0(t) = V_0 (1 + d t), t from the beginning of
-/// the log.
+/// V_0 moves during the log at the relative rate d, V_0(t) = V_0 (1 + d t), t from the beginning of the log.
 Effect DeadVolumeDrift(const CushionGeometry&) {
   Effect e;
   e.id = "V0_drift";
@@ -24,8 +23,8 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
       "The oil volume beside the stroke changes while the log runs; look for: a hose or accumulator that "
       "fills, a wandering zero of the position.";
   e.told_apart_by =
-      "the same strokes once more later, at the same oil temperature: what drifts goes on, what follows the "
-      "temperature comes back";
+      "the same strokes once more later, at the same oil temperature: what drifts goes "
+      "on, what follows the temperature comes back";
   e.drifting = "V0";
 
   e.variant = [](const auto&) {

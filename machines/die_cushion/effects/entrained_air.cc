@@ -50,8 +50,7 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.hidden_in = "K, V0";
   e.plain =
       "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, "
-      "a leaking "
-      "suction line, a column not bled after repair.";
+      "a leaking suction line, a column not bled after repair.";
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
     const double exponent = nonlinear[0];
     return EffectVariant{{DeadVolume(exponent), StrokeVolume(exponent)}, [area](const ShapeContext& c) {

@@ -19,8 +19,7 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check "
-      "or "
-      "drain valve, a valve body worn through to tank.";
+      "or drain valve, a valve body worn through to tank.";
   e.variant = [tank = geometry.tank_pressure](const auto&) {
     return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
       const double* a = s[kPressureA];

@@ -3,8 +3,7 @@
 
 namespace hydroscope::effects {
 
-/// Q_vn moves during the log at the relative rate d, Q_vn(t) = Q_vn (1 + d t), t from the beginning of
-/// the log.
+/// Q_vn moves during the log at the relative rate d, Q_vn(t) = Q_vn (1 + d t), t from the beginning of the log.
 Effect FlowGainDrift(const CushionGeometry&) {
   Effect e;
   e.id = "Q_vn_drift";
@@ -20,8 +19,8 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.confused_with = {"oil_viscosity", "y_0_drift"};
   e.hidden_in = "Q_vn";
   e.plain =
-      "The valve lets through more or less as the log goes on; look for: oil that warms, dirt on the edge, a "
-      "spool that sticks.";
+      "The valve lets through more or less as the log goes on; look for: oil that "
+      "warms, dirt on the edge, a spool that sticks.";
   e.told_apart_by =
       "strokes with the oil at one temperature for a long time, then strokes with cold and with warm oil";
   e.drifting = "Q_vn";

@@ -3,8 +3,7 @@
 
 namespace hydroscope::effects {
 
-/// Laminar gap flow past the piston seal from A to B, Q = G (p_A - p_B) (Merritt 1967, eq. 2-32 for annular
-/// gaps).
+/// Laminar gap flow past the piston seal from A to B, Q = G (p_A - p_B) (Merritt 1967, eq. 2-32 for annular gaps).
 Effect InternalLeakage(const CushionGeometry&) {
   Effect e;
   e.id = "internal_leakage";

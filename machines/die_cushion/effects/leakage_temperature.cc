@@ -26,8 +26,8 @@ Effect LeakageTemperature(const CushionGeometry&) {
   e.confused_with = {"internal_leakage", "external_leakage", "Q_vn_drift"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
-      "Oil leaks past the seal, and more so when it is warm; look for: worn rings, oil of too low a "
-      "viscosity, the cooler.";
+      "Oil leaks past the seal, and more so when it is warm; look for: worn rings, "
+      "oil of too low a viscosity, the cooler.";
   e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
   e.channels = {kPressureB, kOilTemperature};
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, "the oil", "K"};

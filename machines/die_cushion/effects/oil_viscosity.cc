@@ -28,8 +28,7 @@ Effect OilViscosity(const CushionGeometry&) {
   e.hidden_in = "Q_vn";
   e.plain =
       "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
-      "of order, the "
-      "wrong oil grade.";
+      "of order, the wrong oil grade.";
   e.told_apart_by =
       "strokes with cold and with warm oil, then the same again in the other order: what follows the "
       "temperature comes back, what drifts does not";

@@ -21,8 +21,7 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.hidden_in = "y_0";
   e.plain =
       "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored "
-      "bore, a "
-      "check valve that does not close, an open bypass.";
+      "bore, a check valve that does not close, an open bypass.";
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {

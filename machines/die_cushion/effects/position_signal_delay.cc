@@ -4,8 +4,7 @@
 
 namespace hydroscope::effects {
 
-/// The position signal arrives t_d late: z(t + t_d) in place of z(t), in the piston volume and in the
-/// compressed volume.
+/// The position signal arrives t_d late: z(t + t_d) in place of z(t), in the piston volume and in the compressed volume.
 Effect PositionSignalDelay(const CushionGeometry&) {
   Effect e;
   e.id = "position_signal_delay";
@@ -22,8 +21,8 @@ Effect PositionSignalDelay(const CushionGeometry&) {
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =
-      "The position is recorded later than the other signals; look for: a slow encoder interface, a filter, "
-      "a bus cycle.";
+      "The position is recorded later than the other signals; look for: a slow "
+      "encoder interface, a filter, a bus cycle.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const double delay = nonlinear[0];
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {

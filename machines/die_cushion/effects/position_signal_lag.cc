@@ -26,8 +26,8 @@ Effect PositionSignalLag(const CushionGeometry&) {
   e.twins = {{"position_signal_delay", kPositionShare}};
   e.hidden_in = "V0, K";
   e.plain =
-      "The position is smoothed before it is recorded; look for: a filter in the encoder interface or in the "
-      "controller.";
+      "The position is smoothed before it is recorded; look for: a filter in the "
+      "encoder interface or in the controller.";
   e.told_apart_by = "the filter setting of the position input, or a ram start recorded with a second sensor";
   e.measured_by =
       "the time constant of the filter in the position input, as set there or from a step recorded at rest";

@@ -26,8 +26,8 @@ Effect PressureGain(const CushionGeometry&) {
       "The pressure sensor reads too much or too little in proportion; look for: a wrong range in the "
       "controller, a sensor of another range, a wrong scale in the machine file.";
   e.told_apart_by =
-      "a reference gauge beside the sensor at two pressures: strokes alone take a wrong scale for another "
-      "Q_vn and K";
+      "a reference gauge beside the sensor at two pressures: strokes alone "
+      "take a wrong scale for another Q_vn and K";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double gain = nonlinear[0], too_much = gain / (1.0 + gain);

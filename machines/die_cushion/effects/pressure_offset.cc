@@ -30,12 +30,10 @@ Effect PressureOffset(const CushionGeometry&) {
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in "
-      "the "
-      "controller. Check it with the cushion relieved.";
+      "the controller. Check it with the cushion relieved.";
   e.told_apart_by =
       "the pressure sensor with its line vented to the air: it must read zero; relieved to tank only, a "
-      "check "
-      "valve or a preload in the tank line reads as its own pressure";
+      "check valve or a preload in the tank line reads as its own pressure";
   e.measured_by = "the reading of the pressure sensor with its line vented to the air";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

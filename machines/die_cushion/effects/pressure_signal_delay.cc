@@ -22,8 +22,8 @@ Effect PressureSignalDelay(const CushionGeometry&) {
   e.confused_with = {"spool_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =
-      "The pressure is recorded later than the other signals; look for: a filter in the amplifier, a long "
-      "dead sensor line.";
+      "The pressure is recorded later than the other signals; look for: a filter in "
+      "the amplifier, a long dead sensor line.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const double delay = nonlinear[0];
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {

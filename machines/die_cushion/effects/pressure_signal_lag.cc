@@ -18,8 +18,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
   e.hidden_in = "V0, K";
   e.plain =
       "The pressure is smoothed before it is recorded; look for: a filter in the amplifier or the "
-      "controller, "
-      "a long thin sensor line.";
+      "controller, a long thin sensor line.";
   e.told_apart_by = "the filter setting of the pressure input, or a step of pressure recorded at rest";
   e.measured_by =
       "the time constant of the filter in the pressure input, as set there or from a step recorded at rest";

@@ -26,8 +26,7 @@ Effect ReliefValve(const CushionGeometry&) {
   e.hidden_in = "Q_vn";
   e.plain =
       "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, "
-      "dirt on the "
-      "seat, a warm return line.";
+      "dirt on the seat, a warm return line.";
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double* p = s[kPressureA];

@@ -23,8 +23,7 @@ double LostToLineSlope(double root, double y, double x) {
 }  // namespace
 
 /// The return line drops R_1 Q behind the valve, as a long or narrow line does in laminar flow (Merritt 1967,
-/// sec. 2-4, Hagen-Poiseuille). The ratio x = k R_1, k = -theta1, is the nonlinear parameter; y_0 enters by
-/// its slope.
+/// sec. 2-4, Hagen-Poiseuille). The ratio x = k R_1, k = -theta1, is the nonlinear parameter; y_0 enters by its slope.
 Effect ReturnLineResistance(const CushionGeometry&) {
   Effect e;
   e.id = "return_line_resistance";

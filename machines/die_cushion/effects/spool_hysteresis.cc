@@ -67,8 +67,7 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.hidden_in = "-";
   e.plain =
       "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a "
-      "sticking "
-      "spool, silt in the pilot stage.";
+      "sticking spool, silt in the pilot stage.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
       FollowEdge(s, width, lag, out);

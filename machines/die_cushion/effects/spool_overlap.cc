@@ -7,8 +7,7 @@
 namespace hydroscope::effects {
 
 /// Dead band around the null: the edge opens only once |y_v| exceeds d (Merritt 1967, sec. 5-3, closed-centre
-/// valve). Fully open the dead band looks like a shifted null, so it shows only where the spool passes the
-/// band.
+/// valve). Fully open the dead band looks like a shifted null, so it shows only where the spool passes the band.
 Effect SpoolOverlap(const CushionGeometry&) {
   Effect e;
   e.id = "spool_overlap";
@@ -26,8 +25,7 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.hidden_in = "y_0";
   e.plain =
       "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
-      "a zero-lap "
-      "one, the wrong valve after a repair, a mechanical null far off.";
+      "a zero-lap one, the wrong valve after a repair, a mechanical null far off.";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

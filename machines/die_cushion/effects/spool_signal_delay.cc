@@ -22,8 +22,8 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
   e.plain =
-      "The spool position is recorded later than the other signals; look for: a filter in the transducer, a "
-      "bus cycle.";
+      "The spool position is recorded later than the other signals; look for: a "
+      "filter in the transducer, a bus cycle.";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [delay = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

@@ -35,8 +35,7 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.hidden_in = "Q_vn";
   e.plain =
       "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed "
-      "cock, a "
-      "squeezed return hose.";
+      "cock, a squeezed return hose.";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double x = nonlinear[0];

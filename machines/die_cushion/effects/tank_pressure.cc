@@ -29,9 +29,8 @@ Effect TankPressure(const CushionGeometry&) {
       "The tank line stands at another pressure than the machine file says; look for: a check valve with a "
       "strong spring, a preloaded tank, p_t of the machine file.";
   e.told_apart_by =
-      "the pressure sensor with its line vented to the air, which must read zero, and a gauge on the tank "
-      "line "
-      "while oil flows";
+      "the pressure sensor with its line vented to the air, which must read zero, and "
+      "a gauge on the tank line while oil flows";
   e.measured_by = "what a gauge on the tank line shows while oil flows, less p_t of the machine file";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

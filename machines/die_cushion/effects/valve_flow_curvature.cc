@@ -34,8 +34,7 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.hidden_in = "Q_vn, y_0";
   e.plain =
       "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
-      "a spool with "
-      "another notch shape than the data sheet says.";
+      "a spool with another notch shape than the data sheet says.";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
