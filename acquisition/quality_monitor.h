@@ -10,7 +10,7 @@
 
 #include "acquisition/standstill.h"
 #include "core/sample_block.h"
-#include "models/expression_guard.h"
+#include "models/expressions/guard.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -39,7 +39,7 @@ struct ChannelQuality {
 ///                Also a signal that stands still while what drives it moves (acquisition/standstill.h).
 ///   kOutOfRange  as well: a reading exactly at the highest or lowest one seen, where so many pile up that the
 ///                noise is cut off there: a sensor or converter at its limit. On channels whose noise shows.
-///   kExpression  an expression of the machine file is no finite number on this row (models/expression_guard.h).
+///   kExpression  an expression of the machine file is no finite number on this row (models/expressions/guard.h).
 ///   kSpike       one value off the mean of its neighbours by more than 12 standard deviations of that
 ///   distance and by
 ///                3 times each of the steps around it: between its neighbours, into the one before, out of

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "models/expression_evaluator.h"
+#include "models/expressions/evaluator.h"
 
 namespace {
 

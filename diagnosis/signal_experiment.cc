@@ -11,9 +11,9 @@
 #include "core/quantile.h"
 #include "diagnosis/moved_stroke.h"
 #include "diagnosis/rival_separation.h"
-#include "models/expression_check.h"
+#include "models/expressions/check.h"
+#include "models/machine_file/table.h"
 #include "models/machine_kind.h"
-#include "models/machine_table.h"
 
 namespace hydroscope {
 namespace {

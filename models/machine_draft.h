@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "models/machine.h"
-#include "models/machine_format.h"
+#include "models/machine_file/format.h"
 
 namespace hydroscope {
 

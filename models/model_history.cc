@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "models/machine_keys.h"
-#include "models/machine_sections.h"
-#include "models/toml_text.h"
+#include "models/machine_file/keys.h"
+#include "models/machine_file/sections.h"
+#include "models/machine_file/toml_text.h"
 
 namespace hydroscope {
 namespace {

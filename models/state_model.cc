@@ -8,7 +8,7 @@
 
 #include "core/limits.h"
 #include "core/units.h"
-#include "models/machine_table.h"
+#include "models/machine_file/table.h"
 #include "models/state_names.h"
 
 namespace hydroscope {

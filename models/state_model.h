@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "models/expression_program.h"
+#include "models/expressions/program.h"
 #include "models/machine.h"
 
 namespace hydroscope {

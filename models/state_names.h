@@ -1,6 +1,6 @@
 #pragma once
 
-#include "models/expression_check.h"
+#include "models/expressions/check.h"
 
 namespace hydroscope {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/wide.h"
-#include "models/elementary.h"
+#include "models/expressions/elementary.h"
 #include "models/stretch.h"
 
 /// The functions of models/stretch.h for arguments that are costly and free of branches (exponentials,

@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "core/units.h"
-#include "models/machine_format.h"
-#include "models/machine_keys.h"
+#include "models/machine_file/format.h"
+#include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
 #include "setup/column_meaning.h"
 

@@ -10,9 +10,9 @@
 #include "core/effect_units.h"
 #include "core/units.h"
 #include "models/effect.h"
-#include "models/machine_keys.h"
+#include "models/expressions/user_effect.h"
+#include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
-#include "models/user_effect.h"
 
 namespace hydroscope {
 namespace {

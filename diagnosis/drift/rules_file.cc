@@ -7,7 +7,7 @@
 
 #include "diagnosis/drift/default_rules.h"
 #include "diagnosis/drift/rules.h"
-#include "models/machine_table.h"
+#include "models/machine_file/table.h"
 
 namespace hydroscope::drift {
 namespace {

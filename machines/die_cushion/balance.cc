@@ -6,9 +6,9 @@
 
 #include "machines/die_cushion/generic_laws.h"
 #include "machines/die_cushion/library.h"
+#include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
 #include "models/smooth_rate.h"
-#include "models/user_effect.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "machines/own_balance/draft.h"
-#include "models/expression_balance.h"
+#include "models/expressions/balance.h"
 
 namespace hydroscope {
 namespace {

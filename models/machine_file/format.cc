@@ -1,0 +1,509 @@
+#include "models/machine_file/format.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/units.h"
+#include "models/machine_file/keys.h"
+#include "models/machine_file/table.h"
+#include "models/machine_file/toml_text.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+std::string Key(const std::string& key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-');
+  });
+  return bare ? key : Quoted(key);
+}
+
+std::string Comment(const std::string& text) {
+  std::string line = text;
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return line.empty() ? "#" : "# " + line;
+}
+
+std::string Plain(double value) { return fmt::format("{}", value); }
+std::string Plain(bool value) { return value ? "true" : "false"; }
+std::string Plain(int value) { return fmt::format("{}", value); }
+
+/// The shortest number in a unit that reads back to exactly `si`; nullopt if rounding forbids it.
+std::optional<std::string> InUnit(double si, const FileUnit& unit, bool difference) {
+  const double offset = difference ? 0.0 : unit.offset;
+  const double value = (si - offset) / unit.scale;
+  for (int digits = 1; digits <= 17; ++digits) {
+    const std::string text = Plain(std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr));
+    if (std::strtod(text.c_str(), nullptr) * unit.scale + offset == si) return text;
+  }
+  return std::nullopt;
+}
+
+/// A number in the unit that the key stands in, or { value, unit } in SI where that would not read back exactly.
+std::string NumberIn(double si, const std::string& unit_name, bool difference = false) {
+  const FileUnit unit = FindFileUnit(unit_name).value_or(FileUnit{});
+  if (const auto text = InUnit(si, unit, difference)) return *text;
+  return fmt::format("{{ value = {}, unit = {} }}", Plain(si), Quoted(unit.si));
+}
+
+std::string Inline(const Pairs& pairs) {
+  std::string text = "{ ";
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", Key(pairs[i].first), pairs[i].second);
+  return pairs.empty() ? "{}" : text + " }";
+}
+
+std::string QuotedList(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + Quoted(text);
+  return "[" + list + "]";
+}
+
+/// "[name]" with a comment line before, the pairs one a line, the notes of that section, and an empty line.
+std::string Section(const std::string& header, const std::string& comment, const Pairs& pairs,
+                    const MachineNotes& notes, const std::string& name) {
+  std::string text = Comment(comment) + "\n" + header + "\n";
+  for (const auto& [key, value] : pairs) text += fmt::format("{} = {}\n", Key(key), value);
+  if (const auto found = notes.section.find(name); found != notes.section.end())
+    for (const std::string& line : found->second) text += Comment(line) + "\n";
+  return text + "\n";
+}
+
+std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
+  Pairs pairs = {{"name", Quoted(machine.name)}, {"model", Quoted(std::string(KindOf(machine).id))}};
+  if (!machine.description.empty()) pairs.emplace_back("description", Quoted(machine.description));
+  pairs.emplace_back("model_version", Plain(machine.model_version));
+  if (!machine.added_effects.empty()) {
+    pairs.emplace_back("effects", QuotedList(machine.added_effects));
+    if (!machine.effect_values.empty())
+      pairs.emplace_back("effect_values", FormatEffectValues(machine.effect_values));
+  }
+  return Section("[machine]", "Machine file; every key is explained in docs/machine_file.md.", pairs, notes,
+                 "machine");
+}
+
+std::string CharacterName(char c) {
+  if (c == '\t') return Quoted("tab");
+  if (c == ' ') return Quoted("space");
+  return Quoted(std::string(1, c));
+}
+
+std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
+  Pairs pairs;
+  if (log.separator) pairs.emplace_back("separator", CharacterName(*log.separator));
+  if (log.decimal) pairs.emplace_back("decimal", CharacterName(*log.decimal));
+  if (log.skip_lines) pairs.emplace_back("skip_lines", Plain(*log.skip_lines));
+  if (log.header) pairs.emplace_back("header", Plain(*log.header));
+  if (log.unit_row) pairs.emplace_back("unit_row", Plain(*log.unit_row));
+  pairs.emplace_back("time", Inline({{"column", Quoted(log.time_column)}, {"unit", Quoted(log.time_unit)}}));
+  if (log.sample_period) pairs.emplace_back("sample_period", Plain(*log.sample_period));
+  if (log.hold == InputHold::kZero) pairs.emplace_back("hold", Quoted("zero"));
+  return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
+                 pairs, notes, "log");
+}
+
+std::string OrderName(WordOrder order) {
+  return Quoted(std::string(kWordOrderNames[static_cast<std::size_t>(order)]));
+}
+
+std::string OriginValue(const ModbusOrigin& origin) {
+  Pairs pairs = {{origin.in_ring ? "ring" : "register", Plain(origin.address)}};
+  if (origin.stride != 0) pairs.emplace_back("stride", Plain(origin.stride));
+  pairs.emplace_back("type", Quoted(std::string(kRegisterTypeNames[static_cast<std::size_t>(origin.type)])));
+  if (origin.order) pairs.emplace_back("order", OrderName(*origin.order));
+  return Inline(pairs);
+}
+
+std::string SignalValue(const SignalSpec& signal) {
+  const SignalSpec defaults;
+  const bool live = !signal.dds.empty() || signal.modbus;
+  Pairs pairs;
+  if (!live || signal.column != signal.name) pairs.emplace_back("column", Quoted(signal.column));
+  pairs.emplace_back("unit", Quoted(signal.unit));
+  if (signal.scale != defaults.scale) pairs.emplace_back("scale", Plain(signal.scale));
+  if (signal.offset != defaults.offset) pairs.emplace_back("offset", Plain(signal.offset));
+  if (signal.min) pairs.emplace_back("min", NumberIn(*signal.min, signal.unit));
+  if (signal.max) pairs.emplace_back("max", NumberIn(*signal.max, signal.unit));
+  if (signal.noise_std) pairs.emplace_back("noise", NumberIn(*signal.noise_std, signal.unit, true));
+  if (signal.stuck_time != defaults.stuck_time) pairs.emplace_back("stuck_time", Plain(signal.stuck_time));
+  if (!signal.required) pairs.emplace_back("required", Plain(signal.required));
+  if (!signal.dds.empty()) pairs.emplace_back("dds", Quoted(signal.dds));
+  if (signal.modbus) pairs.emplace_back("modbus", OriginValue(*signal.modbus));
+  return Inline(pairs);
+}
+
+std::string SignalsSection(const Machine& machine, const MachineNotes& notes) {
+  Pairs pairs;
+  for (const SignalSpec& signal : machine.signals) {
+    const auto note = notes.signals.find(signal.name);
+    pairs.emplace_back(
+        signal.name, SignalValue(signal) + (note == notes.signals.end() ? "" : "  " + Comment(note->second)));
+  }
+  return Section("[signals]",
+                 "Signal of the model = column of the log, with the unit of the numbers in the log.", pairs,
+                 notes, "signals");
+}
+
+template <typename Input>
+std::string SiOfInput(std::span<const Input> inputs, const std::string& name) {
+  for (const Input& input : inputs)
+    if (input.name == name) return std::string(input.si);
+  return "";
+}
+
+/// The unit people read if all values can be written in it exactly, else the SI unit; "" stays "".
+std::string ReadableUnit(const std::string& si,
+                         const std::vector<std::pair<double, bool>>& values_and_differences) {
+  if (si.empty() || si == "1") return si;
+  const std::string shown(DisplayUnitFor(si).name);
+  const auto unit = FindFileUnit(shown);
+  if (!unit || unit->si != si) return si;
+  for (const auto& [value, difference] : values_and_differences)
+    if (!InUnit(value, *unit, difference)) return si;
+  return shown;
+}
+
+std::string GeometrySection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.geometry.empty() && !notes.section.contains("geometry")) return "";
+  Pairs pairs;
+  for (const auto& [name, known] : machine.geometry) {
+    const std::string si = known.unit.empty() ? SiOfInput(KindOf(machine).geometry, name) : known.unit;
+    const std::string unit = si == "m2" ? si : ReadableUnit(si, {{known.value, false}, {known.std, true}});
+    Pairs value = {{"value", NumberIn(known.value, unit)}};
+    if (known.std != 0.0) value.emplace_back("std", NumberIn(known.std, unit, true));
+    if (!unit.empty()) value.emplace_back("unit", Quoted(unit));
+    pairs.emplace_back(name, Inline(value));
+  }
+  return Section("[geometry]", "What data sheets say; std is the uncertainty.", pairs, notes, "geometry");
+}
+
+/// Bounds on signals and their rates, as ReadBounds reads them.
+Pairs BoundPairs(const Machine& machine, const std::vector<GateBound>& bounds) {
+  Pairs conditions;
+  for (const GateBound& bound : bounds) {
+    const int index = machine.SignalIndex(bound.signal);
+    std::string si =
+        index < 0 ? "1" : FindFileUnit(machine.signals[index].unit).value_or(FileUnit{.si = "1"}).si;
+    if (bound.rate) si += "/s";
+    Pairs limits;
+    if (bound.min) limits.emplace_back("min", Plain(*bound.min));
+    if (bound.max) limits.emplace_back("max", Plain(*bound.max));
+    if (si != "1") limits.emplace_back("unit", Quoted(si));
+    std::string name = bound.rate ? fmt::format("ddt({})", bound.signal) : bound.signal;
+    if (bound.magnitude) name = fmt::format("abs({})", name);
+    conditions.emplace_back(name, Inline(limits));
+  }
+  return conditions;
+}
+
+std::string GateSection(const Machine& machine, const MachineNotes& notes) {
+  const Pairs conditions = BoundPairs(machine, machine.gate.bounds);
+  Pairs pairs;
+  if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
+  pairs.emplace_back("stroke_gap", Plain(machine.gate.stroke_gap));
+  pairs.emplace_back("min_stroke", Plain(machine.gate.min_stroke));
+  if (machine.gate.max_stroke > 0) pairs.emplace_back("max_stroke", Plain(machine.gate.max_stroke));
+  return Section("[gate]", "When the model holds: all conditions at once; times in s.", pairs, notes, "gate");
+}
+
+std::string ConditionsSection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.conditions.empty()) return "";
+  Pairs pairs;
+  for (const Condition& condition : machine.conditions)
+    pairs.emplace_back(condition.name, Quoted(ConditionText(condition)));
+  return Section("[conditions]",
+                 "What strokes are driven at: stored with them, and strokes are told apart by it.", pairs,
+                 notes, "conditions");
+}
+
+std::string WindowSection(const WindowSpec& window, const MachineNotes& notes) {
+  return Section("[window]", "Averaging, s.",
+                 {{"block", Plain(window.block)},
+                  {"span", Plain(window.span)},
+                  {"half_width", Plain(window.half_width)}},
+                 notes, "window");
+}
+
+std::string EstimatorSection(const EstimatorSpec& spec, const MachineNotes& notes) {
+  if (spec == EstimatorSpec{}) return "";
+  Pairs pairs = {{"equation", Quoted(spec.equation == EquationForm::kIntegral ? "integral" : "published")},
+                 {"form", Quoted(spec.form == EstimatorForm::kDirectional ? "directional" : "exponential")},
+                 {"forgetting_factor", Plain(spec.forgetting_factor)},
+                 {"time_constant", Plain(spec.time_constant)},
+                 {"initial_covariance", Plain(spec.initial_covariance)},
+                 {"initial_parameter", Plain(spec.initial_parameter)},
+                 {"initial_from_first_stroke", Plain(spec.initial_from_first_stroke)},
+                 {"max_covariance", Plain(spec.max_covariance)},
+                 {"dead_zone", Plain(spec.dead_zone)},
+                 {"clip", Plain(spec.clip)},
+                 {"moving_average", Plain(spec.moving_average)},
+                 {"symmetrical_derivative", Plain(spec.symmetrical_derivative)},
+                 {"update_period", Plain(spec.update_period)}};
+  Pairs constants;
+  for (const auto& [parameter, seconds] : spec.time_constants)
+    constants.emplace_back(parameter, Plain(seconds));
+  if (!constants.empty()) pairs.emplace_back("time_constants", Inline(constants));
+  return Section("[estimator]", "Recursive least squares; times in s.", pairs, notes, "estimator");
+}
+
+std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const MonitorSpec& monitor : machine.monitors) {
+    const std::array<std::pair<const char*, std::optional<double>>, 5> limits = {
+        {{"reference", monitor.reference},
+         {"alarm_low", monitor.alarm_low},
+         {"warn_low", monitor.warn_low},
+         {"warn_high", monitor.warn_high},
+         {"alarm_high", monitor.alarm_high}}};
+    std::vector<std::pair<double, bool>> values;
+    for (const auto& [key, value] : limits)
+      if (value) values.emplace_back(*value, false);
+    const std::string unit = ReadableUnit(SiOfInput(KindOf(machine).parameters, monitor.parameter), values);
+    Pairs pairs;
+    if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
+    for (const auto& [key, value] : limits)
+      if (value) pairs.emplace_back(key, NumberIn(*value, unit));
+    text += Section(fmt::format("[monitor.{}]", Key(monitor.parameter)), "Limits of a watched parameter.",
+                    pairs, notes, "monitor." + monitor.parameter);
+  }
+  return text;
+}
+
+std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
+  const MachineKind& kind = KindOf(machine);
+  if (machine.valve == ValveSpec{} && (kind.build != nullptr || kind.has_states)) return "";
+  // A file with this section must have both signals; a built-in default may lack them.
+  return Section("[valve]", "Frequency response: gain = output / (input / full_scale), full_scale in SI.",
+                 {{"input", Quoted(machine.valve.input)},
+                  {"output", Quoted(machine.valve.output)},
+                  {"full_scale", Plain(machine.valve.full_scale)}},
+                 notes, "valve");
+}
+
+std::string ExperimentSection(const Machine& machine, const MachineNotes& notes) {
+  const ExperimentSpec& spec = machine.experiment;
+  if (spec == ExperimentSpec{}) return "";
+  const auto range = [](std::optional<double> min, std::optional<double> max, const char* unit) {
+    Pairs limits;
+    if (min) limits.emplace_back("min", Plain(*min));
+    if (max) limits.emplace_back("max", Plain(*max));
+    limits.emplace_back("unit", Quoted(unit));
+    return Inline(limits);
+  };
+  Pairs pairs;
+  if (spec.speed_min || spec.speed_max)
+    pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
+  if (spec.pressure_min || spec.pressure_max)
+    pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
+  if (spec.rod_pressure_min || spec.rod_pressure_max)
+    pairs.emplace_back("rod_pressure", range(spec.rod_pressure_min, spec.rod_pressure_max, "Pa"));
+  if (!spec.signals.empty()) pairs.emplace_back("signals", Inline(BoundPairs(machine, spec.signals)));
+  if (!KindOf(machine).own_library) pairs.emplace_back("warm_up", Plain(spec.warm_up));
+  pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
+  return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",
+                 pairs, notes, "experiment");
+}
+
+std::string Terms(const std::vector<TermSpec>& terms) {
+  Pairs pairs;
+  for (const TermSpec& term : terms)
+    pairs.emplace_back(term.parameter, term.unit.empty() ? Quoted(term.expression)
+                                                         : Inline({{"expression", Quoted(term.expression)},
+                                                                   {"unit", Quoted(term.unit)}}));
+  return Inline(pairs);
+}
+
+std::string BalanceSection(const Machine& machine, const MachineNotes& notes) {
+  if (machine.balance.output.empty()) return "";
+  Pairs pairs = {{"output", Quoted(machine.balance.output)}};
+  if (!machine.balance.unit.empty()) pairs.emplace_back("unit", Quoted(machine.balance.unit));
+  pairs.emplace_back("terms", Terms(machine.balance.terms));
+  if (!machine.balance.derived.empty()) pairs.emplace_back("derived", Terms(machine.balance.derived));
+  return Section("[balance]", "output = sum of parameter * expression, in SI.", pairs, notes, "balance");
+}
+
+Pairs ParameterPairs(const std::vector<ParameterSpec>& parameters) {
+  Pairs pairs;
+  for (const ParameterSpec& p : parameters) {
+    Pairs about = {{"start", Plain(p.start)}};
+    if (std::isfinite(p.min)) about.emplace_back("min", Plain(p.min));
+    if (std::isfinite(p.max)) about.emplace_back("max", Plain(p.max));
+    if (!p.unit.empty()) about.emplace_back("unit", Quoted(p.unit));
+    pairs.emplace_back(p.name, Inline(about));
+  }
+  return pairs;
+}
+
+std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
+  const StatesSpec& spec = machine.states;
+  if (spec.states.empty()) return "";
+  Pairs states, outputs;
+  for (const StateSpec& s : spec.states) {
+    Pairs about = {{"ddt", Quoted(s.ddt)}, {"initial", Quoted(s.initial)}};
+    if (!s.min.empty()) about.emplace_back("min", Quoted(s.min));
+    if (!s.max.empty()) about.emplace_back("max", Quoted(s.max));
+    if (!s.unit.empty()) about.emplace_back("unit", Quoted(s.unit));
+    states.emplace_back(s.name, Inline(about));
+  }
+  for (const OutputSpec& o : spec.outputs) outputs.emplace_back(o.signal, Quoted(o.expression));
+  std::string text =
+      Section("[states]", "d state / dt = ddt, in SI.", states, notes, "states") +
+      Section("[outputs]", "Measured signals as the model gives them.", outputs, notes, "outputs");
+  if (!spec.parameters.empty())
+    text += Section("[parameters]", "What is identified, within its range.", ParameterPairs(spec.parameters),
+                    notes, "parameters");
+  if (spec.episode_seconds)
+    text += Section("[episodes]", "A continuous log is cut into pieces.",
+                    {{"seconds", Plain(*spec.episode_seconds)}}, notes, "episodes");
+  return text;
+}
+
+std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const UserEffectSpec& effect : machine.user_effects) {
+    Pairs pairs = {{"id", Quoted(effect.id)}};
+    if (!effect.description.empty()) pairs.emplace_back("description", Quoted(effect.description));
+    if (!effect.terms.empty()) pairs.emplace_back("terms", Terms(effect.terms));
+    if (!effect.adds.empty()) pairs.emplace_back("adds", Terms(effect.adds));
+    if (!effect.parameters.empty())
+      pairs.emplace_back("parameters", Inline(ParameterPairs(effect.parameters)));
+    if (effect.min) pairs.emplace_back("min", Plain(*effect.min));
+    if (effect.max) pairs.emplace_back("max", Plain(*effect.max));
+    if (effect.typical) pairs.emplace_back("typical", Plain(*effect.typical));
+    Pairs shape;
+    for (const ShapeSpec& s : effect.shape) {
+      Pairs limits = {{"min", Plain(s.min)}, {"max", Plain(s.max)}};
+      if (!s.unit.empty()) limits.emplace_back("unit", Quoted(s.unit));
+      shape.emplace_back(s.name, Inline(limits));
+    }
+    if (!shape.empty()) pairs.emplace_back("shape", Inline(shape));
+    text += Section("[[effect]]", "An effect that may be missing in the balance.", pairs, notes, "effect");
+  }
+  return text;
+}
+
+std::string RingValue(const ModbusRingSpec& ring) {
+  Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
+  if (ring.time) pairs.emplace_back("time", Plain(*ring.time));
+  for (const auto& [key, number] :
+       {std::pair("first", ring.first), std::pair("records", ring.records), std::pair("width", ring.width)})
+    pairs.emplace_back(key, Plain(number));
+  pairs.emplace_back("period", Plain(ring.period));
+  pairs.emplace_back("poll_period", Plain(ring.poll_period));
+  return Inline(pairs);
+}
+
+std::string LiveModbusSection(const ModbusSpec& modbus, const MachineNotes& notes) {
+  Pairs pairs = {{"host", Quoted(modbus.host)},
+                 {"port", Plain(modbus.port)},
+                 {"unit", Plain(modbus.unit)},
+                 {"order", OrderName(modbus.order)},
+                 {"poll_period", Plain(modbus.poll_period)},
+                 {"timeout", Plain(modbus.timeout)},
+                 {"retry_first", Plain(modbus.retry_first)},
+                 {"retry_limit", Plain(modbus.retry_limit)}};
+  if (modbus.heartbeat) pairs.emplace_back("heartbeat", Plain(*modbus.heartbeat));
+  if (modbus.time) pairs.emplace_back("time", Plain(*modbus.time));
+  if (modbus.ring) pairs.emplace_back("ring", RingValue(*modbus.ring));
+  if (const auto& sweep = modbus.sweep)
+    pairs.emplace_back("sweep", Inline({{"coil", Plain(sweep->coil)},
+                                        {"status", Plain(sweep->status)},
+                                        {"axis", Plain(sweep->axis)},
+                                        {"amplitude", Plain(sweep->amplitude)}}));
+  return Section("[live.modbus]", "Registers of the controller; times in s.", pairs, notes, "live.modbus");
+}
+
+std::string TransportName(DdsTransport transport) {
+  const char* const transports[] = {"default", "udp", "shm"};
+  return Quoted(transports[static_cast<int>(transport)]);
+}
+
+std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
+  return Section("[live.dds]", "Samples by DDS (docs/live_protocol.md).",
+                 {{"domain", Plain(dds.domain)},
+                  {"topic", Quoted(dds.topic)},
+                  {"transport", TransportName(dds.transport)},
+                  {"interfaces", QuotedList(dds.interfaces)},
+                  {"peers", QuotedList(dds.peers)},
+                  {"backlog", Plain(dds.backlog)},
+                  {"deadline", Plain(dds.deadline)},
+                  {"senders", QuotedList(dds.senders)},
+                  {"security", Quoted(dds.security)}},
+                 notes, "live.dds");
+}
+
+std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.live) return "";
+  const LiveSpec& live = *machine.live;
+  std::string text =
+      Section("[live]", "The machine as it is watched live.",
+              {{"grid_period", Plain(live.grid_period)}, {"axes", QuotedList(live.axes)}}, notes, "live");
+  if (live.dds) text += LiveDdsSection(*live.dds, notes);
+  if (live.modbus) text += LiveModbusSection(*live.modbus, notes);
+  return text;
+}
+
+std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.feeds) return "";
+  std::string text = Section("[feeds]", "Whom the live service tells.", {}, notes, "feeds");
+  if (const auto& modbus = machine.feeds->modbus)
+    text += Section("[feeds.modbus]", "Modbus TCP server (docs/register_map.md).",
+                    {{"host", Quoted(modbus->host)},
+                     {"port", Plain(modbus->port)},
+                     {"connections", Plain(modbus->connections)},
+                     {"idle_timeout", Plain(modbus->idle_timeout)},
+                     {"allow", QuotedList(modbus->allow)},
+                     {"acknowledge", Plain(modbus->acknowledge)}},
+                    notes, "feeds.modbus");
+  if (const auto& dds = machine.feeds->dds)
+    text += Section("[feeds.dds]", "Alarm events and findings by DDS (docs/live_protocol.md).",
+                    {{"domain", Plain(dds->domain)},
+                     {"topic", Quoted(dds->topic)},
+                     {"transport", TransportName(dds->transport)},
+                     {"interfaces", QuotedList(dds->interfaces)},
+                     {"peers", QuotedList(dds->peers)},
+                     {"security", Quoted(dds->security)}},
+                    notes, "feeds.dds");
+  if (const auto& sparkplug = machine.feeds->sparkplug) {
+    Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};
+    const std::pair<const char*, const std::string*> optional[] = {
+        {"node", &sparkplug->node},
+        {"user", &sparkplug->user},
+        {"password_file", &sparkplug->password_file},
+        {"primary_host", &sparkplug->primary_host},
+        {"ca_file", &sparkplug->ca_file},
+        {"certificate_file", &sparkplug->certificate_file},
+        {"key_file", &sparkplug->key_file}};
+    for (const auto& [key, value] : optional)
+      if (!value->empty()) pairs.emplace_back(key, Quoted(*value));
+    text += Section("[feeds.sparkplug]", "MQTT Sparkplug B edge node (docs/sparkplug.md).", pairs, notes,
+                    "feeds.sparkplug");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
+  std::string text;
+  for (const std::string& line : notes.head) text += Comment(line) + "\n";
+  text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
+          GeometrySection(machine, notes) + GateSection(machine, notes) + ConditionsSection(machine, notes) +
+          WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
+          MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
+          BalanceSection(machine, notes) + StatesSections(machine, notes) + EffectSections(machine, notes) +
+          LiveSections(machine, notes) + FeedsSections(machine, notes);
+  for (const std::string& line : notes.tail) text += Comment(line) + "\n";
+  if (notes.tail.empty()) text.pop_back();
+  return text + FormatModelHistory(machine.model_history);
+}
+
+std::string FormatMachine(const Machine& machine) { return FormatMachine(machine, MachineNotes{}); }
+
+}  // namespace hydroscope

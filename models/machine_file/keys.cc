@@ -1,0 +1,67 @@
+#include "models/machine_file/keys.h"
+
+namespace hydroscope {
+const std::vector<MachineSection>& MachineFileSections() {
+  static const std::vector<MachineSection> sections = {
+      {"", {"machine",    "log",           "signals", "geometry", "gate",       "conditions", "window",
+            "estimator",  "monitor",       "valve",   "balance",  "effect",     "live",       "feeds",
+            "experiment", "model_history", "states",  "outputs",  "parameters", "episodes"}},
+      {"machine", {"name", "model", "description", "model_version", "effects", "effect_values"}},
+      {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period", "hold"}},
+      {"log.time", {"column", "unit"}},
+      {"signals.<name>",
+       {"column", "unit", "scale", "offset", "min", "max", "noise", "stuck_time", "required", "dds",
+        "modbus"}},
+      {"signals.<name>.modbus", {"register", "ring", "stride", "type", "order"}},
+      {"geometry.<name>", {"value", "std", "unit"}},
+      {"gate", {"conditions", "stroke_gap", "min_stroke", "max_stroke"}},
+      {"gate.conditions.<signal>", {"min", "max", "unit"}},
+      {"window", {"block", "span", "half_width"}},
+      {"estimator",
+       {"equation", "form", "forgetting_factor", "time_constant", "time_constants", "initial_covariance",
+        "initial_parameter", "initial_from_first_stroke", "max_covariance", "dead_zone", "clip",
+        "moving_average", "symmetrical_derivative", "update_period"}},
+      {"monitor.<parameter>", {"unit", "reference", "warn_low", "warn_high", "alarm_low", "alarm_high"}},
+      {"valve", {"input", "output", "full_scale"}},
+      {"experiment", {"ram_speed", "pressure", "rod_pressure", "warm_up", "max_strokes", "signals"}},
+      {"experiment.<range>", {"min", "max", "unit"}},
+      {"balance", {"output", "unit", "terms", "derived"}},
+      {"effect",
+       {"id", "description", "terms", "unit", "min", "max", "typical", "shape", "adds", "parameters"}},
+      {"states.<name>", {"ddt", "initial", "min", "max", "unit"}},
+      {"parameters.<name>", {"start", "min", "max", "unit"}},
+      {"episodes", {"seconds"}},
+      {"shape.<name>", {"min", "max", "unit"}},
+      {"terms.<parameter>", {"expression", "unit"}},
+      {"live", {"grid_period", "axes", "dds", "modbus"}},
+      {"live.dds",
+       {"domain", "topic", "transport", "interfaces", "peers", "backlog", "deadline", "senders", "security"}},
+      {"live.modbus",
+       {"host", "port", "unit", "order", "poll_period", "timeout", "retry_first", "retry_limit", "heartbeat",
+        "time", "ring", "sweep"}},
+      {"live.modbus.ring",
+       {"session", "newest", "time", "first", "records", "width", "period", "poll_period"}},
+      {"live.modbus.sweep", {"coil", "status", "axis", "amplitude"}},
+      {"feeds", {"modbus", "dds", "sparkplug"}},
+      {"feeds.modbus", {"host", "port", "connections", "idle_timeout", "allow", "acknowledge"}},
+      {"feeds.dds", {"domain", "topic", "transport", "interfaces", "peers", "security"}},
+      {"feeds.sparkplug",
+       {"broker", "group", "node", "user", "password_file", "primary_host", "ca_file", "certificate_file",
+        "key_file"}},
+      {"model_history",
+       {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit",
+        "parameters"}},
+      {"model_history.parameters.<name>", {"value", "std", "unit"}},
+      {"<quantity>", {"value", "unit"}},
+  };
+  return sections;
+}
+
+const std::vector<std::string>& MachineFileKeys(std::string_view name) {
+  static const std::vector<std::string> none;
+  for (const MachineSection& section : MachineFileSections())
+    if (section.name == name) return section.keys;
+  return none;
+}
+
+}  // namespace hydroscope
