@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 namespace hydroscope {
 namespace {

@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "estimation/information_filter.h"
-#include "estimation/recursive_least_squares.h"
+#include "estimation/recursive/information_filter.h"
+#include "estimation/recursive/recursive_least_squares.h"
 
 namespace hydroscope {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 #include "models/machine.h"
 
 namespace hydroscope {

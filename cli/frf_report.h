@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/frf_record.h"
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 #include "models/machine.h"
 
 namespace hydroscope {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/constants.h"
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 #include "live/log.h"
 #include "models/machine_kind.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
-#include "estimation/stroke_estimator.h"
+#include "estimation/recursive/stroke_estimator.h"
 
 namespace hydroscope {
 

@@ -11,8 +11,8 @@
 
 #include "acquisition/quality_monitor.h"
 #include "core/constants.h"
-#include "estimation/information_filter.h"
-#include "estimation/recursive_least_squares.h"
+#include "estimation/recursive/information_filter.h"
+#include "estimation/recursive/recursive_least_squares.h"
 #include "host/output.h"
 #include "simulator/random.h"
 #include "studies/simulated_strokes.h"

@@ -10,7 +10,7 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
-#include "estimation/published_estimator.h"
+#include "estimation/recursive/published_estimator.h"
 #include "host/output.h"
 #include "report/report_statistics.h"
 #include "simulator/random.h"

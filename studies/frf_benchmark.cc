@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/constants.h"
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 #include "simulator/valve_sweep.h"
 
 namespace hydroscope {

@@ -6,7 +6,7 @@
 
 #include "core/bytes.h"
 #include "diagnosis/drift/drift_monitor.h"
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 namespace hydroscope::drift {
 

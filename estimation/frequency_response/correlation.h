@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "estimation/frequency_response.h"
-#include "estimation/frequency_response_harmonics.h"
-#include "estimation/frequency_response_segments.h"
+#include "estimation/frequency_response/frequency_response.h"
+#include "estimation/frequency_response/harmonics.h"
+#include "estimation/frequency_response/segments.h"
 
 namespace hydroscope {
 

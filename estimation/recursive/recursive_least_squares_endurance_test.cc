@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "estimation/recursive_least_squares.h"
+#include "estimation/recursive/recursive_least_squares.h"
 #include "simulator/random.h"
 
 namespace hydroscope {

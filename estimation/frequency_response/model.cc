@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_model.h"
+#include "estimation/frequency_response/model.h"
 
 #include <ceres/tiny_solver.h>
 
@@ -13,7 +13,7 @@
 
 #include "core/constants.h"
 #include "core/non_negative.h"
-#include "estimation/frequency_response_figures.h"
+#include "estimation/frequency_response/figures.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "estimation/frequency_response_correlation.h"
-#include "estimation/frequency_response_model.h"
-#include "estimation/frequency_response_segments.h"
-#include "estimation/frequency_response_welch.h"
+#include "estimation/frequency_response/correlation.h"
+#include "estimation/frequency_response/model.h"
+#include "estimation/frequency_response/segments.h"
+#include "estimation/frequency_response/welch.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_harmonics.h"
+#include "estimation/frequency_response/harmonics.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "estimation/information_filter.h"
+#include "estimation/recursive/information_filter.h"
 
 #include <cmath>
 #include <limits>

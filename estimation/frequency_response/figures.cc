@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_figures.h"
+#include "estimation/frequency_response/figures.h"
 
 #include <algorithm>
 #include <cmath>

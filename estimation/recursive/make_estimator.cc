@@ -1,5 +1,5 @@
-#include "estimation/integral_estimator.h"
-#include "estimation/published_estimator.h"
+#include "estimation/recursive/integral_estimator.h"
+#include "estimation/recursive/published_estimator.h"
 
 namespace hydroscope {
 

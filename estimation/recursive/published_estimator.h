@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "estimation/published_filter.h"
-#include "estimation/recursive_least_squares.h"
-#include "estimation/stroke_estimator.h"
+#include "estimation/recursive/published_filter.h"
+#include "estimation/recursive/recursive_least_squares.h"
+#include "estimation/recursive/stroke_estimator.h"
 
 namespace hydroscope {
 

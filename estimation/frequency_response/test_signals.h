@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 namespace hydroscope::test_signals {
 

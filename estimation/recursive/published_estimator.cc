@@ -1,4 +1,4 @@
-#include "estimation/published_estimator.h"
+#include "estimation/recursive/published_estimator.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "estimation/recursive_least_squares.h"
+#include "estimation/recursive/recursive_least_squares.h"
 #include "simulator/random.h"
 #include "tests/counting_new.h"
 

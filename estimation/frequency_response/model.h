@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 namespace hydroscope {
 

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_correlation.h"
+#include "estimation/frequency_response/correlation.h"
 
 #include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "core/constants.h"
-#include "estimation/frequency_response_harmonics.h"
+#include "estimation/frequency_response/harmonics.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_welch.h"
+#include "estimation/frequency_response/welch.h"
 
 #include <algorithm>
 #include <bit>

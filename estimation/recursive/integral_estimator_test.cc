@@ -1,4 +1,4 @@
-#include "estimation/integral_estimator.h"
+#include "estimation/recursive/integral_estimator.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "estimation/gram_fit.h"
-#include "estimation/information_filter.h"
-#include "estimation/stroke_estimator.h"
+#include "estimation/recursive/information_filter.h"
+#include "estimation/recursive/stroke_estimator.h"
 
 namespace hydroscope {
 

@@ -1,4 +1,4 @@
-#include "estimation/recursive_least_squares.h"
+#include "estimation/recursive/recursive_least_squares.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response.h"
+#include "estimation/frequency_response/frequency_response.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/constants.h"
-#include "estimation/frequency_response_test_signals.h"
+#include "estimation/frequency_response/test_signals.h"
 #include "simulator/valve_sweep.h"
 
 namespace hydroscope {

@@ -1,4 +1,4 @@
-#include "estimation/frequency_response_segments.h"
+#include "estimation/frequency_response/segments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
-#include "estimation/frequency_response_harmonics.h"
+#include "estimation/frequency_response/harmonics.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "estimation/published_filter.h"
+#include "estimation/recursive/published_filter.h"
 
 #include <algorithm>
 
