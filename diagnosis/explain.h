@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "diagnosis/extended_fit.h"
-#include "diagnosis/predictability.h"
 #include "diagnosis/refine.h"
+#include "diagnosis/remainder/predictability.h"
 #include "estimation/floor_trust.h"
 
 namespace hydroscope {
@@ -64,7 +64,7 @@ struct ExplainOptions {
   std::map<std::string, MeasuredSize>
       measured;  ///< sizes of effects known from a test off the log (Effect::measured_by)
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
-  /// function of the measured signals can predict on strokes left out (diagnosis/predictability.h).
+  /// function of the measured signals can predict on strokes left out (diagnosis/remainder/predictability.h).
   bool floor_believable = true;
   PredictabilityOptions predictability;
   // Thresholds of single steps, set on the same campaigns unless said otherwise.

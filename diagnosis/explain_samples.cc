@@ -10,9 +10,9 @@
 #include "diagnosis/explain_own_machine.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/odd_strokes.h"
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
+#include "diagnosis/remainder/tone_search.h"
 #include "diagnosis/testability.h"
-#include "diagnosis/tone_search.h"
 
 namespace hydroscope {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/machine_model.h"
 

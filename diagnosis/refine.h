@@ -23,7 +23,7 @@ std::vector<StrokeGram> GramsOf(std::shared_ptr<const ModelStructure> model,
 /// also has the effects `others`, from the best shape `start`: those a law ties to its size (Effect::implied)
 /// by going back and forth between the two, free ones by the error on strokes left out, coordinate by
 /// coordinate with Brent's method within the admissible range. Adds the shape to the model, unless it is
-/// there, and returns it. Effects without a grid (diagnosis/tone_search.h) stay as they are.
+/// there, and returns it. Effects without a grid (diagnosis/remainder/tone_search.h) stay as they are.
 EffectChoice RefineOne(ModelStructure& model, std::span<const StrokeStretches> strokes,
                        const WindowSamples& window, std::span<const EffectChoice> others,
                        const EffectChoice& start);

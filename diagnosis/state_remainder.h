@@ -12,7 +12,7 @@ struct StateRemainderOptions {
   int flips = 199;      ///< of the signs of the pieces: the share that chance reaches
   double max_p = 0.02;  ///< beyond: what is left is noise for all that can be seen
   double min_share =
-      0.03;          ///< of the error's energy: less is not worth a law (as in diagnosis/predictability.h)
+      0.03;  ///< of the error's energy: less is not worth a law (as in diagnosis/remainder/predictability.h)
   int fourier = 12;  ///< random cosines of all states and inputs together
   std::uint32_t seed = 7;
 };

@@ -11,7 +11,7 @@
 
 #include "core/constants.h"
 #include "core/interval_text.h"
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 #include "models/output_unit.h"
 #include "report/svg_rows.h"
 #include "report/svg_text.h"

@@ -8,7 +8,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "core/relative_change.h"
-#include "diagnosis/locate.h"
+#include "diagnosis/remainder/locate.h"
 #include "models/machine_kind.h"
 #include "report/svg_text.h"
 

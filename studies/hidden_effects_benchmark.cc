@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "diagnosis/effect_ranking.h"
-#include "diagnosis/experiment.h"
+#include "diagnosis/experiment/experiment.h"
 #include "diagnosis/explain.h"
-#include "diagnosis/locate.h"
-#include "diagnosis/whiteness.h"
+#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/whiteness.h"
 #include "host/output.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"

@@ -85,9 +85,9 @@ const std::vector<Reserved> kReservedWords = {
 
 /// What a machine is stands in its folder of machines/. These files still know the die cushion; none may be added.
 const std::set<std::string> kKnowTheCushion = {
-    "diagnosis/experiment.cc",
-    "diagnosis/machine_moves.cc",
-    "diagnosis/played_stroke.cc",
+    "diagnosis/experiment/experiment.cc",
+    "diagnosis/experiment/machine_moves.cc",
+    "diagnosis/experiment/played_stroke.cc",
 };
 
 /// Files that name signals, parameters or effects of built-in machines all the same, and why.
@@ -95,7 +95,7 @@ const std::map<std::string, std::string> kNameThings = {
     {"setup/column_names.cc", "what logs call the signals of hydraulic machines, whatever the machine"},
     {"models/machine.h", "signals that [valve] means where it names none"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
-    {"diagnosis/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
+    {"diagnosis/experiment/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
     {"workbench/what_to_record.cc", "what tells effects apart"},
 };
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "diagnosis/explain.h"
-#include "diagnosis/locate.h"
-#include "diagnosis/whiteness.h"
+#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/whiteness.h"
 #include "workbench/held_out_log.h"
 #include "workbench/machine_model.h"
 #include "workbench/stroke_history.h"

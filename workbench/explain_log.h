@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/experiment.h"
+#include "diagnosis/experiment/experiment.h"
+#include "diagnosis/experiment/signal_experiment.h"
 #include "diagnosis/explain.h"
-#include "diagnosis/locate.h"
-#include "diagnosis/remainder_shape.h"
-#include "diagnosis/signal_experiment.h"
+#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/remainder_shape.h"
 #include "pipeline/log_trust.h"
 #include "workbench/machine_model.h"
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 
 namespace hydroscope {
 

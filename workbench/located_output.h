@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/units.h"
-#include "diagnosis/locate.h"
+#include "diagnosis/remainder/locate.h"
 
 namespace hydroscope {
 

@@ -9,8 +9,8 @@
 #include "core/non_negative.h"
 #include "core/units.h"
 #include "diagnosis/nonlinear_scatter.h"
-#include "diagnosis/residuals.h"
-#include "diagnosis/tone_search.h"
+#include "diagnosis/remainder/residuals.h"
+#include "diagnosis/remainder/tone_search.h"
 #include "models/effect.h"
 #include "models/find_effect.h"
 

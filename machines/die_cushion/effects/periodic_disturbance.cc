@@ -11,7 +11,7 @@ namespace hydroscope::effects {
 /// A flow that swings at one frequency all through the log, Q_d sin(2 pi f t + phi), whatever the strokes do:
 /// ripple of a pump, a swinging accumulator, hum on a reading. A reading that swings looks the same: z by Q_d
 /// / (2 pi f A_A), p_A by Q_d K / (2 pi f (V_0 + A z)). Frequency and phase come from a search over tones
-/// (diagnosis/tone_search.h); no grid would hold them.
+/// (diagnosis/remainder/tone_search.h); no grid would hold them.
 Effect PeriodicDisturbance(const CushionGeometry&) {
   Effect e;
   e.id = "periodic_disturbance";

@@ -1,4 +1,4 @@
-#include "diagnosis/predictability.h"
+#include "diagnosis/remainder/predictability.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/quantile.h"
-#include "diagnosis/feature_banks.h"
+#include "diagnosis/remainder/feature_banks.h"
 
 namespace hydroscope {
 namespace {

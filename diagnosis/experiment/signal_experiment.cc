@@ -1,4 +1,4 @@
-#include "diagnosis/signal_experiment.h"
+#include "diagnosis/experiment/signal_experiment.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,8 +9,8 @@
 #include <set>
 
 #include "core/quantile.h"
-#include "diagnosis/moved_stroke.h"
-#include "diagnosis/rival_separation.h"
+#include "diagnosis/experiment/moved_stroke.h"
+#include "diagnosis/experiment/rival_separation.h"
 #include "models/expressions/check.h"
 #include "models/machine_file/table.h"
 #include "models/machine_kind.h"

@@ -1,4 +1,4 @@
-#include "diagnosis/whiteness.h"
+#include "diagnosis/remainder/whiteness.h"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>

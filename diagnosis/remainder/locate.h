@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 #include "estimation/floor_trust.h"
 
 namespace hydroscope {

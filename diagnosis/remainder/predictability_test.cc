@@ -1,4 +1,4 @@
-#include "diagnosis/predictability.h"
+#include "diagnosis/remainder/predictability.h"
 
 #include <gtest/gtest.h>
 

@@ -46,7 +46,7 @@ struct Predictability {
   double left() const { return (1 - share) * energy; }
 };
 
-/// The test for several fits of one model at once. Per bank of features (diagnosis/feature_banks.h) a ridge
+/// The test for several fits of one model at once. Per bank of features (diagnosis/remainder/feature_banks.h) a ridge
 /// regression of the residual, the model's own regressors beside it unpenalised, is fitted with each group of
 /// strokes left out in turn; the best bank and penalty count. The null flips the sign of the residual group
 /// by group, which keeps its spectrum, and takes the best bank and penalty likewise (Winkler et al. 2014,

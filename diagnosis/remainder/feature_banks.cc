@@ -1,4 +1,4 @@
-#include "diagnosis/feature_banks.h"
+#include "diagnosis/remainder/feature_banks.h"
 
 #include <algorithm>
 #include <array>

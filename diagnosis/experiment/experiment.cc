@@ -1,4 +1,4 @@
-#include "diagnosis/experiment.h"
+#include "diagnosis/experiment/experiment.h"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <memory>
 #include <tuple>
 
-#include "diagnosis/played_stroke.h"
+#include "diagnosis/experiment/played_stroke.h"
+#include "diagnosis/experiment/rival_separation.h"
 #include "diagnosis/refine.h"
-#include "diagnosis/rival_separation.h"
 #include "machines/die_cushion/balance.h"
 
 namespace hydroscope {

@@ -1,11 +1,11 @@
-#include "diagnosis/locate.h"
+#include "diagnosis/remainder/locate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "diagnosis/whiteness.h"
+#include "diagnosis/remainder/whiteness.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "diagnosis/tone_search.h"
+#include "diagnosis/remainder/tone_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnosis/locate.h"
+#include "diagnosis/remainder/locate.h"
 
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>

@@ -1,4 +1,4 @@
-#include "diagnosis/remainder_shape.h"
+#include "diagnosis/remainder/remainder_shape.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "diagnosis/machine_moves.h"
+#include "diagnosis/experiment/machine_moves.h"
 #include "models/model_structure.h"
 
 namespace hydroscope {

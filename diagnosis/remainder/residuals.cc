@@ -1,4 +1,4 @@
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnosis/machine_moves.h"
+#include "diagnosis/experiment/machine_moves.h"
 
 #include <algorithm>
 #include <cmath>

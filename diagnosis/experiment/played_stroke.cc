@@ -1,4 +1,4 @@
-#include "diagnosis/played_stroke.h"
+#include "diagnosis/experiment/played_stroke.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnosis/moved_stroke.h"
+#include "diagnosis/experiment/moved_stroke.h"
 
 #include <algorithm>
 #include <cmath>

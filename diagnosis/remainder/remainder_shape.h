@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/locate.h"
+#include "diagnosis/remainder/locate.h"
 
 namespace hydroscope {
 

@@ -1,4 +1,4 @@
-#include "diagnosis/signal_experiment.h"
+#include "diagnosis/experiment/signal_experiment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

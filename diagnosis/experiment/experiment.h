@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/experiment/machine_moves.h"
 #include "diagnosis/explain.h"
-#include "diagnosis/machine_moves.h"
 
 namespace hydroscope {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "diagnosis/residuals.h"
+#include "diagnosis/remainder/residuals.h"
 
 namespace hydroscope {
 

@@ -1,4 +1,4 @@
-#include "diagnosis/experiment.h"
+#include "diagnosis/experiment/experiment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "diagnosis/rival_separation.h"
+#include "diagnosis/experiment/rival_separation.h"
 
 #include <algorithm>
 
