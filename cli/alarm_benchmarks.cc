@@ -1,6 +1,6 @@
 // `hydroscope benchmark alarm-...`: campaigns of the alarm journal and its feeds.
 
-#include "studies/alarm_benchmarks.h"
+#include "studies/alarms/alarm_benchmarks.h"
 
 #include <CLI/CLI.hpp>
 #include <memory>

@@ -4,8 +4,10 @@
 
 #include "cli/commands.h"
 #include "studies/coverage_benchmark.h"
-#include "studies/drift_benchmark.h"
-#include "studies/drift_full_simulation.h"
+#include "studies/drift/drift_benchmark.h"
+#include "studies/drift/drift_full_simulation.h"
+#include "studies/drift/since_benchmark.h"
+#include "studies/drift/thirty_runs.h"
 #include "studies/endurance.h"
 #include "studies/example_log.h"
 #include "studies/filter_study.h"
@@ -16,9 +18,7 @@
 #include "studies/plant_logs_benchmark.h"
 #include "studies/recovery.h"
 #include "studies/seal_friction.h"
-#include "studies/since_benchmark.h"
 #include "studies/state_machines.h"
-#include "studies/thirty_runs.h"
 
 namespace hydroscope {
 namespace {

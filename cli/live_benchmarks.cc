@@ -1,6 +1,6 @@
 // `hydroscope benchmark live-...`: campaigns of the live service.
 
-#include "studies/live_benchmarks.h"
+#include "studies/live/live_benchmarks.h"
 
 #include <CLI/CLI.hpp>
 #include <memory>

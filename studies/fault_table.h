@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "studies/live_rig.h"
+#include "studies/live/live_rig.h"
 
 namespace hydroscope {
 

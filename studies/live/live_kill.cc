@@ -9,7 +9,7 @@
 #include "host/output.h"
 #include "storage/database.h"
 #include "studies/fault_table.h"
-#include "studies/live_benchmarks.h"
+#include "studies/live/live_benchmarks.h"
 
 namespace hydroscope {
 namespace {

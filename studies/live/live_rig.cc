@@ -1,4 +1,4 @@
-#include "studies/live_rig.h"
+#include "studies/live/live_rig.h"
 
 #include <fcntl.h>
 #include <sched.h>

@@ -8,7 +8,7 @@
 
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
-#include "studies/live_rig.h"
+#include "studies/live/live_rig.h"
 
 namespace hydroscope {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "alarms/feeds/dds/alarm_listener.h"
-#include "studies/campaign_broker.h"
+#include "studies/alarms/campaign_broker.h"
 
 namespace hydroscope {
 

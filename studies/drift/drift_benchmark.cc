@@ -1,4 +1,4 @@
-#include "studies/drift_benchmark.h"
+#include "studies/drift/drift_benchmark.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "host/output.h"
 #include "simulator/valve_sweep.h"
-#include "studies/drift_press.h"
+#include "studies/drift/drift_press.h"
 #include "studies/parallel.h"
 
 namespace hydroscope {

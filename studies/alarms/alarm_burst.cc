@@ -6,8 +6,8 @@
 #include "host/output.h"
 #include "live/scada_client.h"
 #include "storage/alarm_journal.h"
-#include "studies/alarm_benchmarks.h"
-#include "studies/alarm_rig.h"
+#include "studies/alarms/alarm_benchmarks.h"
+#include "studies/alarms/alarm_rig.h"
 
 namespace hydroscope {
 namespace {

@@ -7,8 +7,8 @@
 #include "host/output.h"
 #include "storage/mounted_disk.h"
 #include "studies/fault_table.h"
-#include "studies/live_benchmarks.h"
-#include "studies/write_lock.h"
+#include "studies/live/live_benchmarks.h"
+#include "studies/live/write_lock.h"
 
 namespace hydroscope {
 namespace {

@@ -7,8 +7,8 @@
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "storage/alarm_journal.h"
-#include "studies/alarm_benchmarks.h"
-#include "studies/alarm_rig.h"
+#include "studies/alarms/alarm_benchmarks.h"
+#include "studies/alarms/alarm_rig.h"
 
 namespace hydroscope {
 namespace {

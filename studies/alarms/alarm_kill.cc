@@ -9,8 +9,8 @@
 #include "host/output.h"
 #include "storage/alarm_journal.h"
 #include "storage/outbox.h"
-#include "studies/alarm_benchmarks.h"
-#include "studies/alarm_rig.h"
+#include "studies/alarms/alarm_benchmarks.h"
+#include "studies/alarms/alarm_rig.h"
 
 namespace hydroscope {
 namespace {

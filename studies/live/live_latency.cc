@@ -6,7 +6,7 @@
 #include "host/output.h"
 #include "live/live_status.h"
 #include "studies/fault_table.h"
-#include "studies/live_benchmarks.h"
+#include "studies/live/live_benchmarks.h"
 
 namespace hydroscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "studies/operator_view.h"
+#include "studies/alarms/operator_view.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "studies/alarm_rig.h"
+#include "studies/alarms/alarm_rig.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "studies/thirty_runs.h"
+#include "studies/drift/thirty_runs.h"
 
 #include <fmt/format.h>
 

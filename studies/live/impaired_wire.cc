@@ -1,4 +1,4 @@
-#include "studies/impaired_wire.h"
+#include "studies/live/impaired_wire.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -12,10 +12,10 @@
 #include "host/output.h"
 #include "simulator/dds/publisher.h"
 #include "storage/mounted_disk.h"
+#include "studies/alarms/operator_view.h"
 #include "studies/fault_table.h"
-#include "studies/live_benchmarks.h"
-#include "studies/operator_view.h"
-#include "studies/write_lock.h"
+#include "studies/live/live_benchmarks.h"
+#include "studies/live/write_lock.h"
 
 namespace hydroscope {
 namespace {

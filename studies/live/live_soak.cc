@@ -4,8 +4,8 @@
 
 #include "host/output.h"
 #include "live/live_status.h"
-#include "studies/live_benchmarks.h"
-#include "studies/live_rig.h"
+#include "studies/live/live_benchmarks.h"
+#include "studies/live/live_rig.h"
 
 namespace hydroscope {
 

@@ -1,4 +1,4 @@
-#include "studies/drift_full_simulation.h"
+#include "studies/drift/drift_full_simulation.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "core/quantile.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "host/output.h"
-#include "studies/drift_press.h"
+#include "studies/drift/drift_press.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {

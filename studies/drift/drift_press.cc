@@ -1,4 +1,4 @@
-#include "studies/drift_press.h"
+#include "studies/drift/drift_press.h"
 
 #include <array>
 #include <cmath>

@@ -2,8 +2,8 @@
 
 #include "host/output.h"
 #include "studies/fault_table.h"
-#include "studies/impaired_wire.h"
-#include "studies/live_benchmarks.h"
+#include "studies/live/impaired_wire.h"
+#include "studies/live/live_benchmarks.h"
 
 namespace hydroscope {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "alarms/feeds/dds/alarm_listener.h"
-#include "studies/campaign_broker.h"
-#include "studies/live_rig.h"
+#include "studies/alarms/campaign_broker.h"
+#include "studies/live/live_rig.h"
 
 namespace hydroscope {
 

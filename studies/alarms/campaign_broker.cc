@@ -1,4 +1,4 @@
-#include "studies/campaign_broker.h"
+#include "studies/alarms/campaign_broker.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "studies/since_benchmark.h"
+#include "studies/drift/since_benchmark.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
