@@ -17,7 +17,7 @@
 #include "pipeline/run_summary.h"
 #include "storage/database.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_history.h"
+#include "workbench/explain/explain_history.h"
 
 namespace hydroscope {
 namespace {

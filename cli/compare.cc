@@ -5,8 +5,8 @@
 #include "cli/commands.h"
 #include "host/output.h"
 #include "workbench/compare_output.h"
-#include "workbench/history_options.h"
-#include "workbench/history_output.h"
+#include "workbench/history/history_options.h"
+#include "workbench/history/history_output.h"
 #include "workbench/states_output.h"
 
 namespace hydroscope {

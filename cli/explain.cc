@@ -5,12 +5,12 @@
 #include "cli/commands.h"
 #include "host/output.h"
 #include "report/explain_report.h"
-#include "workbench/explain_output.h"
-#include "workbench/history_options.h"
-#include "workbench/history_output.h"
-#include "workbench/measured_sizes.h"
+#include "workbench/explain/explain_output.h"
+#include "workbench/history/history_options.h"
+#include "workbench/history/history_output.h"
+#include "workbench/history/stored_change.h"
+#include "workbench/model/measured_sizes.h"
 #include "workbench/states_output.h"
-#include "workbench/stored_change.h"
 
 namespace hydroscope {
 namespace {

@@ -12,7 +12,7 @@
 #include "monitor/axis_monitor.h"
 #include "monitor/learning_check.h"
 #include "storage/journal_pairing.h"
-#include "workbench/history_options.h"
+#include "workbench/history/history_options.h"
 
 namespace hydroscope {
 namespace {

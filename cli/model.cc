@@ -6,10 +6,10 @@
 
 #include "cli/commands.h"
 #include "host/output.h"
-#include "workbench/model_change.h"
-#include "workbench/model_edit.h"
-#include "workbench/model_history_output.h"
-#include "workbench/model_output.h"
+#include "workbench/model/model_change.h"
+#include "workbench/model/model_edit.h"
+#include "workbench/model/model_history_output.h"
+#include "workbench/model/model_output.h"
 
 namespace hydroscope {
 namespace {

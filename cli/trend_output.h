@@ -5,7 +5,7 @@
 
 #include "core/result.h"
 #include "storage/database.h"
-#include "workbench/block_estimates.h"
+#include "workbench/history/block_estimates.h"
 
 namespace hydroscope {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "storage/database.h"
-#include "workbench/block_estimates.h"
+#include "workbench/history/block_estimates.h"
 
 namespace hydroscope {
 

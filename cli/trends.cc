@@ -10,7 +10,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "storage/database.h"
-#include "workbench/stroke_history.h"
+#include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
 namespace {

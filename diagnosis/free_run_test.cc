@@ -6,7 +6,7 @@
 
 #include "diagnosis/remainder/residuals.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/machine_model.h"
+#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 namespace {

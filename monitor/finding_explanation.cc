@@ -7,7 +7,7 @@
 
 #include "core/interval_text.h"
 #include "models/output_unit.h"
-#include "workbench/explain_change.h"
+#include "workbench/explain/explain_change.h"
 
 namespace hydroscope {
 namespace {

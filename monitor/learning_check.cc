@@ -9,8 +9,8 @@
 
 #include "pipeline/physical_sizes.h"
 #include "pipeline/run_summary.h"
-#include "workbench/explain_history.h"
-#include "workbench/stored_change.h"
+#include "workbench/explain/explain_history.h"
+#include "workbench/history/stored_change.h"
 
 namespace hydroscope {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/alarm_records.h"
 #include "models/machine.h"
-#include "workbench/stroke_history.h"
+#include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
 
@@ -36,7 +36,7 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
                                             const HistoryPart& part, const Machine& machine);
 
 /// Looks at the strokes of `part` before they are learned: versions of the model, `alarms` of the machine, a
-/// change inside (workbench/stored_change.h) and the verdict of the explain chain on all of them. Empty:
+/// change inside (workbench/history/stored_change.h) and the verdict of the explain chain on all of them. Empty:
 /// nothing speaks against it.
 std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
                                             const HistoryPart& part, const Machine& machine,

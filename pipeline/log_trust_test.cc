@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_log.h"
-#include "workbench/explain_output.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/explain/explain_output.h"
 #include "workbench/fit_suspicion.h"
 
 namespace hydroscope {

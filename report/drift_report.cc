@@ -11,7 +11,7 @@
 #include "report/report_parameters.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
-#include "workbench/stored_change.h"
+#include "workbench/history/stored_change.h"
 
 namespace hydroscope {
 namespace {

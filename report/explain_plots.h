@@ -5,7 +5,7 @@
 
 #include "models/model_history.h"
 #include "report/report.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 

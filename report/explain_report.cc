@@ -15,7 +15,7 @@
 #include "report/report_page.h"
 #include "report/report_plots.h"
 #include "report/svg_text.h"
-#include "workbench/what_to_record.h"
+#include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "models/machine.h"
 #include "storage/database.h"
-#include "workbench/block_estimates.h"
+#include "workbench/history/block_estimates.h"
 
 namespace hydroscope {
 

@@ -9,8 +9,8 @@
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "workbench/explain/headline.h"
 #include "workbench/fit_output.h"
-#include "workbench/headline.h"
 
 namespace hydroscope {
 namespace {

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "models/machine_kind.h"
-#include "workbench/headline.h"
-#include "workbench/model_record.h"
+#include "workbench/explain/headline.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {

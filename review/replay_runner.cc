@@ -19,7 +19,7 @@
 #include "report/explain_report.h"
 #include "report/stroke_overlays.h"
 #include "review/replay_report.h"
-#include "workbench/model_edit.h"
+#include "workbench/model/model_edit.h"
 
 namespace hydroscope {
 namespace {

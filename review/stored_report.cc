@@ -9,10 +9,10 @@
 #include "report/explain_report.h"
 #include "report/report.h"
 #include "review/replay_report.h"
-#include "workbench/explain_history.h"
-#include "workbench/history_output.h"
-#include "workbench/stored_change.h"
-#include "workbench/stroke_history.h"
+#include "workbench/explain/explain_history.h"
+#include "workbench/history/history_output.h"
+#include "workbench/history/stored_change.h"
+#include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "models/machine_kind.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 namespace {

@@ -15,7 +15,7 @@
 #include "studies/parallel.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 #include "workbench/fit_suspicion.h"
 
 namespace hydroscope {

@@ -14,8 +14,8 @@
 #include "simulator/effects.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_log.h"
-#include "workbench/machine_model.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 namespace {

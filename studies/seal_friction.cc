@@ -13,7 +13,7 @@
 
 #include "core/constants.h"
 #include "host/output.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 namespace {

@@ -12,7 +12,7 @@
 #include "simulator/press.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 namespace {

@@ -69,7 +69,7 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<mqtt/", {"alarms/feeds/sparkplug/"}},
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
-    {"<CLI/", {"cli/", "workbench/history_options", "live/", "host/"}},
+    {"<CLI/", {"cli/", "workbench/history/history_options", "live/", "host/"}},
 };
 const std::vector<Reserved> kReservedWords = {
     {"steady_clock", {"host/", "live/", "studies/", "cli/"}},
@@ -96,7 +96,7 @@ const std::map<std::string, std::string> kNameThings = {
     {"models/machine.h", "signals that [valve] means where it names none"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
     {"diagnosis/experiment/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
-    {"workbench/what_to_record.cc", "what tells effects apart"},
+    {"workbench/explain/what_to_record.cc", "what tells effects apart"},
 };
 
 /// Names of signals, geometry, parameters and effects of all kinds of machines; of one letter none, which are units too.

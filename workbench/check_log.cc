@@ -13,7 +13,7 @@
 #include "replay/log_reader.h"
 #include "workbench/fit_log.h"
 #include "workbench/identifiability.h"
-#include "workbench/machine_model.h"
+#include "workbench/model/machine_model.h"
 #include "workbench/plausibility.h"
 #include "workbench/states_log.h"
 

@@ -10,10 +10,10 @@
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "workbench/explain/headline.h"
 #include "workbench/fit_output.h"
-#include "workbench/headline.h"
 #include "workbench/identifiability.h"
-#include "workbench/model_record.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "diagnosis/free_run.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 namespace {

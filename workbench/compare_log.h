@@ -8,8 +8,8 @@
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/whiteness.h"
 #include "workbench/held_out_log.h"
-#include "workbench/machine_model.h"
-#include "workbench/stroke_history.h"
+#include "workbench/history/stroke_history.h"
+#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 

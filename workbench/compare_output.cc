@@ -9,10 +9,10 @@
 
 #include "core/non_negative.h"
 #include "models/output_unit.h"
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/explain/headline.h"
+#include "workbench/explain/located_output.h"
 #include "workbench/fit_output.h"
-#include "workbench/headline.h"
-#include "workbench/located_output.h"
 
 namespace hydroscope {
 namespace {

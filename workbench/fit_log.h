@@ -6,10 +6,10 @@
 
 #include "core/result.h"
 #include "pipeline/geometry_tolerance.h"
-#include "workbench/confounding.h"
+#include "workbench/explain/confounding.h"
 #include "workbench/fit_suspicion.h"
 #include "workbench/held_out_log.h"
-#include "workbench/machine_model.h"
+#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 

@@ -9,8 +9,8 @@
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/output_unit.h"
-#include "workbench/headline.h"
-#include "workbench/model_record.h"
+#include "workbench/explain/headline.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "workbench/explain_log.h"
+#include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
 

@@ -6,7 +6,7 @@
 
 #include "core/result.h"
 #include "core/units.h"
-#include "workbench/machine_model.h"
+#include "workbench/model/machine_model.h"
 
 namespace hydroscope {
 

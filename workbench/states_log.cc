@@ -10,7 +10,7 @@
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
-#include "workbench/model_record.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/constants.h"
 #include "core/effect_units.h"
 #include "workbench/fit_output.h"
-#include "workbench/model_record.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {

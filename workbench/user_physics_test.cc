@@ -8,8 +8,8 @@
 #include "simulator/press.h"
 #include "studies/seal_friction.h"
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_log.h"
-#include "workbench/own_machine_fixture.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/explain/own_machine_fixture.h"
 
 namespace hydroscope {
 namespace {

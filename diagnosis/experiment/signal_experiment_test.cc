@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "studies/simulated_strokes.h"
-#include "workbench/explain_output.h"
-#include "workbench/own_machine_fixture.h"
-#include "workbench/what_to_record.h"
+#include "workbench/explain/explain_output.h"
+#include "workbench/explain/own_machine_fixture.h"
+#include "workbench/explain/what_to_record.h"
 
 namespace hydroscope {
 namespace {

@@ -14,8 +14,8 @@
 #include "simulator/press.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_replay.h"
-#include "workbench/explain_change.h"
-#include "workbench/history_options.h"
+#include "workbench/explain/explain_change.h"
+#include "workbench/history/history_options.h"
 
 namespace hydroscope {
 namespace {

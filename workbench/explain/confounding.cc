@@ -1,0 +1,85 @@
+#include "workbench/explain/confounding.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/effect_units.h"
+#include "core/units.h"
+#include "diagnosis/hidden_bias.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kMostStrokesConfounded = 400;
+constexpr std::size_t kFewestStrokes = 3;  ///< below them intervals say nothing, and so does this
+
+std::vector<StrokeGram> EvenlySpread(std::span<const StrokeGram> grams) {
+  const std::size_t step = (grams.size() + kMostStrokesConfounded - 1) / kMostStrokesConfounded;
+  std::vector<StrokeGram> out;
+  for (std::size_t k = 0; k < grams.size(); k += std::max<std::size_t>(1, step)) out.push_back(grams[k]);
+  return out;
+}
+
+std::string ReasonFor(const Confounding& c, const Effect& effect, const Estimate& parameter) {
+  const EffectUnit size = EffectUnitFor(effect.unit);
+  const DisplayUnit unit = DisplayUnitFor(parameter.unit);
+  return fmt::format(
+      "confounded with {}: {} of a usual size ({:.2g} {}) would move it by {:+.2g} {} without being seen",
+      fmt::join(c.effects, ", "), effect.id, effect.typical * size.factor, size.name, c.bias * unit.factor,
+      unit.name == "1" ? "" : unit.name);
+}
+
+}  // namespace
+
+std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<const ModelStructure> model,
+                                        std::span<const StrokeGram> grams, const WindowSamples& window,
+                                        std::span<const ConditionRange> ranges, const GramFit& figures) {
+  std::vector<Confounding> out;
+  if (grams.size() < kFewestStrokes) return out;
+  const StrokeSet strokes(model, EvenlySpread(grams), window);
+  std::vector<EffectChoice> choices;
+  for (int e = 0; e < static_cast<int>(model->effects.size()); ++e) {
+    const auto& added = machine.added_effects;
+    if (std::find(added.begin(), added.end(), model->effects[e]->id) == added.end()) continue;
+    const EffectChoice best = strokes.BestShape(e, choices);
+    if (best.shape >= 0) choices.push_back(best);
+  }
+  const ExtendedFit fit = strokes.Fit(choices);
+  if (!fit.solved) return out;
+  for (const HiddenBias& bias : ConfoundedBiases(strokes, fit, figures.parameters)) {
+    const Estimate& parameter = figures.parameters[static_cast<std::size_t>(bias.parameter)];
+    const std::string& id = model->effects[bias.effect]->id;
+    if (out.empty() || out.back().parameter != parameter.parameter)
+      out.push_back({parameter.parameter, id, {}, bias.bias, "", ""});
+    out.back().effects.push_back(id);
+  }
+  for (Confounding& c : out) {
+    const auto is = [&](const Estimate& e) { return e.parameter == c.parameter; };
+    const Estimate& parameter = *std::find_if(figures.parameters.begin(), figures.parameters.end(), is);
+    for (const auto& effect : model->effects)
+      if (effect->id == c.effect) c.reason = ReasonFor(c, *effect, parameter);
+    c.advice =
+        fmt::format("record strokes that differ more in {}, with holds between them", model->words.vary);
+    for (const ConditionRange& range : ranges)
+      if (!range.condition.hides.empty() && !range.varies())
+        c.advice = fmt::format("vary {} between strokes", range.condition.vary);
+  }
+  return out;
+}
+
+void MarkConfounded(const std::vector<Confounding>& confounded, GramFit& figures) {
+  for (Estimate& e : figures.parameters)
+    if (e.reason == EstimateReason::kUpdated && FindConfounding(confounded, e.parameter) != nullptr)
+      e.reason = EstimateReason::kConfounded;
+}
+
+const Confounding* FindConfounding(const std::vector<Confounding>& confounded, const std::string& parameter) {
+  for (const Confounding& c : confounded)
+    if (c.parameter == parameter) return &c;
+  return nullptr;
+}
+
+}  // namespace hydroscope

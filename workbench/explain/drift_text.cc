@@ -1,0 +1,42 @@
+#include "workbench/explain/drift_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/effect_units.h"
+
+namespace hydroscope {
+namespace {
+
+/// s from the first to the last sample explained.
+double SecondsOf(const ExplainResult& result) {
+  double first = INFINITY, last = -INFINITY;
+  for (const StrokeStretches& stroke : result.log.stretches)
+    for (const Stretch& s : stroke) {
+      first = std::min(first, s.begin);
+      last = std::max(last, s.begin + s.samples * s.period);
+    }
+  return std::max(0.0, last - first);
+}
+
+}  // namespace
+
+std::string DriftText(const ExplainResult& result, const EffectEstimate& estimate) {
+  const Effect& effect = result.effect(estimate.choice.effect);
+  const double seconds = SecondsOf(result), of_rate = estimate.size * seconds;
+  const double change =
+      effect.drifting == "K" ? of_rate / std::max(1e-3, 1 - of_rate) : of_rate;  // 1/K falls
+  if (effect.drifting.empty() || seconds <= 0) return "";
+  const char* moved = change < 0 ? "fell" : "rose";
+  if (!effect.drifts_by.empty()) {
+    const EffectUnit unit = EffectUnitFor(effect.drifts_by);
+    return fmt::format("{} {} by {:.2g}{} during this log ({:.0f} s)", effect.drifting, moved,
+                       std::abs(change) * unit.factor, unit.name == "-" ? "" : " " + unit.name, seconds);
+  }
+  return fmt::format("{} {} by {:.2g} % during this log ({:.0f} s)", effect.drifting, moved,
+                     100 * std::abs(change), seconds);
+}
+
+}  // namespace hydroscope

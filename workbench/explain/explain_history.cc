@@ -1,0 +1,117 @@
+#include "workbench/explain/explain_history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/interpolated_shapes.h"
+#include "diagnosis/shape_freedom.h"
+#include "diagnosis/testability.h"
+#include "models/find_effect.h"
+#include "workbench/explain/headline.h"
+#include "workbench/model/machine_model.h"
+
+namespace hydroscope {
+namespace {
+
+/// Equations up to which the thresholds of ExplainOptions hold as they are: a log of some minutes.
+constexpr double kEquationsOfALog = 2000.0;
+/// Effects of the ranking whose nonlinear parameters are looked at between the grid values.
+constexpr std::size_t kRefined = 5;
+
+/// Shapes between the grid values for the effects that matter.
+std::shared_ptr<const ModelStructure> Refined(const Explanation& x) {
+  auto model = std::make_shared<ModelStructure>(*x.model);
+  std::vector<int> effects;
+  for (const EffectChoice& choice : x.chosen) effects.push_back(choice.effect);
+  for (const auto* ranking : {&x.ranking, &x.second})
+    for (std::size_t k = 0; k < std::min(kRefined, ranking->size()); ++k)
+      effects.push_back((*ranking)[k].effect);
+  std::sort(effects.begin(), effects.end());
+  effects.erase(std::unique(effects.begin(), effects.end()), effects.end());
+  for (const int effect : effects) AddInterpolatedShapes(*model, effect);
+  return model;
+}
+
+/// Explains without effects that rest on the shape of another one.
+Explanation ExplainRefined(const StrokeSet& strokes, ExplainOptions options) {
+  for (;;) {
+    Explanation out = Explain(strokes, options);
+    const std::vector<std::string> resting = EffectsOfShapes(strokes, out, options);
+    if (resting.empty()) return out;
+    options.exclude.insert(options.exclude.end(), resting.begin(), resting.end());
+  }
+}
+
+}  // namespace
+
+ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
+  const double times = std::max(1.0, equations / kEquationsOfALog);
+  options.min_gain *= times;
+  options.max_remainder *= times;
+  options.doubt_remainder *= times;
+  options.doubt_margin *= times;
+  options.rival_gain *= times;
+  options.sure_gain *= times;
+  return options;
+}
+
+namespace {
+
+/// Effects whose law lives on a temperature that hardly moved.
+void AddUntestable(const StrokeHistory& history, std::map<std::string, std::string>& untestable) {
+  std::vector<double> oil;
+  for (const StrokeSummary& summary : history.sample)
+    if (std::isfinite(summary.oil_temperature)) oil.push_back(summary.oil_temperature);
+  for (const auto& effect : history.model->effects) {
+    if (!effect->least_span || effect->least_span->channel != history.model->temperature_channel) continue;
+    const std::string why = WhyUntestable(*effect, oil);
+    if (!why.empty()) untestable.emplace(effect->id, why);
+  }
+}
+
+}  // namespace
+
+Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& asked) {
+  ExplainOptions options = asked;
+  AddUntestable(history, options.untestable);
+  if (history.units.size() < kMinExplainStrokes)
+    return BadInput(
+        "{}: {} strokes in the chosen part of the history, expected at least {}: "
+        "the error is judged on strokes left out",
+        history.database, history.units.size(), kMinExplainStrokes);
+  for (const std::string& id : options.start)
+    if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());
+  ExplainResult out;
+  out.explanation = Explain(StrokeSet(history.model, history.units, history.window), options);
+  if (out.explanation.base.solved &&
+      (out.explanation.verdict != Verdict::kAdequate || !options.start.empty()))
+    out.explanation =
+        ExplainRefined(StrokeSet(Refined(out.explanation), history.units, history.window), options);
+  if (!out.explanation.base.solved)
+    return BadInput(
+        "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
+        "--to, or record strokes that differ in {}",
+        history.database, history.model->words.vary);
+  out.log.machine = history.machine;
+  out.log.machine.added_effects = options.start;
+  out.log.model = history.model;
+  out.log.window = history.window;
+  for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
+  out.strokes = static_cast<std::size_t>(history.strokes());
+  out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
+  RefuseVerdict(history.too_slow.empty() ? ImpossibleFigures(out.base) : history.too_slow, out.explanation);
+  out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
+  for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))
+    out.unmeasured.push_back(std::move(effect));
+  return out;
+}
+
+Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
+  ExplainOptions own = OptionsForEquations(options, history.equations());
+  own.start = history.machine.added_effects;
+  return ExplainUnits(history, own);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "workbench/explain/explain_log.h"
+#include "workbench/history/stroke_history.h"
+
+namespace hydroscope {
+
+/// Options for so many equations: evidence that the model's own small errors, which no number of strokes
+/// averages out, give to a wrong effect grows with the number of equations, so the evidence asked for grows
+/// alike.
+ExplainOptions OptionsForEquations(ExplainOptions options, double equations);
+
+/// Finds what the model in force misses on stored strokes. Nonlinear parameters come from the grid of the
+/// library, interpolated. `location` stays empty: that needs samples. Errors: fewer than kMinExplainStrokes
+/// units, an effect of the machine that is not in the library, or strokes that do not excite the model.
+/// ExplainOptions::start is taken from the machine.
+Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options = {});
+
+/// The same with `options` as they are: start, thresholds and all.
+Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& options);
+
+}  // namespace hydroscope

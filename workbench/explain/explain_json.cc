@@ -1,0 +1,244 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "models/output_unit.h"
+#include "workbench/explain/drift_text.h"
+#include "workbench/explain/explain_output.h"
+#include "workbench/explain/located_output.h"
+#include "workbench/explain/relative_text.h"
+#include "workbench/explain/what_to_record.h"
+#include "workbench/fit_output.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr int kExplainSchema = 2;  ///< 2: `schema` and `warnings`
+
+double Factor(const ExplainResult& result) { return OutputUnit(result.explanation.model.get()).factor; }
+
+nlohmann::json EffectParameters(const Effect& effect, const EffectEstimate& estimate,
+                                const std::vector<double>& nonlinear) {
+  nlohmann::json out = {
+      {effect.parameter, {{"value", estimate.size}, {"std", estimate.std}, {"unit", effect.unit}}}};
+  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i)
+    out[effect.nonlinear[i].name] = {
+        {"value", nonlinear[i]},
+        {"std",
+         i < estimate.nonlinear_std.size() ? nlohmann::json(estimate.nonlinear_std[i]) : nlohmann::json()},
+        {"unit", effect.nonlinear[i].unit}};
+  return out;
+}
+
+nlohmann::json RankedJson(const ExplainResult& result, const RankedEffect& ranked) {
+  nlohmann::json out = {
+      {"effect", ranked.id},
+      {"rms_holdout", nullptr},
+      {"p_value", ranked.p_value},
+      {"testable", ranked.testable},
+      {"parameters", nlohmann::json::object()},
+      {"why_not", ranked.why_not.empty() ? nlohmann::json() : nlohmann::json(ranked.why_not)},
+      {"gain", ranked.gain},
+      {"significant", ranked.significant}};
+  if (!ranked.fit.solved) return out;
+  out["rms_holdout"] = ranked.fit.rms_holdout * Factor(result);
+  out["parameters"] =
+      EffectParameters(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear);
+  return out;
+}
+
+nlohmann::json RankingJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const RankedEffect& ranked : result.explanation.ranking) out.push_back(RankedJson(result, ranked));
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+    out.push_back({{"effect", unmeasured.effect->id},
+                   {"rms_holdout", nullptr},
+                   {"p_value", 1.0},
+                   {"testable", false},
+                   {"parameters", nlohmann::json::object()},
+                   {"why_not", WhyUnmeasured(unmeasured)},
+                   {"gain", 0.0},
+                   {"significant", false}});
+  return out;
+}
+
+nlohmann::json StepsJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const ExplainStep& step : result.explanation.steps)
+    out.push_back({{"added", step.added.empty() ? nlohmann::json() : nlohmann::json(step.added)},
+                   {"rms_holdout", step.rms_holdout * Factor(result)},
+                   {"excess_ratio", step.excess_ratio}});
+  return out;
+}
+
+nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) {
+  nlohmann::json effects = nlohmann::json::object();
+  for (const EffectEstimate& estimate : fit.effects) {
+    const Effect& effect = result.effect(estimate.choice.effect);
+    effects[effect.id] = EffectParameters(effect, estimate, result.NonlinearOf(estimate.choice));
+  }
+  return effects;
+}
+
+/// In words, what moved during the log.
+nlohmann::json DriftsJson(const ExplainResult& result, const ExtendedFit& fit) {
+  nlohmann::json drifts = nlohmann::json::object();
+  for (const EffectEstimate& estimate : fit.effects)
+    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+      drifts[result.effect(estimate.choice.effect).id] = drift;
+  return drifts;
+}
+
+nlohmann::json FinalJson(const ExplainResult& result) {
+  const ExtendedFit& fit = result.explanation.final;
+  return {{"rms_holdout", fit.rms_holdout * Factor(result)},
+          {"excess_ratio", fit.excess_ratio},
+          {"parameters",
+           ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
+          {"effects", EffectsJson(result, fit)},
+          {"drifts", DriftsJson(result, fit)}};
+}
+
+nlohmann::json SwapJson(const ExplainResult& result) {
+  const std::optional<EffectSwap>& swap = result.explanation.swap;
+  if (!swap) return nullptr;
+  return {{"out", swap->out},
+          {"in", swap->in},
+          {"rms_holdout_before", swap->rms_before * Factor(result)},
+          {"rms_holdout_after", swap->rms_after * Factor(result)}};
+}
+
+nlohmann::json IntervalUnitJson(const StrokeClusters& clusters) {
+  return {{"unit", ClusterUnitName(clusters.unit)}, {"count", clusters.count}};
+}
+
+nlohmann::json RemainderJson(const ExplainResult& result) {
+  const std::optional<RemainderShape>& shape = result.remainder;
+  if (!shape) return nullptr;
+  nlohmann::json points = nlohmann::json::array();
+  for (const ShapePoint& point : shape->points)
+    points.push_back(
+        {{"x", point.x}, {"value", point.value * Factor(result)}, {"std", point.std * Factor(result)}});
+  return {
+      {"signal", shape->signal}, {"unit", shape->unit}, {"explained", shape->explained}, {"points", points}};
+}
+
+nlohmann::json PlanJson(const Experiment& experiment) {
+  if (experiment.pressures.empty()) return nullptr;
+  return {{"strokes", experiment.strokes},
+          {"speeds", experiment.speeds},
+          {"speed_unit", "m/s"},
+          {"pressures", experiment.pressures},
+          {"pressure_unit", "Pa"},
+          {"rod_pressures", experiment.rod},
+          {"warm_up", experiment.warm_up},
+          {"seconds", experiment.seconds},
+          {"separation", experiment.separation},
+          {"left", experiment.left}};
+}
+
+/// The same of a machine of the user's own.
+nlohmann::json PlanJson(const SignalExperiment& experiment) {
+  if (experiment.strokes == 0) return nullptr;
+  nlohmann::json signals = nlohmann::json::array();
+  for (const SignalLevels& s : experiment.signals) {
+    nlohmann::json levels = nlohmann::json::array();
+    for (const auto& [low, high] : s.levels) levels.push_back({low, high});
+    signals.push_back({{"signal", s.signal}, {"speed", s.speed}, {"levels", levels}});
+  }
+  return {{"strokes", experiment.strokes},
+          {"signals", signals},
+          {"seconds", experiment.seconds},
+          {"separation", experiment.separation},
+          {"separation_now", experiment.separation_now}};
+}
+
+nlohmann::json OddStrokesJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const OddStrokes& odd : result.explanation.odd_strokes) {
+    nlohmann::json strokes = nlohmann::json::array(), begin = nlohmann::json::array();
+    for (const std::size_t s : odd.strokes) {
+      strokes.push_back(result.log.strokes[s].summary.index);
+      begin.push_back(result.log.strokes[s].summary.begin);
+    }
+    out.push_back({{"strokes", strokes}, {"begin_s", begin}, {"set", odd.set}});
+  }
+  return out;
+}
+
+/// With `unknown`: effects that lower the error, though not to the floor.
+std::vector<std::string> NearestEffects(const Explanation& x) {
+  std::vector<std::string> ids;
+  for (std::size_t k = 1; x.verdict == Verdict::kUnknown && x.partial && k < x.steps.size(); ++k)
+    ids.push_back(x.steps[k].added);
+  return ids;
+}
+
+/// What is sure of effects that are not proven.
+nlohmann::json RelativesJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Relative& relative : RelativesOf(result))
+    out.push_back({{"effect", relative.id}, {"sentence", relative.sentence}});
+  return out;
+}
+
+/// Sizes that tests off the log gave.
+nlohmann::json MeasuredJson(const ExplainResult& result) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [id, known] : result.explanation.measured)
+    if (const Effect* effect = result.FindEffect(id))
+      out[id] = {{"value", known.size}, {"std", known.std}, {"unit", effect->unit}};
+  return out;
+}
+
+/// What could be predicted of an error on strokes left out.
+nlohmann::json PredictableJson(const Predictability& left) {
+  if (!left.tested) return nullptr;
+  return {{"share", left.share},
+          {"p_value", left.p_value},
+          {"null_share", left.null_share},
+          {"about", left.about}};
+}
+
+}  // namespace
+
+nlohmann::json ExplainJson(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const std::optional<std::string> experiment = WhatToRecord(result);
+  return {{"schema", kExplainSchema},
+          {"verdict", VerdictName(x.verdict)},
+          {"set", x.set},
+          {"groups", x.groups},
+          {"partial", x.partial},
+          {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt)},
+          {"warnings", x.warnings},
+          {"noise", NoiseJson(result.trust.floor)},
+          {"sampling", SamplingJson(result.trust.rate, result.log.model.get())},
+          {"noise_floor", x.final.noise_floor * Factor(result)},
+          {"strokes", result.strokes},
+          {"strokes_in_log", result.log.strokes.size()},
+          {"unit", OutputUnit(x.model.get()).name},
+          {"base",
+           {{"rms_holdout", result.base.rms_holdout * Factor(result)},
+            {"noise_floor", result.base.noise_floor * Factor(result)},
+            {"excess_ratio", x.base.excess_ratio},
+            {"parameters", ParametersJson(result.base.parameters)},
+            {"effects", EffectsJson(result, x.base)}}},
+          {"ranking", RankingJson(result)},
+          {"nearest", NearestEffects(x)},
+          {"relatives", RelativesJson(result)},
+          {"measured", MeasuredJson(result)},
+          {"odd_strokes", OddStrokesJson(result)},
+          {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
+          {"noise_scale", x.noise_scale},
+          {"steps", StepsJson(result)},
+          {"swap", SwapJson(result)},
+          {"interval_units", IntervalUnitJson(x.final.clusters)},
+          {"final", FinalJson(result)},
+          {"located", LocatedJson(result.location.located, Factor(result))},
+          {"remainder", RemainderJson(result)},
+          {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()},
+          {"experiment_plan", result.signal_experiment.inputs.empty() ? PlanJson(result.experiment)
+                                                                      : PlanJson(result.signal_experiment)}};
+}
+
+}  // namespace hydroscope

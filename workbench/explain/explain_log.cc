@@ -1,0 +1,198 @@
+#include "workbench/explain/explain_log.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/machine_kind.h"
+#include "workbench/explain/headline.h"
+
+namespace hydroscope {
+std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model) {
+  std::vector<UnmeasuredEffect> out;
+  const MachineKind& kind = KindOf(machine);
+  if (kind.effects == nullptr) return out;
+  for (auto& effect : kind.effects(machine)) {
+    UnmeasuredEffect entry{effect, {}};
+    for (int channel : effect->channels)
+      if (model.channel_source[channel] < 0) entry.missing.push_back(model.channel_names[channel]);
+    if (!entry.missing.empty()) out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model) {
+  std::vector<UnmeasuredEffect> out;
+  for (const auto& effect : model.sample_effects) {
+    const auto same = [&](const auto& other) { return other->id == effect->id; };
+    const bool measured = std::all_of(effect->channels.begin(), effect->channels.end(),
+                                      [&](int channel) { return model.channel_source[channel] >= 0; });
+    if (measured && std::none_of(model.effects.begin(), model.effects.end(), same))
+      out.push_back({effect, {}});
+  }
+  return out;
+}
+
+namespace {
+
+/// PredictabilityOptions::min_share: less counts as nothing.
+constexpr double kLeastSeen = PredictabilityOptions{}.min_share;
+
+/// Fits the model of the machine file; `model` then has the shapes of its effects.
+Status TakeModelAsItIs(std::shared_ptr<const ModelStructure>& model, ExplainResult& result) {
+  if (result.log.machine.added_effects.empty()) {
+    auto figures = FitFigures(result.log);
+    if (!figures) return tl::unexpected(figures.error());
+    result.base = std::move(*figures);
+    return {};
+  }
+  auto fitted = FitMachineModel(result.log);
+  if (!fitted) return tl::unexpected(fitted.error());
+  model = fitted->structure;
+  result.base = std::move(fitted->figures);
+  return {};
+}
+
+/// A balance of the user's own rarely describes a machine down to the sensor noise, and its library holds
+/// what its user thought of. So an explanation that takes four fifths of the model error away names its
+/// effects; what is left is said.
+constexpr double kOwnBalanceLeft = 0.2;
+
+void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
+  const bool at_floor =
+      x.final.excess_ratio <= options.floor_excess + options.left_share * std::max(0.0, x.base.excess_ratio);
+  if (x.set.empty() || at_floor || x.partial) return;
+  x.partial = true;
+  x.doubt = fmt::format("of the model error's energy {:.1f} % is left, more than sensor noise",
+                        100 * x.final.excess_ratio / x.base.excess_ratio);
+}
+
+}  // namespace
+
+void RefuseVerdict(const std::string& why, Explanation& x) {
+  if (why.empty()) return;
+  x.warnings.insert(x.warnings.begin(), why);
+  x.no_verdict = why;
+  x.verdict = Verdict::kUnknown;
+  x.set.clear();
+  x.groups.clear();
+  x.odd_strokes.clear();
+  x.partial = false;
+  x.doubt.clear();
+}
+
+namespace {
+
+/// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
+void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
+  x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
+  if (trust.stated)
+    x.warnings.emplace_back("the noise floor is taken from the noise that the machine file states");
+  else if (!trust.believable && x.final_left.tested)
+    x.warnings.push_back(fmt::format(
+        "the noise floor is taken from what no function of the signals predicts; a law that explains "
+        "less than {:.0f} % of the error left would not be seen",
+        std::ceil(100 * std::max(x.final_left.null_share, kLeastSeen))));
+}
+
+}  // namespace
+
+std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
+  if (unmeasured.missing.empty()) return "it is tried on a log only: stored strokes keep no columns of it";
+  return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
+}
+
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
+                           GramFit& figures, const ExplainOptions& options) {
+  const bool own_balance = model->kind->own_library;
+  JudgedModel out;
+  out.trust = JudgeLog(log, figures.theta, figures.noise_floor);
+  const FloorTrust& floor = out.trust.floor;
+  ExplainOptions as_is = options;
+  as_is.start = log.machine.added_effects;
+  if (own_balance) as_is.left_share = std::max(as_is.left_share, kOwnBalanceLeft);
+  as_is.floor_believable = floor.believable || floor.stated;
+  if (floor.stated) as_is.noise_scale = floor.noise_scale;
+  out.explanation = ExplainSamples(std::move(model), log.stretches, log.window, as_is);
+  const Explanation& x = out.explanation;
+  if (!x.base.solved) return out;
+  WarnOfFloor(floor, out.explanation);
+  if (own_balance) DoubtWhatIsLeft(options, out.explanation);
+  // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
+  if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
+  if (!floor.believable) figures.noise_floor = x.base.noise_floor;
+  // Rows too far apart: what they miss looks like an effect, or hides one.
+  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
+                out.explanation);
+  return out;
+}
+
+Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options) {
+  ExplainResult out;
+  out.log = std::move(strokes);
+  out.strokes = out.log.stretches.size();
+  if (out.strokes < kMinExplainStrokes)
+    return BadInput(
+        "{} strokes inside the gate, expected at least {}: the error is judged on strokes left out. Record "
+        "longer, or see "
+        "what the gate lets through with 'hydroscope check'",
+        out.strokes, kMinExplainStrokes);
+  std::shared_ptr<const ModelStructure> model = out.log.model;
+  if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
+  JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
+  out.explanation = std::move(judged.explanation);
+  out.trust = std::move(judged.trust);
+  const FloorTrust& trust = out.trust.floor;
+  if (!out.explanation.base.solved)
+    return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
+                    model->words.vary);
+  out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
+  const auto residuals_of = [&](const ExtendedFit& fit) {
+    Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
+                                      ColumnWeights(*out.explanation.model, fit));
+    if (!trust.believable) ScaleNoise(fit.noise_floor, residuals);
+    return residuals;
+  };
+  Residuals residuals = residuals_of(out.explanation.base);
+  out.location = Locate(residuals);
+  out.signals = std::move(residuals.signals);
+  if (out.explanation.verdict == Verdict::kUnknown)
+    out.remainder = ShapeOfRemainder(residuals_of(out.explanation.final));
+  if (out.explanation.verdict != Verdict::kAmbiguous) return out;
+  if (model->kind->own_library)
+    out.signal_experiment =
+        ProposeSignalExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
+  else
+    out.experiment = ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches),
+                                       out.log.stretches, out.log.window);
+  return out;
+}
+
+const Effect* ExplainResult::FindEffect(const std::string& id) const {
+  for (const auto& effect : explanation.model->effects)
+    if (effect->id == id) return effect.get();
+  return nullptr;
+}
+
+Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
+                                 const ExplainOptions& options) {
+  return ExplainLogs({log}, machine_file, options);
+}
+
+Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const ExplainOptions& options) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  auto strokes = ReadStrokes(logs, *machine, KeepSamples::kYes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  auto out = ExplainStrokes(std::move(*strokes), options);
+  if (!out)
+    return tl::unexpected(
+        Error{out.error().kind, fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text)});
+  out->target = "--machine " + machine_file;
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/experiment/experiment.h"
+#include "diagnosis/experiment/signal_experiment.h"
+#include "diagnosis/explain.h"
+#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/remainder_shape.h"
+#include "pipeline/log_trust.h"
+#include "workbench/model/machine_model.h"
+
+namespace hydroscope {
+
+/// An effect of the library that needs a signal the machine does not measure.
+struct UnmeasuredEffect {
+  std::shared_ptr<const Effect> effect;
+  std::vector<std::string> missing;  ///< signals it needs; none: it needs samples, not stored strokes
+};
+
+/// "signal p_B is not in the machine file".
+std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured);
+
+/// Effects of the library that cannot be tried for want of a signal.
+std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model);
+/// Effects of the library whose columns stored strokes do not have (Effect::needs_samples).
+std::vector<UnmeasuredEffect> NotStoredEffects(const ModelStructure& model);
+
+/// Everything `hydroscope explain` knows of one log.
+struct ExplainResult {
+  std::string target;     ///< how the command line names the machine: "--machine press.toml"
+  std::string described;  ///< which strokes these are, a line; "" = all of the log
+  LogStrokes log;
+  std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
+  GramFit base;             ///< MachineModel::figures: the model as it is, of the same strokes
+  LogTrust trust;           ///< of the samples; where rows are too far apart there is no verdict
+  Explanation explanation;
+  std::vector<UnmeasuredEffect> unmeasured;
+  ErrorLocation location;                   ///< of the error of the model as it is
+  std::vector<ResidualSignal> signals;      ///< that the maps of `location` name
+  std::optional<RemainderShape> remainder;  ///< verdict unknown: what Explanation::final leaves
+  Experiment experiment;                    ///< verdict ambiguous: what would tell the rivals apart ...
+  SignalExperiment signal_experiment;       ///< ... on a machine of the user's own
+
+  const Effect& effect(int index) const {
+    return *explanation.model->effects[static_cast<std::size_t>(index)];
+  }
+  /// nullptr if the library has no effect of this name.
+  const Effect* FindEffect(const std::string& id) const;
+  /// Nonlinear parameters of an effect of the explanation, SI.
+  const std::vector<double>& NonlinearOf(const EffectChoice& choice) const {
+    return explanation.model->effect_shapes[choice.effect][choice.shape].nonlinear;
+  }
+};
+
+/// What `explain` and `compare` alike find on kept strokes.
+struct JudgedModel {
+  Explanation explanation;
+  LogTrust trust;
+};
+
+/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and
+/// `figures` MachineModel::figures: these come back without the strokes that differ from the rest, and with
+/// the noise floor that the verdict rests on. `base.solved` is false if the strokes cannot separate its
+/// parameters.
+JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
+                           GramFit& figures, const ExplainOptions& options = {});
+
+/// Takes the verdict away from strokes that carry none: unknown, `why` (a sentence) before all warnings. "" =
+/// it stands.
+void RefuseVerdict(const std::string& why, Explanation& explanation);
+
+/// Strokes below which held-out errors and intervals clustered by stroke say nothing.
+inline constexpr std::size_t kMinExplainStrokes = 4;
+
+/// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds
+/// what it misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes
+/// that do not excite the model. ExplainOptions::start is taken from the machine file.
+Result<ExplainResult> ExplainLog(const std::string& log, const std::string& machine_file,
+                                 const ExplainOptions& options = {});
+
+/// The same for the strokes of several logs of one machine, summed.
+Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                  const ExplainOptions& options = {});
+
+/// The same for strokes already read with their samples; ExplainResult::target stays empty.
+Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& options = {});
+
+}  // namespace hydroscope

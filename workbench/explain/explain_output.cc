@@ -1,0 +1,392 @@
+#include "workbench/explain/explain_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/effect_units.h"
+#include "core/interval_text.h"
+#include "core/quality.h"
+#include "core/relative_change.h"
+#include "core/units.h"
+#include "models/output_unit.h"
+#include "workbench/explain/drift_text.h"
+#include "workbench/explain/located_output.h"
+#include "workbench/explain/relative_text.h"
+#include "workbench/explain/what_to_record.h"
+
+namespace hydroscope {
+namespace {
+
+/// "Internal leakage past the piston seal (internal_leakage)" and, indented, what to look for.
+std::string Described(const ExplainResult& result, const std::string& id) {
+  const Effect* effect = result.FindEffect(id);
+  if (effect == nullptr) return "  " + id + "\n";
+  return fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
+}
+
+std::string ErrorSentence(const Explanation& x) {
+  const DisplayUnit unit = OutputUnit(x.model.get());
+  std::string text = fmt::format(
+      "On strokes it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
+      x.base.rms_holdout * unit.factor, unit.name, x.base.noise_floor * unit.factor, unit.name);
+  if (x.steps.size() > 1)
+    text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
+  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * x.base.noise_floor)
+    text += " In single flows it drowns in the noise; summed over the strokes it stands out.";
+  return text + "\n";
+}
+
+/// What moved during the log, as a verdict says it first.
+std::string DriftsText(const ExplainResult& result) {
+  std::string text;
+  for (const EffectEstimate& estimate : result.explanation.final.effects)
+    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+      text += fmt::format("  {}.\n", drift);
+  return text;
+}
+
+std::string NamedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = x.set.size() == 1
+                         ? "NAMED: the model misses one effect.\n"
+                         : fmt::format("NAMED: the model misses {} effects at once.\n", x.set.size());
+  for (const std::string& id : x.set) text += Described(result, id);
+  return text + DriftsText(result);
+}
+
+std::string AmbiguousText(const ExplainResult& result) {
+  std::string text =
+      "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it "
+      "is.\n";
+  for (const auto& group : result.explanation.groups) {
+    text += group.size() > 1 ? "One of these, best first:\n" : "Certain:\n";
+    for (const std::string& id : group) text += Described(result, id);
+  }
+  return text + DriftsText(result);
+}
+
+/// What the error of the model as it is goes with, and where most of it lies.
+std::string WhereItLies(const ExplainResult& result) {
+  const Predictability& left = result.explanation.base_left;
+  if (!left.IsStructured({})) return "";
+  std::string text = fmt::format("  What is missing goes with {}: {:.0f} % of the error's energy", left.about,
+                                 100 * left.share);
+  if (!result.location.located.empty()) {
+    const Located& most = result.location.located.front();
+    text +=
+        fmt::format(", most of it at {} {:.3g} ... {:.3g} {}", most.signal, most.from, most.to, most.unit);
+  }
+  return text + ".\n";
+}
+
+/// What is sure of an effect that is not proven, as a sentence.
+std::string RelativesText(const ExplainResult& result) {
+  std::string text;
+  for (Relative& relative : RelativesOf(result)) {
+    relative.sentence.front() =
+        static_cast<char>(std::toupper(static_cast<unsigned char>(relative.sentence.front())));
+    text += fmt::format("  PARTIAL: {}.\n", relative.sentence);
+  }
+  return text;
+}
+
+std::string UnknownText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  if (!x.no_verdict.empty()) return "UNKNOWN: these strokes carry no verdict, see the warning.\n";
+  std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
+  text += WhereItLies(result);
+  if (!x.partial || x.steps.size() < 2) return text;
+  text += RelativesText(result);
+  std::vector<std::string> tried;
+  for (std::size_t k = 1; k < x.steps.size(); ++k) tried.push_back(x.steps[k].added);
+  return text + fmt::format("  {} lowers the error but leaves more than noise, so the name is not proven.\n",
+                            fmt::join(tried, " with "));
+}
+
+/// Why a set is not proven, if so.
+std::string DoubtText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  if (x.doubt.empty()) return "";
+  return RelativesText(result) +
+         fmt::format("  Not proven: {}. The cause may be a relative of {} that the library does not hold.\n",
+                     x.doubt, x.set.size() == 1 ? "this effect" : "these effects");
+}
+
+/// The curve of what is missing, for a person to recognise.
+std::string RemainderText(const std::optional<RemainderShape>& shape, const DisplayUnit& unit) {
+  constexpr int kBarWidth = 12, kEvery = 3;
+  if (!shape) return "";
+  double largest = 0;
+  for (const ShapePoint& p : shape->points) largest = std::max(largest, std::abs(p.value));
+  std::string text = fmt::format(
+      "\nShape of what is missing, over {} (follows {:.0f} % of the error), measured less modelled\n",
+      shape->signal, 100 * shape->explained);
+  for (std::size_t k = 0; k < shape->points.size(); k += kEvery) {
+    const ShapePoint& p = shape->points[k];
+    const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
+    const std::string left = p.value < 0 ? std::string(bar, '#') : "",
+                      right = p.value >= 0 ? std::string(bar, '#') : "";
+    text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, shape->unit, left, right,
+                        p.value * unit.factor, kNormal95 * p.std * unit.factor, unit.name);
+  }
+  return text;
+}
+
+/// "3 (at 12.4 s), 9 (at 40.1 s)".
+std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
+  std::vector<std::string> words;
+  for (const std::size_t s : odd.strokes) {
+    const StrokeSummary& stroke = result.log.strokes[s].summary;
+    words.push_back(fmt::format("{} (at {:.1f} s)", stroke.index, stroke.begin));
+  }
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Which strokes differ from the rest, and what that means for the verdict.
+std::string OddText(const ExplainResult& result) {
+  std::string text;
+  for (const OddStrokes& odd : result.explanation.odd_strokes)
+    text +=
+        odd.set.empty()
+            ? fmt::format(
+                  "  NOT ALL STROKES: {} differ from the rest, and no effect of the library says how. They "
+                  "were left out; look at what happened there.\n",
+                  StrokesText(result, odd))
+            : fmt::format("  NOT ALL STROKES: this is so in {} alone; the others are described without it.\n",
+                          StrokesText(result, odd));
+  return text;
+}
+
+/// What tests off the log said.
+std::string MeasuredText(const ExplainResult& result) {
+  std::string text;
+  for (const auto& [id, known] : result.explanation.measured)
+    if (const Effect* effect = result.FindEffect(id)) {
+      const EffectUnit unit = EffectUnitFor(effect->unit);
+      text +=
+          fmt::format("Measured off the log: {} {} {}.\n", id,
+                      WithInterval(known.size * unit.factor, kNormal95 * known.std * unit.factor), unit.name);
+    }
+  return text;
+}
+
+std::string VerdictText(const ExplainResult& result) {
+  switch (result.explanation.verdict) {
+    case Verdict::kAdequate:
+      if (!result.explanation.odd_strokes.empty())
+        return "ADEQUATE, but for some strokes: the model describes all others.\n";
+      return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
+    case Verdict::kNamed:
+      return NamedText(result) + DoubtText(result);
+    case Verdict::kAmbiguous:
+      return AmbiguousText(result) + DoubtText(result);
+    case Verdict::kUnknown:
+      return UnknownText(result);
+  }
+  return "";
+}
+
+std::string StepsText(const Explanation& x) {
+  constexpr int kBarWidth = 36;
+  const DisplayUnit unit = OutputUnit(x.model.get());
+  const double scale = kBarWidth / std::max(x.base.rms_holdout, x.base.noise_floor);
+  const auto line = [&](const std::string& name, double rms, char mark) {
+    const int bar = static_cast<int>(std::lround(rms * scale));
+    return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * unit.factor,
+                       std::string(std::clamp(bar, 0, 60), mark));
+  };
+  std::string text = fmt::format("\nError on strokes left out, {}\n", unit.name);
+  for (const ExplainStep& step : x.steps)
+    text += line(step.added.empty() ? "model as it is" : "+ " + step.added, step.rms_holdout, '#');
+  return text + line("sensor noise alone", x.final.noise_floor, '.');
+}
+
+std::string ParametersText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const bool extended = !x.final.effects.empty();
+  const std::vector<Estimate> after =
+      BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
+  std::string text =
+      fmt::format("\nParameters, ± 95 % interval\n  {:<6} {:>22}", "", extended ? "model as it is" : "");
+  text += extended ? fmt::format(" {:>22}\n", "extended") : "\n";
+  for (std::size_t i = 0; i < after.size(); ++i) {  // sizes of effects come below
+    const Estimate& before = result.base.parameters[i];
+    const DisplayUnit unit = DisplayUnitFor(before.unit);
+    const auto shown = [&](const Estimate& e) {
+      return WithInterval(e.value * unit.factor + unit.offset, kNormal95 * e.std * unit.factor);
+    };
+    text += fmt::format("  {:<6} {:>23}", before.parameter, shown(before));
+    if (extended) text += fmt::format(" {:>23}", shown(after[i]));
+    text += fmt::format("  {}", unit.name == "1" ? "-" : unit.name);
+    const auto moved =
+        extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
+    if (moved && before.unit != "1" && std::abs(*moved) >= 0.01)
+      text += fmt::format("  {:+.0f} %", 100 * *moved);
+    if (!extended && before.reason != EstimateReason::kUpdated)
+      text += fmt::format("  {}", ReasonText(before.reason));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string SizeText(const Effect& effect, const EffectEstimate& estimate,
+                     const std::vector<double>& nonlinear) {
+  const EffectUnit unit = EffectUnitFor(effect.unit);
+  std::string text = fmt::format(
+      "{} = {} {}", effect.parameter,
+      WithInterval(estimate.size * unit.factor, kNormal95 * estimate.std * unit.factor), unit.name);
+  // A law with one parameter has told it already.
+  for (std::size_t i = 0; i < nonlinear.size() && i < effect.nonlinear.size(); ++i) {
+    const bool square = effect.unit == effect.nonlinear[i].unit + "2";
+    if (effect.implied && !square) continue;
+    const EffectUnit shown = EffectUnitFor(effect.nonlinear[i].unit);
+    const bool known = i < estimate.nonlinear_std.size() && estimate.nonlinear_std[i] > 0;
+    const std::string value = known ? WithInterval(nonlinear[i] * shown.factor,
+                                                   kNormal95 * estimate.nonlinear_std[i] * shown.factor)
+                                    : fmt::format("{:.3g}", nonlinear[i] * shown.factor);
+    text += fmt::format(", {} {} {}", effect.nonlinear[i].name, value, shown.name);
+  }
+  return text;
+}
+
+/// Sizes of the effects: those the model has already, then "+" those found.
+std::string AddedText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text;
+  for (std::size_t k = 0; k < x.final.effects.size(); ++k) {
+    const EffectEstimate& estimate = x.final.effects[k];
+    const Effect& effect = result.effect(estimate.choice.effect);
+    text += fmt::format("  {} {}: {}\n", static_cast<int>(k) < x.started ? " " : "+", effect.id,
+                        SizeText(effect, estimate, result.NonlinearOf(estimate.choice)));
+  }
+  return text;
+}
+
+std::string RankingText(const ExplainResult& result) {
+  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
+  std::string text = fmt::format("\nEvery effect tried alone, best first\n  {:<28} {:>7} {:>9}  {}\n", "",
+                                 "error", "evidence", "size, ± 95 %");
+  for (const RankedEffect& ranked : result.explanation.ranking) {
+    if (!ranked.testable || !ranked.fit.solved) continue;
+    text += fmt::format("{} {:<28} {:>7.3g} {:>9.0f}  {}\n", ranked.significant ? "*" : " ", ranked.id,
+                        ranked.fit.rms_holdout * unit.factor, ranked.gain,
+                        SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
+  }
+  return text + fmt::format(
+                    "  error in {}; evidence: error energy removed on strokes left out, in noise variances; "
+                    "* stands "
+                    "out\n",
+                    unit.name);
+}
+
+/// Effects that were tried and whose best size is none that physics allows.
+std::string RuledOutText(const Explanation& x) {
+  std::vector<std::string> ids;
+  for (const RankedEffect& ranked : x.ranking)
+    if (ranked.testable && !ranked.fit.solved) ids.push_back(ranked.id);
+  return ids.empty()
+             ? ""
+             : fmt::format("  not seen (they would fit only with a sign or size physics forbids): {}\n",
+                           fmt::join(ids, ", "));
+}
+
+std::string UntestableText(const ExplainResult& result) {
+  std::string text;
+  for (const RankedEffect& ranked : result.explanation.ranking)
+    if (!ranked.testable) text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+    text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured));
+  return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
+}
+
+/// An effect of the model that was added wrongly, and what does better.
+std::string SwapText(const ExplainResult& result) {
+  const std::optional<EffectSwap>& swap = result.explanation.swap;
+  if (!swap) return "";
+  const DisplayUnit unit = OutputUnit(result.explanation.model.get());
+  std::string text = swap->in.empty()
+                         ? fmt::format("  Take {} out", swap->out)
+                         : fmt::format("  Replace {} by {}", swap->out, fmt::join(swap->in, " and "));
+  text += fmt::format(": error {:.3g} -> {:.3g} {} on strokes left out\n", swap->rms_before * unit.factor,
+                      swap->rms_after * unit.factor, unit.name);
+  text += fmt::format("    hydroscope model remove {} {}\n", swap->out, result.target);
+  for (const std::string& id : swap->in)
+    text += fmt::format("    hydroscope model add {} {}\n", id, result.target);
+  return text;
+}
+
+/// Which strokes were left out together for the intervals, where single ones are not independent.
+std::string IntervalUnitText(const StrokeClusters& clusters) {
+  if (clusters.unit == ClusterUnit::kStroke) return "";
+  const char* what = clusters.unit == ClusterUnit::kLog    ? "of one log"
+                     : clusters.unit == ClusterUnit::kTime ? "that follow one another"
+                                                           : "at one operating point";
+  return fmt::format(
+      "  Strokes {} err alike: the intervals come from leaving out {} groups of them in turn.\n", what,
+      clusters.count);
+}
+
+std::string NextText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  std::string text = "\nNext\n";
+  const std::optional<std::string> experiment = WhatToRecord(result);
+  if (experiment) text += fmt::format("  {}\n", *experiment);
+  text += SwapText(result);
+  if (!x.odd_strokes.empty())
+    return text +
+           "  See what the odd strokes have in common: product, speed, oil temperature, time since the "
+           "start.\n";
+  if (x.verdict == Verdict::kNamed)
+    for (const std::string& id : x.set)
+      text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
+  if (x.verdict == Verdict::kAdequate && !experiment)
+    text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
+  if (x.verdict == Verdict::kUnknown)
+    text +=
+        "  Look at where the error lies with 'hydroscope compare', and check the signals with 'hydroscope "
+        "check'.\n";
+  return text;
+}
+
+/// Rows left out because an expression of the machine file failed on them.
+std::string NotFiniteText(const StrokeCounters& totals) {
+  const std::int64_t rows = totals.flagged[std::countr_zero(quality::kExpression)];
+  if (rows == 0) return "";
+  return fmt::format(
+      "{} rows left out: an expression of the machine file is no finite number there (division by zero, root "
+      "of a "
+      "negative value); 'hydroscope check' says where.\n",
+      rows);
+}
+
+}  // namespace
+
+std::string ExplainText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const DisplayUnit unit = OutputUnit(x.model.get());
+  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(x);
+  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
+                                                 result.log.totals.used, result.log.totals.samples)
+                                   : result.described;
+  for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
+  text += NotFiniteText(result.log.totals);
+  for (const std::string& warning : x.warnings) text += fmt::format("WARNING: {}\n", warning);
+  if (result.strokes < result.log.strokes.size())
+    text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
+                        result.log.strokes.size());
+  if (!result.log.machine.added_effects.empty())
+    text += fmt::format("The model as it is has these effects already: {}.\n",
+                        fmt::join(result.log.machine.added_effects, ", "));
+  return text + StepsText(x) + ParametersText(result) + AddedText(result) +
+         IntervalUnitText(x.final.clusters) + RankingText(result) + RuledOutText(x) + UntestableText(result) +
+         LocatedText(result.location.located, unit) + RemainderText(result.remainder, unit) +
+         NextText(result);
+}
+
+}  // namespace hydroscope

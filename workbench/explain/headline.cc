@@ -1,0 +1,56 @@
+#include "workbench/explain/headline.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+/// Error on strokes left out over that on the strokes of the fit from which the fit hangs on single strokes.
+/// Leaving one of n strokes out raises it by some 1 + p/n per parameter and stroke: 1.5 at the fewest strokes
+/// that are fitted.
+constexpr double kUnstable = 3.0;
+
+bool IsNumber(double x) { return std::isfinite(x) && x >= 0; }
+
+}  // namespace
+
+std::string ImpossibleFigures(const GramFit& f) {
+  for (const double x : {f.rms_measured, f.rms_modelled, f.rms_residual, f.rms_holdout, f.noise_floor})
+    if (!IsNumber(x))
+      return "the error of the model is no number: a signal it needs was bad in some of these strokes. See "
+             "which with 'hydroscope check'";
+  if (f.rms_measured <= 0)
+    return "no stroke is long enough for an error of the model: see gate and window of "
+           "the machine file with 'hydroscope check'";
+  if (f.rms_modelled <= 0)
+    return "the model gives 0 throughout where an output was measured: a signal it needs is 0 or missing. "
+           "See which with 'hydroscope check'";
+  if (f.noise_floor >= f.rms_measured)
+    return fmt::format(
+        "sensor noise alone would be {:.0f} % of the measured output: longer "
+        "blocks ([window]), or a better sensor",
+        100 * f.noise_floor / f.rms_measured);
+  if (f.rms_residual > f.rms_measured)
+    return fmt::format(
+        "the error is {:.0f} % of the measured output: the model describes none of it. Check units, "
+        "signs and sampling rate with 'hydroscope check'",
+        100 * f.rms_residual / f.rms_measured);
+  if (f.rms_holdout > kUnstable * f.rms_residual)
+    return fmt::format(
+        "the error on strokes left out is {:.1f} times that on the strokes of the fit: the fit hangs "
+        "on single strokes. Record more of them, at different speeds and pressures",
+        f.rms_holdout / f.rms_residual);
+  return "";
+}
+
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses) {
+  if (const std::string impossible = ImpossibleFigures(figures); !impossible.empty())
+    return {ModelStanding::kNotJudged, "The model cannot be judged on these strokes: " + impossible + "."};
+  if (misses)
+    return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
+  return {ModelStanding::kDescribes, "The model describes these strokes down to the sensor noise."};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,67 @@
+#include "workbench/explain/located_output.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/non_negative.h"
+
+namespace hydroscope {
+std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit) {
+  constexpr std::size_t kShown = 6;
+  if (located.empty()) return "";
+  std::string text = "\nWhere the model errs (sensor noise taken out)\n";
+  for (std::size_t k = 0; k < located.size() && k < kShown; ++k) {
+    const Located& l = located[k];
+    text += fmt::format(
+        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f} {} rms, measured {:+.2f} {} on average; "
+        "{:.0f} % of the error in {:.0f} % of the time\n",
+        l.signal, l.from, l.to, l.unit, l.rms * unit.factor, unit.name, l.mean * unit.factor, unit.name,
+        100 * l.share_error, 100 * l.share_windows);
+  }
+  return text;
+}
+
+nlohmann::json LocatedJson(const std::vector<Located>& located, double factor) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Located& l : located)
+    out.push_back({{"signal", l.signal},
+                   {"from", l.from},
+                   {"to", l.to},
+                   {"unit", l.unit},
+                   {"rms", l.rms * factor},
+                   {"mean", l.mean * factor},
+                   {"share_error", l.share_error},
+                   {"share_windows", l.share_windows}});
+  return out;
+}
+
+nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals, double factor) {
+  nlohmann::json names = nlohmann::json::array(), units = names, cells = names;
+  for (int s : map.signals) {
+    names.push_back(signals[s].name);
+    units.push_back(signals[s].unit);
+  }
+  for (const MapCell& cell : map.cells) {
+    nlohmann::json from = nlohmann::json::array(), to = from;
+    for (std::size_t k = 0; k < map.signals.size(); ++k) {
+      const ResidualSignal& signal = signals[map.signals[k]];
+      from.push_back(cell.from[k] * signal.factor + signal.offset);
+      to.push_back(cell.to[k] * signal.factor + signal.offset);
+    }
+    cells.push_back({{"from", from},
+                     {"to", to},
+                     {"rms", std::sqrt(NonNegative(cell.excess)) * factor},
+                     {"excess", cell.excess * factor * factor},
+                     {"excess_std", cell.excess_std * factor * factor},
+                     {"mean", cell.mean * factor},
+                     {"mean_std", cell.mean_std * factor},
+                     {"windows", cell.windows},
+                     {"strokes", cell.strokes},
+                     {"above_floor", cell.above_floor}});
+  }
+  return {{"signals", names}, {"units", units}, {"explained", map.explained}, {"cells", cells}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,82 @@
+#include "studies/own_machines.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnosis/subset_search.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/explain/explain_output.h"
+
+namespace hydroscope {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+ExplainResult Explained(const OwnMachineCase& simulated, std::vector<std::string> added = {}) {
+  Machine machine = OwnMachine();
+  machine.added_effects = std::move(added);
+  auto result = ExplainStrokes(OwnMachineStrokes(simulated, machine));
+  if (!result) ADD_FAILURE() << result.error().text;
+  return result ? std::move(*result) : ExplainResult{};
+}
+
+TEST(OwnMachines, HiddenEffectsAreFoundAmongEightThatAreAlike) {
+  const OwnMachinesScore score = ScoreOwnMachines({.cases = 12, .seed = 3});
+  EXPECT_EQ(score.wrong, 0);
+  EXPECT_GE(score.in_set, 10);
+}
+
+TEST(OwnMachines, ThePairThatErrsLeastIsNamedAlsoWhereNoneOfItIsBestAlone) {
+  const ExplainResult result =
+      Explained({.hidden = {"viscous", "pressure_squared"}, .size = 2.5, .noise = 0.5, .seed = 11});
+  EXPECT_EQ(result.explanation.verdict, Verdict::kNamed);
+  EXPECT_THAT(result.explanation.set, UnorderedElementsAre("viscous", "pressure_squared"));
+}
+
+TEST(OwnMachines, ThreeEffectsAreFoundTogether) {
+  const ExplainResult result =
+      Explained({.hidden = {"coulomb", "pressure_viscous", "spring"}, .size = 4, .noise = 0.2, .seed = 5});
+  EXPECT_THAT(result.explanation.set, UnorderedElementsAre("coulomb", "pressure_viscous", "spring"));
+}
+
+TEST(OwnMachines, NoSubsetThatWasPassedOverErrsLess) {
+  const OwnMachineCase simulated{.hidden = {"coulomb", "drag"}, .size = 3, .seed = 8};
+  const ExplainResult result = Explained(simulated);
+  const LogStrokes log = OwnMachineStrokes(simulated, OwnMachine());
+  const StrokeSet strokes(log.model, log.Grams(), log.window);
+  for (int a = 0; a < 8; ++a)
+    for (int b = a + 1; b < 8; ++b) {
+      const std::vector<EffectChoice> pair = {{a, 0}, {b, 0}};
+      const ExtendedFit fit = strokes.Fit(pair);
+      EXPECT_TRUE(!fit.solved || fit.rms_holdout >= 0.995 * result.explanation.final.rms_holdout) << a << b;
+    }
+}
+
+TEST(OwnMachines, WhatIsNamedLowersTheErrorStepByStep) {
+  for (std::uint64_t seed = 20; seed < 26; ++seed) {
+    const Explanation x =
+        Explained({.hidden = {"stribeck"}, .size = 0.3, .noise = 0.5, .unmodelled = 0.3, .seed = seed})
+            .explanation;
+    if (x.set.empty()) continue;
+    EXPECT_LT(x.final.rms_holdout, x.base.rms_holdout) << seed;
+  }
+}
+
+TEST(OwnMachines, AnEffectThatWasAddedWronglyIsReplaced) {
+  const ExplainResult result = Explained({.hidden = {"pressure_squared"}, .seed = 2}, {"pressure"});
+  ASSERT_TRUE(result.explanation.swap.has_value());
+  EXPECT_EQ(result.explanation.swap->out, "pressure");
+  EXPECT_THAT(result.explanation.swap->in, UnorderedElementsAre("pressure_squared"));
+  EXPECT_LE(result.explanation.swap->rms_after, result.explanation.swap->rms_before);
+  EXPECT_THAT(ExplainText(result), HasSubstr("Replace pressure by pressure_squared: error"));
+}
+
+TEST(OwnMachines, AnEffectThatIsThereIsNotReplaced) {
+  const ExplainResult result = Explained({.hidden = {"pressure", "viscous"}, .seed = 2}, {"pressure"});
+  EXPECT_FALSE(result.explanation.swap.has_value());
+  EXPECT_THAT(result.explanation.set, UnorderedElementsAre("viscous"));
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,238 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "studies/simulated_strokes.h"
+#include "workbench/explain/drift_text.h"
+#include "workbench/explain/explain_log.h"
+#include "workbench/explain/explain_output.h"
+#include "workbench/explain/relative_text.h"
+#include "workbench/explain/what_to_record.h"
+#include "workbench/model/machine_model.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kSeconds = 120;
+
+/// An imperfection of the simulator and the parameter of the library's law that it should come out as.
+struct PlantCase {
+  std::string id;
+  double size = 0;   ///< as the simulator takes it
+  double truth = 0;  ///< as the library's law counts it
+  std::uint64_t seed = 11;
+};
+
+/// Rate at which a reciprocal falls that ends at 1 / (1 + change) of its beginning.
+double RateOfReciprocal(double change) { return change / (1 + change) / kSeconds; }
+
+std::vector<PlantCase> PlantCases() {
+  return {{"return_line_resistance", 1e9, 1e9},
+          {"tank_pressure", 5e5, 5e5},
+          {"laminar_edge", 20e5, 4e12},
+          {"pressure_dependent_bulk_modulus", 11, 11},
+          {"leakage_temperature", 4e-12, 4e-12},
+          {"periodic_disturbance", 2e-5, 2e-5},
+          {"K_drift", -0.20, RateOfReciprocal(-0.20)},
+          {"V0_drift", 0.30, 0.30 / kSeconds},
+          {"Q_vn_drift", 0.02, 0.02 / kSeconds},
+          {"y_0_drift", 0.004, 0.004 / kSeconds},
+          {"pressure_offset_drift", 8e5, 8e5 / kSeconds},
+          {"pressure_signal_lag", 0.005, 0.005},
+          {"spool_signal_lag", 0.005, 0.005},
+          {"position_signal_lag", 0.005, 0.005}};
+}
+
+PressOptions OptionsFor(const PlantCase& plant) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = plant.seed;
+  if (plant.id == "leakage_temperature") {
+    options.oil_start = 300.15;
+    options.oil_end = 325.15;
+  }
+  options.imperfections = {{plant.id, plant.size, {}, ""}};
+  return options;
+}
+
+Result<LogStrokes> StrokesOfCase(const PlantCase& plant) {
+  const PressOptions options = OptionsFor(plant);
+  return StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+}
+
+class PlantEffect : public testing::TestWithParam<PlantCase> {};
+INSTANTIATE_TEST_SUITE_P(OfTheLibrary, PlantEffect, testing::ValuesIn(PlantCases()),
+                         [](const auto& test) { return test.param.id; });
+
+TEST_P(PlantEffect, IsRecoveredWithinThreeStandardDeviations) {
+  auto strokes = StrokesOfCase(GetParam());
+  ASSERT_TRUE(strokes) << strokes.error().text;
+  strokes->machine.added_effects = {GetParam().id};
+  const auto model = FitMachineModel(*strokes);
+  ASSERT_TRUE(model) << model.error().text;
+  const EffectEstimate& size = model->fit.effects.front();
+  EXPECT_TRUE(std::isfinite(size.std) && size.std > 0);
+  EXPECT_LE(std::abs(size.size - GetParam().truth), 3 * size.std)
+      << size.size << " +- " << size.std << ", truth " << GetParam().truth;
+}
+
+TEST_P(PlantEffect, IsNamedOrOneOfTheClassThatStrokesCannotTellApart) {
+  auto strokes = StrokesOfCase(GetParam());
+  ASSERT_TRUE(strokes) << strokes.error().text;
+  const auto result = ExplainStrokes(std::move(*strokes));
+  ASSERT_TRUE(result) << result.error().text;
+  EXPECT_THAT(result->explanation.set, testing::Contains(GetParam().id))
+      << VerdictName(result->explanation.verdict) << " " << result->explanation.doubt << " "
+      << result->explanation.remainder_law
+      << ", first in the ranking: " << result->explanation.ranking.front().id;
+  if (result->explanation.verdict == Verdict::kAmbiguous) {
+    EXPECT_TRUE(WhatToRecord(*result));
+  }
+}
+
+/// Explains the example press with one imperfection, its oil from `cold` to `warm` K.
+ExplainResult Explained(const std::string& id, double size, double cold = 313.15, double warm = 313.15,
+                        std::uint64_t seed = 11, const ExplainOptions& explain = {}) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = seed;
+  options.oil_start = cold;
+  options.oil_end = warm;
+  options.imperfections = {{id, size, {}, ""}};
+  const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  return *ExplainStrokes(*strokes, explain);
+}
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
+  for (const double warming : {0.0, 1.0}) {
+    const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
+    EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift"));
+    const auto& drift = x.explanation.final.effects.front();
+    EXPECT_THAT(DriftText(x, drift), HasSubstr("Q_vn rose by 2 % during this log"));
+  }
+}
+
+TEST(PlantEffects, ADriftThatRunsWithTheOilTemperatureIsAClassWithIt) {
+  const ExplainResult x = Explained("Q_vn_drift", 0.02, 308.15, 318.15);
+  EXPECT_EQ(x.explanation.verdict, Verdict::kAmbiguous);
+  EXPECT_THAT(x.explanation.set, Contains("Q_vn_drift"));
+  EXPECT_TRUE(WhatToRecord(x));
+}
+
+/// The viscosity of the oil, which the library does not hold here.
+Explanation OfViscosity(double warm) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.oil_start = 308.15;
+  options.oil_end = warm;
+  options.effects = {{"oil_viscosity", 0.005, {}}};
+  ExplainOptions without;
+  without.exclude = {"oil_viscosity"};
+  return ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes), without)
+      ->explanation;
+}
+
+TEST(PlantEffects, ADriftIsDoubtedWhereTheOilWarmsEvenly) {
+  const Explanation x = OfViscosity(323.15);
+  EXPECT_THAT(x.set, ElementsAre("Q_vn_drift"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt, HasSubstr("oil temperature moved evenly with time"));
+}
+
+/// The strokes in which the leak began and ended show it in part only.
+TEST(PlantEffects, ALeakDuringAFewStrokesIsNamedFromThoseItLastedThrough) {
+  int named = 0;
+  for (const std::uint64_t seed : {31u, 32u, 33u, 34u}) {
+    PressOptions options;
+    options.seconds = kSeconds;
+    options.seed = seed;
+    options.imperfections = {{"leaky_stretch", 8e-12, {{"begin", 0.31}, {"length", 0.22}}, ""}};
+    const Explanation x =
+        ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes))
+            ->explanation;
+    ASSERT_FALSE(x.odd_strokes.empty()) << seed;
+    const auto& set = x.odd_strokes.front().set;
+    if (set.empty()) continue;
+    EXPECT_THAT(set, Contains("internal_leakage")) << seed;
+    ++named;
+  }
+  EXPECT_GE(named, 3);
+}
+
+TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {
+  const ExplainResult x = Explained("K_drift", -0.2);
+  ASSERT_THAT(x.explanation.set, Contains("K_drift"));
+  EXPECT_THAT(DriftText(x, x.explanation.final.effects.front()), HasSubstr("K fell by "));
+}
+
+TEST(PlantEffects, SensorZeroAndTankPressureAreOneClassWithTheReadingThatDecides) {
+  for (const char* id : {"pressure_zero", "tank_pressure", "check_valve"}) {
+    const ExplainResult x = Explained(id, 5e5);
+    EXPECT_EQ(x.explanation.verdict, Verdict::kAmbiguous) << id;
+    EXPECT_THAT(x.explanation.set, Contains("tank_pressure")) << id;
+    EXPECT_THAT(x.explanation.set, Contains("pressure_offset")) << id;
+    const auto next = WhatToRecord(x);
+    ASSERT_TRUE(next) << id;
+    EXPECT_THAT(*next, HasSubstr("--measured pressure_offset=")) << id;
+  }
+}
+
+TEST(PlantEffects, AVentedSensorTellsItsZeroFromTheTankLine) {
+  const auto explained = [](const char* id, double vented) {
+    ExplainOptions explain;
+    explain.measured = {{"pressure_offset", {vented, 0.1e5}}};
+    return Explained(id, 5e5, 313.15, 313.15, 11, explain).explanation;
+  };
+  EXPECT_THAT(explained("pressure_zero", 5e5).set, ElementsAre("pressure_offset"));
+  EXPECT_THAT(explained("tank_pressure", 0).set, Not(Contains("pressure_offset")));
+  EXPECT_THAT(explained("tank_pressure", 0).set, Contains("tank_pressure"));
+}
+
+TEST(PlantEffects, AFilterThatIsNotThereLeavesTheDelay) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.seed = 11;
+  options.effects = {{"position_signal_delay", 0.006, {}}};
+  const LogStrokes strokes = *StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+  EXPECT_THAT(ExplainStrokes(strokes)->explanation.set, Contains("position_signal_lag"));
+  ExplainOptions explain;
+  explain.measured = {{"position_signal_lag", {0, 2e-4}}};
+  EXPECT_THAT(ExplainStrokes(strokes, explain)->explanation.set, ElementsAre("position_signal_delay"));
+}
+
+TEST(PlantEffects, ARelativeOfALawIsNamedByItsFamilyAndPlace) {
+  PressOptions options;
+  options.seconds = kSeconds;
+  options.imperfections = {{"quadratic_relief", 2e-17, {{"crack", 150e5}}, ""}};
+  const auto x = ExplainStrokes(*StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes));
+  ASSERT_TRUE(x->explanation.partial) << ExplainText(*x);
+  EXPECT_THAT(ExplainText(*x), HasSubstr("Oil is lost above 1"));
+  EXPECT_THAT(ExplainText(*x), HasSubstr("nearest relative: "));
+  EXPECT_THAT(RelativesOf(*x).front().sentence, HasSubstr("(relief_valve)"));
+}
+
+TEST(PlantEffects, AScaleErrorOfThePressureSensorIsNeverClaimed) {
+  const ExplainResult x = Explained("pressure_gain", 0.05);
+  EXPECT_EQ(x.explanation.verdict, Verdict::kAdequate);
+  for (const RankedEffect& ranked : x.explanation.ranking)
+    EXPECT_TRUE(ranked.id != "pressure_gain" || !ranked.testable);
+}
+
+TEST(PlantEffects, AHealthyLogHasNoneOfThem) {
+  for (const std::uint64_t seed : {21u, 22u, 23u}) {
+    PressOptions options;
+    options.seconds = kSeconds;
+    options.seed = seed;
+    const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options), KeepSamples::kYes);
+    EXPECT_EQ(ExplainStrokes(*strokes)->explanation.verdict, Verdict::kAdequate);
+  }
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,21 @@
+#include "workbench/explain/relative_text.h"
+
+#include <fmt/format.h>
+
+namespace hydroscope {
+
+std::vector<Relative> RelativesOf(const ExplainResult& result) {
+  std::vector<Relative> out;
+  const Explanation& x = result.explanation;
+  if (!x.partial) return out;
+  for (auto k = static_cast<std::size_t>(x.started); k < x.chosen.size(); ++k) {
+    const Effect& effect = result.effect(x.chosen[k].effect);
+    if (effect.family.empty()) continue;
+    const std::string where = effect.where ? " " + effect.where(result.NonlinearOf(x.chosen[k])) : "";
+    out.push_back({effect.id, fmt::format("{}{}; nearest relative: {} ({})", effect.family, where,
+                                          effect.title, effect.id)});
+  }
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "workbench/explain/explain_log.h"
+
+namespace hydroscope {
+
+/// An effect that explains part of an error without being proven: what can be said all the same is its family and where it is
+/// at work (Effect::family, Effect::where), in the words of the effect itself.
+struct Relative {
+  std::string id;
+  std::string
+      sentence;  ///< "oil is lost above 164 bar; nearest relative: Relief valve opening early (relief_valve)"
+};
+
+/// Those of an explanation that is partial, in the order in which they were added; [] of any other.
+std::vector<Relative> RelativesOf(const ExplainResult& result);
+
+}  // namespace hydroscope

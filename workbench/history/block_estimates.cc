@@ -1,0 +1,119 @@
+#include "workbench/history/block_estimates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/non_negative.h"
+#include "diagnosis/extended_fit.h"
+#include "workbench/history/stroke_history.h"
+#include "workbench/model/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kBlocks = 40;        ///< aimed at
+constexpr std::int64_t kMostSingle = 1024;  ///< strokes read one by one
+
+/// Consecutive units of a history: begin <= index < end.
+struct UnitRange {
+  std::size_t begin, end;
+};
+
+/// As many units in each as it takes for kBlocks blocks of kLeastBlockStrokes strokes or more; the rest joins
+/// the last.
+std::vector<UnitRange> Cut(const StrokeHistory& history) {
+  const std::int64_t total = history.strokes();
+  const std::int64_t least = std::max(kLeastBlockStrokes, total / kBlocks);
+  std::vector<UnitRange> blocks;
+  std::size_t begin = 0;
+  std::int64_t strokes = 0;
+  for (std::size_t k = 0; k < history.units.size(); ++k) {
+    strokes += history.unit_parts[k].strokes();
+    if (strokes < least) continue;
+    blocks.push_back({begin, k + 1});
+    begin = k + 1;
+    strokes = 0;
+  }
+  if (!blocks.empty()) blocks.back().end = history.units.size();
+  return blocks;
+}
+
+/// Effects in the shapes that suit the whole record best, behind the columns of `structure`.
+struct Shapes {
+  std::shared_ptr<const ModelStructure> structure;
+  std::vector<EffectChoice> choices;
+};
+
+Result<Shapes> ChooseShapes(const Machine& machine, const StrokeHistory& history) {
+  if (machine.added_effects.empty()) return Shapes{history.model, {}};
+  auto fitted = FitHistoryModel(machine, history);
+  if (!fitted) return tl::unexpected(fitted.error());
+  return Shapes{std::move(fitted->structure), std::move(fitted->choices)};
+}
+
+double RandomStd(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& gradient, double factor) {
+  return factor * std::sqrt(NonNegative(gradient.dot(covariance * gradient)));
+}
+
+std::vector<Estimate> Parameters(const ModelStructure& model, const ExtendedFit& fit, std::size_t units) {
+  std::vector<Estimate> out;
+  const double factor =
+      units > 1 ? StudentFactor(static_cast<double>(units) - 1) : std::numeric_limits<double>::quiet_NaN();
+  const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(model.base_count, model.base_count);
+  for (const DerivedParameter& derived : model.derive(fit.theta.head(model.base_count))) {
+    Estimate estimate;
+    estimate.parameter = derived.name;
+    estimate.value = derived.value;
+    estimate.std = RandomStd(covariance, derived.gradient, factor);
+    estimate.reason = derived.admissible ? EstimateReason::kUpdated : EstimateReason::kOutsidePhysics;
+    out.push_back(std::move(estimate));
+  }
+  for (const EffectEstimate& effect : fit.effects) {
+    const Effect& law = *model.effects[effect.choice.effect];
+    Estimate estimate;
+    estimate.parameter = law.id + "." + law.parameter;
+    estimate.value = effect.size;
+    estimate.std = units > 1 ? effect.std : std::numeric_limits<double>::quiet_NaN();
+    estimate.reason = EstimateReason::kUpdated;
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
+double MeanOil(const std::vector<StrokeSummary>& strokes, std::int64_t first, std::int64_t last) {
+  double sum = 0, count = 0;
+  const auto from = std::lower_bound(strokes.begin(), strokes.end(), first,
+                                     [](const StrokeSummary& s, std::int64_t at) { return s.index < at; });
+  for (auto stroke = from; stroke != strokes.end() && stroke->index < last; ++stroke)
+    if (std::isfinite(stroke->oil_temperature)) sum += stroke->oil_temperature, ++count;
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+Result<std::vector<BlockEstimates>> EstimateBlocks(const Database& database, std::int64_t machine_id,
+                                                   const Machine& machine,
+                                                   const std::vector<StrokeSummary>& strokes) {
+  std::vector<BlockEstimates> blocks;
+  if (strokes.empty()) return blocks;
+  const HistoryPart all{machine.name, machine_id, strokes.front().index, strokes.back().index + 1};
+  const auto history = LoadHistory(database, "", {all}, machine, kMostSingle);
+  if (!history) return tl::unexpected(history.error());
+  const auto shapes = ChooseShapes(machine, *history);
+  if (!shapes) return tl::unexpected(shapes.error());
+  for (const UnitRange& range : Cut(*history)) {
+    const std::span<const StrokeGram> units(&history->units[range.begin], range.end - range.begin);
+    const ExtendedFit fit = StrokeSet(shapes->structure, units, history->window).Fit(shapes->choices);
+    if (!fit.solved) continue;
+    BlockEstimates block;
+    block.first = history->unit_parts[range.begin].first;
+    block.last = history->unit_parts[range.end - 1].last;
+    block.oil_temperature = MeanOil(strokes, block.first, block.last);
+    block.parameters = Parameters(*shapes->structure, fit, units.size());
+    blocks.push_back(std::move(block));
+  }
+  return blocks;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,188 @@
+#include "workbench/history/history_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/interval_text.h"
+#include "core/relative_change.h"
+#include "models/output_unit.h"
+#include "workbench/explain/explain_output.h"
+#include "workbench/fit_output.h"
+
+namespace hydroscope {
+namespace {
+
+nlohmann::json MachinesJson(const StrokeHistory& history) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const HistoryPart& part : history.parts)
+    out.push_back({{"machine", part.machine},
+                   {"first", part.first},
+                   {"last", part.last - 1},
+                   {"strokes", part.strokes()}});
+  return out;
+}
+
+/// The model that explains a set of strokes.
+nlohmann::json SideJson(const StrokeHistory& history, const ExplainResult& result) {
+  const Explanation& x = result.explanation;
+  const double factor = OutputUnit(result.log.model.get()).factor;
+  nlohmann::json effects = nlohmann::json::object();
+  for (const EffectEstimate& e : x.final.effects) {
+    const Effect& effect = result.effect(e.choice.effect);
+    effects[effect.id] = {{"value", e.size}, {"std", e.std}, {"unit", effect.unit}};
+  }
+  return {{"machines", MachinesJson(history)},
+          {"strokes", history.strokes()},
+          {"rms_holdout", x.final.rms_holdout * factor},
+          {"noise_floor", x.final.noise_floor * factor},
+          {"excess_ratio", x.final.excess_ratio},
+          {"parameters", ParametersJson(BaseParameters(*result.log.model, x.final,
+                                                       static_cast<int>(history.units.size())))},
+          {"effects", effects}};
+}
+
+nlohmann::json ValuesJson(const std::vector<ValueChange>& values) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const ValueChange& v : values)
+    out[v.name] = {{"unit", v.unit},
+                   {"before", {{"value", v.before}, {"std", v.before_std}}},
+                   {"after", {{"value", v.after}, {"std", v.after_std}}},
+                   {"change", {{"value", v.change()}, {"std", v.std()}}},
+                   {"significant", v.significant}};
+  return out;
+}
+
+std::string ValuesText(const std::string& title, const std::vector<ValueChange>& values) {
+  if (values.empty()) return "";
+  std::string text = fmt::format("\n{}\n", title);
+  for (const ValueChange& v : values) {
+    text += fmt::format("{} {:<28} {:>28}  ->  {:<28}", v.significant ? "*" : " ", v.name,
+                        ShownWithInterval(v.before, v.before_std, v.unit),
+                        ShownWithInterval(v.after, v.after_std, v.unit));
+    if (const auto share = RelativeChange(v.before, v.before_std, v.change()); share && v.unit != "1")
+      text += fmt::format(" {:+.1f} %", 100 * *share);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string EffectsText(const ChangeResult& result) {
+  std::string text;
+  for (const std::string& id : result.after.explanation.set)
+    if (const Effect* effect = result.after.FindEffect(id))
+      text += fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
+  return text;
+}
+
+bool AnyMoved(const ChangeResult& result) {
+  const auto moved = [](const ValueChange& v) { return v.significant; };
+  return std::any_of(result.parameters.begin(), result.parameters.end(), moved) ||
+         std::any_of(result.effects.begin(), result.effects.end(), moved);
+}
+
+/// What explains part of an error whose cause is not named.
+std::string NearestText(const Explanation& after) {
+  if (after.steps.size() < 2 || !(after.base.excess_ratio > 0)) return "";
+  std::vector<std::string> added;
+  for (std::size_t k = 1; k < after.steps.size(); ++k) added.push_back(after.steps[k].added);
+  return fmt::format(
+      "Nearest, and not proven: {} would explain {:.0f} % of the model error's energy. Stored strokes hold "
+      "laws with a threshold, a place or a delay at a few values only: explain a log recorded since.\n",
+      fmt::join(added, " and "), 100 * (1 - after.final.excess_ratio / after.base.excess_ratio));
+}
+
+std::string VerdictText(const ChangeResult& result) {
+  switch (result.after.explanation.verdict) {
+    case Verdict::kAdequate:
+      return AnyMoved(result) ? "ADEQUATE: no physical effect appeared; what is marked * below moved.\n"
+                              : "ADEQUATE: nothing changed between these strokes that stands out.\n";
+    case Verdict::kNamed:
+      return "NAMED: this appeared or changed.\n" + EffectsText(result);
+    case Verdict::kAmbiguous:
+      return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell which of these it is, "
+             "best "
+             "first.\n" +
+             EffectsText(result);
+    case Verdict::kUnknown:
+      return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n" +
+             NearestText(result.after.explanation);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string HistoryLine(const StrokeHistory& history) {
+  std::string text;
+  for (const HistoryPart& part : history.parts)
+    text += part.strokes() == 0
+                ? fmt::format("{}: no strokes.\n", part.machine)
+                : fmt::format("{}: strokes {} to {}.\n", part.machine, part.first, part.last - 1);
+  if (history.strokes_per_unit() > 1)
+    text += fmt::format("{} strokes, judged as {} groups of up to {}.\n", history.strokes(),
+                        history.units.size(), history.strokes_per_unit());
+  return text;
+}
+
+nlohmann::json HistoryJson(const StrokeHistory& history, const ExplainResult& result) {
+  nlohmann::json out = ExplainJson(result);
+  out["strokes"] = out["strokes_in_log"] = history.strokes();
+  out["database"] = history.database;
+  out["machines"] = MachinesJson(history);
+  out["units"] = history.units.size();
+  out["strokes_per_unit"] = history.strokes_per_unit();
+  return out;
+}
+
+std::string ChangeText(const ChangeResult& result) {
+  const Explanation &before = result.before.explanation, &after = result.after.explanation;
+  const DisplayUnit unit = OutputUnit(result.after.log.model.get());
+  std::string text = VerdictText(result);
+  if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt);
+  text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
+  if (result.newest > 0)
+    text += fmt::format("What appeared went on changing: explained on the newest {} of these strokes.\n",
+                        result.newest);
+  text += fmt::format(
+      "\nError on strokes left out, {}\n"
+      "  before, with the model that explains them   {:>8.3g}   sensor noise alone {:.3g}\n"
+      "  after, with the same model                  {:>8.3g}   sensor noise alone {:.3g}\n",
+      unit.name, before.final.rms_holdout * unit.factor, before.final.noise_floor * unit.factor,
+      after.base.rms_holdout * unit.factor, after.base.noise_floor * unit.factor);
+  if (after.steps.size() > 1)
+    text += fmt::format("  after, with what appeared                   {:>8.3g}\n",
+                        after.final.rms_holdout * unit.factor);
+  text += ValuesText("Parameters before and after, ± 95 %; * moved", result.parameters);
+  text += ValuesText("Effects that were there before", result.effects);
+  for (std::size_t k = static_cast<std::size_t>(after.started); k < after.final.effects.size(); ++k) {
+    const EffectEstimate& e = after.final.effects[k];
+    const Effect& effect = result.after.effect(e.choice.effect);
+    text += fmt::format("{}  {:<28} {} = {}\n",
+                        k == static_cast<std::size_t>(after.started) ? "\nAppeared\n" : "", effect.id,
+                        effect.parameter, ShownWithInterval(e.size, e.std, effect.unit));
+  }
+  if (before.verdict != Verdict::kAdequate)
+    text += fmt::format(
+        "\nBefore, the model missed something already (verdict {}): see 'hydroscope explain' with --to.\n",
+        VerdictName(before.verdict));
+  return text;
+}
+
+nlohmann::json ChangeJson(const StrokeHistory& before, const StrokeHistory& after,
+                          const ChangeResult& result) {
+  nlohmann::json out = HistoryJson(after, result.after);
+  out["change"] = {{"since", after.parts.front().first},
+                   {"before", SideJson(before, result.before)},
+                   {"after", SideJson(after, result.after)},
+                   {"verdict_before", VerdictName(result.before.explanation.verdict)},
+                   {"parameters", ValuesJson(result.parameters)},
+                   {"effects", ValuesJson(result.effects)},
+                   {"appeared", result.appeared},
+                   {"newest_strokes", result.newest > 0 ? nlohmann::json(result.newest) : nlohmann::json()}};
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/alarm_records.h"
+#include "models/machine.h"
+#include "workbench/history/stroke_history.h"
+
+namespace hydroscope {
+
+/// A change inside a piece of a machine's history.
+struct StoredChange {
+  std::int64_t since = 0;       ///< first stroke behind it, machine-wide
+  std::int64_t before_end = 0;  ///< strokes from here to `since` may lie on either side
+  std::string by;               ///< what shows it: id of an alarm, or a parameter
+  std::string text;             ///< "since stroke 481, told by the alarm internal_leakage"
+};
+
+/// The alarm speaks of a change of the machine that stands: not of signals, limits or the service itself.
+bool TellsAChange(const AlarmState& alarm);
+
+/// The earliest change that a standing alarm of the drift watch tells inside `part`; without one, the change
+/// of a parameter that is evident in the stored strokes: two levels describe independent blocks of strokes
+/// (workbench/history/block_estimates.h) far better than one does, and clearly better than a line over the strokes or
+/// over the oil temperature. At least kFewestOnASide strokes lie on either side. nullopt: there is none, or
+/// the strokes cannot be compared.
+inline constexpr std::int64_t kFewestOnASide = 8;
+std::optional<StoredChange> FindStoredChange(const Database& database, const HistoryPart& part,
+                                             const Machine& machine, const std::vector<AlarmState>& alarms);
+
+/// The alarms the journal beside the database knows of a machine; none if there is no journal, or it cannot
+/// be read. Never creates it.
+std::vector<AlarmState> AlarmsBeside(const std::string& database, const std::string& machine);
+
+/// Two levels in a series.
+struct LevelChange {
+  std::size_t at = 0;  ///< first value of the second level
+  double before = 0, after = 0;
+  double p = 1;  ///< of no change, over all places it could have been
+};
+/// The place where two levels describe `values` best, if that is evident: p below 1e-4, and squares left that
+/// are at most half of those about a straight line over the values' numbers and over each of `others` (as
+/// long as `values`; NaN: not known, then that one is not asked). nullopt below 8 values.
+std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
+                                           const std::vector<std::vector<double>>& others);
+
+}  // namespace hydroscope

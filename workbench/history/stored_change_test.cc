@@ -1,0 +1,60 @@
+#include "workbench/history/stored_change.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace hydroscope {
+namespace {
+
+std::vector<double> Noise(std::size_t n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> y(n);
+  for (double& v : y) v = normal(random);
+  return y;
+}
+
+TEST(LevelChange, IsFoundWhereItIs) {
+  std::vector<double> y = Noise(40, 1);
+  for (std::size_t i = 25; i < y.size(); ++i) y[i] += 6;
+  const auto change = FindLevelChange(y, {});
+  ASSERT_TRUE(change.has_value());
+  EXPECT_EQ(change->at, 25u);
+  EXPECT_NEAR(change->after - change->before, 6, 1.5);
+}
+
+TEST(LevelChange, IsNotFoundInNoiseInASteadyDriftOrInWhatFollowsTheOil) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed)
+    EXPECT_FALSE(FindLevelChange(Noise(40, 100 + seed), {})) << seed;
+  std::vector<double> drift = Noise(40, 2), oil(40), follows = Noise(40, 3);
+  for (std::size_t i = 0; i < drift.size(); ++i) {
+    drift[i] += 0.5 * static_cast<double>(i);
+    oil[i] = i < 20 ? 300.0 : 310.0;
+    follows[i] += oil[i];
+  }
+  EXPECT_FALSE(FindLevelChange(drift, {}));
+  EXPECT_TRUE(FindLevelChange(follows, {}));
+  EXPECT_FALSE(FindLevelChange(follows, {oil})) << "two levels of the oil";
+}
+
+TEST(LevelChange, NeedsEnoughValues) { EXPECT_FALSE(FindLevelChange({0, 0, 0, 0, 9, 9, 9}, {})); }
+
+TEST(StoredChange, LimitsSignalsAndSlowDriftsTellNoChange) {
+  AlarmState alarm;
+  alarm.id = "internal_leakage";
+  alarm.active = true;
+  alarm.first_stroke = 40;
+  EXPECT_TRUE(TellsAChange(alarm));
+  for (const char* id : {"slow_K", "K.warn_low", "doubtful_reference"}) {
+    AlarmState other = alarm;
+    other.id = id;
+    EXPECT_FALSE(TellsAChange(other)) << id;
+  }
+  alarm.active = false;
+  EXPECT_FALSE(TellsAChange(alarm));
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,287 @@
+#include "workbench/history/stroke_history.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <ctime>
+
+#include "core/units.h"
+#include "pipeline/physical_sizes.h"
+#include "pipeline/run_summary.h"
+#include "replay/resampled_reader.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kUnits = 128;                ///< units aimed at where strokes are grouped
+constexpr std::int64_t kSmall = 64, kLarge = 4096;  ///< groups whose sums the database keeps
+constexpr std::int64_t kSample = 256;               ///< summaries read at most
+
+/// Strokes per unit, a size whose sums are stored or quickly added.
+std::int64_t UnitSize(std::int64_t strokes, std::int64_t most_single) {
+  if (strokes <= most_single) return 1;
+  if (strokes >= 16 * kLarge) return kLarge;
+  return kSmall * ((strokes + kSmall * kUnits - 1) / (kSmall * kUnits));
+}
+
+/// Cuts a part at multiples of `size`; a beginning or end shorter than half of it joins its neighbour.
+std::vector<HistoryPart> Cut(const HistoryPart& part, std::int64_t size) {
+  std::vector<std::int64_t> cuts = {part.first};
+  for (std::int64_t at = (part.first / size + 1) * size; at < part.last; at += size) cuts.push_back(at);
+  if (cuts.size() > 2 && 2 * (cuts[1] - part.first) < size) cuts.erase(cuts.begin() + 1);
+  if (cuts.size() > 2 && 2 * (part.last - cuts.back()) < size) cuts.pop_back();
+  cuts.push_back(part.last);
+  std::vector<HistoryPart> units;
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    units.push_back(part);
+    units.back().first = cuts[k];
+    units.back().last = cuts[k + 1];
+  }
+  return units;
+}
+
+Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t size,
+                 StrokeHistory& history) {
+  for (const HistoryPart& unit : Cut(part, size)) history.unit_parts.push_back(unit);
+  if (size == 1) {
+    auto grams = database.Grams(part.id, part.first, part.last);
+    if (!grams) return tl::unexpected(grams.error());
+    std::move(grams->begin(), grams->end(), std::back_inserter(history.units));
+    return {};
+  }
+  for (std::size_t k = history.units.size(); k < history.unit_parts.size(); ++k) {
+    auto sum = database.SumGrams(part.id, history.unit_parts[k].first, history.unit_parts[k].last);
+    if (!sum) return tl::unexpected(sum.error());
+    history.units.push_back(std::move(*sum));
+  }
+  return {};
+}
+
+/// Sample period and Gram columns of the runs the part touches must be those of the history.
+Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
+  const auto runs = database.Runs(part.id);
+  if (!runs) return tl::unexpected(runs.error());
+  for (const RunInfo& run : *runs) {
+    if (run.strokes == 0 || run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first)
+      continue;
+    const auto model = database.GetModelVersion(part.id, run.model_version);
+    if (!model) return tl::unexpected(model.error());
+    if (model->columns != history.model->ColumnNames())
+      return BadInput(
+          "{}: strokes of run {} ({}) of {} were recorded with other sums of products than this machine and "
+          "program have; replay their logs into a new database",
+          history.database, run.id, run.source, part.machine);
+    const RunSummary summary = ParseRunSummary(run.summary_json);
+    if (!summary.too_slow.empty())
+      history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
+    const double own = summary.sample_period;
+    if (!(own > 0)) continue;
+    if (period > 0 && std::abs(own - period) > kSamePeriod * period)
+      return BadInput(
+          "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; "
+          "choose strokes of one with --from and --to",
+          history.database, run.id, run.source, own, period);
+    period = own;
+  }
+  return {};
+}
+
+/// Marks the units as of the run they begin in: strokes of one run may hang together.
+Status LabelRuns(const Database& database, StrokeHistory& history) {
+  for (const HistoryPart& part : history.parts) {
+    const auto runs = database.Runs(part.id);
+    if (!runs) return tl::unexpected(runs.error());
+    for (std::size_t k = 0; k < history.units.size(); ++k) {
+      const HistoryPart& unit = history.unit_parts[k];
+      for (const RunInfo& run : *runs)
+        if (unit.id == part.id && unit.first >= run.first_sequence &&
+            unit.first < run.first_sequence + run.strokes)
+          history.units[k].log = static_cast<int>(run.id);
+    }
+  }
+  return {};
+}
+
+/// Leaves out strokes that gave no equation.
+Status CheckUnits(StrokeHistory& history) {
+  for (std::size_t k = history.units.size(); k-- > 0;) {
+    const int columns = history.units[k].integral.dimension();
+    if (columns == history.model->column_count()) continue;
+    if (columns != 0)
+      return BadInput("{}: a stored sum has {} columns, the model {}; the file is damaged", history.database,
+                      columns, history.model->column_count());
+    history.units.erase(history.units.begin() + static_cast<std::ptrdiff_t>(k));
+    history.unit_parts.erase(history.unit_parts.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  return {};
+}
+
+std::optional<double> Seconds(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
+  const std::string_view rest(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  return rest == "s" || rest.empty() ? std::optional(value) : std::nullopt;
+}
+
+/// "2025-03-01", "2025-03-01T06:30", "2025-03-01 06:30:05" as seconds since 1970, in the time zone of this computer.
+std::optional<double> Date(const std::string& text) {
+  std::tm date{};
+  int used = 0;
+  char between = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &date.tm_year, &date.tm_mon, &date.tm_mday, &used) != 3 ||
+      used < 8)
+    return std::nullopt;
+  const bool whole_day = static_cast<std::size_t>(used) == text.size();
+  if (!whole_day && std::sscanf(text.c_str() + used, "%c%2d:%2d:%2d", &between, &date.tm_hour, &date.tm_min,
+                                &date.tm_sec) < 3)
+    return std::nullopt;
+  if (!whole_day && between != 'T' && between != ' ') return std::nullopt;
+  date.tm_year -= 1900;
+  date.tm_mon -= 1;
+  date.tm_isdst = -1;  // summer time where it is
+  return static_cast<double>(mktime(&date));
+}
+
+Result<std::int64_t> RunBegin(const Database& database, std::int64_t machine, const std::string& number) {
+  const auto runs = database.Runs(machine);
+  if (!runs) return tl::unexpected(runs.error());
+  for (const RunInfo& run : *runs)
+    if (std::to_string(run.id) == number) return run.first_sequence;
+  std::vector<std::int64_t> ids;
+  for (const RunInfo& run : *runs) ids.push_back(run.id);
+  return BadInput("the machine has no run {}; its runs: {}", number, fmt::join(ids, ", "));
+}
+
+}  // namespace
+
+std::int64_t StrokeHistory::strokes() const {
+  std::int64_t sum = 0;
+  for (const HistoryPart& part : parts) sum += part.strokes();
+  return sum;
+}
+
+double StrokeHistory::equations() const {
+  double sum = 0;
+  for (const StrokeGram& unit : units) sum += static_cast<double>(unit.blocks - unit.spans);
+  return sum;
+}
+
+std::int64_t StrokeHistory::strokes_per_unit() const {
+  std::int64_t most = 0;
+  for (const HistoryPart& unit : unit_parts) most = std::max(most, unit.strokes());
+  return most;
+}
+
+Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::string& path,
+                                                const std::vector<std::string>& names) {
+  const auto known = database.MachineNames();
+  if (!known) return tl::unexpected(known.error());
+  if (known->empty())
+    return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
+                    path, path);
+  std::vector<HistoryPart> parts;
+  for (const std::string& name : names.empty() ? *known : names) {
+    if (std::find(known->begin(), known->end(), name) == known->end()) {
+      const std::string nearest = Nearest(name, *known);
+      return BadInput("{} has no machine \"{}\"; it holds: {}{}", path, name, fmt::join(*known, ", "),
+                      nearest.empty() ? "" : fmt::format(". Did you mean {}?", nearest));
+    }
+    const auto id = database.MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    const auto end = database.EndSequence(*id);
+    if (!end) return tl::unexpected(end.error());
+    parts.push_back({name, *id, 0, *end});
+  }
+  return parts;
+}
+
+Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, const std::string& text) {
+  if (text.starts_with("run:")) return RunBegin(database, machine, text.substr(4));
+  if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos && text.size() < 18)
+    return std::stoll(text);
+  const auto time = Date(text) ? Date(text) : Seconds(text);
+  if (!time)
+    return UsageError(
+        "\"{}\" is no place in the history; expected a stroke number (1234), a log (run:3), a time of the "
+        "logs (81.5s) or a date (2025-03-01T06:30)",
+        text);
+  return database.SequenceAt(machine, *time);
+}
+
+Status Narrow(const Database& database, const std::string& from, const std::string& to, HistoryPart& part) {
+  for (const auto& [text, is_begin] : {std::pair(from, true), std::pair(to, false)}) {
+    if (text.empty()) continue;
+    const auto place = FindPlace(database, part.id, text);
+    if (!place) return tl::unexpected(place.error());
+    if (is_begin)
+      part.first = std::max(part.first, *place);
+    else
+      part.last = std::min(part.last, *place);
+  }
+  part.first = std::min(part.first, part.last);
+  return {};
+}
+
+Result<Machine> StoredMachine(const Database& database, const std::string& path, const HistoryPart& part) {
+  auto model = database.PromotedModel(part.id);
+  if (!model) return tl::unexpected(model.error());
+  if (!*model) {
+    const auto runs = database.Runs(part.id);
+    if (!runs) return tl::unexpected(runs.error());
+    if (runs->empty()) return BadInput("{}: machine {} has no strokes yet", path, part.machine);
+    auto last = database.GetModelVersion(part.id, runs->back().model_version);
+    if (!last) return tl::unexpected(last.error());
+    *model = std::move(*last);
+  }
+  return ParseMachine((*model)->definition,
+                      fmt::format("{}: model version {} of {}", path, (*model)->version, part.machine));
+}
+
+Result<StrokeHistory> LoadHistory(const Database& database, const std::string& path,
+                                  const std::vector<HistoryPart>& parts, const Machine& machine,
+                                  std::int64_t most_single) {
+  StrokeHistory history;
+  history.database = path;
+  history.machine = machine;
+  history.parts = parts;
+  auto model = BuildModel(machine);
+  if (!model) return tl::unexpected(model.error());
+  history.model = std::move(*model);
+  if (history.strokes() == 0)
+    return BadInput(
+        "{}: no strokes in the chosen part of the history; `hydroscope trends --db {}` shows what it holds",
+        path, path);
+  double period = machine.log.sample_period.value_or(0.0);
+  for (const HistoryPart& part : parts)
+    if (const Status fits = CheckRuns(database, part, period, history); !fits)
+      return tl::unexpected(fits.error());
+  if (!(period > 0) && machine.live) period = machine.live->grid_period;  // its first run goes on
+  if (!(period > 0))
+    return BadInput("{}: no log was replayed to its end, so the sample period is not known; replay it again",
+                    path);
+  history.window = WindowSamples::From(machine.window, period);
+  history.window.level_form = history.model->level_form;
+  const std::int64_t size = UnitSize(history.strokes(), most_single);
+  for (const HistoryPart& part : parts) {
+    if (part.strokes() == 0) continue;
+    if (const Status read = ReadUnits(database, part, size, history); !read)
+      return tl::unexpected(read.error());
+    auto sample =
+        database.SummariesOf(part.id, part.first, part.last,
+                             std::max<std::int64_t>(1, kSample / static_cast<std::int64_t>(parts.size())));
+    if (!sample) return tl::unexpected(sample.error());
+    history.sample.insert(history.sample.end(), sample->begin(), sample->end());
+  }
+  if (const Status labelled = LabelRuns(database, history); !labelled)
+    return tl::unexpected(labelled.error());
+  if (const Status checked = CheckUnits(history); !checked) return tl::unexpected(checked.error());
+  if (const Status plausible = JudgeStrokes(path, machine, history.sample); !plausible)
+    return tl::unexpected(plausible.error());
+  return history;
+}
+
+}  // namespace hydroscope

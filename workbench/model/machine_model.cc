@@ -1,0 +1,148 @@
+#include "workbench/model/machine_model.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/non_negative.h"
+#include "core/units.h"
+#include "diagnosis/nonlinear_scatter.h"
+#include "diagnosis/remainder/residuals.h"
+#include "diagnosis/remainder/tone_search.h"
+#include "models/effect.h"
+#include "models/find_effect.h"
+
+namespace hydroscope {
+namespace {
+
+/// Over the effects of the model, whose nonlinear parameters depend on one another.
+constexpr int kPasses = 2;
+
+StrokeSet StrokesUnder(const ModelStructure& structure, const LogStrokes& log) {
+  const auto model = std::make_shared<const ModelStructure>(structure);
+  return {model, GramsOf(model, log.stretches, log.window), log.window};
+}
+
+/// Searches what the model with `choices` leaves for the shape of an effect that no grid holds; true if it is
+/// there.
+bool SearchShape(const LogStrokes& log, const StrokeSet& strokes, const std::vector<EffectChoice>& choices,
+                 ModelStructure& structure) {
+  const ExtendedFit fit = strokes.Fit(choices);
+  return fit.solved && AddSearchedShapes(structure, log.stretches, ColumnWeights(strokes.model(), fit));
+}
+
+/// Grams of the strokes whose samples are kept; of all strokes if none were to be kept.
+std::vector<StrokeGram> UsedGrams(const LogStrokes& log) {
+  std::vector<StrokeGram> grams = log.Grams();
+  if (!log.stretches.empty()) grams.resize(log.stretches.size());
+  return grams;
+}
+
+/// Sizes of the added effects as parameters of the model.
+std::vector<Estimate> SizesOf(const ModelStructure& model, const ExtendedFit& fit) {
+  std::vector<Estimate> out;
+  for (const EffectEstimate& effect : fit.effects) {
+    const Effect& law = *model.effects[effect.choice.effect];
+    Estimate estimate;
+    estimate.parameter = law.id + "." + law.parameter;
+    estimate.unit = law.unit;
+    estimate.value = effect.size;
+    estimate.std = effect.std;
+    estimate.excitation = effect.independent;
+    estimate.reason = !effect.admissible          ? EstimateReason::kOutsidePhysics
+                      : std::isfinite(effect.std) ? EstimateReason::kUpdated
+                                                  : EstimateReason::kConfounded;
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Estimate> BaseParameters(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
+  std::vector<Estimate> out;
+  const Eigen::MatrixXd covariance = fit.covariance.topLeftCorner(model.base_count, model.base_count);
+  const double student = StudentFactor(strokes - 1.0);
+  for (const DerivedParameter& derived : model.derive(fit.theta.head(model.base_count))) {
+    Estimate estimate;
+    estimate.parameter = derived.name;
+    estimate.unit = derived.unit;
+    estimate.value = derived.value;
+    const double variance = derived.gradient.dot(covariance * derived.gradient);
+    estimate.std = std::hypot(student * std::sqrt(NonNegative(variance)), derived.geometry_std);
+    estimate.reason = TrustOf(derived, estimate.std);
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
+GramFit FiguresOf(const ModelStructure& model, const ExtendedFit& fit, int strokes) {
+  GramFit figures;
+  figures.theta = fit.theta;
+  figures.covariance = fit.covariance;
+  figures.parameters = BaseParameters(model, fit, strokes);
+  for (Estimate& size : SizesOf(model, fit)) figures.parameters.push_back(std::move(size));
+  figures.rms_measured = fit.rms_measured;
+  figures.rms_modelled = fit.rms_modelled;
+  figures.rms_residual = fit.rms_residual;
+  figures.rms_holdout = fit.rms_holdout;
+  figures.noise_floor = fit.noise_floor;
+  figures.strokes = strokes;
+  figures.indispensable_strokes = fit.indispensable_strokes;
+  figures.clusters = fit.clusters;
+  return figures;
+}
+
+Result<GramFit> FitFigures(const LogStrokes& log) {
+  if (log.machine.added_effects.empty()) return FitBaseModel(*log.model, UsedGrams(log), log.window);
+  auto model = FitMachineModel(log);
+  if (!model) return tl::unexpected(model.error());
+  return std::move(model->figures);
+}
+
+Result<MachineModel> FitMachineModel(const LogStrokes& log) {
+  auto structure = std::make_shared<ModelStructure>(*log.model);
+  std::vector<EffectChoice> choices;
+  if (!log.machine.added_effects.empty()) {
+    AddSampleEffects(*structure, log.machine.added_effects);
+    StrokeSet strokes = StrokesUnder(*structure, log);
+    for (const std::string& id : log.machine.added_effects) {
+      const auto effect = FindEffect(*structure, id);
+      if (!effect) return tl::unexpected(effect.error());
+      if (structure->effect_shapes[*effect].empty() && SearchShape(log, strokes, choices, *structure))
+        strokes = StrokesUnder(*structure, log);
+      const EffectChoice best = strokes.BestShape(*effect, choices);
+      if (best.shape < 0)
+        return BadInput(
+            "these strokes cannot tell effect '{}' of the machine file from the rest of the model: record "
+            "strokes that differ in {}, or take it out with 'hydroscope model remove {}'",
+            id, structure->words.vary, id);
+      choices.push_back(best);
+    }
+    for (int pass = 0; pass < kPasses; ++pass)
+      choices = RefineModel(*structure, log.stretches, log.window, choices);
+  }
+  MachineModel out{structure, choices, {}, {}, {}};
+  const StrokeSet strokes(structure,
+                          choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window),
+                          log.window);
+  out.fit = strokes.Fit(choices);
+  if (!out.fit.solved)
+    return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
+                    structure->words.vary);
+  out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
+  WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
+  strokes.Widen(choices, out.fit);
+  if (!choices.empty()) {
+    out.figures = FiguresOf(*structure, out.fit, static_cast<int>(log.stretches.size()));
+    return out;
+  }
+  auto figures = FitFigures(log);
+  if (!figures) return tl::unexpected(figures.error());
+  out.figures = std::move(*figures);
+  return out;
+}
+
+}  // namespace hydroscope

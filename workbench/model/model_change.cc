@@ -1,0 +1,310 @@
+#include "workbench/model/model_change.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "core/units.h"
+#include "models/machine_kind.h"
+#include "pipeline/log_trust.h"
+#include "workbench/held_out_log.h"
+#include "workbench/model/model_edit.h"
+#include "workbench/model/model_history_output.h"
+#include "workbench/states_log.h"
+
+namespace hydroscope {
+namespace {
+
+struct Evidence {
+  std::optional<ModelEvidence> before, next;
+  std::optional<std::pair<HeldOutError, HeldOutError>> held_out;  ///< before, next
+};
+
+/// Both models, fitted to `strokes`, on a log that neither was fitted to.
+Result<std::pair<HeldOutError, HeldOutError>> OnHeldOut(const std::string& log, LogStrokes strokes,
+                                                        const Machine& before, const Machine& next) {
+  const auto held_out = ReadStrokes(log, before, KeepSamples::kYes);
+  if (!held_out) return tl::unexpected(held_out.error());
+  std::vector<HeldOutError> errors;
+  for (const Machine* machine : {&before, &next}) {
+    strokes.machine = *machine;
+    auto error = ErrorHeldOut(strokes, *held_out, log);
+    if (!error) return tl::unexpected(error.error());
+    errors.push_back(std::move(*error));
+  }
+  return std::make_pair(errors[0], errors[1]);
+}
+
+/// The same for a machine with states.
+Result<Evidence> OnEpisodes(const ModelChange& change, const Machine& before, const Machine& next) {
+  if (!change.hold_out.empty())
+    return UsageError(
+        "--hold-out of 'model' is not there for machines with [states] yet; use 'compare --hold-out'");
+  auto log = ReadEpisodes(change.logs, before);
+  if (!log) return tl::unexpected(log.error());
+  const std::string source = fmt::format("{}", fmt::join(change.logs, ", "));
+  Evidence out;
+  for (const Machine* machine : {&before, &next}) {
+    EpisodeLog episodes = *log;
+    episodes.machine = *machine;
+    const auto fit = FitEpisodes(std::move(episodes));
+    if (!fit) return tl::unexpected(fit.error());
+    (machine == &before ? out.before : out.next) = ModelEvidence{RecordOf(*fit, source), {}};
+  }
+  return out;
+}
+
+/// Both models on the same strokes; the logs are read once.
+Result<Evidence> OnLogs(const ModelChange& change, const Machine& before, const Machine& next) {
+  if (KindOf(before).has_states) return OnEpisodes(change, before, next);
+  const auto logs = ChooseLogs(change.logs, change.hold_out);
+  if (!logs) return tl::unexpected(logs.error());
+  auto strokes = ReadStrokes(logs->fitted, before, KeepSamples::kYes);
+  if (!strokes) return tl::unexpected(strokes.error());
+  const std::string source = fmt::format("{}", fmt::join(logs->fitted, ", "));
+  if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
+    return BadInput("{}: {}; without the log the model is changed unjudged", source, trust.rate.sentence);
+  Evidence out;
+  auto judged_before = JudgeModel(before, *strokes, source);
+  if (!judged_before) return tl::unexpected(judged_before.error());
+  out.before = std::move(*judged_before);
+  if (!logs->held_out.empty()) {
+    auto held_out = OnHeldOut(logs->held_out, *strokes, before, next);
+    if (!held_out) return tl::unexpected(held_out.error());
+    out.held_out = std::move(*held_out);
+  }
+  auto judged_next = JudgeModel(next, std::move(*strokes), source);
+  if (!judged_next) return tl::unexpected(judged_next.error());
+  out.next = std::move(*judged_next);
+  return out;
+}
+
+Result<Evidence> OnStrokes(const Database& database, const ModelChange& change,
+                           const std::vector<HistoryPart>& parts, const Machine& before,
+                           const Machine& next) {
+  const auto history = LoadHistory(database, change.history.db, parts, before);
+  if (!history) return tl::unexpected(history.error());
+  auto judged_before = JudgeModel(before, *history);
+  if (!judged_before) return tl::unexpected(judged_before.error());
+  auto judged_next = JudgeModel(next, *history);
+  if (!judged_next) return tl::unexpected(judged_next.error());
+  return Evidence{std::move(*judged_before), std::move(*judged_next), {}};
+}
+
+/// The one machine meant: the one named, that of the machine file, or the only one.
+Result<HistoryPart> OneMachine(Database& database, const HistoryOptions& o, const std::string& name) {
+  std::vector<std::string> names = o.machines;
+  if (names.empty() && !name.empty()) names = {name};
+  auto parts = ChosenMachines(database, o.db, names);
+  if (!parts) return tl::unexpected(parts.error());
+  if (parts->size() != 1) {
+    std::vector<std::string> known;
+    for (const HistoryPart& part : *parts) known.push_back(part.machine);
+    return UsageError("{} holds {} machines ({}); choose one with --machine-name", o.db, parts->size(),
+                      fmt::join(known, ", "));
+  }
+  if (const Status narrowed = Narrow(database, o.from, o.to, parts->front()); !narrowed)
+    return tl::unexpected(narrowed.error());
+  return parts->front();
+}
+
+Result<Evidence> Judge(const ModelChange& change, const Machine& before, const Machine& next) {
+  if (!change.logs.empty()) return OnLogs(change, before, next);
+  if (change.history.db.empty()) return Evidence{};
+  auto database = Database::OpenReadOnly(change.history.db);
+  if (!database) return tl::unexpected(database.error());
+  const auto part = OneMachine(*database, change.history, before.name);
+  if (!part) return tl::unexpected(part.error());
+  return OnStrokes(*database, change, {*part}, before, next);
+}
+
+std::string EvidenceHint(const Evidence& evidence, const std::string& path) {
+  return evidence.next
+             ? ""
+             : fmt::format(
+                   "Not judged on data yet. See the error with it: hydroscope compare LOG --machine {}\n",
+                   path);
+}
+
+/// The errors on the log held out, and what speaks against adding there.
+void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds, ModelChanged& changed) {
+  if (!evidence.held_out) return;
+  const auto& [before, after] = *evidence.held_out;
+  const DisplayUnit unit = DisplayUnitFor(evidence.next->record.unit);
+  changed.held_out = {{"log", after.log},
+                      {"strokes", after.strokes},
+                      {"before", before.rms * unit.factor},
+                      {"after", after.rms * unit.factor},
+                      {"unit", unit.name}};
+  changed.text += fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {} strokes\n", after.log,
+                              before.rms * unit.factor, after.rms * unit.factor, unit.name, after.strokes);
+  if (adds && !(after.rms < before.rms))
+    changed.warnings.push_back(
+        fmt::format("on {}, which was held out, {} does not lower the error", after.log, effect));
+}
+
+/// What a change did to the error, with what speaks against it.
+void TellError(const Machine& before, const Machine& next, const Evidence& evidence,
+               const std::string& effect, ModelChanged& changed) {
+  const bool adds = next.added_effects.size() > before.added_effects.size();
+  changed.error = LastStepJson(next);
+  if (adds) changed.warnings = AddingWarnings(next, effect);
+  TellHeldOut(evidence, effect, adds, changed);
+  for (const std::string& warning : changed.warnings) changed.text += fmt::format("WARNING: {}.\n", warning);
+}
+
+Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
+  const auto machine = LoadMachine(change.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  auto next = make_next(*machine, change.effect, NextVersion(change.machine, *machine));
+  if (!next) return tl::unexpected(next.error());
+  const auto evidence = Judge(change, *machine, *next);
+  if (!evidence) return tl::unexpected(evidence.error());
+  AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
+  const bool adds = next->added_effects.size() > machine->added_effects.size();
+  if (const auto kept = FindKept(change.machine, *machine, *next); kept && !adds && change.out.empty()) {
+    const auto beside = RestoreVersion(change.machine, machine->model_version, *kept);
+    if (!beside) return tl::unexpected(beside.error());
+    const auto restored = LoadMachine(change.machine);
+    if (!restored) return tl::unexpected(restored.error());
+    ModelChanged changed{
+        *restored,
+        fmt::format("{}: again model version {}, byte for byte\nThe version with {} is kept as {}\n{}",
+                    change.machine, restored->model_version, change.effect, *beside, LastStepText(*next)),
+        change.machine, true};
+    TellError(*machine, *next, *evidence, change.effect, changed);
+    return changed;
+  }
+  const std::string path = change.out.empty() ? change.machine : change.out;
+  const auto kept = WriteVersion(change.machine, path, machine->model_version, *next);
+  if (!kept) return tl::unexpected(kept.error());
+  std::string text =
+      fmt::format("{}: model version {}, {}\n", path, next->model_version, next->model_history.back().name);
+  if (!kept->empty()) text += fmt::format("The version before is kept as {}\n", *kept);
+  ModelChanged changed{*next, text + LastStepText(*next) + EvidenceHint(*evidence, path), path, false};
+  TellError(*machine, *next, *evidence, change.effect, changed);
+  return changed;
+}
+
+/// Stores a definition; returns its version in the database.
+Result<int> StoreModel(Database& database, const HistoryPart& part, const std::string& definition,
+                       const Machine& machine) {
+  const auto model = BuildModel(machine);
+  if (!model) return tl::unexpected(model.error());
+  return database.PutModelVersion(part.id,
+                                  {0, definition, (*model)->ColumnNames(), 0, (*model)->ConditionNames()});
+}
+
+Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_next) {
+  auto database = Database::Open(change.history.db);
+  if (!database) return tl::unexpected(database.error());
+  const auto part = OneMachine(*database, change.history, "");
+  if (!part) return tl::unexpected(part.error());
+  const auto versions = database->ModelVersions(part->id);
+  if (!versions) return tl::unexpected(versions.error());
+  const auto machine = NewestStoredModel(*database, *part);
+  if (!machine) return tl::unexpected(machine.error());
+  auto next = make_next(*machine, change.effect, NextVersion("", *machine));
+  if (!next) return tl::unexpected(next.error());
+  auto evidence = change.logs.empty() ? OnStrokes(*database, change, {*part}, *machine, *next)
+                                      : OnLogs(change, *machine, *next);
+  if (!evidence) return tl::unexpected(evidence.error());
+  AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
+  const auto stored =
+      StoreModel(*database, *part, EditedMachineText(versions->back().definition, *next), *next);
+  if (!stored) return tl::unexpected(stored.error());
+  ModelChanged changed{
+      *next,
+      fmt::format("{}: model version {} of {}, {}\n{}\nMake it the model of replay and monitor: hydroscope "
+                  "model promote --db {}\n",
+                  change.history.db, *stored, part->machine, next->model_history.back().name,
+                  LastStepText(*next), change.history.db),
+      change.history.db, false};
+  TellError(*machine, *next, *evidence, change.effect, changed);
+  return changed;
+}
+
+Result<std::string> TextOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) return BadInput("cannot read {}", path);
+  return text.str();
+}
+
+}  // namespace
+
+Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& part) {
+  const auto versions = database.ModelVersions(part.id);
+  if (!versions) return tl::unexpected(versions.error());
+  if (versions->empty()) return BadInput("machine {} has no model in the database yet", part.machine);
+  return ParseMachine(versions->back().definition, part.machine);
+}
+
+Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next) {
+  if (change.machine.empty() && change.history.db.empty())
+    return UsageError("give the machine file with --machine, or a database with --db");
+  if (!change.hold_out.empty() && change.logs.empty())
+    return UsageError("--hold-out needs other logs that the model is fitted to");
+  return change.machine.empty() ? ChangeDatabase(change, make_next) : ChangeFile(change, make_next);
+}
+
+Result<ModelChanged> UndoModel(const std::string& machine_file) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  std::vector<KeptVersion> kept = KeptVersions(machine_file);
+  std::erase_if(kept, [&](const KeptVersion& v) { return v.version >= machine->model_version; });
+  if (kept.empty())
+    return BadInput("{}: no version before {} is kept beside it", machine_file, machine->model_version);
+  const auto beside = RestoreVersion(machine_file, machine->model_version, kept.back());
+  if (!beside) return tl::unexpected(beside.error());
+  const auto restored = LoadMachine(machine_file);
+  if (!restored) return tl::unexpected(restored.error());
+  return ModelChanged{
+      *restored,
+      fmt::format("{}: again model version {}, byte for byte\nThe version taken back is kept as {}\n",
+                  machine_file, restored->model_version, *beside),
+      machine_file, true};
+}
+
+Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::string& machine_file,
+                                  int version) {
+  auto database = Database::Open(history.db);
+  if (!database) return tl::unexpected(database.error());
+  Result<Machine> machine = UsageError("no machine");
+  HistoryPart part;
+  if (!machine_file.empty()) {
+    machine = LoadMachine(machine_file);
+    if (!machine) return tl::unexpected(machine.error());
+    const auto id = database->MachineId(machine->name);
+    if (!id) return tl::unexpected(id.error());
+    part = {machine->name, *id, 0, 0};
+    const auto text = TextOf(machine_file);
+    if (!text) return tl::unexpected(text.error());
+    const auto stored = StoreModel(*database, part, *text, *machine);
+    if (!stored) return tl::unexpected(stored.error());
+    version = *stored;
+  } else {
+    const auto found = OneMachine(*database, history, "");
+    if (!found) return tl::unexpected(found.error());
+    part = *found;
+    const auto versions = database->ModelVersions(part.id);
+    if (!versions) return tl::unexpected(versions.error());
+    if (version == 0 && !versions->empty()) version = versions->back().version;
+    const auto chosen = database->GetModelVersion(part.id, version);
+    if (!chosen) return tl::unexpected(chosen.error());
+    machine = ParseMachine(chosen->definition, part.machine);
+    if (!machine) return tl::unexpected(machine.error());
+  }
+  if (const Status promoted = database->PromoteModel(part.id, version); !promoted)
+    return tl::unexpected(promoted.error());
+  return ModelChanged{*machine,
+                      fmt::format("{}: version {} of {} ({}) is the model of replay and monitor now\n",
+                                  history.db, version, part.machine, ModelName(*machine)),
+                      history.db, false};
+}
+
+}  // namespace hydroscope

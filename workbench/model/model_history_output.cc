@@ -1,0 +1,199 @@
+#include "workbench/model/model_history_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/constants.h"
+#include "core/interval_text.h"
+#include "core/units.h"
+#include "workbench/fit_output.h"
+#include "workbench/model/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+double Shown(const ModelRecord& record, double si) { return si * DisplayUnitFor(record.unit).factor; }
+std::string_view ShownUnit(const ModelRecord& record) { return DisplayUnitFor(record.unit).name; }
+
+const RecordedValue* Find(const ModelRecord& record, const std::string& name) {
+  for (const RecordedValue& value : record.parameters)
+    if (value.name == name) return &value;
+  return nullptr;
+}
+
+std::string Staircase(const std::vector<ModelRecord>& history) {
+  constexpr int kBar = 30;
+  double most = 0;
+  for (const ModelRecord& record : history) most = std::max({most, record.rms_holdout, record.noise_floor});
+  std::string text;
+  for (const ModelRecord& record : history) {
+    if (!record.judged()) {
+      text += fmt::format("  {:>3}  {:<34} not judged\n", record.version, record.name);
+      continue;
+    }
+    const auto mark = [&](double rms) { return static_cast<int>(std::lround(kBar * rms / most)); };
+    std::string bar(static_cast<std::size_t>(mark(record.rms_holdout)), '#');
+    bar.resize(kBar + 1, ' ');
+    bar[static_cast<std::size_t>(mark(record.noise_floor))] = '|';
+    text += fmt::format("  {:>3}  {:<34} {:>8.3g}  {}  {} strokes of {}\n", record.version, record.name,
+                        Shown(record, record.rms_holdout), bar, record.strokes, record.source);
+  }
+  return text;
+}
+
+/// Rows of parameters, a column per judged version.
+std::string Parameters(const std::vector<const ModelRecord*>& judged) {
+  std::vector<std::string> names;
+  for (const ModelRecord* record : judged)
+    for (const RecordedValue& value : record->parameters)
+      if (std::find(names.begin(), names.end(), value.name) == names.end()) names.push_back(value.name);
+  std::string text = fmt::format("  {:<28}", "");
+  for (const ModelRecord* record : judged)
+    text += fmt::format(" {:>28}", fmt::format("version {}", record->version));
+  text += "\n";
+  for (const std::string& name : names) {
+    text += fmt::format("  {:<28}", name);
+    for (const ModelRecord* record : judged) {
+      const RecordedValue* value = Find(*record, name);
+      text += fmt::format(" {:>29}",
+                          value == nullptr ? "-" : ShownWithInterval(value->value, value->std, value->unit));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::vector<const ModelRecord*> Judged(const std::vector<ModelRecord>& history) {
+  std::vector<const ModelRecord*> judged;
+  for (const ModelRecord& record : history)
+    if (record.judged()) judged.push_back(&record);
+  return judged;
+}
+
+/// The last two versions of a history, if both were judged.
+std::optional<std::pair<const ModelRecord*, const ModelRecord*>> LastStep(const Machine& machine) {
+  const auto& history = machine.model_history;
+  if (history.size() < 2 || !history.back().judged() || !history[history.size() - 2].judged())
+    return std::nullopt;
+  return std::make_pair(&history[history.size() - 2], &history.back());
+}
+
+}  // namespace
+
+std::string ModelHistoryText(const Machine& machine) {
+  std::string text =
+      fmt::format("{}: model {}, version {}\n", machine.name, machine.model, machine.model_version);
+  if (machine.model_history.empty())
+    return text + "No history: 'hydroscope model add EFFECT LOG' writes it.\n";
+  std::vector<const ModelRecord*> judged = Judged(machine.model_history);
+  text += fmt::format("\nError on strokes left out{}; | is what sensor noise alone would cause\n",
+                      judged.empty() ? "" : fmt::format(", {}", ShownUnit(*judged.front())));
+  text += Staircase(machine.model_history);
+  constexpr std::size_t kColumns = 4;
+  if (judged.size() > kColumns) judged.erase(judged.begin(), judged.end() - kColumns);
+  if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(judged);
+  return text;
+}
+
+std::string LastStepText(const Machine& machine) {
+  const auto step = LastStep(machine);
+  if (!step) return "";
+  const ModelRecord &before = *step->first, &after = *step->second;
+  return fmt::format(
+      "Error on strokes left out: {:.3g} -> {:.3g} {}; sensor noise alone would cause {:.3g}\n\n{}",
+      Shown(before, before.rms_holdout), Shown(after, after.rms_holdout), ShownUnit(after),
+      Shown(after, after.noise_floor), Parameters({&before, &after}));
+}
+
+std::vector<std::string> AddingWarnings(const Machine& machine, const std::string& effect) {
+  const auto step = LastStep(machine);
+  if (!step) return {};
+  const ModelRecord &before = *step->first, &after = *step->second;
+  std::vector<std::string> warnings;
+  if (!(after.rms_holdout < before.rms_holdout))
+    warnings.push_back(fmt::format(
+        "{} makes the model no better: on strokes left out the error is {:.3g} {} with it and {:.3g} {} "
+        "without. Take it out again with 'hydroscope model undo' or 'model remove {}'",
+        effect, Shown(after, after.rms_holdout), ShownUnit(after), Shown(before, before.rms_holdout),
+        ShownUnit(before), effect));
+  for (const RecordedValue& value : after.parameters)
+    if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
+      warnings.push_back(fmt::format("the size of {} cannot be told from zero: {}", effect,
+                                     ShownWithInterval(value.value, value.std, value.unit)));
+  return warnings;
+}
+
+nlohmann::json LastStepJson(const Machine& machine) {
+  const auto step = LastStep(machine);
+  if (!step) return nullptr;
+  const ModelRecord &before = *step->first, &after = *step->second;
+  return {{"before", Shown(before, before.rms_holdout)},
+          {"after", Shown(after, after.rms_holdout)},
+          {"noise_floor", Shown(after, after.noise_floor)},
+          {"unit", ShownUnit(after)}};
+}
+
+nlohmann::json ModelHistoryJson(const Machine& machine) {
+  nlohmann::json versions = nlohmann::json::array();
+  for (const ModelRecord& record : machine.model_history) {
+    nlohmann::json entry = {
+        {"version", record.version}, {"name", record.name},       {"effects", record.effects},
+        {"source", nullptr},         {"strokes", record.strokes}, {"rms_holdout", nullptr},
+        {"noise_floor", nullptr},    {"unit", ShownUnit(record)}, {"parameters", nlohmann::json::object()}};
+    if (record.judged()) {
+      entry["source"] = record.source;
+      entry["rms_holdout"] = Shown(record, record.rms_holdout);
+      entry["noise_floor"] = Shown(record, record.noise_floor);
+    }
+    for (const RecordedValue& v : record.parameters)
+      entry["parameters"][v.name] = {
+          {"value", v.value},
+          {"std", v.std},
+          {"unit", v.unit},
+          {"interval95", {v.value - kNormal95 * v.std, v.value + kNormal95 * v.std}}};
+    versions.push_back(std::move(entry));
+  }
+  return {{"machine", machine.name},
+          {"model_version", machine.model_version},
+          {"effects", machine.added_effects},
+          {"versions", versions}};
+}
+
+std::string StoredVersionsText(const std::vector<ModelVersion>& versions) {
+  int latest = 0;
+  for (const ModelVersion& v : versions) latest = std::max(latest, v.promoted);
+  std::string text = "\nIn the database\n";
+  for (const ModelVersion& v : versions) {
+    const auto machine = ParseMachine(v.definition, "model");
+    text += fmt::format("  {:>3}  {}{}\n", v.version,
+                        machine ? fmt::format("{} (model version {} of its file)", ModelName(*machine),
+                                              machine->model_version)
+                                : std::string("written by another program version"),
+                        v.promoted == 0        ? ""
+                        : v.promoted == latest ? "   <- the model of replay and monitor"
+                                               : "   promoted before");
+  }
+  return text;
+}
+
+nlohmann::json StoredVersionsJson(const std::vector<ModelVersion>& versions) {
+  int latest = 0;
+  for (const ModelVersion& v : versions) latest = std::max(latest, v.promoted);
+  nlohmann::json out = nlohmann::json::array();
+  for (const ModelVersion& v : versions) {
+    const auto machine = ParseMachine(v.definition, "model");
+    out.push_back({{"version", v.version},
+                   {"effects", machine ? nlohmann::json(machine->added_effects) : nlohmann::json()},
+                   {"model_version", machine ? nlohmann::json(machine->model_version) : nlohmann::json()},
+                   {"promoted", v.promoted > 0},
+                   {"in_force", latest > 0 && v.promoted == latest}});
+  }
+  return out;
+}
+
+}  // namespace hydroscope

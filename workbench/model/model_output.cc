@@ -1,0 +1,146 @@
+#include "workbench/model/model_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/constants.h"
+#include "core/effect_units.h"
+#include "core/units.h"
+#include "models/effect.h"
+#include "models/expressions/user_effect.h"
+#include "models/machine_file/keys.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+std::vector<std::string> NeededSignals(const MachineKind& kind, const Effect& effect) {
+  std::vector<std::string> names;
+  for (const int channel : effect.channels)
+    names.emplace_back(kind.channels[static_cast<std::size_t>(channel)]);
+  return names;
+}
+
+/// SI unit of a geometry value, "" if the model does not know it.
+std::string_view SiOf(const Machine& machine, const std::string& name) {
+  for (const MachineInput& input : KindOf(machine).geometry)
+    if (input.name == name) return input.si;
+  return "";
+}
+
+std::string OrDash(const std::vector<std::string>& words) {
+  return words.empty() ? "-" : fmt::format("{}", fmt::join(words, ", "));
+}
+
+const MachineKind& KindOfAny(const Machine* machine) {
+  return machine == nullptr ? *MachineKinds().front() : KindOf(*machine);
+}
+
+/// The library of the machine's balance, then its own effects.
+std::vector<Effect> EffectsOf(const Machine* machine) {
+  std::vector<Effect> effects;
+  const MachineKind& kind = KindOfAny(machine);
+  if (kind.effects != nullptr)
+    for (const auto& effect : kind.effects({})) effects.push_back(*effect);
+  if (machine != nullptr)
+    for (const UserEffectSpec& spec : machine->user_effects)
+      effects.push_back(DescribeUserEffect(*machine, spec, std::string(OutputSi(*machine))));
+  return effects;
+}
+
+std::string EffectText(const MachineKind& kind, const Effect& e) {
+  const EffectUnit unit = EffectUnitFor(e.unit);
+  std::string text = fmt::format("{}: {}\n  {}\n  law            {}   ({})\n  parameter      {}", e.id,
+                                 e.title, e.plain, e.law, e.source, e.parameter);
+  text += std::isfinite(e.typical)
+              ? fmt::format(", typically {:.3g} {}\n", e.typical * unit.factor, unit.name)
+              : fmt::format(", {}\n", unit.name.empty() ? "unit not given" : unit.name);
+  for (const NonlinearParameter& n : e.nonlinear) {
+    const EffectUnit shown = EffectUnitFor(n.unit);
+    text += fmt::format("                 {}, found between {:.3g} and {:.3g} {}\n", n.name,
+                        n.min * shown.factor, n.max * shown.factor, shown.name);
+  }
+  text += fmt::format("  confused with  {}\n  hidden in      {}\n", OrDash(e.confused_with), e.hidden_in);
+  if (!e.told_apart_by.empty()) text += fmt::format("  told apart by  {}\n", e.told_apart_by);
+  if (!e.measured_by.empty()) text += fmt::format("  measured by    {}\n", e.measured_by);
+  if (!e.channels.empty())
+    text += fmt::format("  needs signal   {}\n", fmt::join(NeededSignals(kind, e), ", "));
+  return text;
+}
+
+nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
+  nlohmann::json nonlinear = nlohmann::json::array();
+  for (const NonlinearParameter& n : e.nonlinear)
+    nonlinear.push_back({{"name", n.name}, {"unit", n.unit}, {"min", n.min}, {"max", n.max}});
+  return {{"id", e.id},
+          {"title", e.title},
+          {"law", e.law},
+          {"source", e.source},
+          {"parameter", e.parameter},
+          {"unit", e.unit},
+          {"min", e.min},
+          {"max", e.max},
+          {"typical", e.typical},
+          {"nonlinear", nonlinear},
+          {"confused_with", e.confused_with},
+          {"hidden_in", e.hidden_in},
+          {"plain", e.plain},
+          {"told_apart_by", e.told_apart_by},
+          {"measured_by", e.measured_by},
+          {"signals", NeededSignals(kind, e)}};
+}
+
+}  // namespace
+
+std::string EffectsText(const Machine* machine) {
+  std::string text =
+      machine == nullptr
+          ? fmt::format("Effects that the model of a {} may be missing\n", KindOfAny(machine).title)
+          : fmt::format("Effects that the model of {} may be missing\n", machine->name);
+  for (const Effect& effect : EffectsOf(machine)) text += "\n" + EffectText(KindOfAny(machine), effect);
+  return text + "\nAdd one to a machine: hydroscope model add internal_leakage --machine press.toml\n";
+}
+
+nlohmann::json EffectsJson(const Machine* machine) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Effect& effect : EffectsOf(machine)) out.push_back(EffectJson(KindOfAny(machine), effect));
+  return {{"effects", out}};
+}
+
+std::string ModelText(const Machine& machine) {
+  std::string text =
+      fmt::format("{}: model {}, version {}\n", machine.name, machine.model, machine.model_version);
+  if (!machine.description.empty()) text += fmt::format("{}\n", machine.description);
+  text += "\nKnown\n";
+  for (const auto& [name, known] : machine.geometry) {
+    const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
+    text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
+    if (known.std > 0) text += fmt::format(" ± {:.2g}", kNormal95 * known.std * unit.factor);
+    text += fmt::format(" {}\n", unit.name);
+  }
+  text += "\nSignals\n";
+  for (const SignalSpec& signal : machine.signals)
+    text += fmt::format("  {:<8} column {}, {}\n", signal.name, signal.column, signal.unit);
+  text += "\nEffects that are part of the model\n";
+  if (machine.added_effects.empty()) text += "  none: the base balance alone\n";
+  for (const std::string& id : machine.added_effects)
+    for (const Effect& effect : EffectsOf(&machine))
+      if (effect.id == id) text += fmt::format("  {:<28} {}; {}\n", id, effect.title, effect.law);
+  return text + "\nThe values of its parameters come from data: hydroscope compare LOG --machine FILE\n";
+}
+
+nlohmann::json ModelJson(const Machine& machine) {
+  nlohmann::json geometry = nlohmann::json::object();
+  for (const auto& [name, known] : machine.geometry)
+    geometry[name] = {{"value", known.value}, {"std", known.std}};
+  nlohmann::json signals = nlohmann::json::array();
+  for (const SignalSpec& signal : machine.signals) signals.push_back(signal.name);
+  return {
+      {"machine", machine.name},          {"model", machine.model}, {"model_version", machine.model_version},
+      {"effects", machine.added_effects}, {"geometry", geometry},   {"signals", signals}};
+}
+
+}  // namespace hydroscope
