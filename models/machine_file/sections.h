@@ -46,7 +46,7 @@ void CheckAddressRanges(TableReader& section, const char* key, const std::vector
 /// SI unit of a unit of the file; "1" if it is not known.
 std::string SiOf(const std::string& unit);
 
-/// Parts of [balance] and [[effect]] (machine_sections_expressions.cc).
+/// Parts of [balance] and [[effect]] (sections_expressions.cc).
 /// terms = { F_c = "sign(ddt(x))" } or { F_c = { expression = "sign(ddt(x))", unit = "N" } }; every expression is
 /// checked against `names`.
 std::vector<TermSpec> ReadTerms(TableReader& section, const std::string& key, const ExpressionNames& names,
