@@ -94,7 +94,8 @@ void CheckId(TableReader& section, const Machine& machine, const UserEffectSpec&
   if (!ids.insert(effect.id).second) section.Wrong("id", "an id that no other effect has");
   const MachineKind& kind = KindOf(machine);
   if (kind.effects == nullptr) return;
-  for (const auto& built_in : kind.effects({}))
+  const Machine any;
+  for (const auto& built_in : kind.effects(any))
     if (built_in->id == effect.id) section.Wrong("id", "another id: an effect of the library is called so");
 }
 
