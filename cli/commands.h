@@ -18,6 +18,7 @@ namespace hydroscope {
   _(Compare)                   \
   _(Explain)                   \
   _(Model)                     \
+  _(Open)                      \
   _(Frf)                       \
   _(Replay)                    \
   _(Trends)                    \

@@ -11,6 +11,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/progress_listener.h"
 #include "host/wrapped_text.h"
 
 namespace hydroscope {
@@ -19,6 +20,11 @@ namespace {
 constexpr int kUsualWidth = 80, kLeastWidth = 40;  // characters
 
 bool quiet = false;
+
+ProgressListener& Listener() {
+  static ProgressListener listener;
+  return listener;
+}
 
 std::size_t LineWidth() {
   winsize window{};
@@ -65,6 +71,8 @@ Status WriteJson(const std::string& path, nlohmann::json document) {
 
 void BeQuiet() { quiet = true; }
 
+void ListenToProgress(ProgressListener listener) { Listener() = std::move(listener); }
+
 void Say(const std::string& text) {
   if (!quiet) std::cout << WrappedText(text, LineWidth()) << std::flush;
 }
@@ -81,10 +89,12 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::Update(double share, std::int64_t count) {
-  if (!terminal_) return;
+  if (!terminal_ && !Listener()) return;
   const auto now = std::chrono::steady_clock::now();
   if (now - last_draw_ < std::chrono::milliseconds(100)) return;
   last_draw_ = now;
+  if (Listener()) Listener()(what_, share);
+  if (!terminal_) return;
   drawn_ = true;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double rate = static_cast<double>(count) / elapsed;

@@ -15,6 +15,7 @@ targets=(
   replay/csv               # logs as text
   storage/blobs            # raw rows and Grams of a database
   pipeline/run_summary      # JSON in a database
+  page/api_arguments       # bodies of requests to the page
   diagnosis/rules          # rules of the drift watch
   alarms/feeds/requests    # Modbus requests to the service
   alarms/feeds/payload     # commands by MQTT Sparkplug
@@ -31,6 +32,7 @@ fuzz() {
     rules) cp -n machines/*_rules.toml "$corpus/" ;;
     csv) cp -n tests/fuzz_seeds/log.csv "$corpus/" ;;
     mat) cp -n tests/fuzz_seeds/*.mat "$corpus/" ;;
+    api_arguments) cp -n tests/fuzz_seeds/page_mapping.json "$corpus/" ;;
     requests) cp -n tests/fuzz_seeds/modbus_requests.bin "$corpus/" ;;
   esac
   local memory=(-rss_limit_mb=2048)

@@ -27,26 +27,31 @@ done
 
 # Some packages of nodejs bring npm along and conflict with the one of its own.
 command -v npm >/dev/null || packages+=(npm)
+command -v chromium >/dev/null || packages+=(chromium fonts-dejavu-core)  # in which the page is tested
 
 missing=()
 for package in "${packages[@]}"; do
   state=$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)
   [[ $state == ii* || $state == hi* ]] || missing+=("$package")
 done
-decoder=$(dirname "$0")/../alarms/feeds/sparkplug/decoder  # with what tests of MQTT payloads decode them
-if [[ ${#missing[@]} -eq 0 && -d $decoder/node_modules ]]; then
+root=$(dirname "$0")/..
+fetch=()  # folders whose npm packages are missing or older than their list
+for folder in "$root/alarms/feeds/sparkplug/decoder" "$root/web"; do  # decodes MQTT payloads in tests | the page
+  [[ $folder/node_modules/.package-lock.json -nt $folder/package-lock.json ]] || fetch+=("$folder")
+done
+if [[ ${#missing[@]} -eq 0 && ${#fetch[@]} -eq 0 ]]; then
   echo "setup: all ${#packages[@]} packages are there"
   exit 0
 fi
 
 if [[ ${#missing[@]} -gt 0 ]]; then
   echo "setup: installing ${missing[*]}"
-  root=()
-  if [[ $(id -u) -ne 0 ]]; then root=(sudo); fi
-  apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+  as_root=()
+  if [[ $(id -u) -ne 0 ]]; then as_root=(sudo); fi
+  apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
   "${apt[@]}" update
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
 fi
-if [[ ! -d $decoder/node_modules ]]; then
-  npm ci --prefix "$decoder" --no-audit --no-fund --ignore-scripts
-fi
+for folder in "${fetch[@]}"; do
+  npm ci --prefix "$folder" --no-audit --no-fund --ignore-scripts
+done

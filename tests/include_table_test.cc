@@ -44,6 +44,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"review",
      {"core", "models", "estimation", "storage", "replay", "host", "pipeline", "workbench", "monitor",
       "report"}},
+    {"page",
+     {"core", "models", "estimation", "diagnosis", "storage", "replay", "host", "pipeline", "setup",
+      "workbench"}},
     {"live",
      {"core", "models", "acquisition", "estimation", "storage", "alarms", "host", "pipeline", "monitor"}},
     {"studies",
@@ -51,7 +54,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "host", "pipeline", "workbench", "report", "review", "live"}},
     {"cli",
      {"core", "models", "acquisition", "estimation", "diagnosis", "storage", "alarms", "replay", "simulator",
-      "host", "pipeline", "setup", "workbench", "monitor", "report", "review", "live", "studies"}},
+      "host", "pipeline", "setup", "workbench", "monitor", "report", "review", "page", "live", "studies"}},
 };
 
 /// A word that only files whose path begins with one of `places` may contain.
@@ -79,7 +82,7 @@ const std::vector<Reserved> kReservedWords = {
     {"std::time(", {"dds/shared_memory.cc"}},  // age of what killed processes left behind
     {"getenv", {"host/", "cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
-    {"<sys/socket.h>", {"live/", "studies/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
+    {"<sys/socket.h>", {"live/", "page/", "studies/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
     {"sleep_for", {"live/", "studies/", "cli/"}},
 };
 
@@ -94,6 +97,7 @@ const std::set<std::string> kKnowTheCushion = {
 const std::map<std::string, std::string> kNameThings = {
     {"setup/column_names.cc", "what logs call the signals of hydraulic machines, whatever the machine"},
     {"models/machine.h", "signals that [valve] means where it names none"},
+    {"cli/open.cc", "simulated presses that the page offers as examples"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
     {"diagnosis/experiment/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
     {"workbench/explain/what_to_record.cc", "what tells effects apart"},

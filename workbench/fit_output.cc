@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/units.h"
 #include "models/effect.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/explain/headline.h"
 #include "workbench/model/model_record.h"

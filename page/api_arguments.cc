@@ -1,0 +1,185 @@
+#include "page/api_arguments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace hydroscope {
+namespace {
+
+using Kind = WorkRequest::Kind;
+
+constexpr std::pair<Kind, const char*> kWorkNames[] = {
+    {Kind::kCheck, "check"},     {Kind::kFit, "fit"},         {Kind::kCompare, "compare"},
+    {Kind::kExplain, "explain"}, {Kind::kPicture, "picture"}, {Kind::kPreview, "preview"},
+    {Kind::kAdd, "add"},         {Kind::kRemove, "remove"},   {Kind::kRestore, "restore"}};
+
+constexpr std::size_t kLongestText = 400;   ///< characters of a name
+constexpr std::size_t kMostColumns = 2000;  ///< of a log
+constexpr std::size_t kLongestFileName = 120;
+
+Result<nlohmann::json> ParseObject(const std::string& body) {
+  nlohmann::json json = nlohmann::json::parse(body, nullptr, false);
+  if (!json.is_object()) return BadInput("the body is no JSON object");
+  return json;
+}
+
+/// Text under `key`; "" if the key is absent.
+Result<std::string> Text(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return std::string();
+  if (!found->is_string()) return BadInput("{}: found {}, expected text", key, found->type_name());
+  std::string text = found->get<std::string>();
+  if (text.size() > kLongestText) return BadInput("{}: longer than {} characters", key, kLongestText);
+  return text;
+}
+
+Result<double> Number(const nlohmann::json& value, const std::string& key) {
+  if (!value.is_number()) return BadInput("{}: found {}, expected a number", key, value.type_name());
+  const double number = value.get<double>();
+  if (!std::isfinite(number)) return BadInput("{}: the number is too large", key);
+  return number;
+}
+
+/// Number under `key`; nothing if absent or null.
+Result<std::optional<double>> OptionalNumber(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return std::optional<double>();
+  const auto number = Number(*found, key);
+  if (!number) return tl::unexpected(number.error());
+  return std::optional<double>(*number);
+}
+
+Result<bool> Flag(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return false;
+  if (!found->is_boolean()) return BadInput("{}: found {}, expected true or false", key, found->type_name());
+  return found->get<bool>();
+}
+
+/// The array under `key`, empty if absent.
+Result<nlohmann::json> Array(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return nlohmann::json::array();
+  if (!found->is_array()) return BadInput("{}: found {}, expected a list", key, found->type_name());
+  if (found->size() > kMostColumns) return BadInput("{}: more than {} entries", key, kMostColumns);
+  for (const nlohmann::json& entry : *found)
+    if (!entry.is_object()) return BadInput("{}: found {}, expected objects", key, entry.type_name());
+  return *found;
+}
+
+Result<ColumnMapping::Entry> ParseEntry(const nlohmann::json& json) {
+  auto column = Text(json, "column"), signal = Text(json, "signal"), unit = Text(json, "unit");
+  for (const auto* text : {&column, &signal, &unit})
+    if (!*text) return tl::unexpected(text->error());
+  return ColumnMapping::Entry{*column, *signal, *unit};
+}
+
+Result<GateBound> ParseBound(const nlohmann::json& json) {
+  const auto signal = Text(json, "signal");
+  if (!signal) return tl::unexpected(signal.error());
+  const auto rate = Flag(json, "rate"), magnitude = Flag(json, "magnitude");
+  for (const auto* flag : {&rate, &magnitude})
+    if (!*flag) return tl::unexpected(flag->error());
+  const auto min = OptionalNumber(json, "min"), max = OptionalNumber(json, "max");
+  for (const auto* number : {&min, &max})
+    if (!*number) return tl::unexpected(number->error());
+  return GateBound{*signal, *rate, *min, *max, *magnitude};
+}
+
+Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>& geometry) {
+  const auto found = object.find("geometry");
+  if (found == object.end()) return {};
+  if (!found->is_object()) return BadInput("geometry: found {}, expected an object", found->type_name());
+  for (const auto& [name, value] : found->items()) {
+    const auto number = Number(value, "geometry." + name);
+    if (!number) return tl::unexpected(number.error());
+    geometry[name] = *number;
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* WorkName(Kind kind) {
+  for (const auto& [known, name] : kWorkNames)
+    if (known == kind) return name;
+  return "";
+}
+
+Result<WorkRequest> ParseWorkRequest(const std::string& body) {
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  const auto kind = Text(*json, "kind"), effect = Text(*json, "effect"), log = Text(*json, "log");
+  for (const auto* text : {&kind, &effect, &log})
+    if (!*text) return tl::unexpected(text->error());
+  const auto named = std::find_if(std::begin(kWorkNames), std::end(kWorkNames),
+                                  [&](const auto& k) { return *kind == k.second; });
+  if (named == std::end(kWorkNames)) {
+    std::vector<std::string> known;
+    for (const auto& [value, name] : kWorkNames) known.emplace_back(name);
+    return BadInput("kind: found '{}', expected one of {}", *kind, fmt::join(known, ", "));
+  }
+  WorkRequest request{named->first, *effect, 0, *log};
+  const bool about_effect =
+      request.kind == Kind::kPreview || request.kind == Kind::kAdd || request.kind == Kind::kRemove;
+  if (about_effect && effect->empty()) return BadInput("effect: expected the id of an effect");
+  const auto version = OptionalNumber(*json, "version");
+  if (!version) return tl::unexpected(version.error());
+  if (request.kind == Kind::kRestore) {
+    const double number = version->value_or(0);
+    if (number < 1 || number > 1e8 || number != std::floor(number))
+      return BadInput("version: expected a number of a version, 1 or more");
+    request.version = static_cast<int>(number);
+  }
+  return request;
+}
+
+Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  ColumnMapping mapping;
+  const auto columns = Array(*json, "columns");
+  if (!columns) return tl::unexpected(columns.error());
+  for (const nlohmann::json& column : *columns) {
+    auto entry = ParseEntry(column);
+    if (!entry) return tl::unexpected(entry.error());
+    mapping.columns.push_back(std::move(*entry));
+  }
+  if (const Status geometry = ParseGeometry(*json, mapping.geometry); !geometry)
+    return tl::unexpected(geometry.error());
+  if (!json->contains("gate")) return mapping;
+  const auto gate = Array(*json, "gate");
+  if (!gate) return tl::unexpected(gate.error());
+  mapping.gate.emplace();
+  for (const nlohmann::json& bound : *gate) {
+    auto parsed = ParseBound(bound);
+    if (!parsed) return tl::unexpected(parsed.error());
+    mapping.gate->push_back(std::move(*parsed));
+  }
+  return mapping;
+}
+
+Result<std::string> ParseText(const std::string& body, const std::string& key) {
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  return Text(*json, key.c_str());
+}
+
+std::string PlainFileName(const std::string& name) {
+  const std::size_t folder = name.find_last_of("/\\");
+  std::string plain;
+  for (const char c : folder == name.npos ? name : name.substr(folder + 1)) {
+    const bool fine = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '-' || c == '_' || c == '.';
+    plain += fine ? c : '_';
+  }
+  if (plain.size() > kLongestFileName) plain.erase(0, plain.size() - kLongestFileName);  // the ending tells
+  plain.erase(0, std::min(plain.find_first_not_of('.'), plain.size()));
+  return plain;
+}
+
+}  // namespace hydroscope

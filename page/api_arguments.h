@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "models/machine.h"
+
+namespace hydroscope {
+
+/// What a page may ask to be worked out.
+struct WorkRequest {
+  enum class Kind { kCheck, kFit, kCompare, kExplain, kPicture, kPreview, kAdd, kRemove, kRestore };
+  Kind kind = Kind::kCheck;
+  std::string effect;  ///< kPreview, kAdd, kRemove
+  int version = 0;     ///< kRestore
+  std::string log;     ///< kPicture; "" = the first
+};
+const char* WorkName(WorkRequest::Kind kind);
+/// Of {"kind": ..., "effect": ..., "version": ..., "log": ...}. Errors name the key, what it holds, and what was expected.
+Result<WorkRequest> ParseWorkRequest(const std::string& body);
+
+/// Columns of a log on the sensors of a machine, as a person put them.
+struct ColumnMapping {
+  struct Entry {
+    std::string column;  ///< LogColumn::reference
+    std::string signal;  ///< name in a machine file, "time"; "" = not used
+    std::string unit;    ///< "" = as proposed
+  };
+  std::vector<Entry> columns;
+  std::map<std::string, double> geometry;      ///< by name, SI
+  std::optional<std::vector<GateBound>> gate;  ///< nothing: as proposed
+};
+/// Of {"columns": [{"column", "signal", "unit"}], "geometry": {name: SI}, "gate": [{"signal", "rate", "magnitude", "min",
+/// "max"}]}; all may be absent.
+Result<ColumnMapping> ParseColumnMapping(const std::string& body);
+
+/// The value of `key` in {"key": "text"}. Error: it is none.
+Result<std::string> ParseText(const std::string& body, const std::string& key);
+
+/// A file name without a folder that may be written: letters, digits, - _ . and no dot in front; made so where it is not.
+/// "" if nothing is left.
+std::string PlainFileName(const std::string& name);
+
+}  // namespace hydroscope

@@ -1,0 +1,17 @@
+// libFuzzer target: whatever a request's body holds, it is read or refused, and names of uploads lead nowhere else.
+#include <cstdlib>
+
+#include "page/api_arguments.h"
+#include "page/own_effect.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace hydroscope;
+  const std::string body(reinterpret_cast<const char*>(data), size);
+  (void)ParseWorkRequest(body);
+  (void)ParseColumnMapping(body);
+  (void)ParseText(body, "name");
+  (void)ParseOwnEffect(body);
+  const std::string name = PlainFileName(body);
+  if (name.find('/') != name.npos || name.starts_with('.')) std::abort();
+  return 0;
+}

@@ -1,0 +1,197 @@
+#include "page/http_server.h"
+
+#include <arpa/inet.h>
+#include <microhttpd.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+
+#include "page/request_guard.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr unsigned kMostConnections = 320;       ///< of all pages that are open
+constexpr unsigned kIdle = 30;                   ///< s without a byte after which a connection is closed
+constexpr std::size_t kMostHeaders = 32 * 1024;  ///< bytes of a connection's buffers, head included
+constexpr std::size_t kEventPiece = 4096;        ///< bytes of a stream handed over at a time
+
+/// What every answer carries: nothing from elsewhere is loaded, and no other page may show this one.
+constexpr std::pair<const char*, const char*> kHeaders[] = {
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; font-src 'self'; connect-src "
+     "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Resource-Policy", "same-origin"}};
+
+struct OpenRequest {
+  HttpRequest request;
+  std::ofstream file;
+  std::int64_t received = 0;
+};
+
+struct EventStream {
+  EventFeed* feed;
+  MHD_Connection* connection;
+  std::uint64_t position;
+};
+
+std::string Header(MHD_Connection* connection, const char* name) {
+  const char* value = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+  return value == nullptr ? "" : value;
+}
+
+MHD_Result AddQuery(void* request, MHD_ValueKind, const char* name, const char* value) {
+  static_cast<HttpRequest*>(request)->query[name] = value == nullptr ? "" : value;
+  return MHD_YES;
+}
+
+HttpRequest HeadOf(MHD_Connection* connection, const char* url, const char* method) {
+  HttpRequest request;
+  request.method = method;
+  request.path = url;
+  MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, AddQuery, &request);
+  request.host = Header(connection, "Host");
+  request.origin = Header(connection, "Origin");
+  request.fetch_site = Header(connection, "Sec-Fetch-Site");
+  request.token = Header(connection, "X-Hydroscope-Token");
+  const std::string length = Header(connection, "Content-Length");
+  std::from_chars(length.data(), length.data() + length.size(), request.length);
+  return request;
+}
+
+MHD_Result Queue(MHD_Connection* connection, unsigned status, MHD_Response* response) {
+  for (const auto& [name, value] : kHeaders) MHD_add_response_header(response, name, value);
+  const MHD_Result queued = MHD_queue_response(connection, status, response);
+  MHD_destroy_response(response);
+  return queued;
+}
+
+MHD_Result Send(MHD_Connection* connection, const HttpReply& reply) {
+  MHD_Response* response = MHD_create_response_from_buffer(
+      reply.body.size(), const_cast<char*>(reply.body.data()), MHD_RESPMEM_MUST_COPY);
+  MHD_add_response_header(response, "Content-Type", reply.type.c_str());
+  if (reply.gzipped) MHD_add_response_header(response, "Content-Encoding", "gzip");
+  MHD_add_response_header(response, "Cache-Control",
+                          reply.stays ? "public, max-age=31536000, immutable" : "no-store");
+  return Queue(connection, reply.status, response);
+}
+
+ssize_t NextEvents(void* self, std::uint64_t, char* buffer, std::size_t most) {
+  auto* stream = static_cast<EventStream*>(self);
+  MHD_Connection* connection = stream->connection;
+  const EventFeed::Piece piece = stream->feed->Read(
+      stream->position, most, [connection] { MHD_suspend_connection(connection); },
+      [connection] { MHD_resume_connection(connection); });
+  if (piece.ended) return MHD_CONTENT_READER_END_OF_STREAM;
+  std::memcpy(buffer, piece.text.data(), piece.text.size());
+  return static_cast<ssize_t>(piece.text.size());
+}
+
+MHD_Result SendEvents(MHD_Connection* connection, EventFeed& feed) {
+  // A first line at once: the browser then knows that the stream stands.
+  const std::uint64_t from = feed.end();
+  auto* stream = new EventStream{&feed, connection, from};
+  MHD_Response* response =
+      MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kEventPiece, NextEvents, stream,
+                                        [](void* done) { delete static_cast<EventStream*>(done); });
+  MHD_add_response_header(response, "Content-Type", "text/event-stream");
+  MHD_add_response_header(response, "Cache-Control", "no-store");
+  return Queue(connection, MHD_HTTP_OK, response);
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+  Hooks hooks;
+  MHD_Daemon* daemon = nullptr;
+  int port = 0;
+
+  static MHD_Result Handle(void* self, MHD_Connection* connection, const char* url, const char* method,
+                           const char*, const char* data, std::size_t* size, void** request) {
+    auto* impl = static_cast<Impl*>(self);
+    if (*request == nullptr) return impl->Begin(connection, url, method, request);
+    auto& open = *static_cast<OpenRequest*>(*request);
+    if (*size > 0) return Take(open, data, size);
+    return impl->Finish(connection, open);
+  }
+
+  /// The head is there: refuses, or makes ready for the body.
+  MHD_Result Begin(MHD_Connection* connection, const char* url, const char* method, void** request) const {
+    HttpRequest head = HeadOf(connection, url, method);
+    if (const auto refusal = hooks.refuse(head)) return Send(connection, *refusal);
+    auto* open = new OpenRequest{std::move(head), {}, 0};
+    *request = open;
+    open->request.file = hooks.body_file(open->request);
+    if (!open->request.file.empty()) open->file.open(open->request.file, std::ios::binary);
+    return MHD_YES;
+  }
+
+  /// A piece of the body; one that grows beyond its limit ends the connection.
+  static MHD_Result Take(OpenRequest& open, const char* data, std::size_t* size) {
+    open.received += static_cast<std::int64_t>(*size);
+    if (open.received > BodyLimit(open.request.path)) return MHD_NO;
+    if (open.request.file.empty())
+      open.request.body.append(data, *size);
+    else
+      open.file.write(data, static_cast<std::streamsize>(*size));
+    *size = 0;
+    return MHD_YES;
+  }
+
+  MHD_Result Finish(MHD_Connection* connection, OpenRequest& open) const {
+    if (open.file.is_open()) {
+      open.file.close();
+      if (!open.file)
+        return Send(connection, ErrorReply(507, "the upload cannot be stored: is the disk full?"));
+    }
+    if (open.request.path == hooks.event_path && open.request.method == "GET")
+      return SendEvents(connection, *hooks.events);
+    return Send(connection, hooks.answer(open.request));
+  }
+
+  static void Forget(void*, MHD_Connection*, void** request, MHD_RequestTerminationCode) {
+    delete static_cast<OpenRequest*>(*request);
+    *request = nullptr;
+  }
+};
+
+HttpServer::HttpServer() : impl_(std::make_unique<Impl>()) {}
+
+HttpServer::~HttpServer() {
+  if (impl_->hooks.events != nullptr) impl_->hooks.events->Close();
+  if (impl_->daemon != nullptr) MHD_stop_daemon(impl_->daemon);
+}
+
+int HttpServer::port() const { return impl_->port; }
+
+Result<std::unique_ptr<HttpServer>> HttpServer::Open(int port, Hooks hooks) {
+  std::unique_ptr<HttpServer> server(new HttpServer);
+  Impl& impl = *server->impl_;
+  impl.hooks = std::move(hooks);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  impl.daemon =
+      MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
+                       &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR, &address, MHD_OPTION_NOTIFY_COMPLETED,
+                       &Impl::Forget, nullptr, MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
+                       MHD_OPTION_CONNECTION_TIMEOUT, kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders,
+                       MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_END);
+  if (impl.daemon == nullptr)
+    return BadInput("port {} on 127.0.0.1 cannot be opened ({}); give another one with --port, or 0 for any",
+                    port, std::strerror(errno));
+  const auto* info = MHD_get_daemon_info(impl.daemon, MHD_DAEMON_INFO_BIND_PORT);
+  impl.port = info == nullptr ? port : info->port;
+  return server;
+}
+
+}  // namespace hydroscope

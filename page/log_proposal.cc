@@ -1,0 +1,187 @@
+#include "page/log_proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "models/machine_kind.h"
+#include "page/log_picture.h"
+#include "setup/column_meaning.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kThumbnailPoints = 120;
+
+const LogColumn* FindColumn(const LogColumns& log, const std::string& reference) {
+  for (const LogColumn& column : log.columns)
+    if (column.reference == reference) return &column;
+  return nullptr;
+}
+
+/// Whether the column's own name says that it is `signal`: what its name says of the unit then counts too.
+bool Means(const LogColumn& column, const std::string& signal) {
+  const auto role = RoleByName(column.name);
+  return role && (*role == Role::kTime ? "time" : SignalNameOf(*role)) == signal;
+}
+
+/// Reference of the column that the proposal reads as `signal`; "" if none.
+std::string ColumnOf(const MachineProposal& proposal, const std::string& signal) {
+  if (signal == "time") return proposal.machine.log.time_column;
+  const int index = proposal.machine.SignalIndex(signal);
+  return index < 0 ? "" : proposal.machine.signals[static_cast<std::size_t>(index)].column;
+}
+
+nlohmann::json PinJson(const LogColumns& log, const MachineProposal& proposal, const std::string& signal,
+                       std::string_view meaning, bool required, std::string_view si) {
+  nlohmann::json pin = {{"signal", signal},  {"meaning", meaning}, {"required", required}, {"si", si},
+                        {"column", nullptr}, {"unit", nullptr},    {"why", nullptr},       {"sure", false}};
+  const std::string reference = ColumnOf(proposal, signal);
+  const LogColumn* column = FindColumn(log, reference);
+  if (column == nullptr) return pin;
+  pin["column"] = reference;
+  for (const ProposedColumn& proposed : proposal.columns)
+    if (proposed.signal == signal)
+      pin.update({{"unit", proposed.unit}, {"why", proposed.why}, {"sure", proposed.sure}});
+  const int index = proposal.machine.SignalIndex(signal);
+  if (index < 0) return pin;
+  const SignalSpec& spec = proposal.machine.signals[static_cast<std::size_t>(index)];
+  const Unit unit = FindUnit(spec.unit).value_or(Unit{});
+  const DisplayUnit shown = DisplayUnitFor(unit.si);
+  const auto show = [&](double raw) {
+    return ((raw * spec.scale + spec.offset) * unit.scale + unit.offset) * shown.factor + shown.offset;
+  };
+  pin.update({{"low", std::fmin(show(column->low), show(column->high))},
+              {"high", std::fmax(show(column->low), show(column->high))},
+              {"shown_unit", shown.name}});
+  return pin;
+}
+
+/// What the machine's kind reads, then signals of its own.
+nlohmann::json PinsJson(const LogColumns& log, const MachineProposal& proposal) {
+  nlohmann::json pins = nlohmann::json::array();
+  pins.push_back(PinJson(log, proposal, "time", "time", false, "s"));
+  const MachineKind& kind = KindOf(proposal.machine);
+  for (const MachineInput& input : kind.signals)
+    pins.push_back(PinJson(log, proposal, std::string(input.name), input.meaning, input.required, input.si));
+  for (const SignalSpec& spec : proposal.machine.signals) {
+    const bool known = std::any_of(kind.signals.begin(), kind.signals.end(),
+                                   [&](const MachineInput& input) { return input.name == spec.name; });
+    const auto unit = FindUnit(spec.unit);
+    if (!known) pins.push_back(PinJson(log, proposal, spec.name, "", spec.required, unit ? unit->si : "1"));
+  }
+  return pins;
+}
+
+nlohmann::json ColumnsJson(const LogColumns& log, const nlohmann::json& pins) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const LogColumn& column : log.columns) {
+    nlohmann::json signal;
+    for (const nlohmann::json& pin : pins)
+      if (pin["column"] == column.reference) signal = pin["signal"];
+    out.push_back({{"column", column.reference},
+                   {"name", column.name},
+                   {"unit", column.unit},
+                   {"low", column.low},
+                   {"high", column.high},
+                   {"numeric", column.numeric()},
+                   {"thumbnail", ThumbnailJson(column.value, kThumbnailPoints)},
+                   {"signal", signal}});
+  }
+  return out;
+}
+
+nlohmann::json GeometryJson(const Machine& machine) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const MachineInput& input : KindOf(machine).geometry) {
+    const auto known = machine.Geometry(std::string(input.name));
+    out.push_back({{"name", input.name},
+                   {"meaning", input.meaning},
+                   {"required", input.required},
+                   {"si", input.si},
+                   {"value", known ? nlohmann::json(known->value) : nlohmann::json()},
+                   {"lowest", input.lowest},
+                   {"highest", input.highest}});
+  }
+  return out;
+}
+
+nlohmann::json GateJson(const Machine& machine) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const GateBound& bound : machine.gate.bounds) {
+    const int index = machine.SignalIndex(bound.signal);
+    const auto unit =
+        index < 0 ? std::nullopt : FindUnit(machine.signals[static_cast<std::size_t>(index)].unit);
+    out.push_back({{"signal", bound.signal},
+                   {"rate", bound.rate},
+                   {"magnitude", bound.magnitude},
+                   {"si", unit ? unit->si : "1"},
+                   {"min", bound.min ? nlohmann::json(*bound.min) : nlohmann::json()},
+                   {"max", bound.max ? nlohmann::json(*bound.max) : nlohmann::json()}});
+  }
+  return out;
+}
+
+/// s from the first row looked at to the last, by the proposed time column; NaN without one.
+double DurationOf(const LogColumns& log, const Machine& machine) {
+  const LogColumn* time = FindColumn(log, machine.log.time_column);
+  if (time == nullptr || time->value.size() < 2) return std::nan("");
+  const double scale = FindUnit(machine.log.time_unit).value_or(Unit{}).scale;
+  return (time->value.back() - time->value.front()) * scale;
+}
+
+}  // namespace
+
+MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mapping) {
+  ProposalOptions options;
+  options.known = mapping.geometry;
+  LogColumns mapped = log;
+  if (!mapping.columns.empty()) {
+    mapped.columns.clear();
+    for (const ColumnMapping::Entry& entry : mapping.columns) {
+      const LogColumn* column = FindColumn(log, entry.column);
+      if (column == nullptr || entry.signal.empty()) continue;
+      mapped.columns.push_back(*column);
+      if (!Means(*column, entry.signal))
+        mapped.columns.back().name = entry.signal == "time" ? "t" : entry.signal;
+      if (!entry.unit.empty()) mapped.columns.back().unit = entry.unit;
+    }
+  }
+  MachineProposal proposal = ProposeMachine(mapped, options);
+  Machine& machine = proposal.machine;
+  for (const MachineInput& input : KindOf(machine).geometry)  // also what the draft had a usual value for
+    if (const auto known = mapping.geometry.find(std::string(input.name)); known != mapping.geometry.end())
+      machine.geometry[known->first] = {known->second, 0};
+  if (mapping.gate) machine.gate.bounds = *mapping.gate;
+  if (!mapping.columns.empty() || mapping.gate || !mapping.geometry.empty())
+    proposal.text = FormatMachine(machine);
+  return proposal;
+}
+
+nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& proposal) {
+  const Machine& machine = proposal.machine;
+  const nlohmann::json pins = PinsJson(log, proposal);
+  const auto usable = ParseMachine(proposal.text, machine.name);
+  nlohmann::json problem;
+  if (!usable)
+    problem = usable.error().text;
+  else if (KindOf(machine).build != nullptr)
+    if (const auto built = KindOf(machine).build(*usable); !built) problem = built.error().text;
+  return {{"machine", machine.name},
+          {"model", machine.model},
+          {"title", KindOf(machine).title},
+          {"pins", pins},
+          {"columns", ColumnsJson(log, pins)},
+          {"geometry", GeometryJson(machine)},
+          {"gate", GateJson(machine)},
+          {"units", UnitNames()},
+          {"decided", proposal.decided},
+          {"open", proposal.open},
+          {"rows", log.rows},
+          {"duration_s", DurationOf(log, machine)},
+          {"text", proposal.text},
+          {"problem", problem}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,77 @@
+import { useEffect, useState } from "preact/hooks";
+import { post } from "./api";
+import { Start } from "./start/start";
+import { Mapping } from "./start/mapping";
+import { refresh, useStore } from "./store";
+import { applyTheme, firstTheme, type Theme } from "./theme";
+import { writeNumbersIn } from "./units";
+import { Workbench } from "./workbench/workbench";
+import { firstLanguage, sayIn, useWords, WordsContext, type Language } from "./words";
+
+function Header({ language, setLanguage }: { language: Language; setLanguage: (l: Language) => void }) {
+  const say = useWords();
+  const { session } = useStore();
+  const [theme, setTheme] = useState<Theme>(firstTheme);
+  useEffect(() => applyTheme(theme), [theme]);
+  const begun = session !== null && (session.logs.length > 0 || session.machine !== null);
+  const startOver = async () => {
+    if (!confirm(say("startOverSure"))) return;
+    await post("start_over");
+    location.hash = "";
+    await refresh();
+  };
+  return (
+    <header class="top">
+      <span class="brand">{say("title")}</span>
+      {session?.machine && <span class="what">{session.machine.name}{session.logs.length > 0 && ` · ${session.logs.map((l) => l.name.split("/").pop()).join(", ")}`}
+        {session.unsaved && <em> · {say("unsaved")}</em>}</span>}
+      <span class="spring" />
+      {begun && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
+      <select aria-label={say("theme")} value={theme} onChange={(e) => setTheme(e.currentTarget.value as Theme)}>
+        <option value="auto">{say("themeAuto")}</option>
+        <option value="light">{say("themeLight")}</option>
+        <option value="dark">{say("themeDark")}</option>
+      </select>
+      <select aria-label={say("language")} value={language} onChange={(e) => setLanguage(e.currentTarget.value as Language)}>
+        <option value="en">English</option>
+        <option value="de">Deutsch</option>
+      </select>
+    </header>
+  );
+}
+
+/** What the program works on at this moment. */
+function Working() {
+  const say = useWords();
+  const { jobs } = useStore();
+  const running = Object.values(jobs).find((job) => job.state === "running");
+  return (
+    <div class="working" role="status">
+      {running && <>{say("working", { what: running.kind })}{running.share ? <progress max={1} value={running.share} aria-label={running.kind} /> : null}</>}
+    </div>
+  );
+}
+
+export function App() {
+  const [language, setLanguage] = useState(firstLanguage);
+  const { session, connected } = useStore();
+  const say = sayIn(language);
+  writeNumbersIn(language);
+  useEffect(() => {
+    localStorage.setItem("language", language);
+    document.documentElement.lang = language;
+  }, [language]);
+  return (
+    <WordsContext.Provider value={say}>
+      <Header language={language} setLanguage={setLanguage} />
+      {!connected && <p class="lost" role="alert">{say("lost")}</p>}
+      <main>
+        {session === null ? <p class="empty">{say("loading")}</p>
+          : session.logs.length === 0 ? <Start />
+          : session.machine === null ? <Mapping />
+          : <Workbench session={session} />}
+      </main>
+      <Working />
+    </WordsContext.Provider>
+  );
+}

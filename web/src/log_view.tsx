@@ -1,0 +1,32 @@
+import { useMemo, useState } from "preact/hooks";
+import { Plot, pageColor } from "./plot";
+import type { LogPicture } from "./types";
+import { useWords } from "./words";
+
+/** A whole log, one or two signals of it, with the strokes that the gate lets through shaded. */
+export function LogView({ picture }: { picture: LogPicture }) {
+  const say = useWords();
+  const moving = picture.signals.filter((signal) => signal.low.some((value) => value !== null));
+  const [chosen, setChosen] = useState("");
+  const signal = moving.find((s) => s.name === chosen) ?? moving[0];
+  const data = useMemo(() => {
+    const x = (signal?.low ?? []).map((_, k) => picture.from + (k + 0.5) * picture.step);
+    return { x, values: signal ? [signal.low, signal.high] : [[], []],
+      shades: picture.strokes.map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })) };
+  }, [picture, signal]);
+  if (!signal) return null;
+  const color = pageColor("--line-a");
+  return (
+    <section class="log-view">
+      <h2>{say("gateTitle")}</h2>
+      <p role="status">{picture.no_strokes ? <span lang="en">{picture.no_strokes}</span> : say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}</p>
+      <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
+        {moving.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
+      </select></label>
+      <Plot label={`${signal.name}, ${say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}`} x={data.x} values={data.values} shades={data.shades} height={220}
+        lines={[{ label: signal.name, color, width: 1 }, { label: "", color, width: 1, hidden: true }]}
+        bands={[{ high: 1, low: 0, color }]}
+        xLabel={`${say("time")} (s)`} yLabel={`${signal.name}${signal.unit && signal.unit !== "1" ? ` (${signal.unit})` : ""}`} />
+    </section>
+  );
+}

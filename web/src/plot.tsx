@@ -1,0 +1,95 @@
+// uPlot in a box: as wide as it, in the colours of the page, drawn anew when these change.
+
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { short } from "./units";
+
+export interface Line { label: string; color: string; dashed?: boolean; width?: number; hidden?: boolean }
+export interface Shade { from: number; to: number; color: string }
+
+interface Props {
+  label: string;  // what the picture shows, for those who cannot see it
+  x: number[];
+  lines: Line[];
+  values: (number | null)[][];
+  bands?: { high: number; low: number; color: string }[];  // between lines, numbered from 0
+  xLabel: string;
+  yLabel: string;
+  height: number;
+  shades?: Shade[];  // stretches of x
+}
+
+/** A colour of the page, by its name in style.css. */
+export function pageColor(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+function axis(label: string, size: number): uPlot.Axis {
+  const line = { stroke: pageColor("--grid"), width: 1 };
+  return { label, size, labelSize: 20, stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui",
+    labelFont: "12px system-ui", values: (_, splits) => splits.map((value) => short(value, 4)) };
+}
+
+function drawShades(plot: uPlot, shades: Shade[]) {
+  plot.ctx.save();
+  for (const shade of shades) {
+    const left = plot.valToPos(shade.from, "x", true), right = plot.valToPos(shade.to, "x", true);
+    plot.ctx.fillStyle = shade.color;
+    plot.ctx.fillRect(left, plot.bbox.top, Math.max(1, right - left), plot.bbox.height);
+  }
+  plot.ctx.restore();
+}
+
+export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades }: Props) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const place = box.current;
+    if (!place) return;
+    const draw = () => {
+      const plot = new uPlot({
+        width: Math.max(200, place.clientWidth), height,
+        scales: { x: { time: false } },
+        axes: [axis(xLabel, 34), axis(yLabel, 54)],
+        series: [{ label: xLabel }, ...lines.map((line) => ({
+          label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined,
+          points: { show: false },
+        }))],
+        bands: bands?.map((band) => ({ series: [band.high + 1, band.low + 1] as [number, number], fill: band.color })),
+        legend: { show: false },
+        hooks: { drawClear: [(u) => drawShades(u, shades ?? [])] },
+        cursor: { drag: { x: true, y: false } },
+      }, [x, ...values] as uPlot.AlignedData, place);
+      return plot;
+    };
+    let plot = draw();
+    const again = () => { plot.destroy(); plot = draw(); };
+    let width = place.clientWidth;
+    const resized = new ResizeObserver(() => {
+      if (Math.abs(place.clientWidth - width) < 2) return;
+      width = place.clientWidth;
+      plot.setSize({ width: Math.max(200, width), height });
+    });
+    resized.observe(place);
+    addEventListener("themechange", again);
+    return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
+  }, [x, values, shades, xLabel, yLabel, height, JSON.stringify(lines)]);
+  return (
+    <figure class="plot">
+      <div ref={box} role="img" aria-label={label} />
+      <figcaption>
+        {lines.filter((line) => !line.hidden).map((line) => (
+          <span class="key" key={line.label}><Swatch color={line.color} dashed={line.dashed} />{line.label}</span>
+        ))}
+      </figcaption>
+    </figure>
+  );
+}
+
+function Swatch({ color, dashed }: { color: string; dashed?: boolean }) {
+  return (
+    <svg width="24" height="8" aria-hidden="true">
+      <line x1="0" y1="4" x2="24" y2="4" stroke={color} stroke-width="3" stroke-dasharray={dashed ? "6 4" : undefined} />
+    </svg>
+  );
+}

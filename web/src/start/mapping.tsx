@@ -1,0 +1,146 @@
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import { find, post } from "../api";
+import { LogView } from "../log_view";
+import { refresh, useStore, work } from "../store";
+import type { GateBound, LogPicture, Pin, Proposal } from "../types";
+import { short } from "../units";
+import { useWords } from "../words";
+import { Area } from "./area";
+import { GateThresholds } from "./gate_thresholds";
+import { Thumbnail } from "./thumbnail";
+
+interface Request {
+  columns?: { column: string; signal: string; unit: string }[];
+  geometry?: Record<string, number>;
+  gate?: GateBound[];
+}
+
+export function duration(seconds: number | null): string {
+  if (seconds === null || !Number.isFinite(seconds)) return "?";
+  return seconds < 120 ? `${short(seconds)} s` : seconds < 7200 ? `${short(seconds / 60)} min` : `${short(seconds / 3600)} h`;
+}
+
+/** The columns of the pins with one of them changed; a column is on one pin only. */
+function moved(pins: Pin[], signal: string, column: string, unit: string): Request["columns"] {
+  return pins
+    .map((pin) => pin.signal === signal ? { ...pin, column, unit } : pin.column === column ? { ...pin, column: null } : pin)
+    .filter((pin) => pin.column)
+    .map((pin) => ({ column: pin.column!, signal: pin.signal, unit: pin.unit ?? "" }));
+}
+
+/** What `init` proposes, to be looked at and put right. */
+export function Mapping() {
+  const say = useWords();
+  const { session } = useStore();
+  const [proposal, setProposal] = useState<Proposal | null>(null);
+  const [picture, setPicture] = useState<LogPicture | null>(null);
+  const [problem, setProblem] = useState("");
+  const asked = useRef<Request>({});
+  const latest = useRef(0);
+
+  const propose = useCallback(async (change: Request) => {
+    asked.current = { ...asked.current, ...change };
+    const turn = ++latest.current;
+    try {
+      const answer = await post<Proposal>("proposal", asked.current);
+      if (turn !== latest.current) return;
+      setProposal(answer);
+      setProblem("");
+      if (answer.problem) return setPicture(null);
+      await work("picture");
+      const drawn = await find<LogPicture>("results", { kind: "picture" });
+      if (turn === latest.current) setPicture(drawn);
+    } catch (failure) {
+      if (turn === latest.current) setProblem((failure as Error).message);
+    }
+  }, []);
+  useEffect(() => void propose({}), [session?.logs.length]);
+
+  if (!proposal) return problem ? <p role="alert" class="problem" lang="en">{problem}</p> : <p class="empty">{say("loading")}</p>;
+  const put = (signal: string, column: string, unit = "") => void propose({ columns: moved(proposal.pins, signal, column, unit) });
+  const setGeometry = (name: string, value: number | null) => {
+    const geometry = { ...asked.current.geometry };
+    if (value === null) delete geometry[name]; else geometry[name] = value;
+    void propose({ geometry });
+  };
+  const accept = async () => {
+    await post("accept");
+    location.hash = "step=check";
+    await refresh();
+  };
+  const areas = proposal.geometry.filter((known) => known.si === "m2" && known.required);
+  return (
+    <section class="mapping">
+      <h1>{say("mapTitle")}</h1>
+      <p>{say("mapRecognised", { title: proposal.title })}. {say("mapText")}</p>
+      <div class="two">
+        <div>
+          <h2>{say("mapColumns")}</h2>
+          <ul class="columns">
+            {proposal.columns.map((column) => (
+              <li key={column.column} draggable={column.numeric} class={column.signal ? "used" : "free"}
+                onDragStart={(e) => e.dataTransfer?.setData("text/plain", column.column)}>
+                <span class="name">{column.name}{column.unit && <small> {column.unit}</small>}</span>
+                <Thumbnail thumbnail={column.thumbnail} />
+                <span class="range">{column.numeric ? `${short(column.low)} … ${short(column.high)}` : "–"}</span>
+                <span class="role">{column.signal ? say("mapUsedAs", { signal: column.signal }) : say("mapUnused")}</span>
+              </li>
+            ))}
+          </ul>
+        </div>
+        <div>
+          <h2>{say("mapSensors")}</h2>
+          <ul class="pins">
+            {proposal.pins.map((pin) => (
+              <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />
+            ))}
+          </ul>
+          {proposal.duration_s !== null && <p>{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
+          {areas.map((area) => <Area key={area.name} known={area} set={(value) => setGeometry(area.name, value)} />)}
+        </div>
+      </div>
+      {picture && <>
+        <LogView picture={picture} />
+        <GateThresholds bounds={proposal.gate} set={(gate) => void propose({ gate })} />
+      </>}
+      <details><summary>{say("mapDecided")}</summary>
+        <ul lang="en">{[...proposal.decided, ...proposal.open].map((line) => <li key={line}>{line}</li>)}</ul></details>
+      <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
+      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <p class={proposal.problem ? "verdict bad" : "verdict good"} role="status">
+        {proposal.problem ? <>{say("mapNotReady", { why: "" })}<span lang="en">{proposal.problem}</span></> : say("mapReady")}
+      </p>
+      <button class="primary" disabled={proposal.problem !== null} onClick={() => void accept()}>{say("mapGo")}</button>
+    </section>
+  );
+}
+
+function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
+  const say = useWords();
+  const [over, setOver] = useState(false);
+  const state = !pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check";
+  const id = `pin-${pin.signal}`;
+  return (
+    <li class={`pin ${state}${over ? " over" : ""}`}
+      onDragOver={(e) => { e.preventDefault(); setOver(true); }}
+      onDragLeave={() => setOver(false)}
+      onDrop={(e) => { e.preventDefault(); setOver(false); put(pin.signal, e.dataTransfer?.getData("text/plain") ?? ""); }}>
+      <label for={id}><strong>{pin.signal}</strong> <span lang="en">{pin.meaning}</span></label>
+      <select id={id} value={pin.column ?? ""} onChange={(e) => put(pin.signal, e.currentTarget.value)}>
+        <option value="">{say("mapNone")}</option>
+        {proposal.columns.filter((column) => column.numeric).map((column) => <option key={column.column} value={column.column}>{column.name}</option>)}
+      </select>
+      {pin.column && (
+        <select aria-label={`${say("mapUnit")} ${pin.signal}`} value={pin.unit ?? ""} onChange={(e) => put(pin.signal, pin.column!, e.currentTarget.value)}>
+          {[...new Set([pin.unit ?? "", ...proposal.units])].map((unit) => <option key={unit} value={unit}>{unit}</option>)}
+        </select>
+      )}
+      <span class="says">
+        {pin.column
+          ? <>{pin.low !== undefined && `${short(pin.low)} … ${short(pin.high)} ${pin.shown_unit === "1" ? "" : pin.shown_unit ?? ""}`} <em>{say(pin.sure ? "mapSure" : "mapCheck")}</em></>
+          : <em>{say(pin.required ? "mapMissing" : "mapOptional")}</em>}
+      </span>
+      {pin.why && <small class="why" lang="en">{pin.why}</small>}
+    </li>
+  );
+}

@@ -1,0 +1,59 @@
+import { useRef, useState } from "preact/hooks";
+import { upload } from "../api";
+import { refresh, useStore, work } from "../store";
+import { useWords } from "../words";
+import type { Words } from "../words/en";
+
+/** The first thing one sees: a place to drop a log, and examples. */
+export function Start() {
+  const say = useWords();
+  const { session } = useStore();
+  const chooser = useRef<HTMLInputElement>(null);
+  const [over, setOver] = useState(false);
+  const [busy, setBusy] = useState("");
+  const [problem, setProblem] = useState("");
+
+  const attempt = async (what: string, act: () => Promise<void>) => {
+    setBusy(what);
+    setProblem("");
+    try {
+      await act();
+      await refresh();
+    } catch (failure) {
+      setProblem((failure as Error).message);
+    }
+    setBusy("");
+  };
+  const take = async (files: File[]) => {
+    // the machine file first: the log then goes straight to the workbench
+    const order = [...files].sort((a, b) => Number(b.name.endsWith(".toml")) - Number(a.name.endsWith(".toml")));
+    for (const file of order)
+      await attempt(say("uploading", { name: file.name }), () => upload(file.name.endsWith(".toml") ? "machine" : "logs", file));
+  };
+  return (
+    <section class="start">
+      <h1>{say("startTitle")}</h1>
+      <div class={over ? "drop over" : "drop"}
+        onDragOver={(e) => { e.preventDefault(); setOver(true); }}
+        onDragLeave={() => setOver(false)}
+        onDrop={(e) => { e.preventDefault(); setOver(false); void take([...(e.dataTransfer?.files ?? [])]); }}>
+        <p class="big">{say("startDrop")}</p>
+        <p>{say("startText")}</p>
+        <button class="primary" onClick={() => chooser.current?.click()} disabled={busy !== ""}>{say("startChoose")}</button>
+        <input ref={chooser} type="file" multiple hidden aria-label={say("startChoose")} accept=".csv,.gz,.txt,.dat,.mat,.toml"
+          onChange={(e) => void take([...(e.currentTarget.files ?? [])])} />
+        <p class="quiet">{say("startMachine")}</p>
+      </div>
+      {busy && <p role="status" class="busy">{busy}</p>}
+      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <h2>{say("startExamples")}</h2>
+      <div class="examples">
+        {session?.examples.map((id) => (
+          <button key={id} disabled={busy !== ""} onClick={() => void attempt(say("simulating"), () => work("example", { id }, "example"))}>
+            {say(`example_${id}` as keyof Words)}
+          </button>
+        ))}
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,98 @@
+// What the page knows: the session of work and the results for the version of the model in force.
+
+import { useEffect, useState } from "preact/hooks";
+import { find, get, listen, post, renewToken } from "./api";
+import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
+
+export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
+type Kind = keyof Results;
+const kinds: Kind[] = ["compare", "explain", "check", "picture"];
+
+interface State {
+  session: Session | null;
+  effects: Effect[];
+  results: Results;
+  /** Why a result is not there, by kind. */
+  failed: Record<string, string>;
+  jobs: Record<number, Job>;
+  connected: boolean;
+}
+
+let state: State = { session: null, effects: [], results: {}, failed: {}, jobs: {}, connected: true };
+const listeners = new Set<() => void>();
+const waiting = new Map<number, (job: Job) => void>();
+
+function set(change: Partial<State>) {
+  state = { ...state, ...change };
+  for (const listener of listeners) listener();
+}
+
+export function useStore(): State {
+  const [, redraw] = useState(0);
+  useEffect(() => {
+    const listener = () => redraw((n) => n + 1);
+    listeners.add(listener);
+    return () => void listeners.delete(listener);
+  }, []);
+  return state;
+}
+
+/** Starts long work and waits for its end. */
+export async function work(kind: string, more: object = {}, path = "work"): Promise<void> {
+  const { job } = await post<{ job: number }>(path, { kind, ...more });
+  const ended = await new Promise<Job>((resolve) => {
+    const known = state.jobs[job];
+    if (known && (known.state === "done" || known.state === "failed")) resolve(known);
+    else waiting.set(job, resolve);
+  });
+  if (ended.state === "failed") throw new Error(ended.error);
+}
+
+async function fetchResult(kind: Kind, version: number) {
+  const result = await find<never>("results", { kind, version });
+  if (!result || state.session?.machine?.version !== version) return;
+  set({ results: { ...state.results, [kind]: result } });
+}
+
+/** Everything that is not worked out yet for the version in force is. */
+async function workOut(kind: Kind, version: number) {
+  try {
+    if (!(await find("results", { kind, version }))) await work(kind);
+    await fetchResult(kind, version);
+    if (kind === "compare") set({ session: await get<Session>("session") });  // the errors of this version
+  } catch (failure) {
+    set({ failed: { ...state.failed, [kind]: (failure as Error).message } });
+  }
+}
+
+let shown = "";  // logs and version that the results belong to
+
+export async function refresh(): Promise<void> {
+  const session = await get<Session>("session");
+  const now = session.machine && session.logs.length > 0
+    ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects]) : "";
+  if (now === shown) return set({ session });
+  shown = now;
+  set({ session, results: {}, failed: {} });
+  if (!session.machine || now === "") return;
+  set({ effects: (await get<{ effects: Effect[] }>("effects")).effects });
+  for (const kind of kinds) void workOut(kind, session.machine.version);
+}
+
+export function start(): void {
+  listen((event) => {
+    if (event.state === "changed") return void refresh();
+    const job = event as unknown as Job;
+    set({ jobs: { ...state.jobs, [job.job]: job } });
+    if (job.state !== "done" && job.state !== "failed") return;
+    waiting.get(job.job)?.(job);
+    waiting.delete(job.job);
+  }, (connected) => {
+    if (connected && !state.connected) {
+      shown = "";
+      void renewToken().then(refresh);
+    }
+    if (connected !== state.connected) set({ connected });
+  });
+  void refresh().catch(() => set({ connected: false }));
+}

@@ -1,0 +1,113 @@
+// What the API answers (docs/page.md, docs/command_line.md). Numbers that are not known are null.
+
+export interface Unit { factor: number; offset: number; name: string }
+
+export interface Parameter {
+  value: number; std: number | null; unit: string; reason?: string; identifiable?: boolean;
+  verdict?: "good" | "weak" | "not"; why?: string; advice?: string;
+}
+export type Parameters = Record<string, Parameter>;
+
+export interface Version {
+  version: number; name: string; effects: string[]; parent: number | null; current: boolean;
+  rms_holdout: number | null; noise_floor: number | null; unit?: string; strokes?: number | null; parameters: Parameters;
+}
+
+export interface MachineInfo {
+  name: string; title: string; version: number; effects: string[]; output: string; stroke: string; sign: string;
+  states: boolean; suggested_file: string; signals: string[]; own_effects: string[];
+}
+
+export interface Job { job: number; kind: string; state: "waiting" | "running" | "done" | "failed"; what?: string; share?: number; error?: string }
+
+export interface Session {
+  logs: { name: string; bytes: number | null; held_out: boolean }[];
+  machine: MachineInfo | null;
+  versions: Version[];
+  units: Record<string, Unit>;
+  results: string[];
+  jobs: Job[];
+  examples: string[];
+  unsaved: boolean;
+  file: string | null;
+}
+
+export interface CheckResult {
+  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number; hints: string[]; warnings: string[];
+  sampling: { rate_hz: number; fast_enough: boolean; gaps: number };
+  signals: { signal: string; column: string; unit: string; present: boolean; min: number | null; max: number | null; noise_std: number | null;
+    good: number; flags: Record<string, { count: number; first_s: number }> }[];
+  gate: { share: number; too_short: number; conditions: { condition: string; share: number }[] };
+  parameters: Parameters; text: string;
+}
+
+export interface Located { signal: string; from: number; to: number; unit: string; rms: number; mean: number; share_error: number; share_windows: number }
+export interface MapCell { from: number[]; to: number[]; rms: number; mean: number; mean_std: number; windows: number; strokes: number; above_floor: boolean }
+export interface ErrorMap { signals: string[]; units: string[]; explained: number; cells: MapCell[] }
+export interface StrokeError { stroke: number; begin: number | null; rms_residual: number; noise_floor: number; model_error: number; free_run_bar: number | null }
+
+export interface HeldOut { log: string; strokes: number; rms: number; unit: string }
+
+export interface CompareResult {
+  held_out: HeldOut | null;
+  rms_measured: number; rms_residual: number; noise_floor: number; rms_holdout: number; residual_percent: number; unit: string;
+  strokes: number; verdict: string | null; model_error_seen: boolean | null; warnings: string[]; per_stroke: StrokeError[];
+  free_run_bar: number | null; free_run_percent: number | null; located: Located[]; maps: ErrorMap[]; parameters: Parameters; text: string;
+}
+
+export interface Ranked {
+  effect: string; rms_holdout: number | null; p_value: number; testable: boolean; why_not: string | null; gain: number;
+  significant?: boolean; parameters: Parameters;
+}
+export interface Plan {
+  strokes: number; speeds?: number[]; pressures?: number[]; rod_pressures?: number[]; warm_up?: number; seconds: number;
+  signals?: { signal: string; speed: boolean; levels: [number, number][] }[];
+}
+export interface ExplainResult {
+  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; doubt: string | null;
+  warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
+  final: { rms_holdout: number; drifts?: Record<string, string> }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
+  odd_strokes?: { strokes: number[]; set: string[] }[]; relatives?: { effect: string; sentence: string }[];
+  swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
+  remainder?: { signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
+  located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;
+}
+
+export interface Effect {
+  id: string; title: string; law: string; source: string; parameter: string; unit: string; plain: string; hidden_in: string;
+  told_apart_by: string; measured_by: string; nonlinear: { name: string; unit: string }[];
+}
+
+export interface Preview {
+  held_out: { log: string; before: number; after: number; unit: string } | null;
+  effect: string; error: { before: number; after: number; noise_floor: number; unit: string } | null; warnings: string[];
+  parameters_before: Parameters | null; parameters_after: Parameters | null;
+}
+
+export interface StrokePicture {
+  stroke: number; begin: number; step: number; unit: string; measured: number[]; modelled: number[]; noise: number[];
+  signals: { name: string; unit: string; values: number[] }[];
+  free_run: { unit: string; step: number; measured: number[]; simulated: number[] } | null;
+}
+
+export interface LogPicture {
+  from: number; step: number; duration_s: number; rows: number; discarded: number; no_strokes: string | null;
+  signals: { name: string; unit: string; low: (number | null)[]; high: (number | null)[] }[];
+  strokes: { begin: number; end: number }[];
+}
+
+export interface Pin {
+  signal: string; meaning: string; required: boolean; si: string; column: string | null; unit: string | null; why: string | null;
+  sure: boolean; low?: number | null; high?: number | null; shown_unit?: string;
+}
+export interface LogColumn {
+  column: string; name: string; unit: string; low: number | null; high: number | null; numeric: boolean; signal: string | null;
+  thumbnail: { low: (number | null)[]; high: (number | null)[] };
+}
+export interface GateBound { signal: string; rate: boolean; magnitude: boolean; si?: string; min: number | null; max: number | null }
+export interface Proposal {
+  machine: string; model: string; title: string; pins: Pin[]; columns: LogColumn[];
+  geometry: { name: string; meaning: string; required: boolean; si: string; value: number | null; lowest: number; highest: number }[];
+  gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
+  problem: string | null;
+}

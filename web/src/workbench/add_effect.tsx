@@ -1,0 +1,112 @@
+import { useEffect, useState } from "preact/hooks";
+import { find } from "../api";
+import { Formula } from "../formula";
+import { work } from "../store";
+import type { Effect, ExplainResult, Preview, Session } from "../types";
+import { short } from "../units";
+import { useUrl } from "../url_state";
+import { useWords } from "../words";
+import { OwnEffect } from "./own_effect";
+import { ParameterTable } from "./parameter_table";
+
+/** What an effect would do to the error, and the button that adds it. */
+export function AddEffect({ id, session, effects, explain }: { id: string; session: Session; effects: Effect[]; explain?: ExplainResult }) {
+  const say = useWords();
+  const [, setUrl] = useUrl();
+  const machine = session.machine!;
+  const effect = effects.find((known) => known.id === id);
+  const part = machine.effects.includes(id);
+  const testable = explain?.ranking.find((ranked) => ranked.effect === id)?.testable ?? true;
+  const { preview, problem } = usePreview(id, machine.version, !part && effect !== undefined && testable);
+  const [busy, setBusy] = useState(false);
+  const [failure, setFailure] = useState("");
+  const change = async (kind: "add" | "remove") => {
+    setBusy(true);
+    setFailure("");
+    try {
+      await work(kind, { effect: id });
+      setUrl({ step: "confirm", effect: "" });
+    } catch (error) {
+      setFailure((error as Error).message);
+    }
+    setBusy(false);
+  };
+  const choose = (effect: string) => setUrl({ effect });
+  const others = <><PartList session={session} effects={effects} choose={choose} /><OwnEffect machine={machine} choose={choose} /></>;
+  if (!effect) return <><h1>{say("addTitle")}</h1><p class="empty">{say("addChoose")}</p>{others}</>;
+  const title = effect.title || effect.id;
+  return (
+    <>
+      <h1>{say("addTitle")}</h1>
+      <h2 lang="en">{title}</h2>
+      {effect.plain && <p lang="en">{effect.plain}</p>}
+      <dl class="facts">
+        <div><dt>{say("addLaw")}</dt><dd><Formula law={effect.law} /></dd></div>
+        {effect.source && <div><dt>{say("addSource")}</dt><dd lang="en">{effect.source}</dd></div>}
+        {effect.hidden_in && <div><dt>{say("addHides")}</dt><dd lang="en">{effect.hidden_in}</dd></div>}
+        {effect.told_apart_by && <div><dt>{say("addTold")}</dt><dd lang="en">{effect.told_apart_by}</dd></div>}
+      </dl>
+      {part ? <>
+        <p>{say("addPart")}</p>
+        <button disabled={busy} onClick={() => void change("remove")}>{say("removeButton", { title })}</button>
+      </> : <>
+        {!preview && !problem && testable && <p class="empty" role="status">{say("addWorking")}</p>}
+        {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+        {preview && <Effects preview={preview} session={session} />}
+        <button class="primary" data-add={id} disabled={busy || !preview} onClick={() => void change("add")}>{say("addButton", { title })}</button>
+      </>}
+      {failure && <p role="alert" class="problem" lang="en">{failure}</p>}
+      {others}
+    </>
+  );
+}
+
+function PartList({ session, effects, choose }: { session: Session; effects: Effect[]; choose: (effect: string) => void }) {
+  const say = useWords();
+  const parts = session.machine!.effects;
+  if (parts.length === 0) return null;
+  return <p class="quiet">{say("addPart")} {parts.map((id) => <button key={id} class="link" lang="en" onClick={() => choose(id)}>{effects.find((e) => e.id === id)?.title || id}</button>)}</p>;
+}
+
+function Effects({ preview, session }: { preview: Preview; session: Session }) {
+  const say = useWords();
+  const error = preview.error;
+  const most = error ? Math.max(error.before, error.after, error.noise_floor) : 1;
+  return (
+    <div class="preview">
+      {error && <>
+        <p><strong data-preview={error.after}>{say("addPreview")} {short(error.after)} {error.unit}</strong></p>
+        <ul class="bars">
+          {([["now", error.before, "old"], ["withIt", error.after, "new"], ["noise", error.noise_floor, "floor"]] as const).map(([word, value, kind]) => (
+            <li key={word}><span>{say(word)}</span><span class="bar"><i class={kind} style={{ width: `${(100 * value) / most}%` }} /></span><span class="num">{short(value)} {error.unit}</span></li>
+          ))}
+        </ul>
+      </>}
+      {preview.held_out && <p>{say("addHeldOut", { log: preview.held_out.log.split("/").pop()!, before: `${short(preview.held_out.before)} ${preview.held_out.unit}`, after: `${short(preview.held_out.after)} ${preview.held_out.unit}` })}</p>}
+      {preview.warnings.length > 0 && <div class="verdict bad"><strong>{say("addAgainst")}</strong><ul lang="en">{preview.warnings.map((w) => <li key={w}>{w}</li>)}</ul></div>}
+      <ParameterTable left={preview.parameters_before} right={preview.parameters_after} names={[say("now"), say("withIt")]} units={session.units} />
+    </div>
+  );
+}
+
+function usePreview(effect: string, version: number, wanted: boolean): { preview: Preview | null; problem: string } {
+  const [state, setState] = useState<{ preview: Preview | null; problem: string }>({ preview: null, problem: "" });
+  useEffect(() => {
+    setState({ preview: null, problem: "" });
+    if (!wanted) return;
+    let current = true;
+    const show = (next: { preview: Preview | null; problem: string }) => current && setState(next);
+    const query = { kind: "preview", about: effect, version };
+    const load = async () => {
+      let preview = await find<Preview>("results", query);
+      if (!preview) {
+        await work("preview", { effect });
+        preview = await find<Preview>("results", query);
+      }
+      show({ preview, problem: "" });
+    };
+    load().catch((failure: Error) => show({ preview: null, problem: failure.message }));
+    return () => { current = false; };
+  }, [effect, version, wanted]);
+  return state;
+}

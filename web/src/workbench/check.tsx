@@ -1,0 +1,55 @@
+import { LogView } from "../log_view";
+import { duration } from "../start/mapping";
+import type { CheckResult, LogPicture, Session } from "../types";
+import { short, unitName, unitOf, withInterval } from "../units";
+import { useWords } from "../words";
+import { AsPrinted, Scroll } from "./parts";
+
+/** Whether the log can be believed, and what can be learned from it. */
+export function Check({ check, picture, session }: { check?: CheckResult; picture?: LogPicture; session: Session }) {
+  const say = useWords();
+  if (!check) return <p class="empty">{say("loading")}</p>;
+  return (
+    <>
+      <h1>{say("checkTitle")}</h1>
+      <p>{say("checkRows", { rows: check.rows, duration: duration(check.duration_s), rate: short(check.sampling.rate_hz), strokes: check.strokes })}</p>
+      <div class={check.hints.length > 0 ? "verdict bad" : "verdict good"}>
+        {check.hints.length > 0
+          ? <><strong>{say("checkHints")}</strong><ul lang="en">{check.hints.map((hint) => <li key={hint}>{hint}</li>)}</ul></>
+          : say("checkNoHints")}
+      </div>
+      {picture && <LogView picture={picture} />}
+      <Scroll label={say("checkSignal")}>
+        <table>
+          <thead><tr><th>{say("checkSignal")}</th><th class="num">{say("checkLow")}</th><th class="num">{say("checkHigh")}</th><th class="num">{say("checkNoise")}</th><th>{say("mapUnit")}</th><th>{say("checkFlags")}</th></tr></thead>
+          <tbody>
+            {check.signals.filter((signal) => signal.present).map((signal) => {
+              const unit = unitOf(session.units, signal.unit);
+              const shown = (value: number | null) => (value === null ? "–" : short(value * unit.factor + unit.offset, 4));
+              const flags = Object.entries(signal.flags).map(([flag, { count }]) => `${count} × ${flag}`).join(", ");
+              return (
+                <tr key={signal.signal}>
+                  <th scope="row">{signal.signal}</th><td class="num">{shown(signal.min)}</td><td class="num">{shown(signal.max)}</td>
+                  <td class="num">{signal.noise_std === null ? "–" : short(signal.noise_std * unit.factor, 2)}</td><td>{unitName(unit)}</td>
+                  <td>{flags || say("checkFine")}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </Scroll>
+      <Scroll label={say("checkParameter")}>
+        <table>
+          <thead><tr><th>{say("checkParameter")}</th><th>{say("checkValue")}</th><th>{say("checkCan")}</th><th>{say("mapDecided")}</th></tr></thead>
+          <tbody>
+            {Object.entries(check.parameters).map(([name, parameter]) => (
+              <tr key={name}><th scope="row">{name}</th><td>{withInterval(parameter, session.units)}</td>
+                <td>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td lang="en">{[parameter.why, parameter.advice].filter(Boolean).join(": ")}</td></tr>
+            ))}
+          </tbody>
+        </table>
+      </Scroll>
+      <AsPrinted text={check.text} />
+    </>
+  );
+}

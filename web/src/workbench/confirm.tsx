@@ -1,0 +1,76 @@
+import { useState } from "preact/hooks";
+import { post } from "../api";
+import { refresh } from "../store";
+import type { Session, Version } from "../types";
+import { short } from "../units";
+import { useWords } from "../words";
+import { ParameterTable } from "./parameter_table";
+
+interface Props { session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
+
+/** Whether adding helped, and saving it. */
+export function Confirm({ session, query, setUrl }: Props) {
+  const say = useWords();
+  const current = session.versions.find((version) => version.current);
+  const before = session.versions.find((version) => version.version === current?.parent);
+  const left = session.versions.find((version) => String(version.version) === query.left) ?? before ?? session.versions[0];
+  const right = session.versions.find((version) => String(version.version) === query.right) ?? current;
+  const name = (version: Version) => `${version.version}: ${version.effects.length > 0 ? `+ ${version.effects.join(" + ")}` : say("base")}`;
+  return (
+    <>
+      <h1>{say("confirmTitle")}</h1>
+      {before && current && before.rms_holdout !== null && current.rms_holdout !== null
+        ? <p class={current.rms_holdout < before.rms_holdout ? "verdict good" : "verdict bad"} data-error={current.rms_holdout} role="status">
+            {say(current.rms_holdout < before.rms_holdout ? "confirmText" : "confirmRose", { before: `${short(before.rms_holdout)} ${current.unit}`, after: `${short(current.rms_holdout)} ${current.unit}`, noise: `${short(current.noise_floor)} ${current.unit}` })}</p>
+        : <p class="empty">{say("confirmNothing")}</p>}
+      {left && right && session.versions.length > 1 && <>
+        <h2>{say("confirmTwo")}</h2>
+        <div class="pair">
+          {([["left", left], ["right", right]] as const).map(([side, chosen]) => (
+            <select key={side} aria-label={`${say("confirmVersion")} ${side === "left" ? 1 : 2}`} value={chosen.version} onChange={(e) => setUrl({ [side]: e.currentTarget.value })}>
+              {session.versions.map((version) => <option key={version.version} value={version.version}>{name(version)}</option>)}
+            </select>
+          ))}
+        </div>
+        <ParameterTable left={left.parameters} right={right.parameters} names={[name(left), name(right)]} units={session.units} />
+      </>}
+      <Save session={session} />
+    </>
+  );
+}
+
+function Save({ session }: { session: Session }) {
+  const say = useWords();
+  const [name, setName] = useState(session.machine!.suggested_file);
+  const [told, setTold] = useState("");
+  const [problem, setProblem] = useState("");
+  const save = async () => {
+    setProblem("");
+    try {
+      const { path } = await post<{ path: string }>("save", { name });
+      setTold(path);
+      await refresh();
+    } catch (failure) {
+      setProblem((failure as Error).message);
+    }
+  };
+  const download = async () => {
+    const text = await fetch("/api/v1/machine").then((answer) => answer.text());
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+    link.download = session.machine!.suggested_file;
+    link.click();
+    URL.revokeObjectURL(link.href);
+  };
+  return (
+    <section class="save">
+      <h2>{say("saveTitle")}</h2>
+      <p>{session.unsaved ? say("saveText") : say("allSaved")}</p>
+      {!session.file && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
+      <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>
+      <button class="quiet" onClick={() => void download()}>{say("download")}</button>
+      {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br /><code>{say("saveNext", { file: told })}</code></p>}
+      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+    </section>
+  );
+}

@@ -1,0 +1,43 @@
+import type { ExplainResult, Plan } from "../types";
+import { short, unitName, unitOf, type Units } from "../units";
+import { useWords } from "../words";
+import { Scroll } from "./parts";
+
+/** What to record next so that the rivals can be told apart, as a table to print. */
+export function Experiment({ explain, units }: { explain: ExplainResult; units: Units }) {
+  const say = useWords();
+  if (!explain.experiment && !explain.experiment_plan) return null;
+  return (
+    <section class="experiment">
+      <h3>{say("experimentTitle")}</h3>
+      {explain.experiment && <p lang="en" class="lines">{explain.experiment}</p>}
+      {explain.experiment_plan && <>
+        <Scroll label={say("experimentTitle")}><PlanTable plan={explain.experiment_plan} units={units} /></Scroll>
+        <button class="quiet" onClick={() => print()}>{say("print")}</button>
+      </>}
+    </section>
+  );
+}
+
+function PlanTable({ plan, units }: { plan: Plan; units: Units }) {
+  const say = useWords();
+  const list = (values: number[] | undefined, si: string) => {
+    const unit = unitOf(units, si);
+    return `${(values ?? []).map((v) => short(v * unit.factor)).join(", ")} ${unitName(unit)}`;
+  };
+  const speeds = (values: number[] | undefined) => `${(values ?? []).map((v) => short(1000 * v)).join(", ")} mm/s`;
+  const rows: [string, string][] = [[say("experimentStrokes"), String(plan.strokes)]];
+  if (plan.speeds?.length) rows.push([say("experimentSpeeds"), speeds(plan.speeds)]);
+  if (plan.pressures?.length) rows.push([say("experimentPressures"), list(plan.pressures, "Pa")]);
+  if (plan.rod_pressures?.length) rows.push([say("experimentRod"), list(plan.rod_pressures, "Pa")]);
+  if (plan.warm_up) rows.push([say("experimentWarm"), `${short(plan.warm_up)} K`]);
+  for (const s of plan.signals ?? [])
+    rows.push([say(s.speed ? "experimentSpeedLevels" : "experimentLevels", { signal: s.signal }), s.levels.map(([from, to]) => `${short(from)} … ${short(to)}`).join("; ") + " (SI)"]);
+  rows.push([say("experimentSeconds"), `${short(plan.seconds)} s`]);
+  return (
+    <table>
+      <thead><tr><th>{say("experimentStep")}</th><th>{say("experimentValue")}</th></tr></thead>
+      <tbody>{rows.map(([name, value]) => <tr key={name}><th scope="row">{name}</th><td>{value}</td></tr>)}</tbody>
+    </table>
+  );
+}

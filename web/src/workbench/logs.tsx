@@ -1,0 +1,40 @@
+import { useRef, useState } from "preact/hooks";
+import { post, upload } from "../api";
+import { refresh } from "../store";
+import type { Session } from "../types";
+import { useWords } from "../words";
+
+/** The logs that are worked on: more can be added, and one held out that models are not fitted to. */
+export function Logs({ session }: { session: Session }) {
+  const say = useWords();
+  const chooser = useRef<HTMLInputElement>(null);
+  const [problem, setProblem] = useState("");
+  const attempt = async (act: () => Promise<unknown>) => {
+    setProblem("");
+    try {
+      await act();
+      await refresh();
+    } catch (failure) {
+      setProblem((failure as Error).message);
+    }
+  };
+  const held = session.logs.find((log) => log.held_out)?.name ?? "";
+  return (
+    <section class="logs">
+      <h2>{say("logs")}</h2>
+      <ul>{session.logs.map((log) => <li key={log.name}>{log.name.split("/").pop()}{log.held_out && <em> · {say("logHeldOut")}</em>}</li>)}</ul>
+      <button class="quiet small" onClick={() => chooser.current?.click()}>{say("logAdd")}</button>
+      <input ref={chooser} class="more-logs" type="file" multiple hidden aria-label={say("logAdd")} accept=".csv,.gz,.txt,.dat,.mat"
+        onChange={(e) => { for (const file of e.currentTarget.files ?? []) void attempt(() => upload("logs", file)); }} />
+      {session.logs.length > 1 && (
+        <label>{say("logHoldOut")}{" "}
+          <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; void attempt(() => post("hold_out", { log })); }}>
+            <option value="">{say("mapNone")}</option>
+            {session.logs.map((log) => <option key={log.name} value={log.name}>{log.name.split("/").pop()}</option>)}
+          </select>
+        </label>
+      )}
+      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+    </section>
+  );
+}

@@ -1,0 +1,59 @@
+import { useState } from "preact/hooks";
+import type { Effect, ExplainResult, Ranked } from "../types";
+import { short, withInterval, type Units } from "../units";
+import { useWords } from "../words";
+import { Scroll } from "./parts";
+
+const shownAtFirst = 7;
+
+interface Props { explain: ExplainResult; effects: Effect[]; units: Units; chosen: string; choose: (effect: string) => void }
+
+/** Every effect of the library, best first, and those that these strokes cannot test. */
+export function Ranking({ explain, effects, units, chosen, choose }: Props) {
+  const say = useWords();
+  const [all, setAll] = useState(false);
+  const tried = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout !== null);
+  const ruledOut = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout === null);
+  const untestable = explain.ranking.filter((ranked) => !ranked.testable);
+  const title = (id: string) => effects.find((effect) => effect.id === id)?.title || id;
+  return (
+    <section class="ranking">
+      <h2>{say("rankingTitle")}</h2>
+      {tried.length === 0 ? <p class="empty">{say("rankingNone")}</p> : (
+        <Scroll label={say("rankingTitle")}>
+          <table>
+            <thead><tr><th>{say("rankingEffect")}</th><th class="num">{say("rankingError")} ({explain.unit})</th><th>{say("rankingSize")}</th></tr></thead>
+            <tbody>
+              {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
+                <tr key={ranked.effect} class={ranked.effect === chosen ? "chosen" : ""}>
+                  <th scope="row"><button class="link" lang="en" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
+                  <td class="num">{short(ranked.rms_holdout)}<Bar ranked={ranked} explain={explain} /></td>
+                  <td>{Object.entries(ranked.parameters).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </Scroll>
+      )}
+      <p class="quiet">* {say("rankingStands")}</p>
+      {tried.length > shownAtFirst && !all && <button class="quiet" onClick={() => setAll(true)}>{say("rankingMore", { count: tried.length })}</button>}
+      {untestable.length > 0 && <Excluded title={`${say("untestable")} (${untestable.length})`} text={say("untestableText")} list={untestable} name={title} />}
+      {ruledOut.length > 0 && <Excluded title={`${say("ruledOut")} (${ruledOut.length})`} text="" list={ruledOut} name={title} />}
+    </section>
+  );
+}
+
+/** The error as a length, from noise to that of the model as it is. */
+function Bar({ ranked, explain }: { ranked: Ranked; explain: ExplainResult }) {
+  const share = Math.max(0, Math.min(1, ranked.rms_holdout! / Math.max(explain.base.rms_holdout, explain.noise_floor)));
+  return <span class="mini" aria-hidden="true"><i style={{ width: `${100 * share}%` }} /></span>;
+}
+
+function Excluded({ title, text, list, name }: { title: string; text: string; list: Ranked[]; name: (id: string) => string }) {
+  return (
+    <details class="untestable"><summary>{title}</summary>
+      {text && <p class="quiet">{text}</p>}
+      <dl lang="en">{list.map((ranked) => <div key={ranked.effect}><dt>{name(ranked.effect)}</dt><dd>{ranked.why_not}</dd></div>)}</dl>
+    </details>
+  );
+}

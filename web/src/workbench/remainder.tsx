@@ -1,0 +1,19 @@
+import { useMemo } from "preact/hooks";
+import { Plot, pageColor } from "../plot";
+import type { ExplainResult } from "../types";
+import { useWords } from "../words";
+
+/** What is missing as a curve, for a person to recognise. */
+export function Remainder({ remainder, unit }: { remainder: NonNullable<ExplainResult["remainder"]>; unit: string }) {
+  const say = useWords();
+  const data = useMemo(() => {
+    const { points } = remainder;
+    return { x: points.map((p) => p.x), values: [points.map((p) => p.value - 1.96 * p.std), points.map((p) => p.value + 1.96 * p.std), points.map((p) => p.value)] };
+  }, [remainder]);
+  const title = say("remainder", { signal: remainder.signal });
+  const band = pageColor("--band");
+  return <><h3>{title}</h3>
+    <Plot label={title} x={data.x} values={data.values} height={180} bands={[{ high: 1, low: 0, color: band }]}
+      xLabel={`${remainder.signal} (${remainder.unit})`} yLabel={unit}
+      lines={[{ label: "95 %", color: band }, { label: "", color: "transparent", hidden: true }, { label: say("difference"), color: pageColor("--line-a"), width: 2 }]} /></>;
+}

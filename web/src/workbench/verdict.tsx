@@ -1,0 +1,50 @@
+import { Formula } from "../formula";
+import type { Effect, ExplainResult } from "../types";
+import { short, type Units } from "../units";
+import { useWords } from "../words";
+import { Experiment } from "./experiment";
+import { AsPrinted } from "./parts";
+import { Remainder } from "./remainder";
+
+interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: string; choose: (effect: string) => void }
+
+/** What the model misses, in plain words, and what to do about it. */
+export function Verdict({ explain, effects, units, problem, choose }: Props) {
+  const say = useWords();
+  if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p></section>;
+  if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
+  const unit = explain.unit;
+  const errors = { before: `${short(explain.base.rms_holdout)} ${unit}`, after: `${short(explain.final.rms_holdout)} ${unit}`, noise: `${short(explain.noise_floor)} ${unit}` };
+  const swap = explain.swap;
+  return (
+    <section class={`verdict-panel ${explain.verdict}`}>
+      <h2>{say("verdictTitle")}</h2>
+      <p class="headline" data-verdict={explain.verdict}>{say(explain.verdict)}</p>
+      {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
+      {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{explain.located[0].signal} {short(explain.located[0].from)} … {short(explain.located[0].to)} {explain.located[0].unit}</strong></p>}
+      {explain.doubt && <p>{say("partial", { why: "" }).replace(/[.:]?\s*\.?$/, ": ")}<span lang="en">{explain.doubt}</span></p>}
+      {explain.relatives?.map((relative) => <p key={relative.effect} lang="en">{relative.sentence}</p>)}
+      <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
+      {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<span lang="en">{text}</span></p>)}
+      {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("oddStrokes", { strokes: odd.strokes.join(", ") })}</p>)}
+      {swap && <p>{say(swap.in.length > 0 ? "swap" : "swapOut", { out: swap.out, in: swap.in.join(" + "), before: `${short(swap.rms_holdout_before)} ${unit}`, after: `${short(swap.rms_holdout_after)} ${unit}` })}</p>}
+      {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul lang="en">{explain.warnings.map((w) => <li key={w}>{w}</li>)}</ul></details>}
+      {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}
+      <Experiment explain={explain} units={units} />
+      <AsPrinted text={explain.text} />
+    </section>
+  );
+}
+
+function Suspect({ id, effect, choose }: { id: string; effect?: Effect; choose: (effect: string) => void }) {
+  const say = useWords();
+  return (
+    <div class="suspect">
+      <button class="primary" data-effect={id} onClick={() => choose(id)} lang="en">{effect?.title || id}</button>
+      {effect && <>
+        <p><Formula law={effect.law} /></p>
+        {effect.plain && <><h3>{say("inspect")}</h3><p lang="en">{effect.plain}</p></>}
+      </>}
+    </div>
+  );
+}

@@ -1,0 +1,58 @@
+import { useStore } from "../store";
+import type { Session } from "../types";
+import { useUrl } from "../url_state";
+import { useWords } from "../words";
+import { AddEffect } from "./add_effect";
+import { Check } from "./check";
+import { Compare } from "./compare";
+import { Confirm } from "./confirm";
+import { Logs } from "./logs";
+import { Locate } from "./locate";
+import { Ranking } from "./ranking";
+import { Staircase } from "./staircase";
+import { Verdict } from "./verdict";
+
+export const steps = ["check", "compare", "locate", "add", "confirm"] as const;
+export type Step = (typeof steps)[number];
+
+function Stepper({ step, go }: { step: Step; go: (step: Step) => void }) {
+  const say = useWords();
+  return (
+    <nav class="stepper" aria-label={say("steps")}>
+      <ol>
+        {steps.map((name, index) => (
+          <li key={name}><button aria-current={name === step ? "step" : undefined} onClick={() => go(name)}><span>{index + 1}</span>{say(`step_${name}`)}</button></li>
+        ))}
+      </ol>
+    </nav>
+  );
+}
+
+/** One screen: versions on the left, the step in the middle, the verdict on the right. */
+export function Workbench({ session }: { session: Session }) {
+  const say = useWords();
+  const [query, setUrl] = useUrl();
+  const { results, failed, effects } = useStore();
+  const step = steps.find((name) => name === query.step) ?? "compare";
+  const choose = (effect: string) => setUrl({ effect, step: "add" });
+  const kind = step === "check" ? "check" : step === "add" ? "explain" : "compare";
+  const problem = failed[kind];
+  return (
+    <div class="workbench">
+      <Stepper step={step} go={(name) => setUrl({ step: name })} />
+      <aside class="left"><Staircase session={session} /><Logs session={session} /></aside>
+      <section class="centre" aria-live="polite">
+        {problem ? <p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p>
+          : step === "check" ? <Check check={results.check} picture={results.picture} session={session} />
+          : step === "compare" ? <Compare compare={results.compare} session={session} query={query} setUrl={setUrl} />
+          : step === "locate" ? <Locate compare={results.compare} query={query} setUrl={setUrl} />
+          : step === "add" ? <AddEffect id={query.effect ?? results.explain?.set[0] ?? ""} session={session} effects={effects} explain={results.explain} />
+          : <Confirm session={session} query={query} setUrl={setUrl} />}
+      </section>
+      <aside class="right">
+        <Verdict explain={results.explain} effects={effects} units={session.units} problem={failed.explain} choose={choose} />
+        {results.explain && <Ranking explain={results.explain} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
+      </aside>
+    </div>
+  );
+}

@@ -1,0 +1,287 @@
+// The page in a real browser: node --test page_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { request } from "node:http";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { browser, folder, open, run } from "./program.mjs";
+
+const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const machines = fileURLToPath(new URL("../../machines", import.meta.url));
+const cushion = join(machines, "die_cushion.toml");
+let chromium, place;
+
+before(async () => {
+  chromium = await browser();
+  place = folder();
+  run(["simulate", "press", "--out", "hidden.csv", "--seconds", "90", "--seed", "4", "--effect", "relief_valve=3e-11"], place.path);
+});
+after(async () => {
+  await chromium?.close();
+  place?.remove();
+});
+
+/** A page of a program of its own, until the test is over; what fails on the page fails the test. */
+async function visit(t, words, options = {}) {
+  const served = await open(words, place.path);
+  const context = await chromium.newContext({ viewport: { width: 1400, height: 900 }, locale: "en-US", ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(30_000);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("console", (line) => {
+    if (line.type() === "error" && /Content Security Policy|Uncaught/.test(line.text())) faults.push(line.text());
+  });
+  t.after(async () => {
+    await context.close();
+    await served.stop();
+    assert.deepEqual(faults, []);
+  });
+  return { page, address: served.address, served };
+}
+
+/** Drops files as a person would, from the desktop. */
+async function drop(page, files) {
+  const contents = files.map((file) => ({ name: file.split("/").pop(), text: readFileSync(file, "utf8") }));
+  const transfer = await page.evaluateHandle((list) => {
+    const data = new DataTransfer();
+    for (const { name, text } of list) data.items.add(new File([text], name));
+    return data;
+  }, contents);
+  await page.dispatchEvent(".drop", "drop", { dataTransfer: transfer });
+}
+
+async function assertAccessible(page, where) {
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));
+  assert.deepEqual(violations.map((v) => `${where}: ${v.id}: ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`), []);
+}
+
+async function assertFits(page, where) {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `${where} is ${wide} pixels wider than the window`);
+}
+
+test("a hidden effect is dropped, mapped, located, added and saved", async (t) => {
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await drop(page, [join(place.path, "hidden.csv")]);
+
+  // the proposal: everything is recognised, but for the area
+  await page.waitForSelector(".pin.sure");
+  assert.equal(await page.locator("#pin-p_A").inputValue(), "p_A");
+  await page.locator("#pin-p_0").selectOption("");
+  await page.locator("li", { hasText: "p_0" }).first().dragTo(page.locator(".pin", { has: page.locator("#pin-p_0") }));
+  await page.waitForFunction(() => document.querySelector("#pin-p_0").value === "p_0");
+  assert.ok(await page.locator("button.primary").isDisabled(), "without the area there is no way on");
+  await page.fill("input[name=A_A-bore]", "126.157");
+  await page.waitForSelector(".verdict.good");
+  await page.waitForSelector(".log-view canvas");
+  assert.match(await page.locator(".log-view [role=status]").innerText(), /: 1\d strokes/);
+  await page.click("button.primary");
+
+  // compare: the error is above the noise, and the worst stroke comes first
+  await page.click(".stepper button:has-text('Compare')");
+  await page.waitForSelector(".scrubber");
+  assert.match(await page.locator(".scrubber label span").innerText(), /1 of 1\d/);
+  await page.keyboard.press("Tab");
+  await page.locator(".scrubber input").press("ArrowRight");
+  await page.waitForFunction(() => /2 of 1\d/.test(document.querySelector(".scrubber label span").textContent));
+
+  // the failing region is read off the map: high pressure, where the relief valve opens early
+  await page.click(".stepper button:has-text('Locate')");
+  await page.locator(".heat select, label:has-text('Error over') select").first().selectOption({ label: (await page.locator("label:has-text('Error over') option").allInnerTexts()).find((name) => /^p_A \(/.test(name)) });
+  const worst = page.locator(".cell.heat-5");
+  await worst.first().waitFor();
+  const region = await worst.first().getAttribute("title");
+  assert.ok(Number(region.match(/^p_A ([\d.]+)/)[1]) > 170, region);
+  await worst.first().click();
+  await page.click("text=Show these rows in the strokes");
+  await page.waitForSelector(".region");
+
+  // the named effect: what it would do is shown, then it is added
+  await page.click("[data-effect=relief_valve]");
+  await page.waitForSelector("[data-preview]");
+  const foretold = Number(await page.locator("[data-preview]").getAttribute("data-preview"));
+  assert.equal(await page.locator(".staircase li").count(), 1, "looking changes nothing");
+  await page.click("[data-add=relief_valve]");
+  await page.waitForSelector("[data-error]");
+  assert.equal(Number(await page.locator("[data-error]").getAttribute("data-error")), foretold);
+  await page.waitForSelector("[data-verdict=adequate]");
+  const [base, added] = await page.locator(".staircase .error").allInnerTexts();
+  const noise = parseFloat((await page.locator(".noise-key").innerText()).match(/: ([\d.]+)/)[1]);
+  assert.ok(parseFloat(base) > 1.15 * noise, `${base} of the base model is far above the noise ${noise}`);
+  assert.ok(parseFloat(added) < 1.05 * noise, `${added} with the effect is near the noise ${noise}`);
+
+  // saved, and then used at the command line
+  await page.fill("input[name=file]", "found.toml");
+  await page.click(".save button.primary");
+  await page.waitForSelector("[data-saved]");
+  const fit = JSON.parse(run(["fit", "hidden.csv", "--machine", "found.toml", "--json", "-"], place.path));
+  assert.ok(fit.parameters["relief_valve.G"].value > 2.5e-11 && fit.parameters["relief_valve.G"].value < 3.5e-11);
+
+  // going back keeps the version gone back from
+  await page.click("text=Go back to this version");
+  await page.waitForFunction(() => document.querySelectorAll(".staircase li")[0].classList.contains("current"));
+  assert.equal(await page.locator(".staircase li").count(), 2);
+});
+
+/** Runs of a cylinder with a dry seal at constant pressures, in the layout of machines/seal_friction.toml. */
+function sealLogs() {
+  let seed = 1;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+  const normal = () => Math.sqrt(-2 * Math.log(random())) * Math.cos(2 * Math.PI * random());
+  const area = (Math.PI / 4) * 0.0257 ** 2;
+  return [1, 3.5, 6].map((bar) => {
+    let x = 0, text = "";
+    for (let row = 0; row < 3000; ++row) {
+      const phase = (row * 0.01) % 4;  // s: 1.6 out, 0.4 rest, 1.6 back, 0.4 rest
+      x += 0.01 * (phase < 1.6 ? 0.013 : phase < 2 ? 0 : phase < 3.6 ? -0.013 : 0);
+      const sign = phase >= 1.8 && phase < 3.8 ? -1 : 1;
+      const p = 1e5 * (bar + 0.05 * sign) + 200 * Math.sin(0.7 * row);
+      const force = area * p + 1 + 2e-5 * p * sign + 0.3 * normal();
+      text += `${row * 10}\t0\t0\t0\t${1e3 * x + 0.004 * normal()}\t${p / 1e5 + 0.0005 * normal()}\t${force}\n`;
+    }
+    const file = join(place.path, `seal_${bar}.csv`);
+    writeFileSync(file, text);
+    return file;
+  });
+}
+
+test("a machine that is no cushion goes the same way, with its own effect", async (t) => {
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await drop(page, [...sealLogs(), join(machines, "seal_friction.toml")]);
+  await page.waitForSelector("[data-effect=pressure_friction]");
+  await page.selectOption("select[name=hold-out]", "seal_3.5.csv");
+  await page.waitForSelector("[data-held-out]");
+  const unseen = Number(await page.locator("[data-held-out]").getAttribute("data-held-out"));
+  assert.ok(unseen > 3, `the model errs by ${unseen} N on the log held out`);
+  await page.waitForSelector("[data-effect=pressure_friction]");
+  assert.match(await page.locator(".centre").innerText(), / N/);
+  await page.click("[data-effect=pressure_friction]");
+  await page.waitForSelector("[data-preview]");
+  await page.click("[data-add=pressure_friction]");
+  await page.waitForSelector("[data-error]");
+  await page.waitForSelector("[data-verdict=adequate]");
+  const [base, added] = (await page.locator(".staircase .error").allInnerTexts()).map(parseFloat);
+  assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
+});
+
+test("an expression of one's own is checked while it is written, tried and added", async (t) => {
+  const { page, address } = await visit(t, []);
+  const own = join(place.path, "own.toml");  // a library that does not hold what is missing
+  writeFileSync(own, readFileSync(join(machines, "seal_friction.toml"), "utf8").replace(/\[\[effect\]\][^]*/, ""));
+  await page.goto(address);
+  await drop(page, [...sealLogs(), own]);
+  await page.waitForSelector("[data-verdict=unknown]");
+  await page.click(".stepper button:has-text('Add')");
+  await page.click("text=Write an effect of your own");
+  await page.fill("input[name=own-id]", "dry_seal");
+  await page.fill("input[name=own-expression]", "p*sign(ddt(y))");
+  await page.waitForSelector(".own pre.problem");
+  assert.match(await page.locator(".own pre.problem").innerText(), /unknown signal "y"[^]*\n +\^/);
+  assert.ok(await page.locator(".own button.primary").isDisabled());
+  await page.fill("input[name=own-expression]", "p*sign(ddt(x))");
+  await page.waitForSelector(".own .verdict.good");
+  await page.click(".own button.primary");
+  await page.waitForSelector("[data-preview]");
+  await page.click("[data-add=dry_seal]");
+  await page.waitForSelector("[data-error]");
+  await page.waitForSelector("[data-verdict=adequate]");
+  const [base, added] = (await page.locator(".staircase .error").allInnerTexts()).map(parseFloat);
+  assert.ok(added < 0.3 * base, `the error falls from ${base} to ${added} N`);
+});
+
+test("a log and machine file of the command line; saving keeps the version before", async (t) => {
+  writeFileSync(join(place.path, "press.toml"), readFileSync(cushion));
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", "press.toml"]);
+  await page.goto(`${address}#step=add&effect=relief_valve`);
+  await page.click("[data-add=relief_valve]:not([disabled])");
+  await page.waitForSelector("[data-error]");
+  assert.deepEqual(readFileSync(join(place.path, "press.toml")), readFileSync(cushion), "nothing is written before saving");
+  await page.click(".save button.primary");
+  await page.waitForSelector("[data-saved]");
+  assert.match(readFileSync(join(place.path, "press.toml"), "utf8"), /effects = \["relief_valve"\]/);
+  assert.deepEqual(readFileSync(join(place.path, "press.v1.toml")), readFileSync(cushion));
+});
+
+/** Status of a request with these headers, as other programs and pages could send it. */
+function status(address, method, path, headers, body = "") {
+  return new Promise((resolve, reject) => {
+    const sent = request(new URL(path, address), { method, headers }, (answer) => { answer.resume(); resolve(answer.statusCode); });
+    sent.on("error", reject);
+    sent.end(body);
+  });
+}
+
+test("other hosts, other sites and requests without the token are refused", async (t) => {
+  const { address } = await visit(t, []);
+  assert.equal(await status(address, "GET", "/", {}), 200);
+  assert.equal(await status(address, "GET", "/", { Host: "evil.example" }), 421);
+  assert.equal(await status(address, "GET", "/api/v1/session", { "Sec-Fetch-Site": "cross-site" }), 403);
+  assert.equal(await status(address, "POST", "/api/v1/start_over", {}, "{}"), 403);
+  assert.equal(await status(address, "POST", "/api/v1/start_over", { "X-Hydroscope-Token": "0".repeat(64) }, "{}"), 403);
+  const page = await (await fetch(address)).text();
+  const token = page.match(/hydroscope-token" content="([0-9a-f]{64})"/)[1];
+  const headers = { "X-Hydroscope-Token": token };
+  assert.equal(await status(address, "POST", "/api/v1/start_over", headers, "{}"), 200);
+  assert.equal(await status(address, "POST", "/api/v1/start_over", { ...headers, Origin: "http://evil.example" }, "{}"), 403);
+  assert.equal(await status(address, "POST", "/api/v1/work", headers, "x".repeat(300_000)), 413);
+  assert.equal(await status(address, "GET", "/%2e%2e/etc/passwd", {}), 404);
+  const answer = await fetch(address);
+  assert.match(answer.headers.get("content-security-policy"), /script-src 'self'/);
+  assert.doesNotMatch(answer.headers.get("content-security-policy"), /unsafe/);
+});
+
+for (const [look, options] of [
+  ["wide, light, English", {}],
+  ["wide, dark, German", { colorScheme: "dark", locale: "de-DE" }],
+  ["phone, light, German", { viewport: { width: 390, height: 844 }, locale: "de-DE" }],
+])
+  test(`every state is accessible and fits: ${look}`, async (t) => {
+    const { page, address } = await visit(t, [], options);
+    const german = options.locale === "de-DE";
+    const look = async (state) => {
+      await assertAccessible(page, state);
+      await assertFits(page, state);
+    };
+    await page.goto(address);
+    await page.waitForSelector(".drop");
+    assert.equal(await page.getAttribute("html", "lang"), german ? "de" : "en");
+    assert.match(await page.locator("h1").innerText(), german ? /Modell Ihrer Maschine/ : /machine's model/);
+    await look("start");
+    await page.locator(".examples button").first().click();
+    await page.waitForSelector(".pin.sure");
+    await look("mapping");
+    await page.fill("input[name=A_A-bore]", "126.157");
+    await page.waitForSelector(".log-view canvas");
+    await look("mapping, ready");
+    await page.locator("button.primary").click();
+    await page.waitForSelector("[data-verdict=named]");
+    for (const [step, there] of [["check", ".log-view canvas"], ["compare", ".plot canvas"], ["locate", ".cell"], ["add", "[data-preview]"], ["confirm", ".save"]]) {
+      await page.goto(`${address}#step=${step}`);
+      await page.waitForSelector(there);
+      await look(step);
+    }
+    });
+
+test("the page says that the program is gone and finds it again, with what was typed", async (t) => {
+  const first = await visit(t, []);
+  const port = new URL(first.address).port;
+  await first.page.goto(first.address);
+  await drop(first.page, [join(place.path, "hidden.csv")]);
+  await first.page.waitForSelector(".pin.sure");
+  await first.page.fill("input[name=A_A-bore]", "1");
+  await first.served.stop();
+  await first.page.waitForSelector(".lost");
+  assert.equal(await first.page.inputValue("input[name=A_A-bore]"), "1");
+  const again = await open(["--port", port], place.path);
+  t.after(() => again.stop());
+  await first.page.waitForSelector(".lost", { state: "detached" });
+  await drop(first.page, [join(place.path, "hidden.csv")]);  // the token of the new program is fetched
+  await first.page.waitForSelector(".pin.sure");
+});

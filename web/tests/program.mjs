@@ -1,0 +1,41 @@
+// Starts the program and a browser for the tests. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import { spawn, spawnSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+export const program = process.env.HYDROSCOPE ?? "hydroscope";
+
+/** A folder for one test, and how to remove it. */
+export function folder() {
+  const path = mkdtempSync(join(tmpdir(), "hydroscope_browser_"));
+  return { path, remove: () => rmSync(path, { recursive: true, force: true }) };
+}
+
+/** Runs a command to its end; its stdout. */
+export function run(words, cwd) {
+  const done = spawnSync(program, words, { cwd, encoding: "utf8", maxBuffer: 64 << 20 });
+  if (done.status !== 0 && done.status !== 4) throw new Error(`${words.join(" ")}: ${done.stderr}`);
+  return done.stdout;
+}
+
+/** `hydroscope open`: address and how to end it. */
+export function open(words, cwd) {
+  const child = spawn(program, ["open", ...words], { cwd, stdio: ["ignore", "pipe", "inherit"] });
+  const ended = new Promise((resolve) => child.on("exit", resolve));
+  return new Promise((resolve, reject) => {
+    let text = "";
+    child.stdout.on("data", (piece) => {
+      text += piece;
+      const address = text.match(/http:\/\/127\.0\.0\.1:\d+\//);
+      if (address) resolve({ address: address[0], pid: child.pid, stop: () => { child.kill("SIGTERM"); return ended; } });
+    });
+    child.on("exit", (code) => reject(new Error(`open ended with ${code}: ${text}`)));
+  });
+}
+
+export function browser() {
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"] });
+}

@@ -1,0 +1,96 @@
+// Pictures of every page and state: node screenshots.mjs FOLDER. scripts/screenshots.sh calls it.
+
+import { mkdirSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import { browser, folder, open, run } from "./program.mjs";
+
+const out = resolve(process.argv[2] ?? "out/screenshots");
+const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
+mkdirSync(out, { recursive: true });
+const place = folder();
+run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
+run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
+
+const wide = { width: 1500, height: 1000 }, phone = { width: 390, height: 844 };
+const chromium = await browser();
+
+/** The same states in each look. */
+async function take(name, viewport, colorScheme, locale) {
+  const shoot = async (page, state) => {
+    await page.waitForTimeout(250);
+    await page.screenshot({ path: join(out, `${state}-${name}.png`), fullPage: viewport === phone });
+  };
+  const context = await chromium.newContext({ viewport, colorScheme, locale });
+  const page = await context.newPage();
+
+  const first = await open([], place.path);
+  await page.goto(first.address);
+  await page.waitForSelector(".drop");
+  await shoot(page, "start");
+  await page.setInputFiles("input[type=file]", { name: "bad.csv", mimeType: "text/csv", buffer: Buffer.from("no numbers\n") });
+  await page.waitForSelector(".problem");
+  await shoot(page, "start-error");
+  await page.setInputFiles("input[type=file]", join(place.path, "leak.csv"));
+  await page.waitForSelector(".mapping .pin");
+  await shoot(page, "mapping");
+  await page.fill("input[name=A_A-bore]", "126.16");
+  await page.waitForSelector(".log-view .plot canvas");
+  await shoot(page, "mapping-ready");
+  await first.stop();
+  await page.waitForSelector(".lost");
+  await shoot(page, "lost");
+
+  const work = await open(["leak.csv", "--machine", machine], place.path);
+  await page.goto(`${work.address}#step=check`);
+  await page.waitForSelector(".ranking table");
+  await page.waitForSelector(".log-view canvas");
+  await shoot(page, "check");
+  for (const step of ["compare", "locate", "add", "confirm"]) {
+    await page.goto(`${work.address}#step=${step}`);
+    await page.waitForSelector(step === "compare" ? ".plot canvas" : step === "locate" ? ".heat .cell" : step === "add" ? ".preview table" : ".save");
+    await shoot(page, step);
+  }
+  await page.goto(`${work.address}#step=compare&view=free`);
+  await page.waitForSelector(".plot canvas");
+  await shoot(page, "free-run");
+  await page.goto(`${work.address}#step=add`);
+  await page.click("[data-add]:not([disabled])");
+  await page.waitForSelector("[data-error]");
+  await page.waitForSelector("[data-verdict=adequate]");
+  await shoot(page, "confirmed");
+  await page.goto(`${work.address}#step=compare`);
+  await page.waitForSelector(".plot canvas");
+  await shoot(page, "compare-two-versions");
+  await work.stop();
+
+  const rivals = await open(["drift.csv", "--machine", machine], place.path);
+  await page.goto(rivals.address);
+  await page.waitForSelector("[data-verdict]");
+  await shoot(page, "ambiguous");
+  await rivals.stop();
+  await context.close();
+}
+
+/** The one of the documents, docs/page.png. */
+async function takeForDocuments() {
+  const context = await chromium.newContext({ viewport: { width: 1220, height: 680 }, colorScheme: "light", locale: "en-US" });
+  const page = await context.newPage();
+  const work = await open(["leak.csv", "--machine", machine], place.path);
+  await page.goto(`${work.address}#step=compare`);
+  await page.waitForSelector(".ranking table");
+  await page.waitForSelector(".plot canvas");
+  await page.waitForTimeout(500);
+  await page.screenshot({ path: join(out, "page.png") });
+  await work.stop();
+  await context.close();
+}
+
+await takeForDocuments();
+await take("wide-light", wide, "light", "en-US");
+await take("wide-dark", wide, "dark", "de-DE");
+await take("phone-light", phone, "light", "de-DE");
+await take("phone-dark", phone, "dark", "en-US");
+await chromium.close();
+place.remove();
+console.log(out);
