@@ -3,24 +3,29 @@
 import katex from "katex";
 import { useEffect, useRef } from "preact/hooks";
 
-const functions = new Set(["sign", "max", "min", "exp", "sin", "cos", "play", "abs", "log"]);
+const functions = new Set(["sign", "max", "min", "exp", "sin", "cos", "play", "abs"]);
 const greek = new Set(["beta", "tau", "pi", "phi", "mu"]);
 
 function symbol(name: string): string {
   const [head, ...rest] = name.split("_");
-  const body = greek.has(head) ? `\\${head}` : head.length > 1 ? `\\mathrm{${head}}` : head;
+  const numbered = head.match(/^([A-Za-z])(\d+)$/);
+  const body = numbered ? `${numbered[1]}_{${numbered[2]}}` : head === "dp" ? "\\Delta p"
+    : greek.has(head) ? `\\${head}` : head.length > 1 ? `\\mathrm{${head}}` : head;
   return rest.length > 0 ? `${body}_{\\mathrm{${rest.join(",")}}}` : body;
 }
 
 /** TeX of a law such as "Q = G max(p_A - p_crack, 0)"; words between stay words. */
 export function texOf(law: string): string {
-  const tokens: string[] = law.match(/d[A-Za-z]\w*\/dt|ddt\(\w+\)|\w+|\+-|[^\s\w]|\s+/g) ?? [];
+  const tokens: string[] = law.match(/d[A-Za-z]\w*\/d[a-z]\b|ddt\(\w+\)|\w+|\+-|[^\s\w]|\s+/g) ?? [];
   let tex = "";
   for (let k = 0; k < tokens.length; ++k) {
     const token = tokens[k];
     const rate = token.match(/^d([A-Za-z]\w*)\/dt$/) ?? token.match(/^ddt\((\w+)\)$/);
-    const plainWord = /^[a-z]{2,}$/i.test(token) && !greek.has(token) && token.length > 2;
+    const slope = token.match(/^d(\w+)\/d([a-z])$/);
+    const plainWord = token === "of" || (/^[a-z]{3,}$/i.test(token) && !greek.has(token));
     if (rate) tex += `\\dot{${symbol(rate[1])}}`;
+    else if (slope) tex += `\\frac{\\mathrm{d}${symbol(slope[1])}}{\\mathrm{d}${slope[2]}}`;
+    else if (token === "degC") tex += "\\,^{\\circ}\\mathrm{C}";
     else if (token === "sqrt") {
       // sqrt|...| or sqrt(...): up to the bar or bracket that closes it
       const close = tokens[k + 1] === "|" ? "|" : ")";

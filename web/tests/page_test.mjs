@@ -43,6 +43,15 @@ async function visit(t, words, options = {}) {
   return { page, address: served.address, served };
 }
 
+/** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
+async function until(page, condition) {
+  for (let tries = 0; tries < 300; ++tries) {
+    if (await page.evaluate(condition)) return;
+    await page.waitForTimeout(100);
+  }
+  assert.fail(`not so after 30 s: ${condition}`);
+}
+
 /** Drops files as a person would, from the desktop. */
 async function drop(page, files) {
   const contents = files.map((file) => ({ name: file.split("/").pop(), text: readFileSync(file, "utf8") }));
@@ -75,7 +84,11 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   assert.equal(await page.locator("#pin-p_A").inputValue(), "p_A");
   await page.locator("#pin-p_0").selectOption("");
   await page.locator("li", { hasText: "p_0" }).first().dragTo(page.locator(".pin", { has: page.locator("#pin-p_0") }));
-  await page.waitForFunction(() => document.querySelector("#pin-p_0").value === "p_0");
+  await until(page, () => document.querySelector("#pin-p_0").value === "p_0");
+  await page.locator("#pin-p_B").selectOption("");
+  await page.waitForSelector(".mark.free:has-text('p_B')");
+  await page.locator(".columns li", { hasText: "p_B" }).dragTo(page.locator(".mark", { hasText: "p_B" }));  // in the picture
+  await until(page, () => document.querySelector("#pin-p_B").value === "p_B");
   assert.ok(await page.locator("button.primary").isDisabled(), "without the area there is no way on");
   await page.fill("input[name=A_A-bore]", "126.157");
   await page.waitForSelector(".verdict.good");
@@ -89,7 +102,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   assert.match(await page.locator(".scrubber label span").innerText(), /1 of 1\d/);
   await page.keyboard.press("Tab");
   await page.locator(".scrubber input").press("ArrowRight");
-  await page.waitForFunction(() => /2 of 1\d/.test(document.querySelector(".scrubber label span").textContent));
+  await until(page, () => /2 of 1\d/.test(document.querySelector(".scrubber label span").textContent));
 
   // the failing region is read off the map: high pressure, where the relief valve opens early
   await page.click(".stepper button:has-text('Locate')");
@@ -125,7 +138,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
 
   // going back keeps the version gone back from
   await page.click("text=Go back to this version");
-  await page.waitForFunction(() => document.querySelectorAll(".staircase li")[0].classList.contains("current"));
+  await until(page, () => document.querySelectorAll(".staircase li")[0].classList.contains("current"));
   assert.equal(await page.locator(".staircase li").count(), 2);
 });
 
@@ -199,6 +212,10 @@ test("an expression of one's own is checked while it is written, tried and added
 test("a log and machine file of the command line; saving keeps the version before", async (t) => {
   writeFileSync(join(place.path, "press.toml"), readFileSync(cushion));
   const { page, address } = await visit(t, ["hidden.csv", "--machine", "press.toml"]);
+  for (const effect of ["entrained_air", "orifice_leakage", "laminar_edge", "periodic_disturbance"]) {
+    await page.goto(`${address}#step=add&effect=${effect}`);
+    await page.waitForSelector(`.centre .formula math`);  // drawn, not written
+  }
   await page.goto(`${address}#step=add&effect=relief_valve`);
   await page.click("[data-add=relief_valve]:not([disabled])");
   await page.waitForSelector("[data-error]");

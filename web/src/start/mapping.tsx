@@ -7,6 +7,7 @@ import { short } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { GateThresholds } from "./gate_thresholds";
+import { MachinePicture } from "./machine_picture";
 import { Thumbnail } from "./thumbnail";
 
 interface Request {
@@ -90,6 +91,7 @@ export function Mapping() {
         </div>
         <div>
           <h2>{say("mapSensors")}</h2>
+          <MachinePicture model={proposal.model} pins={proposal.pins} put={put} />
           <ul class="pins">
             {proposal.pins.map((pin) => (
               <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />

@@ -1,5 +1,5 @@
 import { useState } from "preact/hooks";
-import type { Effect, ExplainResult, Ranked } from "../types";
+import type { Effect, ExplainResult, Parameter, Ranked } from "../types";
 import { short, withInterval, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
@@ -28,7 +28,7 @@ export function Ranking({ explain, effects, units, chosen, choose }: Props) {
                 <tr key={ranked.effect} class={ranked.effect === chosen ? "chosen" : ""}>
                   <th scope="row"><button class="link" lang="en" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
                   <td class="num">{short(ranked.rms_holdout)}<Bar ranked={ranked} explain={explain} /></td>
-                  <td>{Object.entries(ranked.parameters).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
+                  <td>{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
                 </tr>
               ))}
             </tbody>
@@ -41,6 +41,14 @@ export function Ranking({ explain, effects, units, chosen, choose }: Props) {
       {ruledOut.length > 0 && <Excluded title={`${say("ruledOut")} (${ruledOut.length})`} text="" list={ruledOut} name={title} />}
     </section>
   );
+}
+
+/** The size first, then what else was found; a number in the size's own unit is the size once more. */
+function sizes(ranked: Ranked, effect?: Effect): [string, Parameter][] {
+  const size = effect && ranked.parameters[effect.parameter];
+  if (!size) return Object.entries(ranked.parameters);
+  const others = Object.entries(ranked.parameters).filter(([name, other]) => name !== effect.parameter && other.unit !== size.unit);
+  return [[effect.parameter, size], ...others];
 }
 
 /** The error as a length, from noise to that of the model as it is. */
