@@ -180,12 +180,11 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Open(int port, Hooks hooks) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  impl.daemon =
-      MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
-                       &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR, &address, MHD_OPTION_NOTIFY_COMPLETED,
-                       &Impl::Forget, nullptr, MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
-                       MHD_OPTION_CONNECTION_TIMEOUT, kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders,
-                       MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_END);
+  impl.daemon = MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr,
+                                 nullptr, &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR, &address,
+                                 MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget, nullptr,
+                                 MHD_OPTION_CONNECTION_LIMIT, kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT,
+                                 kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders, MHD_OPTION_END);
   if (impl.daemon == nullptr)
     return BadInput("port {} on 127.0.0.1 cannot be opened ({}); give another one with --port, or 0 for any",
                     port, std::strerror(errno));

@@ -1,13 +1,14 @@
 // The page in a real browser: node --test page_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
 
 import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { request } from "node:http";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { browser, folder, open, run } from "./program.mjs";
+import { browser, folder, open, program, run } from "./program.mjs";
 
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
@@ -252,6 +253,13 @@ test("other hosts, other sites and requests without the token are refused", asyn
   const answer = await fetch(address);
   assert.match(answer.headers.get("content-security-policy"), /script-src 'self'/);
   assert.doesNotMatch(answer.headers.get("content-security-policy"), /unsafe/);
+});
+
+test("a port that is taken is not shared", async (t) => {
+  const { address } = await visit(t, []);
+  const second = spawnSync(program, ["open", "--port", new URL(address).port], { encoding: "utf8", timeout: 20_000 });
+  assert.equal(second.status, 3, second.stderr);
+  assert.match(second.stderr, /port \d+ on 127\.0\.0\.1 cannot be opened/);
 });
 
 for (const [look, options] of [
