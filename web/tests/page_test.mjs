@@ -13,6 +13,7 @@ import { browser, folder, open, program, run } from "./program.mjs";
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const cushion = join(machines, "die_cushion.toml");
+const patience = 120_000;  // ms, also on a computer with many times more work than cores
 let chromium, place;
 
 before(async () => {
@@ -30,7 +31,7 @@ async function visit(t, words, options = {}) {
   const served = await open(words, place.path);
   const context = await chromium.newContext({ viewport: { width: 1400, height: 900 }, locale: "en-US", ...options });
   const page = await context.newPage();
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(patience);
   const faults = [];
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("console", (line) => {
@@ -46,11 +47,11 @@ async function visit(t, words, options = {}) {
 
 /** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
 async function until(page, condition) {
-  for (let tries = 0; tries < 300; ++tries) {
+  for (const end = Date.now() + patience; Date.now() < end;) {
     if (await page.evaluate(condition)) return;
     await page.waitForTimeout(100);
   }
-  assert.fail(`not so after 30 s: ${condition}`);
+  assert.fail(`not so after ${patience} ms: ${condition}`);
 }
 
 /** Drops files as a person would, from the desktop. */
