@@ -9,9 +9,6 @@
 
 namespace hydroscope {
 
-/// The gated samples of one stroke, as the pipeline cut them.
-using StrokeStretches = std::vector<Stretch>;
-
 /// The model with its base and output columns alone, and no shapes of its effects.
 ModelStructure BaseOnly(const ModelStructure& model);
 

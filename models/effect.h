@@ -71,6 +71,14 @@ struct Effect {
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;
+  /// Strokes that show it where those at hand do not: "strokes with cold and with warm oil". Empty: any.
+  std::string shown_by;
+  /// Strokes that tell it from another effect; said by one of the two.
+  struct Separation {
+    std::string id;       ///< of the other one
+    std::string strokes;  ///< that vary only what the two laws differ in
+  };
+  std::vector<Separation> separations;
   /// A test off the log that gives its size, to be told to `explain --measured`: "the reading of the pressure sensor with its
   /// line vented". Empty: there is none.
   std::string measured_by;

@@ -128,14 +128,19 @@ struct ValveSpec {
 
 /// What the machine may be asked to do to tell effects apart. What is absent stays as in the strokes recorded.
 struct ExperimentSpec {
-  std::optional<double> speed_min, speed_max;                ///< m/s, ram speeds
-  std::optional<double> pressure_min, pressure_max;          ///< Pa, pressures in chamber A
-  std::optional<double> rod_pressure_min, rod_pressure_max;  ///< Pa, pressures in chamber B
-  double warm_up = 0.0;                                      ///< K by which the oil may warm on the way
-  int max_strokes = 400;                                     ///< more than these nobody records
+  struct Limits {
+    std::optional<double> min, max;  ///< SI
+    bool operator==(const Limits&) const = default;
+  };
+  std::map<std::string, Limits, std::less<>> settings;  ///< of those of its kind (StrokeSetting), by key
+  int max_strokes = 400;                                ///< more than these nobody records
   /// Own machines: what strokes may be run at, means of signals or of their speeds.
   std::vector<GateBound> signals;
 
+  Limits Of(std::string_view setting) const {
+    const auto at = settings.find(setting);
+    return at == settings.end() ? Limits{} : at->second;
+  }
   bool operator==(const ExperimentSpec&) const = default;
 };
 

@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "models/effect.h"
+#include "models/experimenter.h"
 #include "models/machine.h"
 #include "models/machine_draft.h"
 #include "models/machine_words.h"
@@ -71,6 +72,7 @@ struct MachineKind {
   std::vector<std::shared_ptr<const Effect>> (*effects)(const Machine&) = nullptr;
   /// Names of the channels that those effects mean by Effect::channels.
   std::span<const std::string_view> channels = {};
+  ExperimentRules experiment = {};
 };
 
 /// All kinds, the one first that a machine file without `model` means (machines/kinds.cc).

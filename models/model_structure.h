@@ -108,7 +108,6 @@ struct ModelStructure {
   std::vector<std::vector<EffectShape>> effect_shapes;  ///< shapes of each of `effects`
   std::vector<std::shared_ptr<const Effect>> sample_effects;  ///< Effect::needs_samples: see AddSampleEffects
   std::vector<std::shared_ptr<const Effect>> generic_laws;    ///< Effect::generic: see AddGenericLaws
-  double piston_area = 0.0;                                   ///< m^2, die cushion
   std::string output_unit;                                    ///< SI unit of the flow form, "m3/s"
   /// The balance has no derivative with respect to time: columns fill values (one per sample) in place of increments,
   /// and equations are block means without an intercept.

@@ -27,6 +27,9 @@ struct Stretch {
   double* operator[](int index) { return channel[static_cast<std::size_t>(index)].data() + before; }
 };
 
+/// The gated samples of one stroke, as the pipeline cut them.
+using StrokeStretches = std::vector<Stretch>;
+
 /// Every column of a balance is a Stieltjes integral of products of channels: increment k of a column is the
 /// trapezoidal value of a * db between samples k and k + 1. From the increments follow the integral form (running
 /// sum) and the flow form (window) alike, without ever differencing a noisy product.

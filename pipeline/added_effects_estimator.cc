@@ -208,7 +208,6 @@ std::shared_ptr<const ModelStructure> AddedEffectsEstimator::ReducedModel() cons
   reduced->parameters = model_->parameters;
   for (const int effect : effects_)
     reduced->parameters.push_back(model_->effects[effect]->id + "." + model_->effects[effect]->parameter);
-  reduced->piston_area = model_->piston_area;
   reduced->output_unit = model_->output_unit;
   reduced->level_form = model_->level_form;
   reduced->derive = [model = model_, effects = effects_](const Eigen::VectorXd& theta) {

@@ -167,9 +167,9 @@ bool IsSettled(const Explanation& x, const std::vector<std::string>& truth) {
 Result<LogStrokes> RecordExperiment(const Case& c) {
   PressOptions options = c.options;
   PressMotion& motion = options.motion;
-  motion.speeds = c.experiment.speeds;
-  motion.set_points = c.experiment.pressures;
-  motion.rod_pressures = c.experiment.rod;
+  motion.speeds = c.experiment.Levels("ram_speed");
+  motion.set_points = c.experiment.Levels("pressure");
+  motion.rod_pressures = c.experiment.Levels("rod_pressure");
   motion.speed_max =
       std::max(motion.speed_max, *std::max_element(motion.speeds.begin(), motion.speeds.end()));
   double cycle = 0;
@@ -177,7 +177,7 @@ Result<LogStrokes> RecordExperiment(const Case& c) {
     cycle += (motion.z_top - motion.z_bottom) * (1 / speed + 1 / motion.return_speed) + 2 * motion.ramp_time +
              motion.dwell_min + motion.dwell_max;
   options.seconds = c.experiment.strokes * cycle / static_cast<double>(motion.speeds.size()) + 5;
-  if (c.experiment.warm_up > 0) options.oil_end = options.oil_start + c.experiment.warm_up;
+  for (const double warmer : c.experiment.Levels("warm_up")) options.oil_end = options.oil_start + warmer;
   options.seed += 1;
   return StrokesFor(options);
 }
@@ -211,7 +211,7 @@ bool IsNamedAlone(const Explanation& x, const std::vector<std::string>& truth) {
 void RunExperiment(const LogStrokes& first, ExplainOptions explain, Case& c) {
   if (c.explanation.verdict != Verdict::kAmbiguous) return;
   LogStrokes both = first;
-  c.proposed = !c.experiment.pressures.empty();
+  c.proposed = c.experiment.proposed();
   if (c.proposed) {
     auto second = RecordExperiment(c);
     if (!second) return;
@@ -227,19 +227,16 @@ void RunExperiment(const LogStrokes& first, ExplainOptions explain, Case& c) {
 }
 
 /// What the machine may do in an experiment: what a random machine does, with the oil warming.
-MachineMoves MovesFor(const Case& c, const LogStrokes& strokes) {
+Machine MachineToAsk(const Case& c, Machine machine) {
   const PressMotion usual = RandomMachine(c.options.seed).motion;
-  Machine machine = strokes.machine;
-  machine.experiment = {.speed_min = usual.speed_min,
-                        .speed_max = usual.speed_max,
-                        .pressure_min = std::min(usual.set_point_min, usual.rest_pressure),
-                        .pressure_max = usual.set_point_max,
-                        .rod_pressure_min = kLowestRod,
-                        .rod_pressure_max = kHighestRod,
-                        .warm_up = 20.0,
-                        .max_strokes = 400,
-                        .signals = {}};
-  return MovesOf(machine, strokes.stretches);
+  machine.experiment = {
+      .settings = {{"ram_speed", {usual.speed_min, usual.speed_max}},
+                   {"pressure", {std::min(usual.set_point_min, usual.rest_pressure), usual.set_point_max}},
+                   {"rod_pressure", {kLowestRod, kHighestRod}},
+                   {"warm_up", {{}, 20.0}}},
+      .max_strokes = 400,
+      .signals = {}};
+  return machine;
 }
 
 /// What `compare` would say of a log without an error.
@@ -279,7 +276,7 @@ void Count(const Case& c, KindTally& t) {
   }
   if (x.verdict == Verdict::kAmbiguous && all) {
     ++t.ambiguous;
-    t.proposed += c.proposed || !c.experiment.pressures.empty();
+    t.proposed += c.proposed || c.experiment.proposed();
     t.by_strokes += c.by_strokes;
     t.resolved += c.resolved;
     t.settled += IsSettled(c.after.base.solved ? c.after : x, c.truth);
@@ -342,7 +339,7 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
         nonlinear, c.number, ErrorOverFloor(x.final),
-        (c.experiment.pressures.empty() ? "-" : ExperimentText(c.experiment)) + AfterText(c));
+        (c.experiment.proposed() ? ExperimentText(c.experiment) : "-") + AfterText(c));
   }
 }
 
@@ -410,8 +407,8 @@ int RunHiddenEffectsBenchmark(const HiddenEffectsOptions& o) {
         for (const std::string& twin : TwinsOf(*strokes->model, id)) options.exclude.push_back(twin);
     }
     c.explanation = ExplainSamples(strokes->model, strokes->stretches, strokes->window, options);
-    c.experiment =
-        ProposeExperiment(c.explanation, MovesFor(c, *strokes), strokes->stretches, strokes->window);
+    c.experiment = ProposeExperiment(c.explanation, MachineToAsk(c, strokes->machine), strokes->stretches,
+                                     strokes->window);
     if (o.experiments) RunExperiment(*strokes, options, c);
     if (c.kind == kHealthy) LookForPatterns(*strokes, c);
     Grade(c);

@@ -86,21 +86,13 @@ const std::vector<Reserved> kReservedWords = {
     {"sleep_for", {"live/", "studies/", "cli/"}},
 };
 
-/// What a machine is stands in its folder of machines/. These files still know the die cushion; none may be added.
-const std::set<std::string> kKnowTheCushion = {
-    "diagnosis/experiment/experiment.cc",
-    "diagnosis/experiment/machine_moves.cc",
-    "diagnosis/experiment/played_stroke.cc",
-};
-
-/// Files that name signals, parameters or effects of built-in machines all the same, and why.
+/// What a machine is stands in its folder of machines/. Files that name signals, parameters or effects of built-in machines
+/// all the same, and why.
 const std::map<std::string, std::string> kNameThings = {
     {"setup/column_names.cc", "what logs call the signals of hydraulic machines, whatever the machine"},
     {"models/machine.h", "signals that [valve] means where it names none"},
     {"cli/open.cc", "simulated presses that the page offers as examples"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
-    {"diagnosis/experiment/machine_moves.cc", "moves of the die cushion, see kKnowTheCushion"},
-    {"workbench/explain/what_to_record.cc", "what tells effects apart"},
 };
 
 /// Names of signals, geometry, parameters and effects of all kinds of machines; of one letter none, which are units too.
@@ -148,9 +140,7 @@ std::vector<std::string> Faults(const std::string& path, const std::string& text
     const std::string where = fmt::format("{}:{}", path, number);
     if (line.starts_with("#include \"")) {
       const std::string included = line.substr(10, line.find('/') == line.npos ? 0 : line.find('/') - 10);
-      const bool cushion = included == "machines" && kKnowTheCushion.contains(path);
-      if (allowed != kMayInclude.end() && included != folder && !allowed->second.contains(included) &&
-          !cushion)
+      if (allowed != kMayInclude.end() && included != folder && !allowed->second.contains(included))
         faults.push_back(
             fmt::format("{}: {}/ may include {}, not {}/", where, folder, allowed->second, included));
     }
@@ -159,8 +149,7 @@ std::vector<std::string> Faults(const std::string& path, const std::string& text
         if (line.find(r.word) != line.npos && !BeginsWithOneOf(path, r.places))
           faults.push_back(fmt::format("{}: {} belongs to {}", where, r.word, r.places));
     const std::string code = line.substr(0, line.find("//"));
-    const bool apart =
-        path.starts_with("machines/") || path.starts_with("simulator/") || kKnowTheCushion.contains(path);
+    const bool apart = path.starts_with("machines/") || path.starts_with("simulator/");
     for (const char* word : {"#include \"machines/", "\"die_cushion\"", "\"expressions\""})
       if (!apart && code.find(word) != code.npos)
         faults.push_back(fmt::format("{}: {} belongs into machines/", where, word));
@@ -226,20 +215,13 @@ TEST(IncludeTable, KeepsNamesOfSignalsParametersAndEffectsInTheFolderOfTheirMach
   EXPECT_EQ(Faults("workbench/x.cc", "fmt::format(\"p_A and y_v\");\n").size(), 0u);
 }
 
-TEST(IncludeTable, ListsNoFileThatDoesNotKnowTheCushionAnyMore) {
+TEST(IncludeTable, ListsNoFileThatNamesNothingAnyMore) {
   for (const auto& [path, why] : kNameThings) {
     std::ifstream in(std::filesystem::path(HYDROSCOPE_SOURCE_DIR) / path);
     bool any = false;
     for (std::string line; std::getline(in, line);)
       for (const std::string& literal : Literals(line)) any = any || MachineNames().contains(literal);
     EXPECT_TRUE(any) << path << " can be taken off the list";
-  }
-  for (const std::string& path : kKnowTheCushion) {
-    std::ifstream in(std::filesystem::path(HYDROSCOPE_SOURCE_DIR) / path);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    const bool knows = text.find("machines/die_cushion") != text.npos ||
-                       text.find("\"die_cushion\"") != text.npos || text.find("\"expressions\"") != text.npos;
-    EXPECT_TRUE(knows) << path << " can be taken off the list";
   }
 }
 

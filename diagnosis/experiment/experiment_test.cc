@@ -29,14 +29,13 @@ class ExperimentTest : public testing::Test {
     delete strokes_;
     delete explanation_;
   }
-  static MachineMoves Moves(double rod_min, double rod_max) {
+  static Machine Allowing(double rod_min, double rod_max) {
     Machine machine = strokes_->machine;
-    machine.experiment.rod_pressure_min = rod_min;
-    machine.experiment.rod_pressure_max = rod_max;
-    return MovesOf(machine, strokes_->stretches);
+    machine.experiment.settings["rod_pressure"] = {rod_min, rod_max};
+    return machine;
   }
-  static Experiment Propose(const MachineMoves& moves) {
-    return ProposeExperiment(*explanation_, moves, strokes_->stretches, strokes_->window);
+  static Experiment Propose(const Machine& machine) {
+    return ProposeExperiment(*explanation_, machine, strokes_->stretches, strokes_->window);
   }
 
   inline static LogStrokes* strokes_ = nullptr;
@@ -49,8 +48,8 @@ TEST_F(ExperimentTest, TwoLeaksThatOnlyChamberBTellsApartAreAmbiguousBefore) {
 }
 
 TEST_F(ExperimentTest, AsksForTwoPressuresInChamberBWhereTheMachineAllowsThem) {
-  const Experiment e = Propose(Moves(20e5, 60e5));
-  EXPECT_EQ(e.rod, (std::vector<double>{20e5, 60e5}));
+  const Experiment e = Propose(Allowing(20e5, 60e5));
+  EXPECT_EQ(e.Levels("rod_pressure"), (std::vector<double>{20e5, 60e5}));
   EXPECT_GE(e.strokes, 24);
   EXPECT_LT(e.strokes, 100);
   EXPECT_GE(e.separation, 100);
@@ -58,29 +57,25 @@ TEST_F(ExperimentTest, AsksForTwoPressuresInChamberBWhereTheMachineAllowsThem) {
 }
 
 TEST_F(ExperimentTest, NeverLeavesTheMovesAllowed) {
-  MachineMoves moves = Moves(60e5, 60e5);
-  moves.max_strokes = 100000;
-  const Experiment e = Propose(moves);
-  ASSERT_FALSE(e.pressures.empty());
-  EXPECT_TRUE(e.rod.empty());
-  EXPECT_EQ(e.warm_up, 0);
-  for (const double speed : e.speeds) {
-    EXPECT_GE(speed, moves.speed_min);
-    EXPECT_LE(speed, moves.speed_max);
-  }
-  for (const double pressure : e.pressures) {
-    EXPECT_GE(pressure, moves.pressure_min);
-    EXPECT_LE(pressure, moves.pressure_max);
-  }
+  Machine machine = Allowing(60e5, 60e5);
+  machine.experiment.settings["ram_speed"] = {0.03, 0.09};
+  machine.experiment.settings["pressure"] = {60e5, 150e5};
+  machine.experiment.max_strokes = 100000;
+  const Experiment e = Propose(machine);
+  ASSERT_TRUE(e.proposed());
+  EXPECT_TRUE(e.Levels("rod_pressure").empty());
+  EXPECT_TRUE(e.Levels("warm_up").empty());
+  EXPECT_THAT(e.Levels("ram_speed"), testing::Each(testing::AllOf(testing::Ge(0.03), testing::Le(0.09))));
+  EXPECT_THAT(e.Levels("pressure"), testing::Each(testing::AllOf(testing::Ge(60e5), testing::Le(150e5))));
 }
 
 TEST_F(ExperimentTest, ProposesNothingThatWouldNotSettleIt) {
-  MachineMoves moves = Moves(60e5, 60e5);
-  moves.speed_max = moves.speed_min;
-  moves.pressure_max = moves.pressure_min;
-  moves.max_strokes = 24;
-  const Experiment e = Propose(moves);
-  EXPECT_TRUE(e.pressures.empty());
+  Machine machine = Allowing(60e5, 60e5);
+  machine.experiment.settings["ram_speed"] = {0.03, 0.03};
+  machine.experiment.settings["pressure"] = {60e5, 60e5};
+  machine.experiment.max_strokes = 24;
+  const Experiment e = Propose(machine);
+  EXPECT_FALSE(e.proposed());
   EXPECT_EQ(e.left, explanation_->set);
 }
 
@@ -97,13 +92,12 @@ TEST(ExperimentOfADrift, StrokesRecordedLaterTellItFromTheOil) {
   LogStrokes log = strokes_of(press);
   const Explanation before = ExplainSamples(log.model, log.stretches, log.window);
   ASSERT_THAT(before.set, testing::UnorderedElementsAre("oil_viscosity", "Q_vn_drift"));
-  const Experiment e =
-      ProposeExperiment(before, MovesOf(log.machine, log.stretches), log.stretches, log.window);
-  ASSERT_FALSE(e.pressures.empty());
+  const Experiment e = ProposeExperiment(before, log.machine, log.stretches, log.window);
+  ASSERT_TRUE(e.proposed());
   EXPECT_THAT(e.left, testing::IsEmpty());
   press.seed += 1;
-  press.motion.speeds = e.speeds;
-  press.motion.set_points = e.pressures;
+  press.motion.speeds = e.Levels("ram_speed");
+  press.motion.set_points = e.Levels("pressure");
   press.seconds = e.seconds + 3.0 * e.strokes;
   Append(strokes_of(press), log);
   const Explanation after = ExplainSamples(log.model, log.stretches, log.window);
@@ -111,12 +105,12 @@ TEST(ExperimentOfADrift, StrokesRecordedLaterTellItFromTheOil) {
 }
 
 TEST_F(ExperimentTest, RecordedAndExplainedTogetherItNamesTheLeak) {
-  const Experiment e = Propose(Moves(20e5, 60e5));
+  const Experiment e = Propose(Allowing(20e5, 60e5));
   PressOptions press = SmallLeak();
   press.seed += 1;
-  press.motion.speeds = e.speeds;
-  press.motion.set_points = e.pressures;
-  press.motion.rod_pressures = e.rod;
+  press.motion.speeds = e.Levels("ram_speed");
+  press.motion.set_points = e.Levels("pressure");
+  press.motion.rod_pressures = e.Levels("rod_pressure");
   press.seconds = e.seconds + 3.0 * e.strokes;
   const auto second = StrokesOf(SimulatePress(press), MachineFor(press), KeepSamples::kYes);
   ASSERT_TRUE(second);

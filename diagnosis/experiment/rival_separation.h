@@ -19,9 +19,7 @@ struct ExperimentOptions {
   int fewest_strokes = 24;                  ///< fewer give no interval worth the name
   double watched = 0.5;  ///< share of the best effect's gain from which others must stay apart too ...
   double watched_weight =
-      2.0;                ///< ... of which the separation counts so many times, since they lag behind already
-  double warm_up = 3600;  ///< s of waiting that warming the oil costs
-  double rod_change = 30;  ///< s that another pressure in chamber B costs, each time
+      2.0;  ///< ... of which the separation counts so many times, since they lag behind already
 };
 inline constexpr ExperimentOptions kExperiment{};
 

@@ -184,7 +184,6 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
     model->needed_signals.push_back(model->channel_source[c]);
   }
   model->columns = BaseColumns(area->value);
-  model->piston_area = area->value;
 
   const CushionGeometry geometry = CushionGeometryOf(machine);
   const bool has_supply = model->channel_source[kSupplyPressure] >= 0;

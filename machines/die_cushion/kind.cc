@@ -4,6 +4,7 @@
 
 #include "machines/die_cushion/balance.h"
 #include "machines/die_cushion/draft.h"
+#include "machines/die_cushion/experiment.h"
 #include "machines/die_cushion/library.h"
 
 namespace hydroscope {
@@ -140,6 +141,7 @@ const MachineKind kDieCushion = {.id = "die_cushion",
                                  .draft = kCushionDraft,
                                  .build = BuildDieCushion,
                                  .effects = CushionEffects,
-                                 .channels = kCushionChannels};
+                                 .channels = kCushionChannels,
+                                 .experiment = kCushionExperiment};
 
 }  // namespace hydroscope

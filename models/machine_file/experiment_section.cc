@@ -8,18 +8,36 @@ namespace hydroscope {
 namespace {
 
 /// ram_speed = { min = 20, max = 120, unit = "mm/s" }; either limit may be left out.
-void ReadRange(TableReader& section, const char* key, const std::string& si, std::optional<double>& min,
-               std::optional<double>& max) {
-  const toml::table* table = section.Table(key);
+void ReadRange(TableReader& section, const StrokeSetting& setting, ExperimentSpec& spec) {
+  const toml::table* table = section.Table(setting.key);
   if (table == nullptr) return;
-  TableReader range(*table, section.path() + "." + key, section.problems());
+  TableReader range(*table, fmt::format("{}.{}", section.path(), setting.key), section.problems());
   range.AllowOnly(MachineFileKeys("experiment.<range>"));
-  std::string unit = si;
-  range.UnitName("unit", unit, si);
-  const Quantity quantity{.si = si, .default_unit = unit, .low = 0, .above_low = true};
-  range.Number("min", min, quantity);
-  range.Number("max", max, quantity);
-  if (min && max && *min > *max) range.Wrong("min", "a limit not above max");
+  std::string unit(setting.si);
+  range.UnitName("unit", unit, setting.si);
+  const Quantity quantity{.si = setting.si, .default_unit = unit, .low = 0, .above_low = true};
+  ExperimentSpec::Limits& limits = spec.settings[std::string(setting.key)];
+  range.Number("min", limits.min, quantity);
+  range.Number("max", limits.max, quantity);
+  if (limits.min && limits.max && *limits.min > *limits.max) range.Wrong("min", "a limit not above max");
+}
+
+/// warm_up = 15: the most that it may change by.
+void ReadChange(TableReader& section, const StrokeSetting& setting, ExperimentSpec& spec) {
+  double most = 0;
+  section.Number(setting.key, most,
+                 {.si = setting.si, .default_unit = setting.si, .difference = true, .low = 0});
+  if (most > 0) spec.settings[std::string(setting.key)].max = most;
+}
+
+/// Settings of other kinds of machines.
+void RefuseForeignSettings(TableReader& section, const MachineKind& kind) {
+  for (const MachineKind* other : MachineKinds())
+    for (const StrokeSetting& setting : other->experiment.settings)
+      if (other != &kind && section.Has(setting.key))
+        section.Problem(
+            fmt::format("{} is for the {}{}", setting.key, other->title,
+                        kind.own_library ? "; name the signals of a machine of your own under signals" : ""));
 }
 
 }  // namespace
@@ -29,21 +47,22 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   if (table == nullptr) return;
   TableReader section(*table, "experiment", file.problems());
   section.AllowOnly(MachineFileKeys("experiment"));
+  const MachineKind& kind = KindOf(machine);
+  if (kind.experiment.on == nullptr && !kind.own_library) {
+    section.Problem(fmt::format("nothing can be proposed to record on a {}", kind.title));
+    return;
+  }
   ExperimentSpec& spec = machine.experiment;
-  ReadRange(section, "ram_speed", "m/s", spec.speed_min, spec.speed_max);
-  ReadRange(section, "pressure", "Pa", spec.pressure_min, spec.pressure_max);
-  ReadRange(section, "rod_pressure", "Pa", spec.rod_pressure_min, spec.rod_pressure_max);
-  section.Number("warm_up", spec.warm_up, {.si = "K", .default_unit = "K", .difference = true, .low = 0});
+  std::vector<std::string> settings;
+  for (const StrokeSetting& setting : kind.experiment.settings) {
+    setting.range ? ReadRange(section, setting, spec) : ReadChange(section, setting, spec);
+    settings.emplace_back(setting.key);
+  }
   section.Integer("max_strokes", spec.max_strokes, 12);
   spec.signals = ReadBounds(section, "signals", "experiment.signals", machine);
-  const bool own = KindOf(machine).own_library;
-  if (!own && section.Has("signals"))
-    section.Problem(
-        "signals is for machines of your own; here: ram_speed, pressure, rod_pressure and warm_up");
-  for (const char* key : {"ram_speed", "pressure", "rod_pressure", "warm_up"})
-    if (own && section.Has(key))
-      section.Problem(fmt::format(
-          "{} is for the die cushion; name the signals of a machine of your own under signals", key));
+  if (!kind.own_library && section.Has("signals"))
+    section.Problem(fmt::format("signals is for machines of your own; here: {}", Listed(settings)));
+  RefuseForeignSettings(section, kind);
   for (const GateBound& bound : spec.signals)
     if (bound.magnitude != bound.rate)
       section.Problem(

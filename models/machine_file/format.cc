@@ -7,6 +7,7 @@
 
 #include "core/units.h"
 #include "models/machine_file/keys.h"
+#include "models/machine_file/sections.h"
 #include "models/machine_file/table.h"
 #include "models/machine_file/toml_text.h"
 #include "models/machine_kind.h"
@@ -289,25 +290,27 @@ std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
 std::string ExperimentSection(const Machine& machine, const MachineNotes& notes) {
   const ExperimentSpec& spec = machine.experiment;
   if (spec == ExperimentSpec{}) return "";
-  const auto range = [](std::optional<double> min, std::optional<double> max, const char* unit) {
+  const auto range = [](std::optional<double> min, std::optional<double> max, std::string_view unit) {
     Pairs limits;
     if (min) limits.emplace_back("min", Plain(*min));
     if (max) limits.emplace_back("max", Plain(*max));
-    limits.emplace_back("unit", Quoted(unit));
+    limits.emplace_back("unit", Quoted(std::string(unit)));
     return Inline(limits);
   };
   Pairs pairs;
-  if (spec.speed_min || spec.speed_max)
-    pairs.emplace_back("ram_speed", range(spec.speed_min, spec.speed_max, "m/s"));
-  if (spec.pressure_min || spec.pressure_max)
-    pairs.emplace_back("pressure", range(spec.pressure_min, spec.pressure_max, "Pa"));
-  if (spec.rod_pressure_min || spec.rod_pressure_max)
-    pairs.emplace_back("rod_pressure", range(spec.rod_pressure_min, spec.rod_pressure_max, "Pa"));
+  std::string title = "What the machine may be asked to do to tell effects apart";
+  for (const StrokeSetting& setting : KindOf(machine).experiment.settings) {
+    const auto [min, max] = spec.Of(setting.key);
+    if (!setting.range) {
+      pairs.emplace_back(setting.key, Plain(max.value_or(0.0)));
+      title += fmt::format("; {} in {}", setting.key, setting.si);
+    } else if (min || max) {
+      pairs.emplace_back(setting.key, range(min, max, setting.si));
+    }
+  }
   if (!spec.signals.empty()) pairs.emplace_back("signals", Inline(BoundPairs(machine, spec.signals)));
-  if (!KindOf(machine).own_library) pairs.emplace_back("warm_up", Plain(spec.warm_up));
   pairs.emplace_back("max_strokes", Plain(spec.max_strokes));
-  return Section("[experiment]", "What the machine may be asked to do to tell effects apart; warm_up in K.",
-                 pairs, notes, "experiment");
+  return Section("[experiment]", title + ".", pairs, notes, "experiment");
 }
 
 std::string Terms(const std::vector<TermSpec>& terms) {

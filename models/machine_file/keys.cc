@@ -1,6 +1,20 @@
 #include "models/machine_file/keys.h"
 
+#include "models/machine_kind.h"
+
 namespace hydroscope {
+namespace {
+
+/// What all kinds of machines may be asked for; that of other kinds is refused by name.
+std::vector<std::string> ExperimentKeys() {
+  std::vector<std::string> keys = {"max_strokes", "signals"};
+  for (const MachineKind* kind : MachineKinds())
+    for (const StrokeSetting& setting : kind->experiment.settings) keys.emplace_back(setting.key);
+  return keys;
+}
+
+}  // namespace
+
 const std::vector<MachineSection>& MachineFileSections() {
   static const std::vector<MachineSection> sections = {
       {"", {"machine",    "log",           "signals", "geometry", "gate",       "conditions", "window",
@@ -23,7 +37,7 @@ const std::vector<MachineSection>& MachineFileSections() {
         "moving_average", "symmetrical_derivative", "update_period"}},
       {"monitor.<parameter>", {"unit", "reference", "warn_low", "warn_high", "alarm_low", "alarm_high"}},
       {"valve", {"input", "output", "full_scale"}},
-      {"experiment", {"ram_speed", "pressure", "rod_pressure", "warm_up", "max_strokes", "signals"}},
+      {"experiment", ExperimentKeys()},
       {"experiment.<range>", {"min", "max", "unit"}},
       {"balance", {"output", "unit", "terms", "derived"}},
       {"effect",

@@ -205,6 +205,20 @@ TEST(MachineFile, EverySettingReadsBackAfterWriting) {
   EXPECT_EQ(machine, *again) << FormatMachine(machine);
 }
 
+TEST(MachineFile, AKindOfMachineSaysWhatItMayBeAskedFor) {
+  const std::string asked =
+      "[experiment]\nram_speed = { min = 20, max = 120, unit = \"mm/s\" }\nwarm_up = 15\n";
+  const Machine press = Parse(kCushion + asked);
+  EXPECT_EQ(press.experiment.Of("ram_speed"), (ExperimentSpec::Limits{0.02, 0.12}));
+  EXPECT_EQ(press.experiment.Of("warm_up"), (ExperimentSpec::Limits{{}, 15.0}));
+  EXPECT_EQ(press.experiment.Of("pressure"), ExperimentSpec::Limits{});
+  EXPECT_EQ(Parse(FormatMachine(press)).experiment, press.experiment) << FormatMachine(press);
+  const auto valve =
+      ParseMachine("[machine]\nmodel = \"valve\"\n[signals]\nU_v = 1\ny_v = 2\n" + asked, "valve");
+  ASSERT_FALSE(valve);
+  EXPECT_THAT(valve.error().text, testing::HasSubstr("nothing can be proposed to record on a valve"));
+}
+
 TEST(MachineFile, NotesOfTheWriterAreCommentsThatDoNotChangeTheMachine) {
   const Machine machine = Load("die_cushion.toml");
   MachineNotes notes;

@@ -123,17 +123,19 @@ nlohmann::json RemainderJson(const ExplainResult& result) {
 }
 
 nlohmann::json PlanJson(const Experiment& experiment) {
-  if (experiment.pressures.empty()) return nullptr;
-  return {{"strokes", experiment.strokes},
-          {"speeds", experiment.speeds},
-          {"speed_unit", "m/s"},
-          {"pressures", experiment.pressures},
-          {"pressure_unit", "Pa"},
-          {"rod_pressures", experiment.rod},
-          {"warm_up", experiment.warm_up},
-          {"seconds", experiment.seconds},
-          {"separation", experiment.separation},
-          {"left", experiment.left}};
+  if (!experiment.proposed()) return nullptr;
+  nlohmann::json plan = {{"strokes", experiment.strokes},
+                         {"seconds", experiment.seconds},
+                         {"separation", experiment.separation},
+                         {"left", experiment.left}};
+  for (std::size_t k = 0; k < experiment.levels.size(); ++k) {
+    const StrokeSetting& setting = experiment.kind->experiment.settings[k];
+    const std::vector<double>& levels = experiment.levels[k];
+    plan[setting.levels] = levels;
+    if (!setting.range) plan[setting.levels] = levels.empty() ? 0.0 : levels.front();
+    if (!setting.unit_key.empty()) plan[setting.unit_key] = setting.si;
+  }
+  return plan;
 }
 
 /// The same of a machine of the user's own.

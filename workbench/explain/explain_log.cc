@@ -165,8 +165,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
     out.signal_experiment =
         ProposeSignalExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
   else
-    out.experiment = ProposeExperiment(out.explanation, MovesOf(out.log.machine, out.log.stretches),
-                                       out.log.stretches, out.log.window);
+    out.experiment = ProposeExperiment(out.explanation, out.log.machine, out.log.stretches, out.log.window);
   return out;
 }
 

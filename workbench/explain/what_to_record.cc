@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -19,87 +19,21 @@ namespace {
 /// less than their noise (log f of the example presses).
 constexpr double kOneSpeed = 0.15;
 
-/// What tells two effects apart. Laws that differ only in one quantity need strokes that vary that quantity alone.
-struct Separation {
-  std::string_view a, b, move;
-};
-constexpr std::string_view kPressureSteps =
-    "strokes at one slow ram speed and clearly different cushion pressures (for example 60, 120 and 200 bar)";
-constexpr std::string_view kRodSide =
-    "strokes at the same cushion pressure but different pressure in chamber B, or a hold with the ram at "
-    "rest while chamber B is relieved";
-constexpr std::string_view kOpenings =
-    "strokes with the same flow at different spool openings: a fast ram at high "
-    "pressure and the same ram speed at low pressure";
-constexpr std::string_view kSteps =
-    "quick steps: of the valve command while the ram moves steadily, and of the "
-    "ram speed while the valve stands still";
-constexpr std::string_view kLowPressure =
-    "strokes that start from a few bar and rise to working pressure, so that "
-    "the stiffness is seen at low pressure too";
-constexpr std::string_view kRelieved =
-    "the pressure sensor with chamber A relieved to tank (it must read zero), "
-    "then strokes at clearly different pressures";
-constexpr std::array<Separation, 17> kSeparations = {{
-    {"internal_leakage", "external_leakage", kRodSide},
-    {"internal_leakage", "orifice_leakage", kPressureSteps},
-    {"external_leakage", "orifice_leakage", kPressureSteps},
-    {"internal_leakage", "relief_valve", kPressureSteps},
-    {"external_leakage", "relief_valve", kPressureSteps},
-    {"orifice_leakage", "relief_valve", kPressureSteps},
-    {"internal_leakage", "pressure_offset", kRelieved},
-    {"external_leakage", "pressure_offset", kRelieved},
-    {"orifice_leakage", "pressure_offset", kRelieved},
-    {"entrained_air", "accumulator", kLowPressure},
-    {"tank_back_pressure", "valve_flow_curvature", kOpenings},
-    {"tank_back_pressure", "spool_overlap", kOpenings},
-    {"spool_signal_delay", "pressure_signal_delay", kSteps},
-    {"spool_signal_delay", "position_signal_delay", kSteps},
-    {"pressure_signal_delay", "position_signal_delay", kSteps},
-    {"spool_signal_delay", "spool_hysteresis", kSteps},
-    {"line_inertance", "spool_signal_delay", kSteps},
-}};
-
-/// What makes one effect stand out on its own.
-struct Driver {
-  std::string_view id, move;
-};
-constexpr std::array<Driver, 18> kDrivers = {{
-    {"internal_leakage", "a pressure hold with the ram at rest, and strokes at different ram speeds"},
-    {"external_leakage", "a pressure hold with the ram at rest, and strokes at different ram speeds"},
-    {"orifice_leakage", kPressureSteps},
-    {"entrained_air", kLowPressure},
-    {"accumulator", kLowPressure},
-    {"relief_valve", kPressureSteps},
-    {"tank_back_pressure", kOpenings},
-    {"valve_flow_curvature", kOpenings},
-    {"valve_flow_asymmetry", "strokes in which the valve also opens towards the supply"},
-    {"spool_overlap", "slow strokes with the spool near its null as well as fast ones"},
-    {"spool_hysteresis", "strokes in which the spool turns back and forth while the ram moves"},
-    {"oil_viscosity", "strokes with cold and with warm oil, 15 K or more apart"},
-    {"pressure_offset", kRelieved},
-    {"spool_signal_delay", kSteps},
-    {"pressure_signal_delay", kSteps},
-    {"position_signal_delay", kSteps},
-    {"position_dependent_leakage", "slow strokes over the whole cylinder length at one high pressure"},
-    {"line_inertance", kSteps},
-}};
-
-/// Effect::told_apart_by, where the library says so.
-std::string_view ToldApartBy(const ExplainResult& result, const std::string& id) {
-  const Effect* effect = result.FindEffect(id);
-  return effect == nullptr ? std::string_view{} : std::string_view(effect->told_apart_by);
+/// Strokes that one of the two says of the other; "" if it says nothing.
+std::string SeparationBy(const Effect& effect, const std::string& other) {
+  for (const Effect::Separation& separation : effect.separations)
+    if (separation.id == other) return separation.strokes;
+  return "";
 }
 
-std::string_view MoveFor(const ExplainResult& result, const std::string& a, const std::string& b) {
-  for (const Separation& s : kSeparations)
-    if ((s.a == a && s.b == b) || (s.a == b && s.b == a)) return s.move;
-  for (const std::string& id : {b, a})
-    if (const std::string_view move = ToldApartBy(result, id); !move.empty()) return move;
-  for (const std::string& id : {b, a})
-    for (const Driver& driver : kDrivers)
-      if (driver.id == id) return driver.move;
-  return "strokes at different ram speeds and pressures";
+/// What tells two effects apart: what one says of the other, else what shows one of them at all.
+std::string MoveFor(const ExplainResult& result, const std::string& id_a, const std::string& id_b) {
+  const Effect *found_a = result.FindEffect(id_a), *found_b = result.FindEffect(id_b);
+  const Effect a = found_a == nullptr ? Effect{} : *found_a, b = found_b == nullptr ? Effect{} : *found_b;
+  for (const std::string& strokes : {SeparationBy(a, id_b), SeparationBy(b, id_a), b.told_apart_by,
+                                     a.told_apart_by, b.shown_by, a.shown_by})
+    if (!strokes.empty()) return strokes;
+  return fmt::format("strokes that differ in {}", result.log.model->words.vary);
 }
 
 /// Spread of a quantity over the strokes, relative to its mean.
@@ -135,9 +69,9 @@ std::string Separating(const ExplainResult& result) {
   std::string text;
   for (const auto& group : result.explanation.groups) {
     if (group.size() < 2) continue;
-    std::vector<std::string_view> moves;
+    std::vector<std::string> moves;
     for (std::size_t k = 1; k < group.size(); ++k) {
-      const std::string_view move = MoveFor(result, group.front(), group[k]);
+      const std::string move = MoveFor(result, group.front(), group[k]);
       if (std::find(moves.begin(), moves.end(), move) != moves.end()) continue;
       moves.push_back(move);
       text += fmt::format("{}To tell {} from {}, record {}.", text.empty() ? "" : " ", group.front(),
@@ -169,17 +103,13 @@ std::string OffTheLog(const ExplainResult& result) {
 }
 
 /// What would excite the effects these strokes cannot test.
-std::string Exciting(const std::vector<RankedEffect>& ranking) {
+std::string Exciting(const ExplainResult& result) {
   std::string text;
-  std::vector<std::string_view> moves;
-  for (const RankedEffect& ranked : ranking) {
-    if (ranked.testable) continue;
-    for (const Driver& driver : kDrivers) {
-      if (driver.id != ranked.id || std::find(moves.begin(), moves.end(), driver.move) != moves.end())
-        continue;
-      moves.push_back(driver.move);
-      text += fmt::format("{}To test {}, record {}.", text.empty() ? "" : " ", ranked.id, driver.move);
-    }
+  std::set<std::string> told;
+  for (const RankedEffect& ranked : result.explanation.ranking) {
+    const Effect* effect = ranked.testable ? nullptr : result.FindEffect(ranked.id);
+    if (effect == nullptr || effect->shown_by.empty() || !told.insert(effect->shown_by).second) continue;
+    text += fmt::format("{}To test {}, record {}.", text.empty() ? "" : " ", ranked.id, effect->shown_by);
   }
   return text;
 }
@@ -197,15 +127,17 @@ std::optional<std::string> WhatToRecord(const ExplainResult& result) {
   const std::optional<std::string> monotony = Monotony(result);
   if (x.verdict == Verdict::kAmbiguous) {
     const std::string off_the_log = OffTheLog(result);
-    if (!result.experiment.pressures.empty()) return ExperimentText(result.experiment) + off_the_log;
+    if (result.experiment.proposed()) return ExperimentText(result.experiment) + off_the_log;
     const std::string separating =
-        "No series of strokes within [experiment] of the machine file would settle it." +
+        (result.log.model->kind->experiment.on == nullptr
+             ? fmt::format("Nothing can be computed to record on a {}.", result.log.model->kind->title)
+             : "No series of strokes within [experiment] of the machine file would settle it.") +
         (off_the_log.empty() ? " " + Separating(result) : off_the_log);
     return monotony ? *monotony + " " + separating : separating;
   }
   if (monotony) return monotony;
   if (x.verdict == Verdict::kNamed) return std::nullopt;
-  const std::string exciting = Exciting(x.ranking);
+  const std::string exciting = Exciting(result);
   return exciting.empty() ? std::nullopt : std::optional(exciting);
 }
 

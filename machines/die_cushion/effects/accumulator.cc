@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -37,6 +38,7 @@ Effect Accumulator(const CushionGeometry&) {
   e.plain =
       "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left "
       "open, a trapped air pocket, a soft hose.";
+  e.shown_by = kLowPressure;
   e.variant = [](const std::vector<double>& values) {
     const double exponent = values.size() > 1 ? values[1] : kPolytropic;
     return PlainVariant([log_precharge = Log(values[0] / kAirPressure + 1.0), slope = 1.0 / exponent](

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -51,6 +52,8 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.plain =
       "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, "
       "a leaking suction line, a column not bled after repair.";
+  e.shown_by = kLowPressure;
+  e.separations = {{"accumulator", kLowPressure}};
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {
     const double exponent = nonlinear[0];
     return EffectVariant{{DeadVolume(exponent), StrokeVolume(exponent)}, [area](const ShapeContext& c) {

@@ -1,4 +1,5 @@
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -20,6 +21,9 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.plain =
       "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check "
       "or drain valve, a valve body worn through to tank.";
+  e.shown_by = kHoldAndSpeeds;
+  e.separations = {
+      {"orifice_leakage", kPressureSteps}, {"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.variant = [tank = geometry.tank_pressure](const auto&) {
     return PlainVariant([tank](const Stretch& s, double&, std::span<double> out) {
       const double* a = s[kPressureA];

@@ -1,4 +1,5 @@
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -20,6 +21,11 @@ Effect InternalLeakage(const CushionGeometry&) {
   e.plain =
       "Oil passes the piston seal from one chamber to the other; look for: the cushion sinks when held, warm "
       "cylinder barrel, worn or cut piston seal.";
+  e.shown_by = kHoldAndSpeeds;
+  e.separations = {{"external_leakage", kRodSide},
+                   {"orifice_leakage", kPressureSteps},
+                   {"relief_valve", kPressureSteps},
+                   {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {

@@ -3,6 +3,7 @@
 
 #include "core/wide.h"
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 
 namespace hydroscope::effects {
 namespace {
@@ -84,6 +85,8 @@ Effect LineInertance(const CushionGeometry&) {
   e.plain =
       "A long or narrow line between cylinder and valve makes the oil column swing; look for: a long hose "
       "fitted, a throttled line.";
+  e.shown_by = kSteps;
+  e.separations = {{"spool_signal_delay", kSteps}};
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [x = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       IntegrateLag(s, x, out);

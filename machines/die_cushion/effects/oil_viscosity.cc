@@ -32,6 +32,7 @@ Effect OilViscosity(const CushionGeometry&) {
   e.told_apart_by =
       "strokes with cold and with warm oil, then the same again in the other order: what follows the "
       "temperature comes back, what drifts does not";
+  e.shown_by = "strokes with cold and with warm oil, 15 K or more apart";
   e.channels = {kOilTemperature};
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, "the oil", "K"};
   e.walks = true;

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -22,6 +23,8 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.plain =
       "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored "
       "bore, a check valve that does not close, an open bypass.";
+  e.shown_by = kPressureSteps;
+  e.separations = {{"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};
   e.variant = [](const auto&) {
     return PlainVariant([](const Stretch& s, double&, std::span<double> out) {

@@ -25,6 +25,7 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.plain =
       "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the "
       "position named, side load, dirt.";
+  e.shown_by = "slow strokes over the whole cylinder length at one high pressure";
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&,

@@ -1,5 +1,6 @@
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/shifted_signal.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -23,6 +24,7 @@ Effect PositionSignalDelay(const CushionGeometry&) {
   e.plain =
       "The position is recorded later than the other signals; look for: a slow "
       "encoder interface, a filter, a bus cycle.";
+  e.shown_by = kSteps;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double delay = nonlinear[0];
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {

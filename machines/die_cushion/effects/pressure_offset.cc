@@ -1,5 +1,6 @@
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/pressure_root.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -35,6 +36,7 @@ Effect PressureOffset(const CushionGeometry&) {
       "the pressure sensor with its line vented to the air: it must read zero; relieved to tank only, a "
       "check valve or a preload in the tank line reads as its own pressure";
   e.measured_by = "the reading of the pressure sensor with its line vented to the air";
+  e.shown_by = kRelieved;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

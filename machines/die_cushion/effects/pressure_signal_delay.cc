@@ -1,5 +1,6 @@
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/shifted_signal.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -24,6 +25,8 @@ Effect PressureSignalDelay(const CushionGeometry&) {
   e.plain =
       "The pressure is recorded later than the other signals; look for: a filter in "
       "the amplifier, a long dead sensor line.";
+  e.shown_by = kSteps;
+  e.separations = {{"position_signal_delay", kSteps}};
   e.variant = [](const std::vector<double>& nonlinear) {
     const double delay = nonlinear[0];
     const auto flow = [delay](const Stretch& s, double&, std::span<double> out) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -27,6 +28,7 @@ Effect ReliefValve(const CushionGeometry&) {
   e.plain =
       "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, "
       "dirt on the seat, a warm return line.";
+  e.shown_by = kPressureSteps;
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double* p = s[kPressureA];

@@ -26,6 +26,7 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.plain =
       "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
       "a zero-lap one, the wrong valve after a repair, a mechanical null far off.";
+  e.shown_by = "slow strokes with the spool near its null as well as fast ones";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

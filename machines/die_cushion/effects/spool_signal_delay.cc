@@ -1,5 +1,6 @@
 #include "machines/die_cushion/effects/effects.h"
 #include "machines/die_cushion/effects/shifted_signal.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -24,6 +25,9 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.plain =
       "The spool position is recorded later than the other signals; look for: a "
       "filter in the transducer, a bus cycle.";
+  e.shown_by = kSteps;
+  e.separations = {
+      {"pressure_signal_delay", kSteps}, {"position_signal_delay", kSteps}, {"spool_hysteresis", kSteps}};
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [delay = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

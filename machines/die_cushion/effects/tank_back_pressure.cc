@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -36,6 +37,8 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.plain =
       "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed "
       "cock, a squeezed return hose.";
+  e.shown_by = kOpenings;
+  e.separations = {{"valve_flow_curvature", kOpenings}, {"spool_overlap", kOpenings}};
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double x = nonlinear[0];

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "machines/die_cushion/effects/effects.h"
+#include "machines/die_cushion/effects/strokes.h"
 #include "models/wide_stretch.h"
 
 namespace hydroscope::effects {
@@ -35,6 +36,7 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.plain =
       "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
       "a spool with another notch shape than the data sheet says.";
+  e.shown_by = kOpenings;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [a = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
