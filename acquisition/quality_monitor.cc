@@ -138,7 +138,9 @@ QualityMonitor::QualityMonitor(const Machine& machine, double sample_period)
           std::max<std::int64_t>(2, std::llround(std::ceil(spec.stuck_time / sample_period - 1e-9)) + 1);
     track.before.fill(kNaN);
     track.extremes.fill({-kInfinity, 0, 0, false});
-    track.can_saturate = !IsCommand(machine, spec.name);
+    track.is_marker = spec.name == machine.episode_marker;
+    if (track.is_marker) track.stuck_rows = 0;
+    track.can_saturate = !track.is_marker && !IsCommand(machine, spec.name);
     if (track.stuck_rows > 0)
       hold_ = std::max({hold_, static_cast<std::size_t>(track.stuck_rows) + kAhead,
                         static_cast<std::size_t>(kRunsToBeStuck * kLongestMeanRun) + 1 + kAhead});
@@ -247,7 +249,7 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     const double* x = column_.data() + kHistory + row;
     Quality* flags = flags_.data() + row;
     const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
-    const double far = track.settled ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
+    const double far = track.settled && !track.is_marker ? kSpikeStd * kTwiceDistanceStd * sigma : kInfinity;
     const double near = kNearExtreme * sigma;
     const Counts counts = Count(x, piece,
                                 {track.scale, far, track.low, track.high, -track.extremes[1].value + near,

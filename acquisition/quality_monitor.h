@@ -91,6 +91,7 @@ class QualityMonitor {
     std::vector<double> held;
     std::vector<Quality> held_quality;
     std::array<Extreme, 2> extremes{};           ///< highest, lowest with its sign turned
+    bool is_marker = false;                      ///< Machine::episode_marker: it rests, and it jumps
     bool can_saturate = true;                    ///< a measurement, not a command that rests at its limit
     std::array<std::size_t, kAhead + 1> runs{};  ///< identical readings up to each of the last rows that came
     double last = 0;                             ///< of these

@@ -108,6 +108,18 @@ TEST_F(QualityMonitorTest, FlagsASpike) {
   EXPECT_EQ(flags[500], quality::kSpike);
 }
 
+TEST_F(QualityMonitorTest, AMarkerOfEpisodesMayJumpAndRest) {
+  AddNoise(1000);
+  readings_[500] += 40;
+  AddSame(2000);
+  AddNoise(100);
+  const auto judged = Run();
+  ASSERT_GT(Count(judged, quality::kSpike) + Count(judged, quality::kStuck), 0);
+  machine_.episode_marker = "p";
+  const auto flags = Run();
+  EXPECT_EQ(Count(flags, quality::kSpike) + Count(flags, quality::kStuck), 0);
+}
+
 TEST_F(QualityMonitorTest, FlagsASpikeAtEveryPlaceInABlock) {
   for (int at = 500; at < 520; ++at) {
     readings_.clear();

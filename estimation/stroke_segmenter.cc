@@ -24,6 +24,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
       gate_(machine.gate),
       sink_(std::move(sink)),
       reach_(std::max(kLeastReach, window.half_window)),
+      marker_(machine),
       conditions_(*model_) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   needed_.assign(machine.signals.size(), false);
@@ -57,9 +58,16 @@ void StrokeSegmenter::Process(const SampleBlock& block) {
   const std::size_t rows = block.rows();
   for (std::size_t row = 0; row < rows;) {
     std::size_t last = row;
-    while (last < rows && row_flags_[last] == quality::kGood) ++last;
+    bool changes = false;
+    while (last < rows && !(changes = marker_.Changes(block.signal, last)) &&
+           row_flags_[last] == quality::kGood)
+      ++last;
     TakeGoodRows(block, row, last);
-    if (last < rows) TakeFlaggedRow(block, last++);
+    if (changes) {
+      Break();
+      if (in_stroke_) EndStroke();
+    }
+    if (last < rows && row_flags_[last] != quality::kGood) TakeFlaggedRow(block, last++);
     row = last;
   }
 }

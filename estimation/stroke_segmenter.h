@@ -11,6 +11,7 @@
 #include "core/sample_block.h"
 #include "estimation/span_equations.h"
 #include "estimation/stroke_conditions.h"
+#include "models/episode_marker.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 
@@ -23,7 +24,8 @@ namespace hydroscope {
 /// at least two blocks, to either side, hence a delay of as many), so that sensor noise does not decide which
 /// samples are used. Time outside the gate longer than `GateSpec::stroke_gap` ends the stroke, and so does a
 /// change of sign under an abs(...) of the gate: on its way the magnitude was zero. A stroke that has lasted
-/// `GateSpec::max_stroke` ends, and the next begins with the block after.
+/// `GateSpec::max_stroke` ends, and the next begins with the block after. So does one whose Machine::episode_marker
+/// changes: the row of the change begins a block of its own.
 class StrokeSegmenter {
  public:
   struct Sink {
@@ -90,7 +92,8 @@ class StrokeSegmenter {
   std::vector<Bound> bounds_;
   std::vector<int> gate_signal_;  ///< machine signal of each slot
   std::vector<bool> needed_;      ///< per machine signal
-  std::vector<Pending> ring_;     ///< the last 2 reach_ + 1 blocks; ring_[pending_ - 1] is the newest
+  EpisodeMarker marker_;
+  std::vector<Pending> ring_;  ///< the last 2 reach_ + 1 blocks; ring_[pending_ - 1] is the newest
   int pending_ = 0, undecided_ = 0;
   Pending filling_;
   int rows_in_block_ = 0;

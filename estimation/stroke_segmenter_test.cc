@@ -316,6 +316,52 @@ TEST(StrokeSegmenter, ALogWithoutConditionsIsCutIntoEpisodesFromItsFirstRowToIts
   EXPECT_EQ(heard.totals.gated, 1000);
 }
 
+/// Rows in motion with a fifth signal, a counter that goes on every `cycle` rows.
+SampleBlock Counted(Rows& rows, std::size_t cycle) {
+  SampleBlock block = rows.block();
+  block.signal.emplace_back();
+  block.quality.emplace_back(block.rows(), quality::kGood);
+  for (std::size_t k = 0; k < block.rows(); ++k)
+    block.signal.back().push_back(41.0 + static_cast<double>(k / cycle));
+  return block;
+}
+
+Machine MachineWithCounter() {
+  Machine machine = TestMachine();
+  machine.signals.push_back(machine.signals.back());
+  machine.signals.back().name = machine.episode_marker = "cycle";
+  return machine;
+}
+
+TEST(StrokeSegmenter, AStrokeEndsAndTheNextBeginsWhereTheMarkerChanges) {
+  Rows rows;
+  rows.Draw(4.0);
+  const std::size_t cycle = 503;  // in the middle of blocks
+  const Machine machine = MachineWithCounter();
+  SampleBlock block = Counted(rows, cycle);
+  block.signal.back()[700] = std::numeric_limits<double>::quiet_NaN();  // no reading is no change
+  block.quality.back()[700] = quality::kMissing;
+  const Heard heard = Hear(block, 1024, machine);
+  ASSERT_EQ(heard.strokes.size(), 4u);
+  for (std::size_t i = 1; i < 4; ++i)
+    EXPECT_NEAR(heard.strokes[i].begin, static_cast<double>(i * cycle) * kPeriod, 1e-9) << i;
+  EXPECT_EQ(heard.totals.samples, 2000);
+  for (const std::size_t size : {1, 7, 503})
+    EXPECT_EQ(Hear(block, size, machine).pieces, heard.pieces) << size;
+  Machine without = machine;
+  without.episode_marker = "";
+  EXPECT_EQ(Hear(block, 1024, without).strokes.size(), 1u);
+}
+
+TEST(StrokeSegmenter, AMarkerThatChangesOnAFlaggedRowEndsTheStrokeThere) {
+  Rows rows;
+  rows.Draw(2.0);
+  rows.Flag(kOil, 503, quality::kSpike);
+  const Heard heard = Hear(Counted(rows, 503), 1024, MachineWithCounter());
+  ASSERT_EQ(heard.strokes.size(), 2u);
+  EXPECT_NEAR(heard.strokes[1].begin, 503 * kPeriod, 1e-9);
+}
+
 TEST(StrokeSegmenter, RatesOfTheGateAreTakenOverTheWindowOfFlows) {
   Rows rows;
   rows.Draw(3.0);

@@ -197,6 +197,7 @@ struct Machine {
   std::map<std::string, KnownValue> geometry;  ///< A_A (m2), dp_nom (Pa), p_t (Pa), ... SI
   LogFormat log;
   GateSpec gate;
+  std::string episode_marker;         ///< signal whose change begins a new stroke or episode; "" = none
   std::vector<Condition> conditions;  ///< that strokes are told apart by, beside those of its kind
   WindowSpec window;
   EstimatorSpec estimator;

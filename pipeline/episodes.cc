@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "models/episode_marker.h"
 #include "models/state_model.h"
 #include "pipeline/batch_fit.h"
 #include "pipeline/raw_log.h"
@@ -30,7 +31,7 @@ struct Rows {
 class Cutter {
  public:
   Cutter(const StateModel& model, const Rows& rows, int log, EpisodeLog& out)
-      : model_(model), rows_(rows), log_(log), out_(out) {}
+      : model_(model), rows_(rows), log_(log), out_(out), marker_(model.machine) {}
 
   Status Run() {
     if (const Status fine = ReadGate(); !fine) return fine;
@@ -40,11 +41,11 @@ class Cutter {
     double outside = 0;
     for (std::size_t row = 0; row < count; ++row) {
       const bool breaks = row > 0 && BreaksTime(row);
-      if (breaks) {
+      if (const bool marked = marker_.Changes(rows_.signal, row); breaks || marked) {
         Take(first, row);
         first = row;
-        Tell(row);
       }
+      if (breaks) Tell(row);
       const bool inside = InputsGood(row) && InGate(row, outside);
       if (inside) continue;
       Take(first, row);
@@ -143,6 +144,7 @@ class Cutter {
   const Rows& rows_;
   int log_;
   EpisodeLog& out_;
+  EpisodeMarker marker_;
   std::vector<Quality> forgiven_;
 };
 

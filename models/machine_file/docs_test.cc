@@ -46,7 +46,7 @@ const std::map<std::string, std::string> kChapters = {
     {"shape.<name>", "`[balance]` and `[[effect]]`"},
     {"states.<name>", "`[states]`"},
     {"parameters.<name>", "`[states]`"},
-    {"episodes", "`[states]`"},
+    {"episodes", "`[episodes]`"},
     {"terms.<parameter>", "`[balance]` and `[[effect]]`"},
     {"signals.<name>.modbus", "`[live]`"},
     {"live", "`[live]`"},

@@ -361,10 +361,16 @@ std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
   if (!spec.parameters.empty())
     text += Section("[parameters]", "What is identified, within its range.", ParameterPairs(spec.parameters),
                     notes, "parameters");
-  if (spec.episode_seconds)
-    text += Section("[episodes]", "A continuous log is cut into pieces.",
-                    {{"seconds", Plain(*spec.episode_seconds)}}, notes, "episodes");
   return text;
+}
+
+std::string EpisodeSection(const Machine& machine, const MachineNotes& notes) {
+  Pairs pairs;
+  if (machine.states.episode_seconds) pairs.emplace_back("seconds", Plain(*machine.states.episode_seconds));
+  if (!machine.episode_marker.empty()) pairs.emplace_back("marker", Quoted(machine.episode_marker));
+  return pairs.empty()
+             ? ""
+             : Section("[episodes]", "A continuous log is cut into pieces.", pairs, notes, "episodes");
 }
 
 std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
@@ -500,8 +506,8 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
           GeometrySection(machine, notes) + GateSection(machine, notes) + ConditionsSection(machine, notes) +
           WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
-          BalanceSection(machine, notes) + StatesSections(machine, notes) + EffectSections(machine, notes) +
-          LiveSections(machine, notes) + FeedsSections(machine, notes);
+          BalanceSection(machine, notes) + StatesSections(machine, notes) + EpisodeSection(machine, notes) +
+          EffectSections(machine, notes) + LiveSections(machine, notes) + FeedsSections(machine, notes);
   for (const std::string& line : notes.tail) text += Comment(line) + "\n";
   if (notes.tail.empty()) text.pop_back();
   return text + FormatModelHistory(machine.model_history);

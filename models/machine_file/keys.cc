@@ -44,7 +44,7 @@ const std::vector<MachineSection>& MachineFileSections() {
        {"id", "description", "terms", "unit", "min", "max", "typical", "shape", "adds", "parameters"}},
       {"states.<name>", {"ddt", "initial", "min", "max", "unit"}},
       {"parameters.<name>", {"start", "min", "max", "unit"}},
-      {"episodes", {"seconds"}},
+      {"episodes", {"seconds", "marker"}},
       {"shape.<name>", {"min", "max", "unit"}},
       {"terms.<parameter>", {"expression", "unit"}},
       {"live", {"grid_period", "axes", "dds", "modbus"}},

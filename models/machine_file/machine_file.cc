@@ -88,6 +88,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadExperiment(file, machine);
   ReadBalance(file, machine);
   ReadStates(file, machine);
+  ReadEpisodeSection(file, machine);
   ReadEffects(file, machine);
   ReadLive(file, machine);
   ReadFeeds(file, machine);

@@ -22,8 +22,9 @@ void ReadConditions(TableReader& file, Machine& machine);
 std::string ConditionText(const Condition& condition);
 void ReadExperiment(TableReader& file, Machine& machine);
 void ReadBalance(TableReader& file, Machine& machine);
-/// [states], [outputs], [parameters] and [episodes]: a machine that is described by states.
+/// [states], [outputs] and [parameters]: a machine that is described by states.
 void ReadStates(TableReader& file, Machine& machine);
+void ReadEpisodeSection(TableReader& file, Machine& machine);
 /// `adds` and `parameters` of an effect of such a machine.
 void ReadStateEffect(TableReader& section, const Machine& machine, UserEffectSpec& effect);
 void ReadEffects(TableReader& file, Machine& machine);

@@ -176,7 +176,7 @@ void CheckStates(TableReader& file, const Machine& machine) {
 
 void ReadStates(TableReader& file, Machine& machine) {
   if (!KindOf(machine).has_states) {
-    for (const char* key : {"states", "outputs", "parameters", "episodes"})
+    for (const char* key : {"states", "outputs", "parameters"})
       if (file.Has(key)) file.Wrong(key, "no such section without [states]");
     return;
   }
@@ -213,12 +213,6 @@ void ReadStates(TableReader& file, Machine& machine) {
           entry.where,
           fmt::format("\"{}\" is no signal of [signals]; an output is a measured signal", entry.key));
     machine.states.outputs.push_back(std::move(output));
-  }
-  if (const toml::table* episodes = file.Table("episodes")) {
-    TableReader inner(*episodes, "episodes", file.problems());
-    inner.AllowOnly(MachineFileKeys("episodes"));
-    inner.Number("seconds", machine.states.episode_seconds,
-                 {.si = "s", .default_unit = "s", .low = 0, .above_low = true});
   }
   const std::size_t parameters = machine.states.parameters.size();
   if (parameters > kMaxParameters)

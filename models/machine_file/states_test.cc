@@ -55,6 +55,21 @@ TEST(StatesFile, IsReadInSiAndReadsBackEqual) {
   EXPECT_EQ((*model)->parameters.back().name, "leak.l");
 }
 
+TEST(StatesFile, AMarkerOfEpisodesIsASignal) {
+  const std::string rest = kRest + "marker = \"q_in\"\n";
+  const auto machine = ParseMachine(kHead + kStates + rest, "tanks.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  EXPECT_EQ(machine->episode_marker, "q_in");
+  const auto again = ParseMachine(FormatMachine(*machine), "tanks.toml");
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(*again, *machine);
+  EXPECT_THAT(RefusalOf(kHead + kStates + kRest + "marker = \"q_im\"\n"),
+              AllOf(HasSubstr("[episodes] marker"), HasSubstr("did you mean \"q_in\"?")));
+  EXPECT_THAT(RefusalOf("[signals]\np = \"p\"\n[balance]\noutput = \"p\"\nterms = { a = \"1\" }\n"
+                        "[episodes]\nseconds = 60\n"),
+              HasSubstr("write max_stroke in [gate]"));
+}
+
 TEST(StatesFile, PointsAtTheCharacter) {
   EXPECT_THAT(RefusalOf(kHead + "[states]\nh_2 = { ddt = \"q_in - k_1*h_3\" }\n" + kRest),
               AllOf(HasSubstr("tanks.toml:8:27"), HasSubstr("did you mean \"h_2\"?"), HasSubstr("^")));

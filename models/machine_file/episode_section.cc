@@ -1,0 +1,26 @@
+#include <fmt/format.h>
+
+#include "models/machine_file/keys.h"
+#include "models/machine_file/sections.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+
+void ReadEpisodeSection(TableReader& file, Machine& machine) {
+  const toml::table* table = file.Table("episodes");
+  if (table == nullptr) return;
+  TableReader section(*table, "episodes", file.problems());
+  section.AllowOnly(MachineFileKeys("episodes"));
+  section.Number("seconds", machine.states.episode_seconds, kSecondsAboveZero);
+  if (section.Has("seconds") && !KindOf(machine).has_states)
+    section.Wrong("seconds", "no such key without [states]: write max_stroke in [gate]");
+  section.Text("marker", machine.episode_marker);
+  std::vector<std::string> names;
+  for (const SignalSpec& signal : machine.signals) names.push_back(signal.name);
+  if (section.Has("marker") && machine.SignalIndex(machine.episode_marker) < 0)
+    section.Wrong("marker",
+                  fmt::format("a signal of [signals] whose change begins a new episode; {}signals: {}",
+                              DidYouMean(machine.episode_marker, names), Listed(names)));
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,64 @@
+#include "pipeline/episodes.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace hydroscope {
+namespace {
+
+/// A tank that fills, its log with a counter of batches of `batch` rows in which row 150 has no reading.
+class EpisodesTest : public testing::Test {
+ protected:
+  EpisodesTest() {
+    std::ofstream log(path_);
+    log << "t,q,level,batch\n";
+    for (int k = 0; k < 1000; ++k)
+      log << fmt::format("{},{},{},{}\n", 0.1 * k, 1 + k % 7, 0.001 * k + 0.0001 * (k % 3),
+                         k == 150 ? std::string() : std::to_string(7 + k / kBatch));
+  }
+  ~EpisodesTest() override { std::filesystem::remove(path_); }
+
+  Result<EpisodeLog> Read(const std::string& episodes) const {
+    const auto machine = ParseMachine(
+        "[log]\ntime = { column = \"t\", unit = \"s\" }\n"
+        "[signals]\nq = { column = \"q\", unit = \"1\" }\nlevel = { column = \"level\", unit = \"m\" }\n"
+        "batch = { column = \"batch\", unit = \"1\" }\n"
+        "[states]\nh = { ddt = \"k*q\", unit = \"m\" }\n[outputs]\nlevel = \"h\"\n"
+        "[parameters]\nk = { start = 1, min = 0, max = 2 }\n" +
+            episodes,
+        "tank.toml");
+    if (!machine) return tl::unexpected(machine.error());
+    return ReadEpisodes({path_}, *machine);
+  }
+
+  static constexpr int kBatch = 260;
+  const std::string path_ = testing::TempDir() + "hydroscope_batches.csv";
+};
+
+TEST_F(EpisodesTest, ALogIsOneWithoutAMarker) {
+  const auto log = Read("");
+  ASSERT_TRUE(log) << log.error().text;
+  EXPECT_EQ(log->episodes.size(), 1u);
+}
+
+TEST_F(EpisodesTest, OneBeginsWhereverTheMarkerChanges) {
+  const auto log = Read("[episodes]\nmarker = \"batch\"\n");
+  ASSERT_TRUE(log) << log.error().text;
+  ASSERT_EQ(log->episodes.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(log->episodes[i].first_row, static_cast<std::int64_t>(i * kBatch));
+  EXPECT_EQ(log->used, 1000);
+}
+
+TEST_F(EpisodesTest, PiecesOfFixedLengthLieBetweenChangesOfTheMarker) {
+  const auto log = Read("[episodes]\nmarker = \"batch\"\nseconds = 13\n");
+  ASSERT_TRUE(log) << log.error().text;
+  EXPECT_EQ(log->episodes.size(), 8u);
+  EXPECT_EQ(log->episodes[2].first_row, kBatch);
+}
+
+}  // namespace
+}  // namespace hydroscope
