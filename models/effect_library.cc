@@ -17,8 +17,7 @@ Column::Fill OnCorrected(Column::Fill fill, std::shared_ptr<const Effect> by, do
   return [fill = std::move(fill), by = std::move(by), value](const Stretch& s, double& state,
                                                              std::span<double> out) {
     if (s.scattered) return fill(s, state, out);
-    thread_local Stretch corrected;  // keeps its memory: live, a sample touches no heap
-    corrected = s;
+    Stretch corrected = s;
     by->correct(value, state, corrected);
     fill(corrected, state, out);
   };
