@@ -19,14 +19,14 @@ Status CheckTime(const std::vector<double>& time) {
 
 /// Flags of rows [from, from + rows) as a blob; empty if all are good.
 std::vector<std::uint8_t> PackFlags(const std::vector<std::vector<Quality>>& flags, std::size_t from,
-                                    std::size_t rows) {
+                                    std::size_t rows, ColumnPacker& packer) {
   std::vector<std::span<const Quality>> columns;
   bool any = false;
   for (const auto& column : flags) {
     columns.push_back(std::span(column).subspan(from, rows));
     any = any || std::any_of(columns.back().begin(), columns.back().end(), [](Quality q) { return q != 0; });
   }
-  return any ? PackColumns(columns) : std::vector<std::uint8_t>();
+  return any ? packer.Pack(columns) : std::vector<std::uint8_t>();
 }
 
 }  // namespace
@@ -36,6 +36,7 @@ Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                                       const std::vector<std::vector<Quality>>& flags, double after) {
   if (const Status valid = CheckTime(time); !valid) return tl::unexpected(valid.error());
   std::vector<RawChunk> chunks;
+  ColumnPacker packer;
   const auto first_new =
       static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), after) - time.begin());
   for (std::size_t from = first_new; from < time.size(); from += kRowsPerChunk) {
@@ -46,8 +47,8 @@ Result<std::vector<RawChunk>> PackRaw(const std::vector<double>& time,
                       .last = time[from + rows - 1],
                       .rows = static_cast<std::int64_t>(rows),
                       .signals = values.size(),
-                      .samples = PackColumns(columns),
-                      .flags = PackFlags(flags, from, rows)});
+                      .samples = packer.Pack(columns),
+                      .flags = PackFlags(flags, from, rows, packer)});
   }
   return chunks;
 }

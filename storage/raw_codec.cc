@@ -203,59 +203,12 @@ std::optional<std::vector<Quality>> GetFlags(ByteReader& in, std::size_t rows) {
   return std::vector<Quality>(numbers->begin(), numbers->end());
 }
 
-// ---- zlib, one block with a code of its own for each column, or for several short ones
-
-/// One object deflates one stream after the other: its tables take longer to allocate than a short stream to
-/// deflate.
-class Deflater {
- public:
-  Deflater() { deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS, kMemoryLevel, Z_RLE); }
-  ~Deflater() { deflateEnd(&stream_); }
-  Deflater(const Deflater&) = delete;
-  Deflater& operator=(const Deflater&) = delete;
-
-  /// `plain`: the bytes are kept as they are.
-  void Begin(bool plain) {
-    deflateReset(&stream_);
-    deflateParams(&stream_, plain ? Z_NO_COMPRESSION : kLevel, plain ? Z_DEFAULT_STRATEGY : Z_RLE);
-  }
-  void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
-    stream_.next_in = const_cast<Bytef*>(bytes.data());
-    stream_.avail_in = static_cast<uInt>(bytes.size());
-    const std::size_t begin = out.size();
-    out.resize(begin + deflateBound(&stream_, bytes.size()) + 64);
-    stream_.next_out = out.data() + begin;
-    stream_.avail_out = static_cast<uInt>(out.size() - begin);
-    deflate(&stream_, last ? Z_FINISH : Z_BLOCK);  // cannot fail into deflateBound bytes
-    out.resize(out.size() - stream_.avail_out);
-  }
-
- private:
-  z_stream stream_{};
-};
-
 std::optional<std::vector<std::uint8_t>> Inflate(std::span<const std::uint8_t> bytes, std::size_t most) {
   std::vector<std::uint8_t> plain(most);
   uLongf size = most;
   if (uncompress(plain.data(), &size, bytes.data(), bytes.size()) != Z_OK) return std::nullopt;
   plain.resize(size);
   return plain;
-}
-
-template <typename T>
-std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
-  std::vector<std::uint8_t> packed = {kVersion};
-  thread_local Deflater deflater;
-  deflater.Begin(columns.front().size() <= kFewRows);
-  std::vector<std::uint8_t> plain;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool last = c + 1 == columns.size();
-    PutColumn(columns[c], plain);
-    if (plain.size() < kOwnCode && !last) continue;
-    deflater.Add(plain, last, packed);
-    plain.clear();
-  }
-  return packed;
 }
 
 /// Version 1: the first bytes of all values of a column, then their second bytes, ...; all columns together.
@@ -304,12 +257,68 @@ Result<std::vector<std::vector<T>>> Unpack(std::span<const std::uint8_t> bytes, 
 
 }  // namespace
 
+// ---- zlib, one block with a code of its own for each column, or for several short ones
+
+/// One object deflates one stream after the other.
+class ColumnPacker::Deflater {
+ public:
+  Deflater() { deflateInit2(&stream_, kLevel, Z_DEFLATED, MAX_WBITS, kMemoryLevel, Z_RLE); }
+  ~Deflater() { deflateEnd(&stream_); }
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+
+  /// `plain`: the bytes are kept as they are.
+  void Begin(bool plain) {
+    deflateReset(&stream_);
+    deflateParams(&stream_, plain ? Z_NO_COMPRESSION : kLevel, plain ? Z_DEFAULT_STRATEGY : Z_RLE);
+  }
+  void Add(const std::vector<std::uint8_t>& bytes, bool last, std::vector<std::uint8_t>& out) {
+    stream_.next_in = const_cast<Bytef*>(bytes.data());
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    const std::size_t begin = out.size();
+    out.resize(begin + deflateBound(&stream_, bytes.size()) + 64);
+    stream_.next_out = out.data() + begin;
+    stream_.avail_out = static_cast<uInt>(out.size() - begin);
+    deflate(&stream_, last ? Z_FINISH : Z_BLOCK);  // cannot fail into deflateBound bytes
+    out.resize(out.size() - stream_.avail_out);
+  }
+
+  template <typename T>
+  std::vector<std::uint8_t> Pack(const std::vector<std::span<const T>>& columns) {
+    std::vector<std::uint8_t> packed = {kVersion};
+    Begin(columns.front().size() <= kFewRows);
+    std::vector<std::uint8_t> plain;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const bool last = c + 1 == columns.size();
+      PutColumn(columns[c], plain);
+      if (plain.size() < kOwnCode && !last) continue;
+      Add(plain, last, packed);
+      plain.clear();
+    }
+    return packed;
+  }
+
+ private:
+  z_stream stream_{};
+};
+
+ColumnPacker::ColumnPacker() : deflater_(std::make_unique<Deflater>()) {}
+ColumnPacker::~ColumnPacker() = default;
+
+std::vector<std::uint8_t> ColumnPacker::Pack(const std::vector<std::span<const double>>& columns) {
+  return deflater_->Pack(columns);
+}
+
+std::vector<std::uint8_t> ColumnPacker::Pack(const std::vector<std::span<const Quality>>& columns) {
+  return deflater_->Pack(columns);
+}
+
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const double>>& columns) {
-  return Pack(columns);
+  return ColumnPacker().Pack(columns);
 }
 
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const Quality>>& columns) {
-  return Pack(columns);
+  return ColumnPacker().Pack(columns);
 }
 
 Result<std::vector<std::vector<double>>> UnpackColumns(std::span<const std::uint8_t> bytes,

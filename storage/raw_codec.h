@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,19 @@ namespace hydroscope {
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const double>>& columns);
 /// The same for quality flags.
 std::vector<std::uint8_t> PackColumns(const std::vector<std::span<const Quality>>& columns);
+
+/// PackColumns again and again: the tables of the compressor take longer to allocate than a short column to compress.
+class ColumnPacker {
+ public:
+  ColumnPacker();
+  ~ColumnPacker();
+  std::vector<std::uint8_t> Pack(const std::vector<std::span<const double>>& columns);
+  std::vector<std::uint8_t> Pack(const std::vector<std::span<const Quality>>& columns);
+
+ private:
+  class Deflater;
+  std::unique_ptr<Deflater> deflater_;
+};
 
 /// `columns` x `rows` values back, also of what version 1 packed; the error tells what is wrong with the
 /// bytes.
