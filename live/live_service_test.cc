@@ -148,18 +148,22 @@ class LiveServiceTest : public testing::Test {
 
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Plays rows [from, to) through a service of its own; `during` runs once everything was sent.
-  void Serve(std::size_t from, std::size_t to, std::size_t drop_every = 0,
-             const std::function<void(LiveService&)>& during = {}) {
-    PlayedSource::done = false;
-    auto service = LiveService::Create(
+  /// A service whose only source plays rows [from, to).
+  Result<std::unique_ptr<LiveService>> ServiceOn(std::size_t from, std::size_t to, std::size_t drop_every) {
+    return LiveService::Create(
         options_,
-        [&](const Machine&, const Clock&) {
+        [=, this](const Machine&, const Clock&) {
           std::vector<std::unique_ptr<Source>> sources;
           sources.push_back(std::make_unique<PlayedSource>(clock_, 5, from, to, drop_every));
           return sources;
         },
         [this] { return clock_(); });
+  }
+  /// Plays rows [from, to) through a service of its own; `during` runs once everything was sent.
+  void Serve(std::size_t from, std::size_t to, std::size_t drop_every = 0,
+             const std::function<void(LiveService&)>& during = {}) {
+    PlayedSource::done = false;
+    auto service = ServiceOn(from, to, drop_every);
     ASSERT_TRUE(service) << service.error().text;
     EXPECT_OK((*service)->Start());
     while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -198,14 +202,7 @@ class LostDatabaseTest : public LiveServiceTest {
  protected:
   void Begin() {
     PlayedSource::done = false;
-    auto service = LiveService::Create(
-        options_,
-        [&](const Machine&, const Clock&) {
-          std::vector<std::unique_ptr<Source>> sources;
-          sources.push_back(std::make_unique<PlayedSource>(clock_, 5, 0, 25'000, 0));
-          return sources;
-        },
-        [this] { return clock_(); });
+    auto service = ServiceOn(0, 25'000, 0);
     ASSERT_TRUE(service) << service.error().text;
     service_ = std::move(*service);
     ASSERT_TRUE(service_->Start());
@@ -303,14 +300,7 @@ TEST_F(LostDatabaseTest, OneThatIsReplacedByACopyIsWrittenOn) {
 TEST_F(LiveServiceTest, ADatabaseThatIsMovedAwayIsToldAndWrittenAgainWhenItIsBack) {
   options_.writer.anew_after = 1e9;
   PlayedSource::done = false;
-  auto service = LiveService::Create(
-      options_,
-      [&](const Machine&, const Clock&) {
-        std::vector<std::unique_ptr<Source>> sources;
-        sources.push_back(std::make_unique<PlayedSource>(clock_, 5, 0, 25'000, 0));
-        return sources;
-      },
-      [this] { return clock_(); });
+  auto service = ServiceOn(0, 25'000, 0);
   ASSERT_TRUE(service) << service.error().text;
   std::filesystem::rename(File("press.db"), File("elsewhere.db"));
   EXPECT_OK((*service)->Start());

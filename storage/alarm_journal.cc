@@ -285,20 +285,12 @@ AlarmJournal::AlarmJournal(AlarmJournal&&) noexcept = default;
 AlarmJournal& AlarmJournal::operator=(AlarmJournal&&) noexcept = default;
 AlarmJournal::~AlarmJournal() = default;
 
-std::string AlarmJournal::PathFor(const std::string& database) {
-  const std::filesystem::path path(database);
-  return (path.parent_path() / (path.stem().string() + ".alarms" + path.extension().string())).string();
-}
+std::string AlarmJournal::PathFor(const std::string& database) { return PathBeside(database, "alarms"); }
 
 Result<AlarmJournal> AlarmJournal::Open(const std::string& path) {
-  std::unique_ptr<Impl> impl;
-  const Status prepared = Guarded(path, nullptr, [&]() -> Status {
-    CreateForOwnerAndGroup(path);
-    impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    return Prepare(impl->db, path);
-  });
-  if (!prepared) return tl::unexpected(prepared.error());
-  return AlarmJournal(std::move(impl));
+  auto impl = OpenOrMake<Impl>(path, Prepare);
+  if (!impl) return tl::unexpected(impl.error());
+  return AlarmJournal(std::move(*impl));
 }
 
 Result<AlarmJournal> AlarmJournal::OpenExisting(const std::string& path) {

@@ -64,6 +64,11 @@ int Connection::ColumnCount(std::int64_t machine, int version) {
   return query.Step() && !query.IsNull(0) ? static_cast<int>(query.Int(0)) : 0;
 }
 
+std::string PathBeside(const std::string& database, const std::string& what) {
+  const std::filesystem::path path(database);
+  return (path.parent_path() / (path.stem().string() + "." + what + path.extension().string())).string();
+}
+
 void CreateForOwnerAndGroup(const std::string& path) {
   // Only a file that is not there: closing one that this process has open elsewhere would drop SQLite's locks on it.
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0640);

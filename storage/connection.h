@@ -132,6 +132,20 @@ auto Guarded(const std::string& path, const SQLite::Database* db, Body&& body) -
 /// open gets the same mode. What keeps it from being made SQLite tells when it opens it.
 void CreateForOwnerAndGroup(const std::string& path);
 
+/// "press.alarms.db" for "press.db" and "alarms".
+std::string PathBeside(const std::string& database, const std::string& what);
+
+/// Opens a file for writing and makes it if there is none; `prepare` sees to its tables and says whether it is of the kind.
+template <typename Kind, typename Prepare>
+Result<std::unique_ptr<Kind>> OpenOrMake(const std::string& path, const Prepare& prepare) {
+  return Guarded(path, nullptr, [&]() -> Result<std::unique_ptr<Kind>> {
+    CreateForOwnerAndGroup(path);
+    auto kind = std::make_unique<Kind>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    if (const Status prepared = prepare(kind->db, path); !prepared) return tl::unexpected(prepared.error());
+    return kind;
+  });
+}
+
 /// Nobody can write there, and the file is complete without its write-ahead log.
 bool OnReadOnlyDisk(const std::string& path);
 /// Name under which SQLite reads such a file without locks.

@@ -1,7 +1,5 @@
 #include "storage/outbox.h"
 
-#include <filesystem>
-
 #include "storage/connection.h"
 
 namespace hydroscope {
@@ -60,20 +58,12 @@ Outbox::Outbox(Outbox&&) noexcept = default;
 Outbox& Outbox::operator=(Outbox&&) noexcept = default;
 Outbox::~Outbox() = default;
 
-std::string Outbox::PathFor(const std::string& database) {
-  const std::filesystem::path path(database);
-  return (path.parent_path() / (path.stem().string() + ".outbox" + path.extension().string())).string();
-}
+std::string Outbox::PathFor(const std::string& database) { return PathBeside(database, "outbox"); }
 
 Result<Outbox> Outbox::Open(const std::string& path) {
-  std::unique_ptr<Impl> impl;
-  const Status prepared = Guarded(path, nullptr, [&]() -> Status {
-    CreateForOwnerAndGroup(path);
-    impl = std::make_unique<Impl>(path, path, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    return Prepare(impl->db, path);
-  });
-  if (!prepared) return tl::unexpected(prepared.error());
-  return Outbox(std::move(impl));
+  auto impl = OpenOrMake<Impl>(path, Prepare);
+  if (!impl) return tl::unexpected(impl.error());
+  return Outbox(std::move(*impl));
 }
 
 Result<std::int64_t> Outbox::Cursor() const {
