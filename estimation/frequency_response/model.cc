@@ -14,213 +14,25 @@
 #include "core/constants.h"
 #include "core/non_negative.h"
 #include "estimation/frequency_response/figures.h"
+#include "estimation/frequency_response/fit_problem.h"
+#include "estimation/frequency_response/second_order.h"
 
 namespace hydroscope {
 namespace {
 
-using Complex = std::complex<double>;
 using Vector4 = Eigen::Vector4d;
 using Matrix4 = Eigen::Matrix4d;
 
 // Above, the second pole lies a hundred times above the first: the response is of first order for any sweep.
 constexpr double kLargestDamping = 5;
 
-/// Parameters of the search: log of w0, log of D, K_v, T_dead times `time_scale`.
-enum { kLogOmega, kLogDamping, kGain, kDeadTime };
-
 double TFactor(double dof) {
   if (!(dof < 1e6)) return 1;
   return boost::math::quantile(boost::math::students_t(std::max(dof, 1.0)), 0.975) / kNormal95;
 }
 
-/// Product without the detour that operator* takes for infinite factors.
-Complex Times(Complex a, Complex b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
-Complex SecondOrder(double omega, double omega_0, double damping) {
-  const double r = omega / omega_0, real = 1 - r * r, imaginary = 2 * damping * r;
-  const double squared = real * real + imaginary * imaginary;
-  return {real / squared, -imaginary / squared};
-}
-
-/// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
-/// or for a command held from sample to sample also its images w_m = w + m 2 pi / hold, each through the hold
-/// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997, sec. 7.6).
-template <typename Visit>
-void ForEachImage(double omega, double hold, Visit visit) {
-  if (hold <= 0) {
-    visit(omega, Complex(1));
-    return;
-  }
-  constexpr int kImages = 16;
-  const Complex numerator = 1.0 - std::polar(1.0, -omega * hold);
-  for (int m = -kImages; m <= kImages; ++m) {
-    const double image = omega + m * kTwoPi / hold;
-    visit(image, numerator / Complex(0, image * hold));
-  }
-}
-
-double SquaredMagnitude(Complex z) { return z.real() * z.real() + z.imag() * z.imag(); }
-
-/// What the fit needs of a measured point.
-struct Target {
-  double omega = 0;  // rad/s
-  Complex response;
-  double phase = 0;     // rad, unwrapped
-  double variance = 0;  // of real and of imaginary part
-  double dof = 1;
-};
-
-/// Points to be fitted and the model of their response at given parameters.
-class Problem {
- public:
-  explicit Problem(std::vector<FrequencyPoint> points, double hold = 0) : hold_(hold) {
-    std::erase_if(
-        points, [](const FrequencyPoint& p) { return p.reason != PointReason::kUsed || !(p.variance > 0); });
-    UnwrapPhases(points);
-    for (const FrequencyPoint& p : points) {
-      targets_.push_back({kTwoPi * p.frequency, p.response, p.phase, p.variance, p.dof});
-    }
-    if (!targets_.empty()) time_scale_ = targets_.back().omega;
-  }
-
-  /// The same with fewer points: of each of `most` equal steps of log frequency the one known best.
-  Problem Thinned(std::size_t most) const {
-    if (targets_.size() <= most) return *this;
-    const double first = std::log(lowest()), span = std::log(highest()) - first;
-    Problem thinned(hold_, time_scale_);
-    std::size_t step = most;
-    for (const Target& target : targets_) {
-      const double place = (std::log(target.omega) - first) / span;
-      const auto here = std::min(most - 1, static_cast<std::size_t>(static_cast<double>(most) * place));
-      if (here != step) {
-        thinned.targets_.push_back(target);
-        step = here;
-      } else if (target.variance < thinned.targets_.back().variance) {
-        thinned.targets_.back() = target;
-      }
-    }
-    return thinned;
-  }
-
-  const std::vector<Target>& targets() const { return targets_; }
-  double lowest() const { return targets_.front().omega; }
-  double highest() const { return targets_.back().omega; }
-  double time_scale() const { return time_scale_; }
-
-  /// Weighted sum of squares of the misfit.
-  double Cost(const Vector4& p) const {
-    double cost = 0;
-    const Parameters given(p);
-    for (const Target& target : targets_) {
-      cost += SquaredMagnitude(target.response - Model(given, target.omega)) / target.variance;
-    }
-    return std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
-  }
-
-  /// Misfit of real and imaginary part of each point over its standard deviation, and its slopes to the four
-  /// parameters, `jacobian` column by column (may be null).
-  void Residuals(const Vector4& p, double* residuals, double* jacobian) const {
-    const std::size_t rows = 2 * targets_.size();
-    const Parameters given(p);
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-      const Target& target = targets_[i];
-      const double weight = 1 / std::sqrt(target.variance);
-      std::array<Complex, 4> slope{};
-      const Complex model =
-          jacobian ? ModelWithSlopes(given, target.omega, slope) : Model(given, target.omega);
-      residuals[2 * i] = weight * (model.real() - target.response.real());
-      residuals[2 * i + 1] = weight * (model.imag() - target.response.imag());
-      for (std::size_t k = 0; jacobian && k < 4; ++k) {
-        jacobian[k * rows + 2 * i] = weight * slope[k].real();
-        jacobian[k * rows + 2 * i + 1] = weight * slope[k].imag();
-      }
-    }
-  }
-
-  /// Best dead time and gain for given f0 and D: the phase left over is a line through the origin (or through
-  /// +-pi if the polarity is reversed), the gain a projection.
-  Vector4 Complete(double omega_0, double damping) const {
-    std::vector<Complex> shapes;
-    std::vector<double> phase_left;
-    for (const Target& target : targets_) {
-      shapes.push_back(SecondOrder(target.omega, omega_0, damping));
-      phase_left.push_back(target.phase - std::arg(shapes.back()));
-    }
-    Vector4 best(std::log(omega_0), std::log(damping), 1, 0);
-    double best_projection = -1;
-    for (const double polarity : {0.0, std::numbers::pi, -std::numbers::pi}) {
-      double ww = 0, wp = 0;
-      for (std::size_t i = 0; i < targets_.size(); ++i) {
-        const double omega = targets_[i].omega;
-        const double weight = SquaredMagnitude(targets_[i].response) / targets_[i].variance;
-        ww += weight * omega * omega;
-        wp -= weight * omega * (phase_left[i] - polarity);
-      }
-      const double dead_time = wp / ww;
-      double numerator = 0, denominator = 0;
-      for (std::size_t i = 0; i < targets_.size(); ++i) {
-        const Complex model = Times(shapes[i], std::polar(1.0, -targets_[i].omega * dead_time));
-        numerator += Times(std::conj(model), targets_[i].response).real() / targets_[i].variance;
-        denominator += SquaredMagnitude(model) / targets_[i].variance;
-      }
-      // What the projection takes off the weighted squares: the most is the best fit.
-      if (const double projection = numerator * numerator / denominator; projection > best_projection) {
-        best_projection = projection;
-        best(kGain) = numerator / denominator;
-        best(kDeadTime) = dead_time * time_scale_;
-      }
-    }
-    return best;
-  }
-
- private:
-  Problem(double hold, double time_scale) : hold_(hold), time_scale_(time_scale) {}
-
-  struct Parameters {
-    explicit Parameters(const Vector4& p)
-        : omega_0(std::exp(p(kLogOmega))),
-          damping(std::exp(p(kLogDamping))),
-          gain(p(kGain)),
-          scaled_dead_time(p(kDeadTime)) {}
-    double omega_0, damping, gain, scaled_dead_time;
-  };
-
-  Complex Model(const Parameters& p, double omega) const {
-    Complex sum = 0;
-    ForEachImage(omega, hold_, [&](double image, Complex factor) {
-      sum += Times(Times(factor, SecondOrder(image, p.omega_0, p.damping)),
-                   std::polar(1.0, -image / time_scale_ * p.scaled_dead_time));
-    });
-    return p.gain * sum;
-  }
-
-  Complex ModelWithSlopes(const Parameters& p, double frequency, std::array<Complex, 4>& slope) const {
-    Complex model = 0;
-    ForEachImage(frequency, hold_, [&](double omega, Complex factor) {
-      const double r = omega / p.omega_0;
-      const Complex shape = SecondOrder(omega, p.omega_0, p.damping);
-      const Complex delayed =
-          Times(Times(factor, shape), std::polar(1.0, -omega / time_scale_ * p.scaled_dead_time));
-      const Complex term = p.gain * delayed;
-      const Complex shaped = Times(term, shape);
-      model += term;
-      slope[kLogOmega] += Times(shaped, Complex(-2 * r * r, 2 * p.damping * r));
-      slope[kLogDamping] -= Times(shaped, Complex(0, 2 * p.damping * r));
-      slope[kGain] += delayed;
-      slope[kDeadTime] += Times(term, Complex(0, -omega / time_scale_));
-    });
-    return model;
-  }
-
-  double hold_;
-  std::vector<Target> targets_;
-  double time_scale_ = 1;
-};
-
 /// The paper's linear equation of the squared gain, weighted; false if it has no physical solution.
-bool SquaredGainStart(const Problem& problem, double& omega_0, double& damping) {
+bool SquaredGainStart(const FitProblem& problem, double& omega_0, double& damping) {
   const double scale = problem.time_scale();  // keeps the columns of one size
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -240,7 +52,7 @@ bool SquaredGainStart(const Problem& problem, double& omega_0, double& damping) 
 }
 
 /// The few best starting points, best first.
-std::vector<Vector4> Starts(const Problem& problem) {
+std::vector<Vector4> Starts(const FitProblem& problem) {
   std::vector<std::pair<double, Vector4>> candidates;
   for (double omega_0 = problem.lowest() / 2; omega_0 <= 6 * problem.highest(); omega_0 *= 1.3) {
     for (const double damping : {0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 3.0}) {
@@ -263,7 +75,7 @@ struct MisfitOfPoints {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 4 };
 
-  const Problem& problem;
+  const FitProblem& problem;
   bool hold_damping = false;
 
   int NumResiduals() const { return static_cast<int>(2 * problem.targets().size()); }
@@ -280,7 +92,7 @@ struct Linearisation {
   Eigen::Matrix<double, Eigen::Dynamic, 4> jacobian;
 };
 
-Linearisation Linearised(const Problem& problem, const Vector4& p) {
+Linearisation Linearised(const FitProblem& problem, const Vector4& p) {
   const auto rows = static_cast<std::ptrdiff_t>(2 * problem.targets().size());
   Linearisation at{Eigen::VectorXd(rows), Eigen::Matrix<double, Eigen::Dynamic, 4>(rows, 4)};
   problem.Residuals(p, at.residuals.data(), at.jacobian.data());
@@ -293,7 +105,7 @@ struct PolishOptions {
 };
 
 /// Levenberg-Marquardt (Ceres) from `p` to the next minimum; returns its cost.
-double Polish(const Problem& problem, Vector4& p, const PolishOptions& options = {}) {
+double Polish(const FitProblem& problem, Vector4& p, const PolishOptions& options = {}) {
   ceres::TinySolver<MisfitOfPoints> solver;
   solver.options.function_tolerance = 1e-8;  // of chi^2: 1 is a standard deviation
   solver.options.parameter_tolerance = 1e-12;
@@ -316,7 +128,7 @@ constexpr std::size_t kPointsOfSearch = 32;
 constexpr int kIterationsOfSearch = 12;
 
 /// The deepest valley that the starts lead into, seen from few points.
-Minimum DeepestValley(const Problem& problem) {
+Minimum DeepestValley(const FitProblem& problem) {
   Minimum best;
   for (Vector4 p : Starts(problem)) {
     const double cost = Polish(problem, p, {.most_iterations = kIterationsOfSearch});
@@ -332,9 +144,9 @@ Vector4 ParametersOf(const ValveModel& model, double time_scale) {
 }
 
 /// Where the damping is at its limit f0 and D only matter as f0/(2 D): D is held and the rest settles.
-Minimum AtLargestDamping(const Problem& problem, const Vector4& p) {
+Minimum AtLargestDamping(const FitProblem& problem, const Vector4& p) {
   const double corner = std::exp(p(kLogOmega) - p(kLogDamping)) / 2;
-  const Problem thinned = problem.Thinned(kPointsOfSearch);
+  const FitProblem thinned = problem.Thinned(kPointsOfSearch);
   Minimum held{thinned.Complete(2 * kLargestDamping * corner, kLargestDamping), 0, true};
   Polish(thinned, held.p, {.hold_damping = true});
   held.cost = Polish(problem, held.p, {.hold_damping = true});
@@ -342,12 +154,12 @@ Minimum AtLargestDamping(const Problem& problem, const Vector4& p) {
 }
 
 /// More damping would fit better still.
-bool WantsMoreDamping(const Problem& problem, const Vector4& p) {
+bool WantsMoreDamping(const FitProblem& problem, const Vector4& p) {
   const auto [residuals, jacobian] = Linearised(problem, p);
   return jacobian.col(kLogDamping).dot(residuals) < 0;
 }
 
-Minimum FindMinimum(const Problem& problem, const ValveModel* near) {
+Minimum FindMinimum(const FitProblem& problem, const ValveModel* near) {
   Minimum found;
   found.p =
       near ? ParametersOf(*near, problem.time_scale()) : DeepestValley(problem.Thinned(kPointsOfSearch)).p;
@@ -362,7 +174,7 @@ Minimum FindMinimum(const Problem& problem, const ValveModel* near) {
 }
 
 /// Inverse of the normal matrix; false if a combination of the parameters has no effect at all.
-bool Covariance(const Problem& problem, const Vector4& p, Matrix4& covariance) {
+bool Covariance(const FitProblem& problem, const Vector4& p, Matrix4& covariance) {
   const auto jacobian = Linearised(problem, p).jacobian;
   const Matrix4 normal = jacobian.transpose() * jacobian;
   const Vector4 scale = normal.diagonal().cwiseSqrt().cwiseInverse();
@@ -375,7 +187,7 @@ bool Covariance(const Problem& problem, const Vector4& p, Matrix4& covariance) {
 }
 
 /// Factor on every std: misfit beyond the noise, and Student's t where degrees of freedom are few.
-double WidenIntervals(const Problem& problem, double correlation, ValveModel& model) {
+double WidenIntervals(const FitProblem& problem, double correlation, ValveModel& model) {
   double from_points = 0, expected = 0;
   for (const Target& target : problem.targets()) {
     from_points += std::min(target.dof, 1e6);
@@ -391,7 +203,7 @@ double WidenIntervals(const Problem& problem, double correlation, ValveModel& mo
   return TFactor(from_points) * std::sqrt(correlation);
 }
 
-ValveModel Describe(const Problem& problem, const Vector4& p, Matrix4 covariance, ValveModel model,
+ValveModel Describe(const FitProblem& problem, const Vector4& p, Matrix4 covariance, ValveModel model,
                     double factor) {
   covariance *= factor * factor;
   const double scale = problem.time_scale();
@@ -458,7 +270,7 @@ void UnwrapPhases(std::vector<FrequencyPoint>& points, const ValveModel* model) 
 
 namespace {
 
-Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double correlation) {
+Result<ValveModel> Fit(const FitProblem& problem, const Minimum& found, double correlation) {
   Matrix4 covariance;
   if (!std::isfinite(found.cost) || !Covariance(problem, found.p, covariance)) {
     return BadInput(
@@ -480,7 +292,7 @@ Result<ValveModel> Fit(const Problem& problem, const Minimum& found, double corr
 
 Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, double correlation,
                                  double sample_period, bool surely_held, const ValveModel* near) {
-  const Problem continuous(points);
+  const FitProblem continuous(points);
   if (continuous.targets().size() < 3) {
     return BadInput("a model needs at least 3 usable frequencies, there are {}; measure more frequencies",
                     continuous.targets().size());
@@ -492,7 +304,7 @@ Result<ValveModel> FitValveModel(const std::vector<FrequencyPoint>& points, doub
   if (!try_hold) return model;
 
   // Half a sample of the delay found is the hold's own.
-  const Problem held(points, sample_period);
+  const FitProblem held(points, sample_period);
   Minimum search = found;
   search.p(kDeadTime) -= sample_period / 2 * held.time_scale();
   search.cost = Polish(held, search.p);

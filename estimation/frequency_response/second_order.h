@@ -1,0 +1,40 @@
+#pragma once
+
+#include <complex>
+
+#include "core/constants.h"
+
+namespace hydroscope {
+
+using Complex = std::complex<double>;
+
+/// Product without the detour that operator* takes for infinite factors.
+inline Complex Times(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// 1 / (1 + 2 D j r - r^2) with r = omega / omega_0.
+inline Complex SecondOrder(double omega, double omega_0, double damping) {
+  const double r = omega / omega_0, real = 1 - r * r, imaginary = 2 * damping * r;
+  const double squared = real * real + imaginary * imaginary;
+  return {real / squared, -imaginary / squared};
+}
+
+/// Calls visit(w_m, factor_m) for the terms whose sum is the response between samples: the frequency itself,
+/// or for a command held from sample to sample also its images w_m = w + m 2 pi / hold, each through the hold
+/// (1 - exp(-j w_m hold)) / (j w_m hold) (Astroem and Wittenmark, Computer-Controlled Systems, 1997, sec. 7.6).
+template <typename Visit>
+void ForEachImage(double omega, double hold, Visit visit) {
+  if (hold <= 0) {
+    visit(omega, Complex(1));
+    return;
+  }
+  constexpr int kImages = 16;
+  const Complex numerator = 1.0 - std::polar(1.0, -omega * hold);
+  for (int m = -kImages; m <= kImages; ++m) {
+    const double image = omega + m * kTwoPi / hold;
+    visit(image, numerator / Complex(0, image * hold));
+  }
+}
+
+}  // namespace hydroscope
