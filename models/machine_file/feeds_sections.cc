@@ -1,5 +1,6 @@
 // The [feeds] part of a machine file.
 #include "models/machine_file/keys.h"
+#include "models/machine_file/section_text.h"
 #include "models/machine_file/sections.h"
 
 namespace hydroscope {
@@ -78,6 +79,45 @@ void ReadFeeds(TableReader& file, Machine& machine) {
     TableReader reader(*sparkplug, "feeds.sparkplug", file.problems());
     ReadSparkplugFeed(reader, feeds.sparkplug.emplace());
   }
+}
+
+std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.feeds) return "";
+  std::string text = Section("[feeds]", "Whom the live service tells.", {}, notes, "feeds");
+  if (const auto& modbus = machine.feeds->modbus)
+    text += Section("[feeds.modbus]", "Modbus TCP server (docs/register_map.md).",
+                    {{"host", Quoted(modbus->host)},
+                     {"port", Plain(modbus->port)},
+                     {"connections", Plain(modbus->connections)},
+                     {"idle_timeout", Plain(modbus->idle_timeout)},
+                     {"allow", QuotedList(modbus->allow)},
+                     {"acknowledge", Plain(modbus->acknowledge)}},
+                    notes, "feeds.modbus");
+  if (const auto& dds = machine.feeds->dds)
+    text += Section("[feeds.dds]", "Alarm events and findings by DDS (docs/live_protocol.md).",
+                    {{"domain", Plain(dds->domain)},
+                     {"topic", Quoted(dds->topic)},
+                     {"transport", TransportName(dds->transport)},
+                     {"interfaces", QuotedList(dds->interfaces)},
+                     {"peers", QuotedList(dds->peers)},
+                     {"security", Quoted(dds->security)}},
+                    notes, "feeds.dds");
+  if (const auto& sparkplug = machine.feeds->sparkplug) {
+    Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};
+    const std::pair<const char*, const std::string*> optional[] = {
+        {"node", &sparkplug->node},
+        {"user", &sparkplug->user},
+        {"password_file", &sparkplug->password_file},
+        {"primary_host", &sparkplug->primary_host},
+        {"ca_file", &sparkplug->ca_file},
+        {"certificate_file", &sparkplug->certificate_file},
+        {"key_file", &sparkplug->key_file}};
+    for (const auto& [key, value] : optional)
+      if (!value->empty()) pairs.emplace_back(key, Quoted(*value));
+    text += Section("[feeds.sparkplug]", "MQTT Sparkplug B edge node (docs/sparkplug.md).", pairs, notes,
+                    "feeds.sparkplug");
+  }
+  return text;
 }
 
 }  // namespace hydroscope

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/units.h"
-#include "models/machine_file/keys.h"
+#include "models/machine_file/section_text.h"
 #include "models/machine_file/sections.h"
 #include "models/machine_file/table.h"
 #include "models/machine_file/toml_text.h"
@@ -14,26 +14,6 @@
 
 namespace hydroscope {
 namespace {
-
-using Pairs = std::vector<std::pair<std::string, std::string>>;
-
-std::string Key(const std::string& key) {
-  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-');
-  });
-  return bare ? key : Quoted(key);
-}
-
-std::string Comment(const std::string& text) {
-  std::string line = text;
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return line.empty() ? "#" : "# " + line;
-}
-
-std::string Plain(double value) { return fmt::format("{}", value); }
-std::string Plain(bool value) { return value ? "true" : "false"; }
-std::string Plain(int value) { return fmt::format("{}", value); }
 
 /// The shortest number in a unit that reads back to exactly `si`; nullopt if rounding forbids it.
 std::optional<std::string> InUnit(double si, const FileUnit& unit, bool difference) {
@@ -51,29 +31,6 @@ std::string NumberIn(double si, const std::string& unit_name, bool difference = 
   const FileUnit unit = FindFileUnit(unit_name).value_or(FileUnit{});
   if (const auto text = InUnit(si, unit, difference)) return *text;
   return fmt::format("{{ value = {}, unit = {} }}", Plain(si), Quoted(unit.si));
-}
-
-std::string Inline(const Pairs& pairs) {
-  std::string text = "{ ";
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", Key(pairs[i].first), pairs[i].second);
-  return pairs.empty() ? "{}" : text + " }";
-}
-
-std::string QuotedList(const std::vector<std::string>& texts) {
-  std::string list;
-  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + Quoted(text);
-  return "[" + list + "]";
-}
-
-/// "[name]" with a comment line before, the pairs one a line, the notes of that section, and an empty line.
-std::string Section(const std::string& header, const std::string& comment, const Pairs& pairs,
-                    const MachineNotes& notes, const std::string& name) {
-  std::string text = Comment(comment) + "\n" + header + "\n";
-  for (const auto& [key, value] : pairs) text += fmt::format("{} = {}\n", Key(key), value);
-  if (const auto found = notes.section.find(name); found != notes.section.end())
-    for (const std::string& line : found->second) text += Comment(line) + "\n";
-  return text + "\n";
 }
 
 std::string MachineHead(const Machine& machine, const MachineNotes& notes) {
@@ -107,10 +64,6 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
   if (log.hold == InputHold::kZero) pairs.emplace_back("hold", Quoted("zero"));
   return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
                  pairs, notes, "log");
-}
-
-std::string OrderName(WordOrder order) {
-  return Quoted(std::string(kWordOrderNames[static_cast<std::size_t>(order)]));
 }
 
 std::string OriginValue(const ModbusOrigin& origin) {
@@ -270,7 +223,7 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
     if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
     for (const auto& [key, value] : limits)
       if (value) pairs.emplace_back(key, NumberIn(*value, unit));
-    text += Section(fmt::format("[monitor.{}]", Key(monitor.parameter)), "Limits of a watched parameter.",
+    text += Section(fmt::format("[monitor.{}]", TomlKey(monitor.parameter)), "Limits of a watched parameter.",
                     pairs, notes, "monitor." + monitor.parameter);
   }
   return text;
@@ -393,106 +346,6 @@ std::string EffectSections(const Machine& machine, const MachineNotes& notes) {
     }
     if (!shape.empty()) pairs.emplace_back("shape", Inline(shape));
     text += Section("[[effect]]", "An effect that may be missing in the balance.", pairs, notes, "effect");
-  }
-  return text;
-}
-
-std::string RingValue(const ModbusRingSpec& ring) {
-  Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
-  if (ring.time) pairs.emplace_back("time", Plain(*ring.time));
-  for (const auto& [key, number] :
-       {std::pair("first", ring.first), std::pair("records", ring.records), std::pair("width", ring.width)})
-    pairs.emplace_back(key, Plain(number));
-  pairs.emplace_back("period", Plain(ring.period));
-  pairs.emplace_back("poll_period", Plain(ring.poll_period));
-  return Inline(pairs);
-}
-
-std::string LiveModbusSection(const ModbusSpec& modbus, const MachineNotes& notes) {
-  Pairs pairs = {{"host", Quoted(modbus.host)},
-                 {"port", Plain(modbus.port)},
-                 {"unit", Plain(modbus.unit)},
-                 {"order", OrderName(modbus.order)},
-                 {"poll_period", Plain(modbus.poll_period)},
-                 {"timeout", Plain(modbus.timeout)},
-                 {"retry_first", Plain(modbus.retry_first)},
-                 {"retry_limit", Plain(modbus.retry_limit)}};
-  if (modbus.heartbeat) pairs.emplace_back("heartbeat", Plain(*modbus.heartbeat));
-  if (modbus.time) pairs.emplace_back("time", Plain(*modbus.time));
-  if (modbus.ring) pairs.emplace_back("ring", RingValue(*modbus.ring));
-  if (const auto& sweep = modbus.sweep)
-    pairs.emplace_back("sweep", Inline({{"coil", Plain(sweep->coil)},
-                                        {"status", Plain(sweep->status)},
-                                        {"axis", Plain(sweep->axis)},
-                                        {"amplitude", Plain(sweep->amplitude)}}));
-  return Section("[live.modbus]", "Registers of the controller; times in s.", pairs, notes, "live.modbus");
-}
-
-std::string TransportName(DdsTransport transport) {
-  const char* const transports[] = {"default", "udp", "shm"};
-  return Quoted(transports[static_cast<int>(transport)]);
-}
-
-std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
-  return Section("[live.dds]", "Samples by DDS (docs/live_protocol.md).",
-                 {{"domain", Plain(dds.domain)},
-                  {"topic", Quoted(dds.topic)},
-                  {"transport", TransportName(dds.transport)},
-                  {"interfaces", QuotedList(dds.interfaces)},
-                  {"peers", QuotedList(dds.peers)},
-                  {"backlog", Plain(dds.backlog)},
-                  {"deadline", Plain(dds.deadline)},
-                  {"senders", QuotedList(dds.senders)},
-                  {"security", Quoted(dds.security)}},
-                 notes, "live.dds");
-}
-
-std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
-  if (!machine.live) return "";
-  const LiveSpec& live = *machine.live;
-  std::string text =
-      Section("[live]", "The machine as it is watched live.",
-              {{"grid_period", Plain(live.grid_period)}, {"axes", QuotedList(live.axes)}}, notes, "live");
-  if (live.dds) text += LiveDdsSection(*live.dds, notes);
-  if (live.modbus) text += LiveModbusSection(*live.modbus, notes);
-  return text;
-}
-
-std::string FeedsSections(const Machine& machine, const MachineNotes& notes) {
-  if (!machine.feeds) return "";
-  std::string text = Section("[feeds]", "Whom the live service tells.", {}, notes, "feeds");
-  if (const auto& modbus = machine.feeds->modbus)
-    text += Section("[feeds.modbus]", "Modbus TCP server (docs/register_map.md).",
-                    {{"host", Quoted(modbus->host)},
-                     {"port", Plain(modbus->port)},
-                     {"connections", Plain(modbus->connections)},
-                     {"idle_timeout", Plain(modbus->idle_timeout)},
-                     {"allow", QuotedList(modbus->allow)},
-                     {"acknowledge", Plain(modbus->acknowledge)}},
-                    notes, "feeds.modbus");
-  if (const auto& dds = machine.feeds->dds)
-    text += Section("[feeds.dds]", "Alarm events and findings by DDS (docs/live_protocol.md).",
-                    {{"domain", Plain(dds->domain)},
-                     {"topic", Quoted(dds->topic)},
-                     {"transport", TransportName(dds->transport)},
-                     {"interfaces", QuotedList(dds->interfaces)},
-                     {"peers", QuotedList(dds->peers)},
-                     {"security", Quoted(dds->security)}},
-                    notes, "feeds.dds");
-  if (const auto& sparkplug = machine.feeds->sparkplug) {
-    Pairs pairs = {{"broker", Quoted(sparkplug->broker)}, {"group", Quoted(sparkplug->group)}};
-    const std::pair<const char*, const std::string*> optional[] = {
-        {"node", &sparkplug->node},
-        {"user", &sparkplug->user},
-        {"password_file", &sparkplug->password_file},
-        {"primary_host", &sparkplug->primary_host},
-        {"ca_file", &sparkplug->ca_file},
-        {"certificate_file", &sparkplug->certificate_file},
-        {"key_file", &sparkplug->key_file}};
-    for (const auto& [key, value] : optional)
-      if (!value->empty()) pairs.emplace_back(key, Quoted(*value));
-    text += Section("[feeds.sparkplug]", "MQTT Sparkplug B edge node (docs/sparkplug.md).", pairs, notes,
-                    "feeds.sparkplug");
   }
   return text;
 }

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "models/machine_file/keys.h"
+#include "models/machine_file/section_text.h"
 #include "models/machine_file/sections.h"
 
 namespace hydroscope {
@@ -183,6 +184,71 @@ void CheckLive(TableReader& file, const Machine& machine) {
                       "comes from, or required = false",
                       signal.name));
   }
+}
+
+std::string TransportName(DdsTransport transport) {
+  const char* const transports[] = {"default", "udp", "shm"};
+  return Quoted(transports[static_cast<int>(transport)]);
+}
+
+namespace {
+
+std::string RingValue(const ModbusRingSpec& ring) {
+  Pairs pairs = {{"session", Plain(ring.session)}, {"newest", Plain(ring.newest)}};
+  if (ring.time) pairs.emplace_back("time", Plain(*ring.time));
+  for (const auto& [key, number] :
+       {std::pair("first", ring.first), std::pair("records", ring.records), std::pair("width", ring.width)})
+    pairs.emplace_back(key, Plain(number));
+  pairs.emplace_back("period", Plain(ring.period));
+  pairs.emplace_back("poll_period", Plain(ring.poll_period));
+  return Inline(pairs);
+}
+
+std::string LiveModbusSection(const ModbusSpec& modbus, const MachineNotes& notes) {
+  Pairs pairs = {{"host", Quoted(modbus.host)},
+                 {"port", Plain(modbus.port)},
+                 {"unit", Plain(modbus.unit)},
+                 {"order", OrderName(modbus.order)},
+                 {"poll_period", Plain(modbus.poll_period)},
+                 {"timeout", Plain(modbus.timeout)},
+                 {"retry_first", Plain(modbus.retry_first)},
+                 {"retry_limit", Plain(modbus.retry_limit)}};
+  if (modbus.heartbeat) pairs.emplace_back("heartbeat", Plain(*modbus.heartbeat));
+  if (modbus.time) pairs.emplace_back("time", Plain(*modbus.time));
+  if (modbus.ring) pairs.emplace_back("ring", RingValue(*modbus.ring));
+  if (const auto& sweep = modbus.sweep)
+    pairs.emplace_back("sweep", Inline({{"coil", Plain(sweep->coil)},
+                                        {"status", Plain(sweep->status)},
+                                        {"axis", Plain(sweep->axis)},
+                                        {"amplitude", Plain(sweep->amplitude)}}));
+  return Section("[live.modbus]", "Registers of the controller; times in s.", pairs, notes, "live.modbus");
+}
+
+std::string LiveDdsSection(const DdsSpec& dds, const MachineNotes& notes) {
+  return Section("[live.dds]", "Samples by DDS (docs/live_protocol.md).",
+                 {{"domain", Plain(dds.domain)},
+                  {"topic", Quoted(dds.topic)},
+                  {"transport", TransportName(dds.transport)},
+                  {"interfaces", QuotedList(dds.interfaces)},
+                  {"peers", QuotedList(dds.peers)},
+                  {"backlog", Plain(dds.backlog)},
+                  {"deadline", Plain(dds.deadline)},
+                  {"senders", QuotedList(dds.senders)},
+                  {"security", Quoted(dds.security)}},
+                 notes, "live.dds");
+}
+
+}  // namespace
+
+std::string LiveSections(const Machine& machine, const MachineNotes& notes) {
+  if (!machine.live) return "";
+  const LiveSpec& live = *machine.live;
+  std::string text =
+      Section("[live]", "The machine as it is watched live.",
+              {{"grid_period", Plain(live.grid_period)}, {"axes", QuotedList(live.axes)}}, notes, "live");
+  if (live.dds) text += LiveDdsSection(*live.dds, notes);
+  if (live.modbus) text += LiveModbusSection(*live.modbus, notes);
+  return text;
 }
 
 }  // namespace hydroscope
