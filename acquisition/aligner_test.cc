@@ -6,111 +6,13 @@
 #include <cstring>
 #include <random>
 
+#include "acquisition/aligner_fixture.h"
+
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
-constexpr std::int64_t kStartMono = 1'000'000 * kMs, kStartWall = 1'700'000'000'000 * kMs;
-
-Machine TwoAxes() {
-  Machine machine;
-  machine.name = "press";
-  for (const auto& [name, unit] :
-       std::vector<std::pair<std::string, std::string>>{{"p_A", "bar"}, {"z", "m"}, {"T_oil", "degC"}}) {
-    machine.signals.emplace_back();
-    machine.signals.back().name = name;
-    machine.signals.back().unit = unit;
-  }
-  machine.live = LiveSpec{.grid_period = 1e-3, .axes = {"a", "b"}, .dds = DdsSpec{}, .modbus = {}};
-  return machine;
-}
-
-/// Sends rows of p_A and z of axis 0: p_A = sequence bar, z = sequence mm / 1000.
-struct Bench {
-  Machine machine = TwoAxes();
-  Aligner aligner{machine, AlignerOptions{}, {kStartMono, kStartWall}};
-  std::int64_t now = kStartMono;  ///< ns; row s of the sender is taken at kStartMono + s ms
-  std::uint64_t session = 7;
-  std::int64_t sender_epoch = 5'000'000 * kMs;  ///< the sender's clock at its row 0
-  SampleBlock got;                              ///< everything of axis 0 so far
-
-  Bench() { got.Resize(3, 0); }
-
-  SampleBatch Rows(std::uint64_t first, std::size_t rows) const {
-    SampleBatch batch{.session = session,
-                      .first_sequence = first,
-                      .source_time_ns = sender_epoch + static_cast<std::int64_t>(first) * kMs,
-                      .period_ns = kMs,
-                      .requested = {},
-                      .received = {now, 0},
-                      .channels = {0, 1},
-                      .rows = rows,
-                      .values = {}};
-    for (std::size_t r = 0; r < rows; ++r) {
-      batch.values.push_back(static_cast<double>(first + r));
-      batch.values.push_back(static_cast<double>(first + r) * 1e-3);
-    }
-    return batch;
-  }
-  void Collect() {
-    SampleBlock block;
-    while (aligner.Take(0, block)) {
-      got.time.insert(got.time.end(), block.time.begin(), block.time.end());
-      for (std::size_t s = 0; s < 3; ++s) {
-        got.signal[s].insert(got.signal[s].end(), block.signal[s].begin(), block.signal[s].end());
-        got.quality[s].insert(got.quality[s].end(), block.quality[s].begin(), block.quality[s].end());
-      }
-    }
-  }
-  void Add(const SampleBatch& batch) {
-    aligner.Add(0, batch);
-    Collect();
-  }
-  void Wait(double seconds) {
-    for (const std::int64_t end = now + std::llround(seconds * 1e9); now < end; now += 10 * kMs) {
-      aligner.Advance(now);
-      Collect();
-    }
-  }
-  /// Batches of ten rows from `first` on, each sent when its last row was taken.
-  void Stream(std::uint64_t first, std::uint64_t last) {
-    for (std::uint64_t s = first; s < last; s += 10) {
-      now = std::max(now, kStartMono + static_cast<std::int64_t>(s + 9) * kMs);
-      aligner.Advance(now);
-      Add(Rows(s, 10));
-    }
-  }
-  void Temperature(double celsius) {
-    aligner.Add(1, {.session = 1,
-                    .first_sequence = 0,
-                    .requested = {now - kMs, 0},
-                    .received = {now, 0},
-                    .channels = {2},
-                    .rows = 1,
-                    .values = {celsius}});
-  }
-  const AlignerCounters& counters() const { return aligner.counters(0); }
-  /// Sequence numbers given out, -1 for a missing row.
-  std::vector<int> Sequences() const {
-    std::vector<int> numbers;
-    for (std::size_t k = 0; k < got.rows(); ++k)
-      numbers.push_back(
-          got.quality[0][k] & quality::kMissing ? -1 : static_cast<int>(std::lround(got.signal[0][k] / 1e5)));
-    return numbers;
-  }
-  void ExpectTimesIncrease() const {
-    for (std::size_t k = 1; k < got.rows(); ++k) ASSERT_GT(got.time[k], got.time[k - 1]) << k;
-  }
-};
-
-std::vector<int> Count(int first, int last) {
-  std::vector<int> numbers;
-  for (int i = first; i < last; ++i) numbers.push_back(i);
-  return numbers;
-}
-
 TEST(Aligner, RowsOfTheSenderAreRowsOfTheGridInSiUnits) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 1000);
   EXPECT_EQ(bench.Sequences(), Count(0, 1000));
   EXPECT_DOUBLE_EQ(bench.got.signal[0][500], 500e5);
@@ -120,14 +22,14 @@ TEST(Aligner, RowsOfTheSenderAreRowsOfTheGridInSiUnits) {
 }
 
 TEST(Aligner, TimesAreWallTimesOfTheHostAndOneGridPeriodApart) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 1000);
   EXPECT_NEAR(bench.got.time[0], 1.7e9, 1e-3);
   for (std::size_t k = 1; k < 1000; ++k) ASSERT_NEAR(bench.got.time[k] - bench.got.time[k - 1], 1e-3, 1e-6);
 }
 
 TEST(Aligner, AReorderedBatchIsPutWhereItBelongs) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.now += 20 * kMs;
   bench.Add(bench.Rows(510, 10));
@@ -138,7 +40,7 @@ TEST(Aligner, AReorderedBatchIsPutWhereItBelongs) {
 }
 
 TEST(Aligner, ALostBatchIsMissingAfterTheLatenessAndWhatComesThenIsCountedLate) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.Stream(510, 1000);
   auto expected = Count(0, 1000);
@@ -154,7 +56,7 @@ TEST(Aligner, ALostBatchIsMissingAfterTheLatenessAndWhatComesThenIsCountedLate) 
 }
 
 TEST(Aligner, RowsThatComeTwiceAreTakenOnce) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.now += 20 * kMs;
   bench.Add(bench.Rows(510, 10));
@@ -166,7 +68,7 @@ TEST(Aligner, RowsThatComeTwiceAreTakenOnce) {
 }
 
 TEST(Aligner, ARowThatComesAgainWithAnotherValueIsFlagged) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.Add(bench.Rows(510, 10));
   SampleBatch other = bench.Rows(510, 10);
@@ -180,7 +82,7 @@ TEST(Aligner, ARowThatComesAgainWithAnotherValueIsFlagged) {
 }
 
 TEST(Aligner, SilenceGivesMissingRowsForASecondAndThenNone) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.Wait(10);
   EXPECT_NEAR(static_cast<double>(bench.got.rows()), 1500, 20);
@@ -195,7 +97,7 @@ TEST(Aligner, SilenceGivesMissingRowsForASecondAndThenNone) {
 }
 
 TEST(Aligner, RowsHeldUpInTheNetworkForFiveSecondsAreStillTaken) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.Wait(5);
   for (std::uint64_t s = 500; s < 5500; s += 10) bench.Add(bench.Rows(s, 10));
@@ -209,7 +111,7 @@ TEST(Aligner, RowsHeldUpInTheNetworkForFiveSecondsAreStillTaken) {
 
 TEST(Aligner, AStepOfTheSendersClockIsToldAndChangesNoOrder) {
   for (const std::int64_t hour : {3'600'000 * kMs, -3'600'000 * kMs}) {
-    Bench bench;
+    AlignerBench bench;
     bench.Stream(0, 1000);
     bench.sender_epoch += hour;
     bench.Stream(1000, 2000);
@@ -225,7 +127,7 @@ TEST(Aligner, AStepOfTheSendersClockIsToldAndChangesNoOrder) {
 }
 
 TEST(Aligner, ASenderThatStartsAnewContinuesTheGridBehindAFlaggedGap) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   bench.Wait(2);
   const std::size_t before = bench.got.rows();
@@ -242,7 +144,7 @@ TEST(Aligner, ASenderThatStartsAnewContinuesTheGridBehindAFlaggedGap) {
 }
 
 TEST(Aligner, RowsFromTheFutureAreNotBelievedUntilTheSenderGoesOnThere) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 1000);
   bench.Add(bench.Rows(900'000, 10));
   EXPECT_EQ(bench.counters().future_rows, 10);
@@ -258,7 +160,7 @@ TEST(Aligner, RowsFromTheFutureAreNotBelievedUntilTheSenderGoesOnThere) {
 }
 
 TEST(Aligner, ACountThatFallsBackIsFollowedWhenItGoesOnThere) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 5000);
   for (std::uint64_t s = 0; s < 3000; s += 10) {
     bench.now += 10 * kMs;
@@ -272,7 +174,7 @@ TEST(Aligner, ACountThatFallsBackIsFollowedWhenItGoesOnThere) {
 }
 
 TEST(Aligner, ASlowChannelHoldsItsReadingAndGoesStaleAfterTwoPeriods) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 100);
   bench.Temperature(40);
   bench.Stream(100, 1000);
@@ -290,7 +192,7 @@ TEST(Aligner, ASlowChannelHoldsItsReadingAndGoesStaleAfterTwoPeriods) {
 }
 
 TEST(Aligner, TheGridFollowsACrystalThatRunsFast) {
-  Bench bench;
+  AlignerBench bench;
   std::mt19937_64 random(1);
   std::uniform_int_distribution<std::int64_t> wait(0, 5 * kMs);
   for (std::uint64_t s = 0; s < 200'000; s += 10) {  // 100 ppm fast
@@ -304,7 +206,7 @@ TEST(Aligner, TheGridFollowsACrystalThatRunsFast) {
 }
 
 TEST(Aligner, ASecondFastSenderIsAnchoredByTheClocks) {
-  Bench bench;
+  AlignerBench bench;
   const auto torque = [&](std::uint64_t first, std::uint64_t offset) {  // T_oil as a fast channel of axis 0
     SampleBatch batch{.session = 3,
                       .first_sequence = first + offset,
@@ -328,10 +230,10 @@ TEST(Aligner, ASecondFastSenderIsAnchoredByTheClocks) {
 }
 
 TEST(Aligner, RowsThatAnEarlierLifeStoredAreNotTakenAgain) {
-  Bench first;
+  AlignerBench first;
   first.Stream(0, 500);
   const auto marks = first.aligner.marks(0);
-  Bench second;
+  AlignerBench second;
   second.aligner.RestoreMarks(0, marks);
   second.now = kStartMono + 600 * kMs;
   for (std::uint64_t s = 300; s < 600; s += 10) second.Add(second.Rows(s, 10));
@@ -343,11 +245,11 @@ TEST(Aligner, RowsThatAnEarlierLifeStoredAreNotTakenAgain) {
 }
 
 TEST(Aligner, AnotherLifeGoesOnBehindTheTimesOfTheOneBefore) {
-  Bench first;
+  AlignerBench first;
   first.Stream(0, 500);
   const double last = first.got.time.back();
   for (const double ahead : {0.004, 5.0}) {  // s, what the first life's clock was off
-    Bench second;
+    AlignerBench second;
     auto marks = first.aligner.marks(0);
     const double stored = last + ahead;
     std::memcpy(marks.data() + marks.size() - sizeof(stored), &stored, sizeof(stored));
@@ -359,12 +261,12 @@ TEST(Aligner, AnotherLifeGoesOnBehindTheTimesOfTheOneBefore) {
 }
 
 TEST(Aligner, AClockThatWasSteppedBackBetweenTwoLivesIsBelieved) {
-  Bench first;
+  AlignerBench first;
   first.Stream(0, 500);
   auto marks = first.aligner.marks(0);
   const double stored = first.got.time.back() + 3600;
   std::memcpy(marks.data() + marks.size() - sizeof(stored), &stored, sizeof(stored));
-  Bench second;
+  AlignerBench second;
   second.aligner.RestoreMarks(0, marks);
   second.Stream(500, 1000);
   ASSERT_GT(second.got.rows(), 0u);
@@ -372,12 +274,12 @@ TEST(Aligner, AClockThatWasSteppedBackBetweenTwoLivesIsBelieved) {
 }
 
 TEST(Aligner, MarksWithoutATimeAreStillRead) {
-  Bench first;
+  AlignerBench first;
   first.Stream(0, 500);
   auto marks = first.aligner.marks(0);
   marks.resize(marks.size() - sizeof(double));
   marks[0] = 1;  // version
-  Bench second;
+  AlignerBench second;
   second.aligner.RestoreMarks(0, marks);
   second.now = kStartMono + 600 * kMs;
   for (std::uint64_t s = 300; s < 600; s += 10) second.Add(second.Rows(s, 10));
@@ -386,94 +288,14 @@ TEST(Aligner, MarksWithoutATimeAreStillRead) {
 }
 
 TEST(Aligner, TheOtherAxisGivesNothingWhileNothingComesForIt) {
-  Bench bench;
+  AlignerBench bench;
   bench.Stream(0, 500);
   SampleBlock block;
   EXPECT_FALSE(bench.aligner.Take(1, block));
 }
 
-TEST(Aligner, OfTwoSendersTheFirstGivesAllItsRows) {
-  Bench bench;
-  for (std::uint64_t s = 0; s < 2000; s += 10) {
-    bench.Stream(s, s + 10);
-    SampleBatch other = bench.Rows(s + 500'000, 10);
-    other.writer = 2;
-    other.session = 8;
-    bench.Add(other);
-  }
-  EXPECT_EQ(bench.Sequences(), Count(0, 2000));
-  EXPECT_EQ(bench.counters().second_sender_rows, 2000);
-  EXPECT_EQ(bench.counters().sessions, 1);
-  EXPECT_EQ(bench.aligner.senders_of(0, bench.now), 2);
-}
-
-TEST(Aligner, TheSecondSenderGoesOnWhereTheFirstFellSilent) {
-  Bench bench;
-  bench.Stream(0, 1000);
-  bench.session = 8;
-  for (std::uint64_t s = 70'000; s < 72'000; s += 10) {
-    bench.now += 10 * kMs;
-    bench.aligner.Advance(bench.now);
-    bench.Add(bench.Rows(s, 10));
-  }
-  EXPECT_EQ(bench.Sequences().back(), 71'999);
-  EXPECT_EQ(bench.counters().second_sender_rows, 490);
-  bench.ExpectTimesIncrease();
-}
-
-TEST(Aligner, RowsWithTheSameSessionFromAnotherWriterNeverEnter) {
-  Bench bench;
-  for (std::uint64_t s = 0; s < 1000; s += 10) {
-    bench.Stream(s, s + 10);
-    SampleBatch forged = bench.Rows(s + 20, 10);  // a little ahead of the sender
-    forged.writer = 2;
-    for (double& value : forged.values) value += 1000;
-    bench.Add(forged);
-  }
-  EXPECT_EQ(bench.Sequences(), Count(0, 1000));
-  EXPECT_EQ(bench.counters().contradicting_rows, 0);
-  EXPECT_EQ(bench.counters().future_rows, 0);
-}
-
-TEST(Aligner, ASecondSenderOfSomeChannelsGivesThoseThatNobodyElseSends) {
-  Bench bench;
-  for (std::uint64_t s = 0; s < 1000; s += 10) {
-    bench.Stream(s, s + 10);
-    SampleBatch other = bench.Rows(s, 10);
-    other.session = 8;
-    other.writer = 2;
-    other.channels = {1, 2};
-    bench.Add(other);
-  }
-  EXPECT_EQ(bench.Sequences(), Count(0, 1000));
-  EXPECT_DOUBLE_EQ(bench.got.signal[1][900], 0.9) << "z of the first sender";
-  EXPECT_TRUE(std::isfinite(bench.got.signal[2][900])) << "T_oil of the second";
-}
-
-TEST(Aligner, ASenderThatTakesOverOneOfSeveralChannelsLeavesTheOthers) {
-  Bench bench;
-  bench.Stream(0, 500);
-  bench.Wait(0.7);
-  for (std::uint64_t s = 500; s < 1500; s += 10) {  // the second has p_A by now, the first comes back
-    bench.now += 10 * kMs;
-    SampleBatch other = bench.Rows(s, 10);
-    other.session = 8;
-    other.channels = {0};
-    other.values.resize(10);
-    bench.Add(other);
-    bench.Add(bench.Rows(s + 700, 10));
-    bench.aligner.Advance(bench.now);
-    bench.Collect();
-  }
-  bench.Wait(0.5);
-  EXPECT_GT(bench.got.rows(), 1300u);
-  EXPECT_TRUE(std::isfinite(bench.got.signal[0].at(1300)));
-  EXPECT_TRUE(std::isfinite(bench.got.signal[1].at(1300)));
-  bench.ExpectTimesIncrease();
-}
-
 TEST(Aligner, BatchesThatCannotBeRightAreCounted) {
-  Bench bench;
+  AlignerBench bench;
   SampleBatch batch = bench.Rows(0, 10);
   batch.values.pop_back();
   bench.Add(batch);
@@ -485,8 +307,8 @@ TEST(Aligner, BatchesThatCannotBeRightAreCounted) {
 }
 
 TEST(Aligner, TheSameMessagesGiveTheSameRows) {
-  Bench one, other;
-  for (Bench* bench : {&one, &other}) {
+  AlignerBench one, other;
+  for (AlignerBench* bench : {&one, &other}) {
     std::mt19937_64 random(5);
     for (std::uint64_t s = 0; s < 5000; s += 10) {
       bench->now += 10 * kMs;

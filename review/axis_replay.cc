@@ -1,0 +1,328 @@
+#include "review/axis_replay.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "pipeline/log_fingerprint.h"
+#include "pipeline/log_pass.h"
+#include "pipeline/log_trust.h"
+#include "pipeline/physical_sizes.h"
+#include "pipeline/raw_log.h"
+#include "report/explain_report.h"
+#include "report/stroke_overlays.h"
+#include "review/replay_report.h"
+#include "workbench/model/model_edit.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kStrokesPerTransaction = 32;
+constexpr double kAnyPeriod = 0.002;  // s; the layout of the state does not depend on it
+
+std::string ReadText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Magic, version and dimensions that a state of this program begins with.
+std::string StateLayout(const Pipeline& pipeline) {
+  constexpr std::size_t kHeader = 16;
+  const std::vector<std::uint8_t> state = pipeline.SaveState();
+  return std::string(state.begin(), state.begin() + std::min(kHeader, state.size()));
+}
+
+}  // namespace
+
+/// What the report shows of a log in detail.
+struct AxisReplay::ReportCollector {
+  ReportCollector(Pipeline& log, const Machine& machine)
+      : pipeline(log), overlays(log), strokes(machine, KeepSamples::kYes), tap(strokes.Tap()) {
+    pipeline.set_tap([this](const Stretch& s, const SpanEquations& equations) { AddStretch(s, equations); });
+  }
+  void AddStretch(const Stretch& stretch, const SpanEquations& equations) {
+    overlays.AddFlows(equations);
+    tap(stretch, equations);
+  }
+  void AddStroke(const StrokeRecord& record) {
+    overlays.AddStroke(record);
+    strokes.Sink()(StrokeRecord(record));
+  }
+
+  Pipeline& pipeline;
+  StrokeOverlays overlays;
+  StrokeCollector strokes;
+  Pipeline::EquationTap tap;
+};
+
+/// Takes effects, their values and history of the model promoted last for machine `id` over into `machine`,
+/// and returns that version; nullopt without one, or if the machine file's are the same.
+Result<std::optional<ModelVersion>> TakePromoted(const Database& database, const std::string& path,
+                                                 std::int64_t id, Machine& machine) {
+  auto promoted = database.PromotedModel(id);
+  if (!promoted || !*promoted) return promoted;
+  const auto model = ParseMachine((*promoted)->definition, machine.name);
+  if (!model)
+    return BadInput("{}: the promoted model (version {}) cannot be read: {}", path, (*promoted)->version,
+                    model.error().text);
+  if (model->added_effects == machine.added_effects && model->effect_values == machine.effect_values)
+    return std::nullopt;
+  machine.added_effects = model->added_effects;
+  machine.effect_values = model->effect_values;
+  machine.model_version = model->model_version;
+  machine.model_history = model->model_history;
+  return promoted;
+}
+
+Status AxisReplay::Store(ReplayOutcome& outcome) {
+  if (const Status ready = Prepare(); !ready) return ready;
+  outcome.machine = machine_;
+  for (std::size_t i = 0; i < share_.logs.size(); ++i) {
+    const std::string count = share_.logs.size() > 1 ? fmt::format("{}/{} ", i + 1, share_.logs.size()) : "";
+    outcome.logs.push_back(ReplayLog(share_.logs[i], count));
+  }
+  return CollectOutcome(database_, machine_id_, *model_, outcome);
+}
+bool AxisReplay::IsOfEarlierModel(const std::string& settings) const {
+  return std::find(earlier_settings_.begin(), earlier_settings_.end(), settings) != earlier_settings_.end();
+}
+
+/// Takes over the promoted model; the text that describes the machine then.
+Result<std::string> AxisReplay::TakePromotedModel() {
+  const std::string definition = ReadText(options_.machine_file);
+  const auto promoted = TakePromoted(database_, options_.database, machine_id_, file_machine_);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (!*promoted) return definition;
+  promoted_note_ = fmt::format("model version {} of the database is used, as it was promoted: {}",
+                               (*promoted)->version, ModelName(file_machine_));
+  const auto model = ParseMachine((*promoted)->definition, file_machine_.name);
+  return model && *model == file_machine_ ? (*promoted)->definition
+                                          : EditedMachineText(definition, file_machine_);
+}
+
+Status AxisReplay::Prepare() {
+  const auto id = database_.MachineId(AxisMachineName(file_machine_, share_.axis));
+  if (!id) return tl::unexpected(id.error());
+  machine_id_ = *id;
+  const auto definition = TakePromotedModel();
+  if (!definition) return tl::unexpected(definition.error());
+  machine_ = MachineOfAxis(file_machine_, share_.axis);
+  const auto pipeline = Pipeline::Create(machine_, kAnyPeriod, [](StrokeRecord&&) {});
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  model_ = (*pipeline)->shared_model();
+  settings_ = FingerprintSettings(machine_, StateLayout(**pipeline));
+  if (const Status read = ReadEarlierSettings(); !read) return read;
+  const auto version = StoreVersion(*definition);
+  if (!version) return tl::unexpected(version.error());
+  model_version_ = *version;
+  return {};
+}
+
+/// Settings of a replay with this machine file and the model of any stored version.
+Status AxisReplay::ReadEarlierSettings() {
+  const auto versions = database_.ModelVersions(machine_id_);
+  if (!versions) return tl::unexpected(versions.error());
+  for (const ModelVersion& version : *versions) {
+    const auto stored = ParseMachine(version.definition, machine_.name);
+    if (!stored) continue;
+    Machine machine = machine_;
+    machine.added_effects = stored->added_effects;
+    machine.effect_values = stored->effect_values;
+    if (const auto pipeline = Pipeline::Create(machine, kAnyPeriod, [](StrokeRecord&&) {}))
+      earlier_settings_.push_back(FingerprintSettings(machine, StateLayout(**pipeline)));
+  }
+  return {};
+}
+
+/// The promoted version itself if it is the same, else the definition as a version of its own.
+Result<int> AxisReplay::StoreVersion(const std::string& definition) {
+  const auto promoted = database_.PromotedModel(machine_id_);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (*promoted && (*promoted)->definition == definition && (*promoted)->columns == model_->ColumnNames())
+    return (*promoted)->version;
+  return database_.PutModelVersion(machine_id_,
+                                   {1, definition, model_->ColumnNames(), 0, model_->ConditionNames()});
+}
+
+/// Fingerprint of the log; an error if its strokes are in the database already under other settings.
+Result<RunFingerprint> AxisReplay::Recognise(const std::string& log, LogReplay& replay) const {
+  std::error_code ignored;
+  if (const auto raw = ParseRawName(log);
+      raw && std::filesystem::equivalent(raw->database, options_.database, ignored))
+    return BadInput(
+        "{}: this database holds the strokes of its raw window already; replay it into another one", log);
+  const auto print = FingerprintRecording(log);
+  if (!print) return tl::unexpected(print.error());
+  const RunFingerprint own{*print, settings_};
+  const auto runs = database_.Runs(machine_id_);
+  if (!runs) return tl::unexpected(runs.error());
+  for (const RunInfo& run : *runs) {
+    RunFingerprint known;
+    if (!RunFingerprint::Parse(run.fingerprint, known)) continue;
+    if (known.log == own.log && known.settings != own.settings) {
+      if (run.complete && IsOfEarlierModel(known.settings)) return known;  // it stays as it is
+      return BadInput(
+          "{}: the database holds its strokes already (run {}), identified with other settings in the "
+          "machine file or by another version of the program; a stroke is kept "
+          "once. Replay all logs into a new database",
+          log, run.id);
+    }
+    const auto grown = Continues(log, known.log);
+    if (grown && *grown)
+      return BadInput(
+          "{}: the beginning of this log was replayed before (run {}, {}), and it has grown since; its "
+          "strokes would be counted twice. Replay logs that are finished, or all of them into a new database",
+          log, run.id, run.source);
+    if (!run.complete && !run.abandoned && !(known.log == own.log) && run.strokes > 0)
+      replay.notes.push_back(fmt::format("the replay of {} had stopped after {} strokes; it stays as it is",
+                                         run.source, run.strokes));
+  }
+  return own;
+}
+
+/// The log, at the sample period of the machine's runs so far where that is nearly its own.
+Result<std::unique_ptr<LogReader>> AxisReplay::Open(const std::string& log, std::string& note) const {
+  const auto runs = database_.Runs(machine_id_);
+  if (!runs) return tl::unexpected(runs.error());
+  double period = 0;
+  for (const RunInfo& run : *runs)
+    if (period <= 0) period = ParseRunSummary(run.summary_json).sample_period;
+  return OpenRecording(log, machine_, period, note);
+}
+
+LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count) {
+  LogReplay replay;
+  replay.log = log;
+  if (!promoted_note_.empty()) replay.notes.push_back(promoted_note_);
+  const auto fail = [&](const Error& error) {
+    replay.status = ReplayStatus::kFailed;
+    replay.problem = error.text;
+    return replay;
+  };
+  if (const Status plausible = JudgeSizes(log, machine_); !plausible) return fail(plausible.error());
+  std::string note;
+  auto reader = Open(log, note);
+  if (!reader) return fail(reader.error());
+  const auto fingerprint = Recognise(log, replay);
+  if (!fingerprint) return fail(fingerprint.error());
+  const auto run = database_.BeginRun(machine_id_, model_version_, log, fingerprint->Text());
+  if (!run) return fail(run.error());
+  replay.run = *run;
+  replay.stored_before = run->strokes;
+  if (run->complete) {
+    replay.status = ReplayStatus::kAlready;
+    replay.summary = ParseRunSummary(run->summary_json);
+    return replay;
+  }
+  if (!note.empty()) replay.notes.push_back(note);
+  if (const Status done = Identify(**reader, count + std::filesystem::path(log).filename().string(), replay);
+      !done)
+    return fail(done.error());
+  replay.status = run->strokes > 0 ? ReplayStatus::kContinued : ReplayStatus::kReplayed;
+  return replay;
+}
+
+Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
+  std::vector<StrokeRecord> batch;
+  std::optional<ReportCollector> collector;
+  FirstStrokes first(machine_);
+  auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
+    if (collector) collector->AddStroke(record);
+    first.AddStroke(record);
+    batch.push_back(std::move(record));
+  });
+  if (!created) return tl::unexpected(created.error());
+  Pipeline& pipeline = **created;
+  if (!report_.empty()) collector.emplace(pipeline, machine_);
+  pipeline.set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
+    first.AddStretch(stretch, equations);
+    if (collector) collector->AddStretch(stretch, equations);
+  });
+  const auto state = database_.PipelineStateBefore(replay.run.id);
+  if (!state) return tl::unexpected(state.error());
+  if (*state)
+    if (const Status restored = pipeline.RestoreState(**state); !restored)
+      replay.notes.push_back("the estimator starts anew: " + restored.error().text);
+
+  std::int64_t strokes = 0;
+  const auto store = [&](std::size_t at_least) -> Status {
+    if (batch.size() < at_least) return {};
+    strokes += static_cast<std::int64_t>(batch.size());
+    const Status stored = database_.StoreStrokes(replay.run.id, batch);
+    batch.clear();
+    return stored;
+  };
+  LogPassHooks hooks;
+  hooks.after_block = [&] { return store(kStrokesPerTransaction); };
+  auto pass = PassLog(reader, machine_, &pipeline, what, hooks);
+  if (!pass) return tl::unexpected(pass.error());
+  if (const Status stored = store(1); !stored) return stored;
+  replay.summary = std::move(pass->summary);
+  const LogTrust trust = first.Judge(pipeline);
+  replay.summary.warnings = trust.Warnings();
+  if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence;
+  replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
+  if (const Status finished =
+          database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState());
+      !finished)
+    return finished;
+  replay.run.strokes = strokes;
+  replay.run.complete = true;
+  if (collector) Take(*collector, replay.run);
+  return {};
+}
+
+void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
+  overlays_ = collector.overlays.Choose(run.first_sequence);
+  strokes_ = collector.strokes.Finish(collector.pipeline);
+  overlay_run_ = run.id;
+}
+
+/// If the last log had been replayed before, it is read again for its overlays; nothing is stored.
+Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
+  const LogReplay* last = nullptr;
+  for (const LogReplay& replay : outcome.logs)
+    if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;
+  if (last == nullptr || last->run.id == overlay_run_) return {};
+  std::string note;
+  auto reader = Open(last->log, note);
+  if (!reader) return tl::unexpected(reader.error());
+  std::optional<ReportCollector> collector;
+  auto pipeline = Pipeline::Create(machine_, (*reader)->SamplePeriod(),
+                                   [&](StrokeRecord&& record) { collector->AddStroke(record); });
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  collector.emplace(**pipeline, machine_);
+  const auto state = database_.PipelineStateBefore(last->run.id);
+  if (!state) return tl::unexpected(state.error());
+  if (*state)
+    static_cast<void>((*pipeline)->RestoreState(**state));  // as the run itself: anew if it does not fit
+  const auto pass = PassLog(**reader, machine_, pipeline->get(), "overlay for the report");
+  if (!pass) return tl::unexpected(pass.error());
+  Take(*collector, last->run);
+  return {};
+}
+
+Status AxisReplay::Report(ReplayOutcome& outcome) {
+  if (report_.empty() || outcome.runs.empty()) return {};
+  if (const Status collected = CollectOverlays(outcome); !collected) return collected;
+  auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
+  if (!input) return tl::unexpected(input.error());
+  input->drift_verdict = outcome.watch.verdict_html;
+  input->drift = outcome.watch.section_html;
+  if (strokes_)
+    if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained) {
+      input->explanation_verdict = ExplainVerdictBox(*explained);
+      if (explained->explanation.no_verdict.empty())
+        input->misses = explained->explanation.verdict != Verdict::kAdequate;
+      input->explanation_leads = explained->explanation.verdict != Verdict::kAdequate;
+      input->explanation = ExplainSections(*explained, false);
+    }
+  outcome.report = report_;
+  return WriteReport(report_, *input);
+}
+
+}  // namespace hydroscope
