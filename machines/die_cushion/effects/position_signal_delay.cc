@@ -7,17 +7,11 @@ namespace hydroscope::effects {
 
 /// The position signal arrives t_d late: z(t + t_d) in place of z(t), in the piston volume and in the compressed volume.
 Effect PositionSignalDelay(const CushionGeometry&) {
-  Effect e;
+  Effect e = LateSignal();
   e.id = "position_signal_delay";
   e.title = "Position signal arrives late";
   e.law = "z(t) = z_measured(t + t_d)";
   e.source = "eq. 1 of the press paper with the signal shifted";
-  e.parameter = "t_d";
-  e.unit = "s";
-  e.max = 0.05;
-  e.typical = 0.002;
-  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.family = "the position is recorded late";
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
@@ -55,9 +49,7 @@ Effect PositionSignalDelay(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [&, per_second = 1.0 / delay](int k) { return (before(k) - root[k]) * per_second; }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   // The other signals as they were when the position was what is read now, as in the columns above.
   e.correct = [](double delay, double&, Stretch& s) {
@@ -66,7 +58,6 @@ Effect PositionSignalDelay(const CushionGeometry&) {
         -delay);
     FillLogarithms(s);
   };
-  e.grid = {{0.006}};
   return e;
 }
 

@@ -58,9 +58,7 @@ Effect PositionSignalLag(const CushionGeometry&) {
       minus_lagged(
           s, [=](int k) { return root[k]; }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   // A lag is a delay to first order; whole samples keep the noise of levels white.
   e.correct = [](double lag, double&, Stretch& s) {

@@ -51,9 +51,7 @@ Effect PressureGain(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [=](int k) { return RootShift(root[k], y[k], too_much * p[k]) * (1.0 / gain); }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double gain, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot], *rate = s[kPressureRate];

@@ -52,9 +52,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
       IntegrateOverTime(
           s, [=](int k) { return -z[k]; }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double rate, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];

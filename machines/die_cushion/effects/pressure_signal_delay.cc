@@ -8,17 +8,11 @@ namespace hydroscope::effects {
 /// The pressure signal arrives t_d late: p_A(t + t_d) in place of p_A(t), in the flow through the valve and
 /// in the compressed volume alike.
 Effect PressureSignalDelay(const CushionGeometry&) {
-  Effect e;
+  Effect e = LateSignal();
   e.id = "pressure_signal_delay";
   e.title = "Pressure signal arrives late";
   e.law = "p_A(t) = p_measured(t + t_d)";
   e.source = "eq. 1-2 of the press paper with the signal shifted";
-  e.parameter = "t_d";
-  e.unit = "s";
-  e.max = 0.05;
-  e.typical = 0.002;
-  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.family = "the pressure is recorded late";
   e.confused_with = {"spool_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0, K";
@@ -53,15 +47,12 @@ Effect PressureSignalDelay(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [&, per_second = 1.0 / delay](int k) { return (later(k) - root[k]) * per_second; }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double delay, double&, Stretch& s) {
     ShiftChannels(s, {kPressureA, kFlowRoot, kPressureRate}, delay);
     FillLogarithms(s);
   };
-  e.grid = {{0.006}};
   return e;
 }
 

@@ -44,9 +44,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
       wide::IntegrateOverTime(
           s, [=](int k) { return RootShift(root[k], y[k], -lag * rate[k]) * (1.0 / lag); }, out);
     };
-    return EffectVariant{{flow, dead_volume, stroke_volume, null}, [](const ShapeContext& c) {
-                           return std::vector<double>{c.theta[0], c.theta[1], c.theta[2], c.theta[3]};
-                         }};
+    return EffectVariant{{flow, dead_volume, stroke_volume, null}, BaseWeights};
   };
   e.correct = [](double lag, double&, Stretch& s) {
     double *p = s[kPressureA], *root = s[kFlowRoot];

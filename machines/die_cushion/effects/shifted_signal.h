@@ -6,8 +6,22 @@
 #include <vector>
 
 #include "machines/die_cushion/balance.h"
+#include "models/effect.h"
 
 namespace hydroscope::effects {
+
+/// What the delays of all signals share: one time, at once the size and the shape of the law.
+inline Effect LateSignal() {
+  Effect e;
+  e.parameter = "t_d";
+  e.unit = "s";
+  e.max = 0.05;
+  e.typical = 0.002;
+  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
+  e.implied = [](const ShapeContext& c) { return c.size; };
+  e.grid = {{0.006}};
+  return e;
+}
 
 /// A channel `shift` seconds later (negative: earlier), by the line between samples; beyond what is known of
 /// it its end value. For what is integrated over time, or smoothed already: the line takes white noise out of

@@ -8,17 +8,11 @@ namespace hydroscope::effects {
 /// The spool signal arrives t_d late: the flow is theta1 root(dp) y(t + t_d) + ..., so the balance lacks
 /// theta1 root(dp) (y(t + t_d) - y(t)).
 Effect SpoolSignalDelay(const CushionGeometry&) {
-  Effect e;
+  Effect e = LateSignal();
   e.id = "spool_signal_delay";
   e.title = "Spool signal arrives late";
   e.law = "y_v(t) = y_measured(t + t_d)";
   e.source = "eq. 2 of the press paper with the signal shifted";
-  e.parameter = "t_d";
-  e.unit = "s";
-  e.max = 0.05;
-  e.typical = 0.002;
-  e.nonlinear = {{"delay", "s", 0.0002, 0.05}};
-  e.implied = [](const ShapeContext& c) { return c.size; };
   e.family = "the spool position is recorded late";
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
@@ -41,7 +35,6 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
     ShiftChannels(s, {kSpool}, delay);
     FillLogarithms(s);
   };
-  e.grid = {{0.006}};
   return e;
 }
 
