@@ -14,6 +14,8 @@ namespace {
 using SparseColumns = std::vector<std::vector<std::pair<int, double>>>;
 
 constexpr int kRelinearisations = 6;
+constexpr double kParametersSettled =
+    1e-4;  ///< relative, from one linearisation to the next: far inside any interval
 constexpr std::size_t kLeastStrokes = 4;  ///< fewer, and an effect cannot be judged on strokes left out
 constexpr double kConsistent = 0.25;      ///< relative difference of two values of a law's one parameter
 
@@ -286,8 +288,9 @@ ExtendedFit StrokeSet::Fit(std::span<const EffectChoice> choices) const {
     reduced = Reduce(Composite(choices, fit.theta), usable);
     const Eigen::VectorXd theta = solve(reduced);
     if (theta.size() == 0 || !theta.allFinite()) return fit;
-    const bool settled = theta.size() == fit.theta.size() &&
-                         ((theta - fit.theta).cwiseAbs().array() <= 1e-4 * theta.cwiseAbs().array()).all();
+    const bool settled =
+        theta.size() == fit.theta.size() &&
+        ((theta - fit.theta).cwiseAbs().array() <= kParametersSettled * theta.cwiseAbs().array()).all();
     fit.theta = theta;
     if (settled) break;
   }

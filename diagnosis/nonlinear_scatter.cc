@@ -119,7 +119,8 @@ std::optional<LeftFree> FitLeftFree(const Shifting& model, const std::vector<Fre
 /// likely where the effect's size moves most: sizes are no straight lines of exponents.
 std::optional<Eigen::VectorXd> SlopeOver(const Shifting& model, const FreeParameter& parameter, double known,
                                          const Eigen::VectorXd& theta) {
-  constexpr double kLikely = 1.7;  // standard deviations: the limits of what is evenly likely between them
+  constexpr double kLikely = 1.7;    // standard deviations: the limits of what is evenly likely between them
+  constexpr double kLeastWay = 0.1;  // of a step: what the limits leave of it must still show a slope
   const auto& [k, i] = parameter;
   const NonlinearParameter& limits = model.EffectOf(k).nonlinear[i];
   const Eigen::Index own = model.base() + static_cast<int>(k);
@@ -128,7 +129,7 @@ std::optional<Eigen::VectorXd> SlopeOver(const Shifting& model, const FreeParame
     std::vector<double> values = model.Values(k);
     const double before = values[i];
     values[i] = std::clamp(before + by, limits.min, limits.max);
-    if (std::abs(values[i] - before) < 0.1 * std::abs(by)) continue;
+    if (std::abs(values[i] - before) < kLeastWay * std::abs(by)) continue;
     const ExtendedFit fit = model.Fit({{k, values}}, {});
     if (!fit.solved) continue;
     const Eigen::VectorXd slope = (fit.theta - theta) / (values[i] - before);

@@ -139,7 +139,8 @@ Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * equations.h * scale.asDiagonal());
   // A pivot is the share of a regressor the others do not explain; rcond() passes over pivots of exactly
   // zero.
-  const bool dependent = !(ldlt.vectorD().minCoeff() > 1e-13) || ldlt.rcond() < 1e-13;
+  constexpr double kRounding = 1e-13;
+  const bool dependent = !(ldlt.vectorD().minCoeff() > kRounding) || ldlt.rcond() < kRounding;
   if (ldlt.info() != Eigen::Success || dependent) return {};
   return scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * equations.g);
 }

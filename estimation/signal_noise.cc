@@ -34,8 +34,10 @@ struct ReadingSteps {
     out.smallest = *std::min_element(steps.begin(), steps.end());
     return out;
   }
-  /// A resolution, and not readings that are held.
-  bool Coarse() const { return median <= 2.5 * smallest; }
+  /// A resolution, and not readings that are held: noise moves a coarse reading by one step or two, seldom by three.
+  bool Coarse() const { return median <= kCoarseSteps * smallest; }
+
+  static constexpr double kCoarseSteps = 2.5;
 };
 
 std::string WithUnit(double si, const std::string& unit) {

@@ -72,8 +72,8 @@ std::vector<std::string> WindowSamples::Clamps(const WindowSpec& spec, double pe
   const double block = taken.block * period;
   std::vector<std::string> said;
   const auto say = [&](const char* key, double asked, double used, const char* why) {
-    // Rounding to whole rows or blocks is no news.
-    if (used > 1.5 * asked)
+    constexpr double kRounded = 1.5;  // to whole rows or blocks: half of one more than asked is no news
+    if (used > kRounded * asked)
       said.push_back(fmt::format("[window] {} = {:.4g} s is taken as {:.4g} s: {}", key, asked, used, why));
   };
   say("block", spec.block, block, "a block holds at least four rows");

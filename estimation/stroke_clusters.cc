@@ -11,6 +11,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kLeastPivot =
+    1e-10;  ///< of scaled normal equations without a group: below it they say nothing alone
 constexpr int kLeastStrokes = 8;      ///< signs of fewer do not give a tail
 constexpr int kLeastGroups = 3;       ///< of operating points and times; two logs are two logs
 constexpr int kMostEqualGroups = 8;   ///< where the values of a level do not lie together
@@ -127,7 +129,7 @@ class GroupVariance {
         if (of_[s] == group) rest -= strokes[s].h;
       const Eigen::LDLT<Eigen::MatrixXd> ldlt(rest);
       // In scaled parameters a pivot is the share of a regressor that the others do not explain.
-      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-10)) return;
+      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kLeastPivot)) return;
       without_.push_back(ldlt.solve(Eigen::MatrixXd::Identity(h.rows(), h.cols())));
     }
     usable_ = true;

@@ -43,7 +43,8 @@ struct DriftThresholds {
   /// mineral oils falls by some 0.5 %/K, valve flow follows the viscosity by less.
   double unknown_slope = 0.005;
 
-  double valve_check = 4.0;  ///< standard deviations of a valve check beyond half of the smallest drift
+  double valve_check = 4.0;        ///< standard deviations of a valve check beyond ...
+  double valve_check_share = 0.5;  ///< ... so much of the smallest drift: half-way, as gone_share
 };
 inline constexpr DriftThresholds kDriftThresholds{};
 

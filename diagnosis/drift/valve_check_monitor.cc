@@ -49,12 +49,12 @@ DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequen
     const ValueWithStd& v = check.*figure.value;
     const auto expected = curves_[f].At(check.oil_temperature);
     const DriftSize size = watch->Sizes(expected.value);
+    const double near = kDriftThresholds.valve_check_share * size.smallest;
     const double std = std::hypot(v.std, expected.std), deviation = v.value - expected.value;
-    if (std::abs(deviation) <= 0.5 * size.smallest + kDriftThresholds.valve_check * std) continue;
+    if (std::abs(deviation) <= near + kDriftThresholds.valve_check * std) continue;
     movements[figure.name] = deviation > 0 ? 1 : -1;
     const bool alarm = std::abs(deviation) >= size.alarm;
-    finding.parts.push_back(
-        {figure.name, figure.unit, deviation, std, expected.value, 0.5 * size.smallest, alarm});
+    finding.parts.push_back({figure.name, figure.unit, deviation, std, expected.value, near, alarm});
     finding.alarm = finding.alarm || alarm;
   }
   if (movements.empty()) {

@@ -102,11 +102,12 @@ Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
 Eigen::VectorXd WatchedModel::Theta(const Eigen::VectorXd& quantities, const Eigen::VectorXd& start) const {
   Eigen::VectorXd theta = start;
   constexpr int kSteps = 12;
+  constexpr double kExact = 1e-12;  // relative, and least size: Newton's steps end at rounding
   for (int step = 0; step < kSteps; ++step) {
     const Eigen::VectorXd missing = quantities - Values(theta);
     theta += Jacobian(theta) * missing;
     if (!theta.allFinite()) return {};
-    if ((missing.array().abs() <= 1e-12 * quantities.array().abs().max(1e-12)).all()) return theta;
+    if ((missing.array().abs() <= kExact * quantities.array().abs().max(kExact)).all()) return theta;
   }
   return {};
 }

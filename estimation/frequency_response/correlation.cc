@@ -216,8 +216,9 @@ void PoolVariances(std::vector<CorrelatedPoint>& points) {
   for (std::size_t i = 0; i < ratio.size(); ++i) {
     excess += ((ratio[i] - mean) * (ratio[i] - mean) * count / (count - 1) - spread[i]) / count;
   }
+  constexpr double kLeastExcess = 1e-6;  // below it the variances are all alike, and more degrees say nothing
   const double prior_dof =
-      excess > 1e-6 ? 2 * InverseTrigamma(excess) : std::numeric_limits<double>::infinity();
+      excess > kLeastExcess ? 2 * InverseTrigamma(excess) : std::numeric_limits<double>::infinity();
   for (CorrelatedPoint& p : points) {
     if (p.point.reason == PointReason::kTooShort) continue;
     const double prior = p.white_variance * std::exp(mean);

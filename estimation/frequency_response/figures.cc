@@ -38,12 +38,14 @@ double RiseTime90Of(double f0, double damping, double dead_time) {
     const double root = std::sqrt(damping * damping - 1), fast = damping + root, slow = 1 / fast;
     return 1 - (fast * std::exp(-slow * x) - slow * std::exp(-fast * x)) / (fast - slow);
   };
+  constexpr double kRisen = 0.9;                        // of the step
+  const double stride = 0.05 * std::max(1.0, damping);  // finer than any swing of the step response
   double high = 0;
-  while (step(high) < 0.9) high += 0.05 * std::max(1.0, damping);
-  double low = std::max(0.0, high - 0.05 * std::max(1.0, damping));
+  while (step(high) < kRisen) high += stride;
+  double low = std::max(0.0, high - stride);
   for (int i = 0; i < 60; ++i) {
     const double middle = (low + high) / 2;
-    (step(middle) < 0.9 ? low : high) = middle;
+    (step(middle) < kRisen ? low : high) = middle;
   }
   return high / (kTwoPi * f0) + dead_time;
 }

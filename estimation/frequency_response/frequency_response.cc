@@ -15,6 +15,8 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kShortestRecord = 64;
+// When people are told to sweep higher: f0 known worse than this, relative, or -90 degrees extrapolated by more than this factor.
+constexpr double kWeakFrequency = 0.2, kFarExtrapolation = 1.5;
 constexpr double kHeldShare =
     0.6;  // of the excitation that held sines must cover to be taken for a stepped sine
 
@@ -251,8 +253,8 @@ void AddModelWarnings(FrequencyResponse& response) {
         "the response is of first order with dead time: only its corner frequency f0/(2 D) = {:.4g} Hz is "
         "determined, D is held at {:.3g}",
         m.natural_frequency.value / (2 * m.damping.value), m.damping.value));
-  } else if (m.natural_frequency.std > 0.2 * m.natural_frequency.value ||
-             m.phase_90.value > 1.5 * m.highest) {
+  } else if (m.natural_frequency.std > kWeakFrequency * m.natural_frequency.value ||
+             m.phase_90.value > kFarExtrapolation * m.highest) {
     response.warnings.push_back(
         fmt::format("the frequencies (up to {:.4g} Hz) end well before the phase reaches -90 degrees: f0 and "
                     "D are weakly determined, sweep higher",

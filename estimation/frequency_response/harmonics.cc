@@ -13,6 +13,9 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kMostUnknowns = 2 * HarmonicFit::kMostHarmonics + 1;
+constexpr double kRounding = 1e-12;  // of a sine that is 0
+constexpr double kHighest =
+    0.9 * std::numbers::pi;  // rad per sample: a harmonic nearer to half the sampling rate is not fitted
 constexpr std::size_t kStride = 16;  // samples between two running sums
 
 /// sum_n exp(i m (phase + omega n)), n = 0 ... samples - 1, for m = 0 ... last, in closed form:
@@ -25,7 +28,7 @@ std::array<Complex, kMostUnknowns> SumsOfPhasors(double phase, double omega, std
   Complex whole_m = whole, half_m = half, middle_m = middle;
   for (int m = 1; m <= last; ++m) {
     // A multiple of the sampling rate: all terms are alike.
-    const bool alike = std::abs(half_m.imag()) < 1e-12;
+    const bool alike = std::abs(half_m.imag()) < kRounding;
     sums[m] = alike ? std::polar(n, m * phase) : whole_m.imag() / half_m.imag() * middle_m;
     whole_m *= whole;
     half_m *= half;
@@ -132,8 +135,8 @@ double HarmonicFit::DistortionStd() const {
 
 int HarmonicsFor(double omega, std::size_t samples) {
   int harmonics = HarmonicFit::kMostHarmonics;
-  while (harmonics > 0 && (harmonics * omega > 0.9 * std::numbers::pi ||
-                           samples < static_cast<std::size_t>(3 * (2 * harmonics + 1)))) {
+  while (harmonics > 0 &&
+         (harmonics * omega > kHighest || samples < static_cast<std::size_t>(3 * (2 * harmonics + 1)))) {
     --harmonics;
   }
   return harmonics;

@@ -26,8 +26,13 @@ using Matrix4 = Eigen::Matrix4d;
 // Above, the second pole lies a hundred times above the first: the response is of first order for any sweep.
 constexpr double kLargestDamping = 5;
 
+constexpr double kManyDegrees = 1e6;    // of freedom, at which Student's t is a normal distribution
+constexpr double kIndependent = 1e-12;  // least eigenvalue of scaled normal equations that points determine
+constexpr double kMisfitBeyondNoise =
+    0.95;  // chance of a smaller chi^2 from noise alone, from which intervals are widened
+
 double TFactor(double dof) {
-  if (!(dof < 1e6)) return 1;
+  if (!(dof < kManyDegrees)) return 1;
   return boost::math::quantile(boost::math::students_t(std::max(dof, 1.0)), 0.975) / kNormal95;
 }
 
@@ -181,7 +186,7 @@ bool Covariance(const FitProblem& problem, const Vector4& p, Matrix4& covariance
   const Matrix4 scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   if (!scaled.allFinite()) return false;
   const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(scaled);
-  if (!(eigen.eigenvalues()(0) > 1e-12)) return false;
+  if (!(eigen.eigenvalues()(0) > kIndependent)) return false;
   covariance = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
   return true;
 }
@@ -190,13 +195,13 @@ bool Covariance(const FitProblem& problem, const Vector4& p, Matrix4& covariance
 double WidenIntervals(const FitProblem& problem, double correlation, ValveModel& model) {
   double from_points = 0, expected = 0;
   for (const Target& target : problem.targets()) {
-    from_points += std::min(target.dof, 1e6);
+    from_points += std::min(target.dof, kManyDegrees);
     expected += target.dof > 4 ? target.dof / (target.dof - 2) : 2;
   }
   expected /= static_cast<double>(problem.targets().size());
   const double dof = std::max(1.0, model.degrees_of_freedom / correlation);
   const double chi = model.chi_squared / correlation / expected;
-  if (boost::math::cdf(boost::math::chi_squared(dof), chi) > 0.95) {
+  if (boost::math::cdf(boost::math::chi_squared(dof), chi) > kMisfitBeyondNoise) {
     model.inflation = std::sqrt(model.chi_squared / model.degrees_of_freedom);
     return model.inflation * TFactor(dof) * std::sqrt(correlation);
   }

@@ -19,6 +19,20 @@ constexpr double kPhasorTolerance = 0.02;  // of the amplitude: scatter of block
 constexpr int kFewestPeriods = 3;
 constexpr std::size_t kGuardSamples = 2;  // a change that starts within the tolerance shows a little late
 
+/// What a crossing and a held sine are. The frequencies and figures that come of it are checked on simulated sweeps of varied
+/// noise, sampling and amplitude by `hydroscope benchmark frf`.
+struct HeldSineOptions {
+  double hysteresis = 0.25;      ///< of the amplitude that the signal has at the time ...
+  double least_amplitude = 0.1;  ///< ... which counts as at least so much of that of the whole log
+  double shortest_decay = 4;     ///< samples in which that amplitude is forgotten at least
+  double most_blocks = 24;       ///< of periods, into which a stretch is cut
+  double least_block = 9;        ///< samples of a block: a phasor of fewer is noise
+  double most_noise = 0.5;       ///< of the rms of a sine, beside which it still counts as one
+  double significance = 3;       ///< standard deviations by which phasors may scatter from noise alone
+  double highest_omega = 0.8 * std::numbers::pi;  ///< rad per sample: beyond, too near half the sampling rate
+};
+constexpr HeldSineOptions kHeldSine{};
+
 /// Times (in samples) of upward crossings through `centre`. A crossing counts when the signal goes from below
 /// -h to above +h; its time is the middle between the first and last passage through zero on the way.
 std::vector<double> UpwardCrossings(std::span<const double> signal, double centre, double amplitude) {
@@ -29,7 +43,7 @@ std::vector<double> UpwardCrossings(std::span<const double> signal, double centr
   for (std::size_t n = 1; n < signal.size(); ++n) {
     const double v = signal[n] - centre, before = signal[n - 1] - centre;
     peak = std::max(std::abs(v), peak * (1 - 1 / decay_time));
-    const double hysteresis = 0.25 * std::max(peak, 0.1 * amplitude);
+    const double hysteresis = kHeldSine.hysteresis * std::max(peak, kHeldSine.least_amplitude * amplitude);
     if (v < -hysteresis) {
       low = true;
       first = last = -1;
@@ -40,7 +54,8 @@ std::vector<double> UpwardCrossings(std::span<const double> signal, double centr
     }
     if (low && last >= 0 && v > hysteresis) {
       const double crossing = (first + last) / 2;
-      if (!crossings.empty()) decay_time = std::max(4.0, 2 * (crossing - crossings.back()));
+      if (!crossings.empty())
+        decay_time = std::max(kHeldSine.shortest_decay, 2 * (crossing - crossings.back()));
       crossings.push_back(crossing);
       low = false;
     }
@@ -104,8 +119,8 @@ struct Blocks {
 Blocks BlockPhasors(std::span<const double> signal, std::size_t begin, std::size_t end, double omega) {
   const double period = kTwoPi / omega;
   const double periods = std::floor((static_cast<double>(end - begin) + 0.5) / period);
-  double per_block = std::max(1.0, std::ceil(periods / 24));
-  while (per_block * period < 9 && per_block < periods) ++per_block;
+  double per_block = std::max(1.0, std::ceil(periods / kHeldSine.most_blocks));
+  while (per_block * period < kHeldSine.least_block && per_block < periods) ++per_block;
   Blocks blocks;
   blocks.border.push_back(begin);
   for (double b = 1; b * per_block <= periods; ++b) {
@@ -157,8 +172,8 @@ bool Steady(const Blocks& blocks) {
   const double samples = static_cast<double>(blocks.border[1] - blocks.border[0]);
   const double from_noise = std::sqrt(blocks.noise_variance / samples);
   const double signal_rms = std::sqrt(2.0) * std::abs(mean);
-  if (std::sqrt(blocks.noise_variance) > 0.5 * signal_rms) return false;  // more noise than sine
-  return scatter <= std::max(kPhasorTolerance * std::abs(mean), 3 * from_noise);
+  if (std::sqrt(blocks.noise_variance) > kHeldSine.most_noise * signal_rms) return false;
+  return scatter <= std::max(kPhasorTolerance * std::abs(mean), kHeldSine.significance * from_noise);
 }
 
 /// The block border that best parts the phasors into two steady groups, if that explains nearly all scatter.
@@ -219,7 +234,7 @@ void Examine(std::span<const double> signal, std::size_t begin, std::size_t end,
   if (blocks.phasor.size() < 2) return;
   for (int pass = 0; pass < 3; ++pass) {
     omega += PhaseSlope(blocks);
-    if (!(omega > 0) || omega > 0.8 * std::numbers::pi) return;
+    if (!(omega > 0) || omega > kHeldSine.highest_omega) return;
     blocks = BlockPhasors(signal, first, last, omega);
     if (blocks.phasor.size() < 2) return;
   }

@@ -146,7 +146,8 @@ void SmoothNoise(std::vector<FrequencyPoint>& points) {
 
 /// Coherence that two unrelated signals exceed at any of `bins` frequencies in one of a hundred cases.
 double ChanceCoherence(double averages, std::size_t bins) {
-  return 1 - std::pow(0.01 / static_cast<double>(bins), 1 / std::max(1.0, averages - 1));
+  constexpr double kChance = 0.01;
+  return 1 - std::pow(kChance / static_cast<double>(bins), 1 / std::max(1.0, averages - 1));
 }
 
 /// The amplitude of the command above and below which the coherent frequencies have as much of it. Many frequencies

@@ -16,6 +16,8 @@ constexpr std::size_t kMaxWaiting = 1000;  ///< spans kept while the first strok
 constexpr std::size_t kSettled = 3;  ///< strokes before errors of a span are judged against the noise level
 constexpr double kSignalToNoise =
     10.0;  ///< energy over the noise's share from which a direction counts as excited
+constexpr double kLeastEnergy =
+    1e-9;  ///< of scaled regressors, per equation: below it a direction is rounding
 constexpr double kVarianceMemory = 20.0;  ///< strokes over which the noise level is averaged
 
 std::vector<int> FirstColumns(int count) {
@@ -113,7 +115,7 @@ IntegralEstimator::Small IntegralEstimator::ExcitedDirections(const Share& strok
     const InformationFilter::Vector direction = eigen.eigenvectors().col(d);
     const double noise_energy = direction.dot(stroke.noise.topLeftCorner(n, n) * direction);
     const double energy = eigen.eigenvalues()[d];
-    if (energy > kSignalToNoise * noise_energy && energy > 1e-9 * stroke.count)
+    if (energy > kSignalToNoise * noise_energy && energy > kLeastEnergy * stroke.count)
       basis.col(excited++) = direction;
   }
   basis.conservativeResize(n, excited);
