@@ -41,7 +41,7 @@ struct StrokeSampling {
   int span_samples = 0;  ///< samples of one stretch
 };
 
-enum class SensorNoise { kNone, kAsRecorded };
+enum class PlayedNoise { kNone, kAsRecorded };
 
 /// What one machine may be asked to do, and how it does it: within [experiment] of its machine file, else within what was
 /// recorded.
@@ -57,7 +57,7 @@ class Experimenter {
   /// as recorded.
   virtual StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta,
                                const UnrecordedStroke& stroke, const StrokeSampling& sampling,
-                               SensorNoise noise) const = 0;
+                               PlayedNoise noise) const = 0;
   /// s that so many strokes of a series take inside the gate.
   virtual double Seconds(const StrokeSeries& series, int strokes) const = 0;
   /// s that a series costs which takes `seconds` inside the gate: waiting and setting up between strokes count too.

@@ -39,12 +39,12 @@ class StrokeEvidences {
   const RivalEvidence& Played(const UnrecordedStroke& stroke) {
     const auto [at, fresh] = played_.try_emplace(stroke);
     if (fresh) {
-      at->second = Of({{Play(stroke, SensorNoise::kNone)}});
-      at->second.noise = Of({{Play(stroke, SensorNoise::kAsRecorded)}}).noise;
+      at->second = Of({{Play(stroke, PlayedNoise::kNone)}});
+      at->second.noise = Of({{Play(stroke, PlayedNoise::kAsRecorded)}}).noise;
     }
     return at->second;
   }
-  StrokeStretches Play(const UnrecordedStroke& stroke, SensorNoise noise) const {
+  StrokeStretches Play(const UnrecordedStroke& stroke, PlayedNoise noise) const {
     const StrokeSampling sampling{window_.period, window_.span * window_.block};
     return experimenter_.Play(*model_.structure, theta_, stroke, sampling, noise);
   }

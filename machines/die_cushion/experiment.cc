@@ -125,7 +125,7 @@ class CushionExperimenter final : public Experimenter {
   /// gate would shut are left out.
   StrokeStretches Play(const ModelStructure& model, const Eigen::VectorXd& theta,
                        const UnrecordedStroke& played, const StrokeSampling& sampling,
-                       SensorNoise sensors) const override {
+                       PlayedNoise sensors) const override {
     const double period = sampling.period, speed = played.levels[kRamSpeed].front();
     const std::vector<double>& pressures = played.levels[kCushionPressure];
     const std::vector<double>& warmer = played.levels[kWarmUp];
@@ -133,7 +133,7 @@ class CushionExperimenter final : public Experimenter {
     const double least = std::pow(piston_area_ * speed / (kPractice.usable_opening * std::abs(theta[0])), 2);
     std::mt19937_64 random(1);
     std::normal_distribution<double> normal;
-    const auto noise = [&](double std) { return sensors == SensorNoise::kNone ? 0.0 : std * normal(random); };
+    const auto noise = [&](double std) { return sensors == PlayedNoise::kNone ? 0.0 : std * normal(random); };
     StrokeStretches out;
     double p = std::max(least, pressures.front());
     for (int first = 0; first + span <= samples; first += span) {
