@@ -64,7 +64,7 @@ std::string Row(const TrendSummary& s, std::size_t name_width) {
 }
 
 std::string Header(const MachineTrends& trends) {
-  const TrendPoint &first = trends.points.front(), &last = trends.points.back();
+  const TrendPoint &first = trends.first, &last = trends.last;
   std::string text = fmt::format(
       "{}: {} in {}, strokes {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
       Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, "stroke"),
@@ -154,23 +154,24 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
 }
 
 /// False: the file cannot be written, which Close tells.
-bool WriteMachine(TextSink& sink, const MachineTrends& trends) {
+Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const TrendPoints& points) {
   bool written = sink.Write("{\"machine\": " + nlohmann::json(trends.machine).dump() + ", \"points\": [");
   const char* before = "\n";
-  for (const TrendPoint& point : trends.points) {
+  const Status read = points(trends, [&](const TrendPoint& point) {
     written = written && sink.Write(before + PointJson(point).dump());
     before = ",\n";
-  }
+    return written;
+  });
+  if (!read) return tl::unexpected(read.error());
   nlohmann::json summary = nlohmann::json::array();
-  for (const TrendSummary& s : SummariseTrends(trends.points, trends.blocks, trends.strokes))
-    summary.push_back(SummaryJson(s));
+  for (const TrendSummary& s : trends.summaries) summary.push_back(SummaryJson(s));
   return written && sink.Write("\n], \"summary\": " + summary.dump(1) + "}");
 }
 
 }  // namespace
 
 std::string TrendText(const MachineTrends& trends) {
-  const std::vector<TrendSummary> summaries = SummariseTrends(trends.points, trends.blocks, trends.strokes);
+  const std::vector<TrendSummary>& summaries = trends.summaries;
   std::string text = Header(trends);
   std::size_t name_width = 9;
   for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
@@ -179,7 +180,8 @@ std::string TrendText(const MachineTrends& trends) {
   return text + Reasons(summaries);
 }
 
-Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines) {
+Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,
+                     const TrendPoints& points) {
   auto sink = TextSink::Open(path);
   if (!sink) return tl::unexpected(sink.error());
   sink->Write(
@@ -187,19 +189,27 @@ Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& 
       "last_excited_s\n");
   for (const MachineTrends& trends : machines) {
     const std::string machine = Quoted(trends.machine);
-    for (const TrendPoint& point : trends.points)
-      if (!sink->Write(CsvRow(machine, point))) return sink->Close();
+    bool written = true;
+    const Status read = points(
+        trends, [&](const TrendPoint& point) { return written = sink->Write(CsvRow(machine, point)); });
+    if (!read) return read;
+    if (!written) break;
   }
   return sink->Close();
 }
 
-Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines) {
+Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines,
+                      const TrendPoints& points) {
   auto sink = TextSink::Open(path);
   if (!sink) return tl::unexpected(sink.error());
   const bool several = machines.size() != 1;
   bool written = sink->Write(several ? "{\"machines\": [" : "");
-  for (std::size_t i = 0; i < machines.size(); ++i)
-    written = written && sink->Write(i > 0 ? ",\n" : "") && WriteMachine(*sink, machines[i]);
+  for (std::size_t i = 0; written && i < machines.size(); ++i) {
+    if (i > 0) sink->Write(",\n");
+    const auto machine = WriteMachine(*sink, machines[i], points);
+    if (!machine) return tl::unexpected(machine.error());
+    written = *machine;
+  }
   if (written) sink->Write(several ? "]}\n" : "\n");
   return sink->Close();
 }

@@ -1,22 +1,29 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "cli/trend_summary.h"
 #include "core/result.h"
 #include "storage/database.h"
-#include "workbench/history/block_estimates.h"
 
 namespace hydroscope {
 
-/// The trends of one machine as asked for.
+/// The trends of one machine as asked for; the points themselves stay in the database.
 struct MachineTrends {
   std::string machine;
+  std::int64_t id = 0;
   std::vector<RunInfo> runs;
-  std::vector<TrendPoint> points;      ///< in order of sequence
-  std::vector<BlockEstimates> blocks;  ///< of the same strokes; empty if they could not be fitted
-  std::vector<StrokeSummary> strokes;  ///< of some of them, `index` being the sequence
+  std::int64_t begin = 0, end = 0;  ///< strokes with begin <= sequence < end
+  TrendPoint first, last;           ///< of the points
+  std::vector<TrendSummary> summaries;
 };
+
+/// Shows the points of a machine one by one, in order of sequence, until one is refused with false. Error: the database
+/// cannot be read.
+using TrendPoints =
+    std::function<Status(const MachineTrends&, const std::function<bool(const TrendPoint&)>&)>;
 
 /// Table for people: latest value with 95 % interval in the units of the shop floor, strokes, last excited,
 /// change over the strokes shown, sparkline; below it one sentence for each parameter that the last stroke
@@ -25,10 +32,12 @@ std::string TrendText(const MachineTrends& trends);
 
 /// machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,last_excited_s;
 /// SI units, every digit of the doubles, empty where nothing is known. "-" is stdout.
-Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines);
+Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,
+                     const TrendPoints& points);
 
 /// One machine: {"machine", "points": [...], "summary": [...]}; several: {"machines": [...]} of such objects.
 /// Written point by point: as a tree in memory a point takes a kilobyte and a half. "-" is stdout.
-Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines);
+Status WriteTrendJson(const std::string& path, const std::vector<MachineTrends>& machines,
+                      const TrendPoints& points);
 
 }  // namespace hydroscope

@@ -29,23 +29,6 @@ std::optional<TrendChange> ChangeOf(const ParameterAnalysis& analysis) {
   return change;
 }
 
-TrendSummary Summarise(const std::vector<const TrendPoint*>& points) {
-  TrendSummary summary;
-  summary.latest = points.back()->estimate;
-  summary.parameter = summary.latest.parameter;
-  summary.unit = summary.latest.unit;
-  summary.strokes = static_cast<std::int64_t>(points.size());
-  for (const TrendPoint* point : points) {
-    const Estimate& e = point->estimate;
-    summary.values.push_back(e.value);
-    summary.stds.push_back(e.std);
-    if (e.reason != EstimateReason::kUpdated) continue;
-    ++summary.updated;
-    summary.since = points.back()->sequence - point->sequence;
-  }
-  return summary;
-}
-
 /// Mean of the known values of each of `width` equal pieces; NaN where a piece has none.
 std::vector<double> PieceMeans(const std::vector<double>& values, std::size_t width) {
   const std::size_t pieces = std::min(width, values.size());
@@ -74,30 +57,45 @@ std::optional<double> TrendChange::PercentStd() const {
   return 100 * std / std::abs(from);
 }
 
+void TrendSummariser::Add(const TrendPoint& point) {
+  AddSample(point, samples_);
+  const Estimate& e = point.estimate;
+  auto summary = std::find_if(summaries_.begin(), summaries_.end(),
+                              [&](const TrendSummary& s) { return s.parameter == e.parameter; });
+  if (summary == summaries_.end()) {
+    summary = summaries_.emplace(summaries_.end());
+    summary->parameter = e.parameter;
+    summary->unit = e.unit;
+  }
+  if (summary->since) *summary->since += point.sequence - summary->latest_sequence;
+  if (e.reason == EstimateReason::kUpdated) {
+    ++summary->updated;
+    summary->since = 0;
+  }
+  summary->latest = e;
+  summary->latest_sequence = point.sequence;
+  ++summary->strokes;
+  summary->values.push_back(e.value);
+  summary->stds.push_back(e.std);
+}
+
+std::vector<TrendSummary> TrendSummariser::Finish(const std::vector<BlockEstimates>& blocks,
+                                                  const std::vector<StrokeSummary>& strokes) && {
+  ReportInput input;
+  input.blocks = blocks;
+  input.strokes = strokes;
+  for (const ParameterAnalysis& analysis : AnalyseReport(input, std::move(samples_)).parameters)
+    for (TrendSummary& summary : summaries_)
+      if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
+  return std::move(summaries_);
+}
+
 std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
                                           const std::vector<BlockEstimates>& blocks,
                                           const std::vector<StrokeSummary>& strokes) {
-  std::vector<std::string> order;
-  std::vector<std::vector<const TrendPoint*>> groups;
-  for (const TrendPoint& point : points) {
-    const auto found = std::find(order.begin(), order.end(), point.estimate.parameter);
-    const auto at = static_cast<std::size_t>(found - order.begin());
-    if (found == order.end()) {
-      order.push_back(point.estimate.parameter);
-      groups.emplace_back();
-    }
-    groups[at].push_back(&point);
-  }
-  std::vector<TrendSummary> summaries;
-  for (const auto& group : groups) summaries.push_back(Summarise(group));
-  ReportInput input;
-  input.trends = points;
-  input.blocks = blocks;
-  input.strokes = strokes;
-  for (const ParameterAnalysis& analysis : AnalyseReport(input).parameters)
-    for (TrendSummary& summary : summaries)
-      if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
-  return summaries;
+  TrendSummariser summariser;
+  for (const TrendPoint& point : points) summariser.Add(point);
+  return std::move(summariser).Finish(blocks, strokes);
 }
 
 std::string Sparkline(const std::vector<double>& values, const std::vector<double>& stds, std::size_t width) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "report/report_analysis.h"
 #include "storage/database.h"
 #include "workbench/history/block_estimates.h"
 
@@ -30,6 +31,7 @@ struct TrendChange {
 struct TrendSummary {
   std::string parameter, unit;        ///< SI unit
   Estimate latest;                    ///< of the last stroke
+  std::int64_t latest_sequence = 0;   ///< its number
   std::int64_t strokes = 0;           ///< strokes looked at
   std::int64_t updated = 0;           ///< of these, strokes that told something about the parameter
   std::optional<std::int64_t> since;  ///< strokes since the last such; nullopt if there was none
@@ -38,8 +40,22 @@ struct TrendSummary {
   std::vector<double> stds;           ///< SI
 };
 
-/// One summary per parameter, in the order of the points; `points` in order of sequence. `blocks` of the same
-/// strokes and their summaries, if they are known: the judgement rests on them, as in the report.
+/// Takes the points of a machine one by one and sums them up without keeping them.
+class TrendSummariser {
+ public:
+  /// In order of sequence.
+  void Add(const TrendPoint& point);
+  /// One summary per parameter, in the order in which they came. `blocks` of the same strokes and their summaries,
+  /// if they are known: the judgement rests on them, as in the report.
+  std::vector<TrendSummary> Finish(const std::vector<BlockEstimates>& blocks = {},
+                                   const std::vector<StrokeSummary>& strokes = {}) &&;
+
+ private:
+  std::vector<TrendSummary> summaries_;
+  std::vector<ParameterAnalysis> samples_;
+};
+
+/// The summaries of points that are at hand.
 std::vector<TrendSummary> SummariseTrends(const std::vector<TrendPoint>& points,
                                           const std::vector<BlockEstimates>& blocks = {},
                                           const std::vector<StrokeSummary>& strokes = {});

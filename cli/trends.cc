@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "cli/commands.h"
 #include "cli/trend_output.h"
@@ -15,7 +14,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostSummaries = 5000;  ///< strokes whose oil temperature is read
+constexpr std::int64_t kMostSummaries = 5000;   ///< strokes whose oil temperature is read
+constexpr std::int64_t kStrokesAtATime = 1000;  ///< whose points are in memory together
 
 struct TrendsArguments {
   std::string db, machine, parameter, csv, json;
@@ -51,53 +51,78 @@ Result<std::vector<std::string>> ChosenMachines(const TrendsArguments& a, const 
   return *names;
 }
 
-std::vector<std::string> ParameterNames(const std::vector<TrendPoint>& points) {
-  std::set<std::string> names;
-  for (const TrendPoint& point : points) names.insert(point.estimate.parameter);
-  return {names.begin(), names.end()};
+/// The points of a machine, read a piece at a time: a history of years is larger than memory.
+TrendPoints PointsOf(const TrendsArguments& a, const Database& database) {
+  return [&](const MachineTrends& trends, const std::function<bool(const TrendPoint&)>& show) -> Status {
+    for (std::int64_t first = trends.begin; first < trends.end; first += kStrokesAtATime) {
+      const auto points =
+          database.Trend(trends.id, a.parameter, first, std::min(first + kStrokesAtATime, trends.end));
+      if (!points) return tl::unexpected(points.error());
+      for (const TrendPoint& point : *points)
+        if (!show(point)) return {};
+    }
+    return {};
+  };
 }
 
-/// What the report judges changes by; without it (strokes of several models, say) the estimates alone are judged.
-void AddBlocks(const TrendsArguments& a, Database& database, const HistoryPart& part, MachineTrends& trends) {
-  if (part.strokes() <= 0) return;
+/// What the report judges changes by.
+struct JudgedBy {
+  std::vector<BlockEstimates> blocks;
+  std::vector<StrokeSummary> strokes;
+};
+
+/// Nothing (strokes of several models, say): the estimates alone are judged.
+JudgedBy BlocksOf(const TrendsArguments& a, Database& database, const HistoryPart& part) {
+  if (part.strokes() <= 0) return {};
   const auto machine = StoredMachine(database, a.db, part);
   auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);
-  if (!machine || !strokes) return;
+  if (!machine || !strokes) return {};
+  JudgedBy by;
   if (auto blocks = EstimateBlocks(database, part.id, *machine, *strokes); blocks)
-    trends.blocks = std::move(*blocks);
-  trends.strokes = std::move(*strokes);
+    by.blocks = std::move(*blocks);
+  by.strokes = std::move(*strokes);
+  return by;
 }
 
 Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, const std::string& machine) {
-  MachineTrends trends{machine, {}, {}, {}, {}};
+  MachineTrends trends;
+  trends.machine = machine;
   const auto id = database.MachineId(machine);
   if (!id) return tl::unexpected(id.error());
+  trends.id = *id;
   auto runs = database.Runs(*id);
   if (!runs) return tl::unexpected(runs.error());
   trends.runs = std::move(*runs);
-  const std::int64_t strokes =
-      trends.runs.empty() ? 0 : trends.runs.back().first_sequence + trends.runs.back().strokes;
-  const std::int64_t first = a.last > 0 ? std::max<std::int64_t>(0, strokes - a.last) : 0;
-  auto points = database.Trend(*id, a.parameter, first);
-  if (!points) return tl::unexpected(points.error());
-  trends.points = std::move(*points);
-  AddBlocks(a, database, {machine, *id, first, strokes}, trends);
-  if (!trends.points.empty() || a.parameter.empty() || strokes == 0) return trends;
+  trends.end = trends.runs.empty() ? 0 : trends.runs.back().first_sequence + trends.runs.back().strokes;
+  trends.begin = a.last > 0 ? std::max<std::int64_t>(0, trends.end - a.last) : 0;
+  TrendSummariser summariser;
+  bool any = false;
+  const Status read = PointsOf(a, database)(trends, [&](const TrendPoint& point) {
+    if (!any) trends.first = point;
+    any = true;
+    trends.last = point;
+    summariser.Add(point);
+    return true;
+  });
+  if (!read) return tl::unexpected(read.error());
+  const JudgedBy by = BlocksOf(a, database, {machine, *id, trends.begin, trends.end});
+  trends.summaries = std::move(summariser).Finish(by.blocks, by.strokes);
+  if (any || a.parameter.empty() || trends.end == 0) return trends;
 
-  const auto all = database.Trend(*id, "", first);
-  if (!all) return tl::unexpected(all.error());
-  const auto names = ParameterNames(*all);
+  const auto names = database.ParameterNames(*id);
+  if (!names) return tl::unexpected(names.error());
   return BadInput("{}: machine \"{}\" has no parameter \"{}\" in these strokes; it has: {}{}", a.db, machine,
-                  a.parameter, Listed(names), DidYouMean(a.parameter, names));
+                  a.parameter, Listed(*names), DidYouMean(a.parameter, *names));
 }
 
-Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines) {
+Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines,
+             const TrendPoints& points) {
   if (a.csv != "-" && a.json != "-")
     for (std::size_t i = 0; i < machines.size(); ++i) Say((i > 0 ? "\n" : "") + TrendText(machines[i]));
   if (!a.csv.empty())
-    if (const Status written = WriteTrendCsv(a.csv, machines); !written) return written;
+    if (const Status written = WriteTrendCsv(a.csv, machines, points); !written) return written;
   if (!a.json.empty())
-    if (const Status written = WriteTrendJson(a.json, machines); !written) return written;
+    if (const Status written = WriteTrendJson(a.json, machines, points); !written) return written;
   return {};
 }
 
@@ -112,7 +137,7 @@ Status RunTrends(const TrendsArguments& a) {
   for (const std::string& name : *names) {
     auto trends = ReadTrends(a, *database, name);
     if (!trends) return tl::unexpected(trends.error());
-    if (trends->points.empty())
+    if (trends->summaries.empty())
       std::cerr << fmt::format("{}: machine \"{}\" has no strokes yet\n", a.db, name);
     else
       machines.push_back(std::move(*trends));
@@ -122,7 +147,7 @@ Status RunTrends(const TrendsArguments& a) {
         "{} holds no strokes yet: nothing in its logs was inside the gate, or their replay was stopped "
         "before the first stroke. `hydroscope check LOG --machine M.toml` tells what a log contains",
         a.db);
-  return Write(a, machines);
+  return Write(a, machines, PointsOf(a, *database));
 }
 
 }  // namespace

@@ -176,7 +176,27 @@ TEST(Trends, WrongNamesAreAnsweredWithTheKnownOnes) {
   EXPECT_THAT(machine.err, HasSubstr("it holds: press 7. Did you mean press 7?"));
   const Outcome parameter = Trends({"--db", folder.File(), "-p", "Q_vm"});
   EXPECT_EQ(parameter.code, kWrongInput);
-  EXPECT_THAT(parameter.err, HasSubstr("it has: K, Q_vn, V0, y_0. Did you mean Q_vn?"));
+  EXPECT_THAT(parameter.err, HasSubstr("it has: K, V0, Q_vn, y_0. Did you mean Q_vn?"));
+}
+
+TEST(Trends, ALongHistoryIsWholeThoughItIsReadInPieces) {
+  const Folder folder;
+  constexpr std::int64_t kStrokes = 2300;  // more than two pieces
+  FillPress(folder.File(), kStrokes);
+  const Outcome outcome =
+      Trends({"--db", folder.File(), "--csv", folder.File("t.csv"), "--json", folder.File("t.json")});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  const auto json = nlohmann::json::parse(FileText(folder.File("t.json")));
+  const auto cells = Cells(FileText(folder.File("t.csv")));
+  ASSERT_EQ(json.at("points").size() + 1, cells.size());
+  std::map<std::string, std::int64_t> next;
+  for (std::size_t i = 0; i < json.at("points").size(); ++i) {
+    const auto& point = json.at("points")[i];
+    EXPECT_EQ(point.at("sequence"), next[point.at("parameter")]++);
+    EXPECT_EQ(cells[i + 1][3], std::to_string(point.at("sequence").get<std::int64_t>()));
+  }
+  for (const auto& [parameter, strokes] : next) EXPECT_EQ(strokes, kStrokes) << parameter;
+  EXPECT_EQ(json.at("summary")[0].at("strokes"), kStrokes);
 }
 
 TEST(Trends, AMissingOrEmptyDatabaseSaysWhatToDo) {

@@ -327,23 +327,30 @@ ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples) {
   return result;
 }
 
-ReportAnalysis AnalyseReport(const ReportInput& input) {
-  ReportAnalysis analysis;
-  std::map<std::string, std::size_t> index;
-  for (const TrendPoint& point : input.trends) {
-    const auto [entry, added] = index.try_emplace(point.estimate.parameter, analysis.parameters.size());
-    if (added) {
-      ParameterAnalysis parameter;
-      parameter.parameter = point.estimate.parameter;
-      parameter.unit = point.estimate.unit;
-      analysis.parameters.push_back(std::move(parameter));
-    }
-    ParameterAnalysis& parameter = analysis.parameters[entry->second];
-    if (std::isfinite(point.estimate.value))
-      parameter.samples.push_back(ToSample(point));
-    else
-      ++parameter.not_updated[point.estimate.reason];
+void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& parameters) {
+  auto found = std::find_if(parameters.begin(), parameters.end(), [&](const ParameterAnalysis& p) {
+    return p.parameter == point.estimate.parameter;
+  });
+  if (found == parameters.end()) {
+    found = parameters.emplace(parameters.end());
+    found->parameter = point.estimate.parameter;
+    found->unit = point.estimate.unit;
   }
+  if (std::isfinite(point.estimate.value))
+    found->samples.push_back(ToSample(point));
+  else
+    ++found->not_updated[point.estimate.reason];
+}
+
+ReportAnalysis AnalyseReport(const ReportInput& input) {
+  std::vector<ParameterAnalysis> samples;
+  for (const TrendPoint& point : input.trends) AddSample(point, samples);
+  return AnalyseReport(input, std::move(samples));
+}
+
+ReportAnalysis AnalyseReport(const ReportInput& input, std::vector<ParameterAnalysis> samples) {
+  ReportAnalysis analysis;
+  analysis.parameters = std::move(samples);
   analysis.coldest = analysis.warmest = kNaN;
   for (const StrokeSummary& stroke : input.strokes) {
     analysis.coldest = std::fmin(analysis.coldest, stroke.oil_temperature);

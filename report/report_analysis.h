@@ -95,6 +95,10 @@ struct ReportAnalysis {
   double coldest = 0, warmest = 0;  ///< K, NaN if not measured
 };
 
+/// One more point, in order of sequence, for the parameter it belongs to: what AnalyseReport judges. A sample takes a
+/// quarter of a TrendPoint, so that a long history need not be held as points.
+void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& parameters);
+
 /// Compares the last third of the updated estimates with the first. Those of neighbouring strokes share data,
 /// so averaging is not credited: the std of a mean is that of a typical stroke, (mean of 1 / std^2)^(-1/2).
 /// Cautious on purpose. Unknown below 6 updated estimates.
@@ -103,5 +107,7 @@ ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples);
 /// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
 /// dozen questions one that shows something by chance alone is the rule, not the exception.
 ReportAnalysis AnalyseReport(const ReportInput& input);
+/// The same of samples that were taken already, in place of `input.trends`.
+ReportAnalysis AnalyseReport(const ReportInput& input, std::vector<ParameterAnalysis> samples);
 
 }  // namespace hydroscope

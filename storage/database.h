@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -146,9 +147,13 @@ class Database {
   Result<std::optional<std::vector<std::uint8_t>>> PipelineStateBefore(std::int64_t run) const;
 
   Result<std::vector<RunInfo>> Runs(std::int64_t machine) const;
-  /// Trend of one parameter ("" = all), in order of sequence, from `first_sequence` on.
+  /// Trend of one parameter ("" = all), in order of sequence: strokes with first <= sequence < end. A long history is
+  /// read piece by piece: a point takes some 200 bytes.
   Result<std::vector<TrendPoint>> Trend(std::int64_t machine, const std::string& parameter,
-                                        std::int64_t first_sequence = 0) const;
+                                        std::int64_t first = 0,
+                                        std::int64_t end = std::numeric_limits<std::int64_t>::max()) const;
+  /// Names of the parameters whose estimates the machine's strokes hold, in the order in which they came.
+  Result<std::vector<std::string>> ParameterNames(std::int64_t machine) const;
   Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;
   /// Grams of strokes with first <= sequence < last.
   Result<std::vector<StrokeGram>> Grams(std::int64_t machine, std::int64_t first, std::int64_t last) const;

@@ -127,6 +127,24 @@ TEST(Database, TheTrendCanStartAnywhere) {
   }
 }
 
+TEST(Database, TheTrendReadInPiecesIsTheTrend) {
+  const Folder folder;
+  Press press(folder.File());
+  for (const char* log : {"a.csv", "b.csv", "c.csv"}) {
+    const auto run = press.Begin(log);
+    EXPECT_OK(press.database.StoreStrokes(run.id, MakeStrokes(0, log[0] == 'b' ? 0 : 5)));
+    EXPECT_OK(press.database.FinishRun(run.id, "", {}));
+  }
+  for (const std::int64_t piece : {1, 3, 4, 10, 99}) {
+    std::vector<std::int64_t> sequences;
+    for (std::int64_t first = 0; first < 10; first += piece)
+      for (const TrendPoint& point : Value(press.database.Trend(press.machine, "V0", first, first + piece)))
+        sequences.push_back(point.sequence);
+    EXPECT_THAT(sequences, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9)) << piece;
+  }
+  EXPECT_THAT(Value(press.database.ParameterNames(press.machine)), ElementsAre("K", "V0", "Q_vn", "y_0"));
+}
+
 TEST(Database, SameCallsIntoTwoFilesGiveTheSameDigest) {
   const Folder folder;
   std::vector<std::string> digests;

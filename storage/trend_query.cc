@@ -40,21 +40,22 @@ struct Place {
   std::int64_t run = 0, stroke = 0;
 };
 
-Place FindPlace(Connection& connection, std::int64_t machine, std::int64_t sequence) {
+Place FindPlace(const std::vector<RunRow>& runs, std::int64_t sequence) {
   Place place;
-  for (const RunRow& run : connection.RunsOf(machine))
+  for (const RunRow& run : runs)
     if (run.first_sequence <= sequence) place = {run.id, sequence - run.first_sequence};
   return place;
 }
 
-std::vector<TrendPoint> ReadTrend(Connection& connection, const ParameterRow& parameter, const Place& from) {
+std::vector<TrendPoint> ReadTrend(Connection& connection, const ParameterRow& parameter, const Place& from,
+                                  const Place& end) {
   Query query(
       connection,
       "SELECT e.run, e.stroke, r.first_sequence + e.stroke, s.end_s, s.oil_temperature_K, e.value, e.std, "
       "e.excitation, e.last_excited_s, e.reason, e.oil_temperature_K FROM estimate e JOIN run r ON r.id = "
       "e.run JOIN stroke s ON s.run = e.run AND s.stroke = e.stroke WHERE e.parameter = ? AND (e.run, "
-      "e.stroke) >= (?, ?) ORDER BY e.run, e.stroke",
-      parameter.id, from.run, from.stroke);
+      "e.stroke) >= (?, ?) AND (e.run, e.stroke) < (?, ?) ORDER BY e.run, e.stroke",
+      parameter.id, from.run, from.stroke, end.run, end.stroke);
   std::vector<TrendPoint> points;
   while (query.Step()) {
     TrendPoint point{query.Int(0), query.Int(1), query.Int(2), query.Real(3), query.Real(4), {}};
@@ -110,14 +111,23 @@ void ReadFlags(Connection& connection, std::int64_t run, std::vector<StrokeSumma
 }  // namespace
 
 Result<std::vector<TrendPoint>> Database::Trend(std::int64_t machine, const std::string& parameter,
-                                                std::int64_t first_sequence) const {
+                                                std::int64_t first, std::int64_t end) const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<TrendPoint>> {
     SQLite::Transaction one_snapshot(impl_->db);
-    const Place from = FindPlace(*impl_, machine, first_sequence);
+    const std::vector<RunRow> runs = impl_->RunsOf(machine);
+    const Place from = FindPlace(runs, first), to = FindPlace(runs, end);
     std::vector<std::vector<TrendPoint>> trends;
     for (const ParameterRow& row : FindParameters(*impl_, machine, parameter))
-      trends.push_back(ReadTrend(*impl_, row, from));
+      trends.push_back(ReadTrend(*impl_, row, from, to));
     return Merged(std::move(trends));
+  });
+}
+
+Result<std::vector<std::string>> Database::ParameterNames(std::int64_t machine) const {
+  return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::vector<std::string>> {
+    std::vector<std::string> names;
+    for (const ParameterRow& row : FindParameters(*impl_, machine, "")) names.push_back(row.name);
+    return names;
   });
 }
 

@@ -393,6 +393,10 @@ int RunOperatorFaults(const LiveFaultOptions& options) {
   OperatorTable table;
   OperatorRig o{rig, **broker, view, table};
   if (!o.Ready()) return ReportError({ErrorKind::kInternal, "no stroke was stored within 60 s"});
+  if (!rig.press().Alive())
+    return ReportError(
+        {ErrorKind::kInternal,
+         "the press did not start: do its ports belong to another program? See " + rig.File("press.log")});
   TwoSenders(o);
   ForgedBatches(o);
   LinkLost(o, "link lost while the press works");
