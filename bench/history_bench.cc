@@ -14,15 +14,14 @@
 #include <filesystem>
 
 #include "host/output.h"
-#include "pipeline/run_summary.h"
 #include "storage/database.h"
+#include "studies/simulated_history.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_history.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kBatch = 500;
 constexpr double kSeconds = 1200;  // of simulated log per machine
 constexpr std::size_t kLeaky = 1;
 
@@ -37,26 +36,12 @@ Status FillMachine(Database& database, std::size_t axis, std::int64_t strokes, P
   machine.name = fmt::format("cushion {}", axis + 1);
   auto log = StrokesOf(SimulatePress(press), machine);
   if (!log) return tl::unexpected(log.error());
-  const auto id = database.MachineId(machine.name);
-  if (!id) return tl::unexpected(id.error());
-  const auto version = database.PutModelVersion(
-      *id, {1, FormatMachine(machine), log->model->ColumnNames(), 0, log->model->ConditionNames()});
-  if (!version) return tl::unexpected(version.error());
-  const auto run = database.BeginRun(*id, *version, "simulated", "history_bench");
-  if (!run) return tl::unexpected(run.error());
-  std::vector<StrokeRecord> batch;
-  for (std::int64_t k = 0; k < strokes; ++k) {
-    batch.push_back(log->strokes[static_cast<std::size_t>(k) % log->strokes.size()]);
-    batch.back().summary.index = k;
-    if (batch.size() < kBatch && k + 1 < strokes) continue;
-    if (const Status stored = database.StoreStrokes(run->id, batch); !stored) return stored;
-    batch.clear();
-    progress.Update((static_cast<double>(axis) + static_cast<double>(k) / static_cast<double>(strokes)) / 4,
-                    k);
-  }
-  RunSummary summary;
-  summary.sample_period = press.sample_period;
-  return database.FinishRun(run->id, FormatRunSummary(summary), {});
+  return StoreOverAndOver(
+      database, machine.name, FormatMachine(machine), *log, strokes, [&](std::int64_t stored) {
+        progress.Update(
+            (static_cast<double>(axis) + static_cast<double>(stored) / static_cast<double>(strokes)) / 4,
+            stored);
+      });
 }
 
 struct Explained {

@@ -16,7 +16,7 @@ void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
       "live-latency",
       "Service and simulated press as processes: latency, processor share, loss, live against replay");
   command->add_option("--axes", o->axes, "Axes of the press")
-      ->check(CLI::Range(1, 64))
+      ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--rate", o->rate, "Samples per second, Hz")
       ->check(CLI::Range(50.0, 1e4))
@@ -26,6 +26,11 @@ void AddLiveLatency(CLI::App& benchmark, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--ring", o->ring, "All signals by the Modbus burst ring in place of DDS");
   command->add_option("--seed", o->seed, "Seed of the press")->capture_default_str();
+  command
+      ->add_option("--history", o->history,
+                   "Strokes of each axis that the database holds already; 40 kB each")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark live-latency\n"

@@ -16,6 +16,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr double kLongestJump = 1e9;  // s, 32 years: times in ns stay whole numbers
+
 /// "name=value" words behind the first ones.
 using Options = std::map<std::string, double>;
 
@@ -94,7 +96,8 @@ Result<LiveCommand> ParseLiveCommand(const std::string& line) {
   } else if (words.size() == 2 && what == "dds") {
     if (words[1] == "mute" || words[1] == "on") return MuteCommand{words[1] == "mute"};
   } else if (words.size() == 2 && what == "clock") {
-    if (const auto jump = FiniteNumber(words[1]); jump && std::abs(*jump) < 1e7) return ClockCommand{*jump};
+    if (const auto jump = FiniteNumber(words[1]); jump && std::abs(*jump) < kLongestJump)
+      return ClockCommand{*jump};
   }
   return UsageError("'{}' is not understood; expected one of\n{}", line, LiveCommandHelp());
 }

@@ -47,6 +47,7 @@ TEST(LiveCommand, TheWireHasFaultsToo) {
   EXPECT_EQ(Parsed<ModbusFaultCommand>("modbus garbage").fault, ModbusFault::kGarbage);
   EXPECT_DOUBLE_EQ(Parsed<ModbusFaultCommand>("modbus late=0.5").delay, 0.5);
   EXPECT_DOUBLE_EQ(Parsed<ClockCommand>("clock -3600").jump, -3600);
+  EXPECT_DOUBLE_EQ(Parsed<ClockCommand>("clock 315576000").jump, 315576000) << "ten years";
   Parsed<QuitCommand>("quit");
 }
 

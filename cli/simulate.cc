@@ -12,6 +12,7 @@
 #include "cli/simulate_serve.h"
 #include "host/output.h"
 #include "report/text_sink.h"
+#include "simulator/live_press.h"
 #include "simulator/log_format.h"
 #include "simulator/press.h"
 #include "simulator/valve_sweep.h"
@@ -143,7 +144,7 @@ void AddServeOptions(CLI::App& app, ServedPress& serve) {
                  "Serve the press of this machine file by DDS and Modbus in place of writing a log")
       ->type_name("FILE");
   app.add_option("--axes", serve.axes, "--serve: cylinders, if not as many as the machine file names")
-      ->check(CLI::Range(1, 64));
+      ->check(CLI::Range(1, LivePress::kMostAxes));
   app.add_option("--speed", serve.speed, "--serve: times real time")->capture_default_str();
   app.add_option("--work", serve.work, "--serve: s of work before each pause; 0 = no pauses")
       ->capture_default_str();

@@ -28,8 +28,8 @@ ValveSweepOptions SweepFor(const PressOptions& press, double amplitude, std::uin
 }  // namespace
 
 Result<std::unique_ptr<LivePress>> LivePress::Create(const Options& options) {
-  if (options.axes < 1 || options.axes > 64)
-    return UsageError("a press of {} axes; it must have 1 to 64", options.axes);
+  if (options.axes < 1 || options.axes > kMostAxes)
+    return UsageError("a press of {} axes; it must have 1 to {}", options.axes, kMostAxes);
   if (options.work < 0 || options.pause < 0 || (options.work > 0) != (options.pause > 0))
     return UsageError("work for {} s, then pause for {} s: both must be above 0, or none given", options.work,
                       options.pause);

@@ -28,6 +28,8 @@ enum class SweepState : std::uint16_t {
 /// clock.
 class LivePress {
  public:
+  static constexpr int kMostAxes = 256;
+
   struct Options {
     PressOptions press;  ///< of the first cushion; `seconds` is the longest possible run
     int axes = 4;

@@ -294,10 +294,12 @@ void StepServiceClock(OperatorRig& o) {
       for (const char* list : {"sources", "channels", "senders"})
         for (const auto& item : after->at(list))
           negative = negative || (item.at("age_s").is_number() && item.at("age_s").get<double>() < 0);
-    const bool whole = o.Lost() == lost;
-    o.table.Line(fmt::format("clock of the service {}", offset), stroke, stroke && whole && !negative,
-                 fmt::format("{}, {}", whole ? "no row lost, strokes go on" : "rows were lost",
-                             negative ? "ages below zero" : "no age below zero"));
+    const std::int64_t lacking = o.Lost() - lost;
+    o.table.Line(
+        fmt::format("clock of the service {}", offset), stroke, stroke && lacking == 0 && !negative,
+        fmt::format("{}, {}",
+                    lacking == 0 ? "no row lost, strokes go on" : fmt::format("{} rows were lost", lacking),
+                    negative ? "ages below zero" : "no age below zero"));
   }
   o.rig.service().End(SIGTERM);
   o.rig.SetServiceEnvironment({});

@@ -13,6 +13,7 @@ struct LiveLatencyOptions {
   double rate = 1000, seconds = 60;
   bool ring = false;
   std::uint64_t seed = 1;
+  std::int64_t history = 0;  ///< strokes of each axis that the database holds already
 };
 /// Stroke sent to estimate stored, processor share, loss; then the raw window against its replay.
 int RunLiveLatency(const LiveLatencyOptions& options);

@@ -1,18 +1,26 @@
 #include <signal.h>
 
 #include <cmath>
+#include <fstream>
 #include <iostream>
 
 #include "host/output.h"
 #include "live/live_status.h"
+#include "models/live_spec.h"
+#include "models/machine.h"
+#include "storage/database.h"
 #include "studies/fault_table.h"
 #include "studies/live/live_benchmarks.h"
+#include "studies/simulated_history.h"
+#include "studies/simulated_strokes.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kLatencyAllowed = 0.020;  // s, p99
-constexpr double kSettle = 5.0;            // s before anything is measured
+constexpr int kAxesOfOnePress = 64;
+constexpr int kNice = -15;               // as live/systemd/hydroscope@.service has it
+constexpr double kHistorySeconds = 300;  // of the simulated log whose strokes fill the history
+constexpr double kSettle = 5.0;          // s before anything is measured
 
 void Print(const char* what, const std::string& value, const std::string& required, bool reached) {
   fmt::print("{:<52} {:>14}   {:<18} {}\n", what, value, required,
@@ -21,10 +29,41 @@ void Print(const char* what, const std::string& value, const std::string& requir
                               : "MISSED");
 }
 
+/// s, p99 of stroke sent to estimate stored.
+double LatencyAllowed(int axes) { return axes <= kAxesOfOnePress ? 0.020 : 0.100; }
+
+/// The past of a press that has worked for long.
+Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
+  const auto machine = LoadMachine(rig.File("service.toml"));
+  if (!machine) return tl::unexpected(machine.error());
+  PressOptions press;
+  press.seconds = kHistorySeconds;
+  const auto log = StrokesOf(SimulatePress(press), MachineFor(press));
+  if (!log) return tl::unexpected(log.error());
+  auto database = Database::Open(rig.database());
+  if (!database) return tl::unexpected(database.error());
+  std::ifstream file(rig.File("service.toml"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ProgressBar progress("filling the database", "strokes");
+  for (int a = 0; a < o.axes; ++a) {
+    const std::int64_t before = a * o.history;
+    const Status stored = StoreOverAndOver(
+        *database, AxisMachineName(*machine, a), text, *log, o.history, [&](std::int64_t strokes) {
+          progress.Update(static_cast<double>(before + strokes) / static_cast<double>(o.axes * o.history),
+                          before + strokes);
+        });
+    if (!stored) return stored;
+  }
+  return {};
+}
+
 }  // namespace
 
 int RunLiveLatency(const LiveLatencyOptions& o) {
-  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
+  LiveRig rig(
+      {.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}, .nice = kNice});
+  if (o.history > 0)
+    if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
   rig.StartPress();
   rig.StartService();
   const auto running = [](const nlohmann::json& s) {
@@ -32,7 +71,8 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   };
   if (!rig.WaitFor(running, 20))
     return ReportError(
-        {ErrorKind::kInternal, "the service received nothing from the simulated press within 20 s"});
+        {ErrorKind::kInternal,
+         "the service received nothing from the simulated press within 20 s" + rig.LastWords()});
   Sleep(kSettle);
   const auto first = rig.Ask();
   const double begin = Now();
@@ -46,12 +86,14 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   const ProcessUse after = UseOf(std::to_string(rig.service().pid()));
   const auto last = rig.Ask();
   if (!first || !last) return ReportError({ErrorKind::kInternal, "the service does not answer"});
+  const int nice = rig.nice();
   const int ended = rig.service().End(SIGTERM);
   const auto replays = CountReplays(rig.database());
   if (!replays) return ReportError(replays.error());
 
   const auto& writer = last->at("writer");
   const double p99 = writer.at("latency_p99_s").get<double>();
+  const double allowed = LatencyAllowed(o.axes);
   const double share = (after.cpu - before.cpu) / measured;
   const double rows = static_cast<double>(SumOverAxes(*last, "rows") - SumOverAxes(*first, "rows"));
   const std::int64_t lost = SumOverAxes(*last, "missing_rows") - SumOverAxes(*first, "missing_rows") +
@@ -59,14 +101,15 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   const std::int64_t dropped = last->at("inbox").at("dropped_values").get<std::int64_t>() +
                                writer.at("dropped_rows").get<std::int64_t>() +
                                writer.at("dropped_strokes").get<std::int64_t>();
-  const bool four = o.axes <= 4 && o.rate <= 1000;  // the machine that the share is required of
-  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s\n", o.axes, o.rate, o.ring ? "Modbus burst ring" : "DDS",
-             measured);
+  // What the share is required of; a history that was not watched before is judged meanwhile.
+  const bool four = o.axes <= 4 && o.rate <= 1000 && o.history == 0;
+  fmt::print("{} axes at {:g} Hz, {}, {:.0f} s, {} older strokes of each, niceness {}\n", o.axes, o.rate,
+             o.ring ? "Modbus burst ring" : "DDS", measured, o.history, nice);
   Print("strokes stored", fmt::format("{}", writer.at("strokes").get<std::int64_t>()), "", true);
   Print("stroke sent to estimate stored, p50",
         fmt::format("{:.1f} ms", writer.at("latency_p50_s").get<double>() * 1e3), "", true);
-  Print("stroke sent to estimate stored, p99", fmt::format("{:.1f} ms", p99 * 1e3), "at most 20 ms",
-        p99 <= kLatencyAllowed);
+  Print("stroke sent to estimate stored, p99", fmt::format("{:.1f} ms", p99 * 1e3),
+        fmt::format("at most {:.0f} ms", allowed * 1e3), p99 <= allowed);
   Print("stroke sent to estimate stored, worst",
         fmt::format("{:.1f} ms", writer.at("latency_max_s").get<double>() * 1e3), "", true);
   Print("pipeline to estimate stored, p99",
@@ -80,7 +123,7 @@ int RunLiveLatency(const LiveLatencyOptions& o) {
   Print("runs whose replay is the same to the last bit",
         fmt::format("{} of {}", replays->same, replays->same + replays->different), "all", replays->ok());
   Print("exit code after SIGTERM", fmt::format("{}", ended), "0", ended == 0);
-  const bool reached = (!four || (p99 <= kLatencyAllowed && share <= 0.15)) && lost == 0 && dropped == 0 &&
+  const bool reached = p99 <= allowed && (!four || share <= 0.15) && lost == 0 && dropped == 0 &&
                        replays->ok() && ended == 0 && std::abs(rows / o.axes / measured / o.rate - 1) < 0.02;
   return reached ? 0 : 1;
 }

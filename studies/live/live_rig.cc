@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -109,6 +110,10 @@ void Child::Say(const std::string& line) const {
   static_cast<void>(!write(input_, text.data(), text.size()));
 }
 
+void Child::SetNice(int nice) const {
+  if (pid_ > 0 && nice != 0) static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(pid_), nice));
+}
+
 void Child::Signal(int signal) const {
   if (pid_ > 0) kill(pid_, signal);
 }
@@ -177,6 +182,7 @@ void LiveRig::StartPress() {
     arguments.push_back(fmt::format("{:g}", options_.clock_drift));
   }
   press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network);
+  press_->SetNice(options_.nice);
 }
 
 void LiveRig::StartService(std::vector<std::string> more) {
@@ -185,7 +191,21 @@ void LiveRig::StartService(std::vector<std::string> more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
   service_ = std::make_unique<Child>(arguments, File("serve.log"), options_.service_network, "/proc/self/exe",
                                      environment_);
+  service_->SetNice(options_.nice);
 }
+
+std::string LiveRig::LastWords() const {
+  std::string words;
+  for (const char* log : {"press.log", "serve.log"}) {
+    std::ifstream file(File(log));
+    std::string last;
+    for (std::string line; std::getline(file, line);) last = line;
+    words += fmt::format("\n{}: {}", log, last);
+  }
+  return words;
+}
+
+int LiveRig::nice() const { return getpriority(PRIO_PROCESS, static_cast<id_t>(service_->pid())); }
 
 std::optional<nlohmann::json> LiveRig::Ask() const {
   const auto answer = AskService(SocketOf(database()), "GET", "/status");

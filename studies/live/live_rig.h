@@ -33,6 +33,8 @@ class Child {
   int End(int signal);
   bool Alive() const;
   pid_t pid() const { return pid_; }
+  /// -20, first, to 19, last. A user who may not leaves it as it is.
+  void SetNice(int nice) const;
 
  private:
   pid_t pid_ = -1;
@@ -50,7 +52,8 @@ struct RigOptions {
   std::string folder;                 ///< "" = a temporary one, removed at the end
   std::string press_address = "127.0.0.1", service_address = "127.0.0.1";
   int press_network = -1, service_network = -1;  ///< namespaces, see Child
-  std::string feeds = "";                        ///< [feeds...] of the service's machine file
+  int nice = 0;            ///< of both processes, as far as the user may; that of live/systemd is -15
+  std::string feeds = "";  ///< [feeds...] of the service's machine file
 };
 
 /// A simulated press and a service that watches it, each a process of its own, on the loopback unless told otherwise.
@@ -71,6 +74,10 @@ class LiveRig {
   void SetServiceEnvironment(Child::Environment environment) { environment_ = std::move(environment); }
   /// Of the samples.
   int domain() const { return domain_; }
+  /// Last lines of what press and service wrote, for a message that says why nothing comes.
+  std::string LastWords() const;
+  /// Niceness that the service got.
+  int nice() const;
   Child& press() { return *press_; }
   Child& service() { return *service_; }
   void KillPress() { press_.reset(); }

@@ -1,0 +1,34 @@
+#include "studies/simulated_history.h"
+
+#include "pipeline/run_summary.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kBatch = 500;  // strokes of one transaction
+
+}  // namespace
+
+Status StoreOverAndOver(Database& database, const std::string& name, const std::string& model_text,
+                        const LogStrokes& log, std::int64_t strokes,
+                        const std::function<void(std::int64_t)>& progress) {
+  const auto id = database.MachineId(name);
+  if (!id) return tl::unexpected(id.error());
+  const auto version = database.PutModelVersion(
+      *id, {1, model_text, log.model->ColumnNames(), 0, log.model->ConditionNames()});
+  if (!version) return tl::unexpected(version.error());
+  const auto run = database.BeginRun(*id, *version, "simulated", "over and over");
+  if (!run) return tl::unexpected(run.error());
+  std::vector<StrokeRecord> batch;
+  for (std::int64_t k = 0; k < strokes; ++k) {
+    batch.push_back(log.strokes[static_cast<std::size_t>(k) % log.strokes.size()]);
+    batch.back().summary.index = k;
+    if (batch.size() < kBatch && k + 1 < strokes) continue;
+    if (const Status stored = database.StoreStrokes(run->id, batch); !stored) return stored;
+    batch.clear();
+    if (progress) progress(k + 1);
+  }
+  return database.FinishRun(run->id, FormatRunSummary({}), {});
+}
+
+}  // namespace hydroscope
