@@ -156,8 +156,8 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
   const auto version =
       database.PutModelVersion(*machine, {1, model_->text, model_->columns, 0, model_->conditions});
   if (!version) return tl::unexpected(version.error());
-  const auto run =
-      database.BeginRun(*machine, *version, "live", fmt::format("live/{}/{}", opened.name, start_.wall_ns));
+  const auto run = database.BeginRun(*machine, *version, kLiveSource,
+                                     fmt::format("live/{}/{}", opened.name, start_.wall_ns));
   if (!run) return tl::unexpected(run.error());
   opened.run = run->id;
   opened.model = model_;

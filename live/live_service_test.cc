@@ -14,6 +14,7 @@
 #include "live/live_status.h"
 #include "live/verify_live.h"
 #include "machines/die_cushion/press_file_fixture.h"
+#include "monitor/learning_check.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "simulator/press.h"
@@ -68,9 +69,10 @@ class PlayedClock {
 
 class PlayedSource : public Source {
  public:
+  /// Of every `thinned` rows one is sent.
   PlayedSource(PlayedClock& clock, std::uint64_t session, std::size_t from, std::size_t to,
-               std::size_t drop_every)
-      : clock_(clock), session_(session), from_(from), to_(to), drop_every_(drop_every) {}
+               std::size_t drop_every, std::size_t thinned = 1)
+      : clock_(clock), session_(session), from_(from), to_(to), drop_every_(drop_every), thinned_(thinned) {}
   ~PlayedSource() override { Stop(); }
 
   Status Start(Sink sink) override {
@@ -89,21 +91,21 @@ class PlayedSource : public Source {
  private:
   void Play(const Sink& sink) {
     const SimulatedLog& log = Log();
-    for (std::size_t row = from_; row + kRowsPerBatch <= to_ && !stop_; row += kRowsPerBatch) {
-      const auto at =
-          static_cast<std::int64_t>(1e9 + static_cast<double>(row + kRowsPerBatch) * kPeriod * 1e9);
+    const std::size_t rows = kRowsPerBatch * thinned_;
+    for (std::size_t row = from_; row + rows <= to_ && !stop_; row += rows) {
+      const auto at = static_cast<std::int64_t>(1e9 + static_cast<double>(row + rows) * kPeriod * 1e9);
       clock_.Set(at);
       if (drop_every_ > 0 && (row / kRowsPerBatch) % drop_every_ == drop_every_ - 1) continue;
       SampleBatch batch{.session = session_,
-                        .first_sequence = row,
+                        .first_sequence = row / thinned_,
                         .source_time_ns = at,
-                        .period_ns = 2'000'000,
+                        .period_ns = static_cast<std::int64_t>(2'000'000 * thinned_),
                         .requested = clock_(),
                         .received = clock_(),
                         .channels = {0, 1, 2, 4, 5, 6},
                         .rows = kRowsPerBatch,
                         .values = {}};
-      for (std::size_t k = row; k < row + kRowsPerBatch; ++k)
+      for (std::size_t k = row; k < row + rows; k += thinned_)
         for (int axis = 0; axis < 2; ++axis)
           for (const double value : {log.p_A[k], log.z[k], log.y_v[k]}) batch.values.push_back(value);
       sink(std::move(batch));
@@ -124,7 +126,7 @@ class PlayedSource : public Source {
 
   PlayedClock& clock_;
   std::uint64_t session_;
-  std::size_t from_, to_, drop_every_;
+  std::size_t from_, to_, drop_every_, thinned_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
@@ -154,7 +156,7 @@ class LiveServiceTest : public testing::Test {
         options_,
         [=, this](const Machine&, const Clock&) {
           std::vector<std::unique_ptr<Source>> sources;
-          sources.push_back(std::make_unique<PlayedSource>(clock_, 5, from, to, drop_every));
+          sources.push_back(std::make_unique<PlayedSource>(clock_, 5, from, to, drop_every, thinned_));
           return sources;
         },
         [this] { return clock_(); });
@@ -184,10 +186,38 @@ class LiveServiceTest : public testing::Test {
   }
 
   std::filesystem::path folder_;
+  /// What speaks against learning from all strokes of an axis.
+  std::optional<LearningDoubt> DoubtOf(const std::string& axis) const {
+    auto database = Database::OpenReadOnly(options_.database);
+    const std::int64_t id = database->MachineId(axis).value();
+    const HistoryPart all{axis, id, 0, database->EndSequence(id).value()};
+    EXPECT_GT(all.strokes(), 3);
+    return DoubtOfSignals(*database, options_.database, all,
+                          StoredMachine(*database, options_.database, all).value());
+  }
+
   LiveOptions options_;
+  std::size_t thinned_ = 1;
   PlayedClock clock_;
   LiveStatus last_;
 };
+
+TEST_F(LiveServiceTest, NothingIsLearnedFromRowsThatAreTooFarApart) {
+  Serve(0, 20'000);
+  EXPECT_FALSE(DoubtOf("press/left").has_value());
+
+  std::filesystem::remove(options_.database);
+  thinned_ = 50;
+  std::string slow = kMachine;
+  slow.replace(slow.find("grid_period = 0.002"), 19, "grid_period = 0.1");
+  std::ofstream(File("press.toml")) << slow;
+  clock_.Set(1'000'000'000);
+  Serve(0, 20'000);
+  const auto doubt = DoubtOf("press/left");
+  ASSERT_TRUE(doubt.has_value());
+  EXPECT_EQ(doubt->kind, LearningDoubt::Kind::kTooSlow);
+  EXPECT_THAT(doubt->text, HasSubstr("sampled too slowly"));
+}
 
 TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {
   Serve(0, 15'000);

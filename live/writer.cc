@@ -9,6 +9,7 @@
 
 #include "core/quantile.h"
 #include "live/log.h"
+#include "pipeline/run_summary.h"
 #include "storage/set_aside.h"
 
 namespace hydroscope {
@@ -351,7 +352,7 @@ Status LiveWriter::BeginRun(Axis& axis, const char* ending) {
   const auto version = database_->PutModelVersion(
       axis.machine, {1, axis.model->text, axis.model->columns, 0, axis.model->conditions});
   if (!version) return tl::unexpected(version.error());
-  const auto run = database_->BeginRun(axis.machine, *version, "live",
+  const auto run = database_->BeginRun(axis.machine, *version, kLiveSource,
                                        fmt::format("live/{}/{}{}", axis.name, clock_().wall_ns, ending));
   if (!run) return tl::unexpected(run.error());
   axis.run = run->id;

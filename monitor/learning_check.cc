@@ -7,7 +7,9 @@
 #include <array>
 #include <set>
 
+#include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
+#include "pipeline/raw_log.h"
 #include "pipeline/run_summary.h"
 #include "workbench/explain/explain_history.h"
 #include "workbench/history/stored_change.h"
@@ -18,6 +20,7 @@ namespace {
 using Kind = LearningDoubt::Kind;
 /// Strokes whose sizes are looked at, evenly spread.
 constexpr std::int64_t kLooked = 200;
+constexpr std::int64_t kStrokesWhoseRowsAreLookedAt = 20;
 constexpr std::array<const char*, 8> kDoubtNames = {"model_versions", "open_alarm",   "change",
                                                     "implausible",    "too_slow",     "effect",
                                                     "unexplained",    "not_explained"};
@@ -62,6 +65,20 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
            "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it"}};
 }
 
+/// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they
+/// are not, or none are kept.
+std::string SlowRowsKept(const Database& database, const std::string& path, const HistoryPart& part,
+                         const RunInfo& run, const Machine& machine) {
+  const std::int64_t last = std::min(part.last, run.first_sequence + run.strokes);
+  const std::int64_t first = std::max({part.first, run.first_sequence, last - kStrokesWhoseRowsAreLookedAt});
+  const auto strokes = database.SummariesOf(part.id, first, last, kLooked);
+  if (!strokes || strokes->empty()) return "";
+  auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
+  if (!rows) return "";
+  const auto trust = JudgeRows(**rows, machine);
+  return trust && !trust->rate.fast_enough ? trust->rate.sentence : "";
+}
+
 void Append(std::vector<LearningDoubt>& all, std::vector<LearningDoubt> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
@@ -78,10 +95,13 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
       return LearningDoubt{Kind::kImplausible, plausible.error().text};
   const auto runs = database.Runs(part.id);
   if (!runs) return std::nullopt;
-  for (const RunInfo& run : *runs)
-    if (run.first_sequence < part.last && run.first_sequence + run.strokes > part.first)
-      if (const std::string slow = ParseRunSummary(run.summary_json).too_slow; !slow.empty())
-        return LearningDoubt{Kind::kTooSlow, fmt::format("run {} ({}): {}", run.id, run.source, slow)};
+  for (const RunInfo& run : *runs) {
+    if (run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first) continue;
+    const std::string slow = run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine)
+                                                       : ParseRunSummary(run.summary_json).too_slow;
+    if (!slow.empty())
+      return LearningDoubt{Kind::kTooSlow, fmt::format("run {} ({}): {}", run.id, run.source, slow)};
+  }
   return std::nullopt;
 }
 

@@ -11,6 +11,8 @@
 namespace hydroscope {
 namespace {
 
+constexpr std::size_t kRowsAtATime = 4096;
+
 /// Strokes that tell what noise and rows of a log are like.
 constexpr int kStrokesJudged = 40;
 
@@ -25,6 +27,24 @@ void FirstStrokes::AddStretch(const Stretch& stretch, const SpanEquations& equat
 
 void FirstStrokes::AddStroke(const StrokeRecord& record) {
   if (taken_++ < kStrokesJudged) sink_(StrokeRecord(record));
+}
+
+Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
+  FirstStrokes first(machine);
+  const auto pipeline = Pipeline::Create(machine, reader.SamplePeriod(),
+                                         [&](StrokeRecord&& record) { first.AddStroke(record); });
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  (*pipeline)->set_tap(
+      [&](const Stretch& stretch, const SpanEquations& equations) { first.AddStretch(stretch, equations); });
+  SampleBlock block;
+  for (;;) {
+    const auto rows = reader.Read(block, kRowsAtATime);
+    if (!rows) return tl::unexpected(rows.error());
+    if (*rows == 0) break;
+    (*pipeline)->Process(block);
+  }
+  (*pipeline)->Finish();
+  return first.Judge(**pipeline);
 }
 
 std::vector<std::string> LogTrust::Warnings() const {

@@ -7,6 +7,7 @@
 #include "estimation/floor_trust.h"
 #include "estimation/sampling_rate.h"
 #include "pipeline/batch_fit.h"
+#include "replay/log_reader.h"
 
 namespace hydroscope {
 
@@ -44,6 +45,9 @@ class FirstStrokes {
   Pipeline::RecordSink sink_;
   int taken_ = 0;
 };
+
+/// The same of rows that carry their flags already, such as those of a raw window.
+Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine);
 
 /// `believable`, `noise_scale`, `signals`: list of `signal`, `kind`, `unit` (SI), `std`, `stated`, `ratio`,
 /// `ratio_interval95`, `share`.

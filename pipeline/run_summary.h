@@ -9,6 +9,9 @@
 
 namespace hydroscope {
 
+/// RunInfo::source of what the live service identifies; of others it is the path of a log.
+inline constexpr char kLiveSource[] = "live";
+
 /// What became of the rows of one log; kept with its run as JSON (RunInfo::summary_json).
 struct RunSummary {
   double sample_period = 0;            ///< s

@@ -18,7 +18,6 @@ namespace hydroscope {
 namespace {
 
 constexpr int kAxesOfOnePress = 64;
-constexpr int kNice = -15;               // as live/systemd/hydroscope@.service has it
 constexpr double kHistorySeconds = 300;  // of the simulated log whose strokes fill the history
 constexpr double kSettle = 5.0;          // s before anything is measured
 
@@ -60,8 +59,7 @@ Status FillHistory(const LiveRig& rig, const LiveLatencyOptions& o) {
 }  // namespace
 
 int RunLiveLatency(const LiveLatencyOptions& o) {
-  LiveRig rig(
-      {.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}, .nice = kNice});
+  LiveRig rig({.axes = o.axes, .rate = o.rate, .modbus_ring = o.ring, .seed = o.seed, .folder = {}});
   if (o.history > 0)
     if (const Status filled = FillHistory(rig, o); !filled) return ReportError(filled.error());
   rig.StartPress();
