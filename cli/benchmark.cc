@@ -307,6 +307,9 @@ void AddStateMachines(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the machines")->capture_default_str();
+  command->add_option("--threads", o->threads, "Cases worked on at once, 0: one per core")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->footer("Example:\n  hydroscope benchmark state-machines --cases 36");
   command->callback([o, &exit_code] { exit_code = RunStateMachines(*o); });
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <set>
 
 namespace hydroscope {
@@ -73,7 +72,7 @@ class StatesExplainer {
   /// Energies left out, over the base's noise whatever the fit's own.
   std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
 
-  /// Fits a set from the nearest model's values, and, its parameters being drawn anew, from several starts.
+  /// Fits a set from the values of the nearest model, and from what short segments give.
   StateCandidate Fit(const std::vector<std::string>& added, const StateFit& near) {
     StateCandidate candidate;
     candidate.added = added;
@@ -84,51 +83,20 @@ class StatesExplainer {
       candidate.fit.failed = model.error().text;
       return candidate;
     }
-    std::mt19937 random(options_.fit.seed + static_cast<std::uint32_t>(added.size()));
-    std::uniform_real_distribution<double> uniform;
-    std::vector<Eigen::VectorXd> starts;
-    for (int k = 0; k <= options_.effect_starts; ++k) {
-      Eigen::VectorXd start((*model)->parameter_count());
-      for (int p = 0; p < start.size(); ++p) {
-        const StateParameter& parameter = (*model)->parameters[static_cast<std::size_t>(p)];
-        const ParameterSpec& spec = parameter.spec;
-        const double share = uniform(random);
-        const auto known =
-            std::find_if(near.model->parameters.begin(), near.model->parameters.end(),
-                         [&](const StateParameter& other) { return other.name == parameter.name; });
-        if (known != near.model->parameters.end())
-          start[p] = near.parameters[known - near.model->parameters.begin()];
-        else if (k > 0 && std::isfinite(spec.min) && std::isfinite(spec.max))
-          start[p] = spec.min > 0 ? spec.min * std::pow(spec.max / spec.min, share)
-                                  : spec.min + share * (spec.max - spec.min);
-        else
-          start[p] = spec.start;
-      }
-      starts.push_back(std::move(start));
-    }
-    const auto keep = [&](StateFit fit) {
-      if (!fit.solved()) {
-        if (!candidate.fit.model) candidate.fit = std::move(fit);
-        return;
-      }
-      const double held_out = fit.HeldOutEnergy();
-      if (candidate.fit.model && candidate.fit.solved() && candidate.held_out <= held_out) return;
-      candidate.fit = std::move(fit);
-      candidate.held_out = held_out;
-    };
     StateFitOptions quick = options_.fit;
     quick.iterations = options_.candidate_iterations;
     quick.tolerance = options_.candidate_tolerance;
-    for (const Eigen::VectorXd& start : starts)
-      keep(RefitStates(*model, episodes_, start, near.initial, noise_, quick));
-    StateFitOptions anew = options_.fit;
-    anew.starts = 1;
-    anew.polished = 1;
-    const StateFit fresh = FitStates(*model, episodes_, anew);
-    if (fresh.solved())
-      keep(RefitStates(*model, episodes_, fresh.parameters, fresh.initial, noise_, options_.fit));
-    if (candidate.fit.solved())
+    quick.start_iterations = options_.screen_iterations;
+    quick.start_tolerance = options_.screen_tolerance;
+    std::vector<StateStart> starts = EffectStarts(near, *model, episodes_, options_.effect_starts);
+    if (out_.base_left.structured)  // the base may stand in a wrong minimum for want of the effect
+      if (auto shot = ShootStart(*model, episodes_, starts.front().parameters, options_.fit))
+        starts.push_back(std::move(*shot));
+    candidate.fit = RefitStates(*model, episodes_, starts, noise_, quick);
+    if (candidate.fit.solved()) {
+      candidate.held_out = candidate.fit.HeldOutEnergy();
       std::tie(candidate.gain, candidate.t) = PairedGain(Energies(out_.base.fit), Energies(candidate.fit));
+    }
     return candidate;
   }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/effect_starts.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/state_remainder.h"
 
@@ -10,10 +11,12 @@ namespace hydroscope {
 
 /// Thresholds, calibrated by `hydroscope benchmark state-machines` (docs/state_models.md).
 struct ExplainStatesOptions {
-  int max_effects = 3;            ///< hidden at once
-  int beam = 3;                   ///< sets that are extended by a further effect
-  int effect_starts = 2;          ///< draws of an effect's parameters beside its start
-  int candidate_iterations = 25;  ///< of each fit of a candidate
+  int max_effects = 3;  ///< hidden at once
+  int beam = 3;         ///< sets that are extended by a further effect
+  EffectStartsOptions effect_starts;
+  int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on
+  double screen_tolerance = 1e-3;
+  int candidate_iterations = 25;  ///< of the best start
   double candidate_tolerance = 1e-5;
   double few_t = 1;    ///< least t of any gain: an effect may act in a few pieces only
   double min_t = 2.5;  ///< gain over its standard error by pieces of the log

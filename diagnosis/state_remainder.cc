@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/limits.h"
+#include "diagnosis/state_tangent.h"
 
 namespace hydroscope {
 namespace {
@@ -99,162 +100,144 @@ class FunctionBank {
   std::vector<std::vector<double>> knots_;
 };
 
-/// Sums of products of one piece: parameters, functions, error.
-struct PieceSums {
-  Eigen::MatrixXd products;
-  double sign = 1;
-};
-
-/// Columns: parameters, then functions per equation (kinematic ones left out), then the error.
+/// Columns: parameters, then functions per equation (kinematic ones left out), then the error. Per piece of the log the sums
+/// of their products.
 struct RemainderColumns {
-  std::vector<PieceSums> pieces;
+  std::vector<Eigen::MatrixXd> pieces;
   int parameters = 0, functions = 0;
   std::vector<int> equation;  ///< per function: state, or states + output
 };
 
+/// Every function in every equation but those that only say that a state is the rate of another.
+AddedTerms TermsOf(const StateModel& model, const FunctionBank& bank, std::vector<int>& equation) {
+  AddedTerms added;
+  added.values = bank.count();
+  added.evaluate = [&bank](const double* x, const double* u, double* v) { bank.Values(x, u, v); };
+  for (int e = 0; e < model.states() + model.output.rows; ++e) {
+    const bool of_state = e < model.states();
+    if (of_state && model.rate_of[static_cast<std::size_t>(e)] >= 0) continue;
+    for (int k = 0; k < bank.count(); ++k) {
+      (of_state ? added.to_states : added.to_outputs)
+          .push_back({k, of_state ? e : e - model.states(), added.columns++});
+      equation.push_back(e);
+    }
+    if (of_state) added.moving = added.columns;
+  }
+  return added;
+}
+
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
   const StateModel& model = *fit.model;
-  const int states = model.states(), outputs = model.output.rows, parameters = model.parameter_count();
+  const int outputs = model.output.rows;
   RemainderColumns out;
-  out.parameters = parameters;
-  std::vector<int> kept;  // columns of StateRun::slopes behind parameters and initial states
-  for (int e = 0; e < states + outputs; ++e) {
-    if (e < states && model.rate_of[static_cast<std::size_t>(e)] >= 0) continue;
-    for (int k = 0; k < bank.count(); ++k) {
-      kept.push_back(e * bank.count() + k);
-      out.equation.push_back(e);
-    }
-  }
-  out.functions = static_cast<int>(kept.size());
-  AddedTerms added{bank.count(), [&](const double* x, const double* u, double* v) { bank.Values(x, u, v); }};
-  StateSimulator simulator(fit.model);
-  simulator.SetParameters(fit.parameters);
+  out.parameters = model.parameter_count();
+  const AddedTerms added = TermsOf(model, bank, out.equation);
+  out.functions = added.columns;
   for (std::size_t e = 0; e < episodes.size(); ++e) {
-    std::vector<int> free;
-    for (int i = 0; i < states; ++i)
-      if (model.estimated[static_cast<std::size_t>(i)]) free.push_back(i);
-    RowMatrix start = RowMatrix::Zero(states, parameters + static_cast<int>(free.size())), by_parameter;
-    simulator.Initial(episodes[e], fit.initial[e], &by_parameter);
-    start.leftCols(parameters) = by_parameter;
-    for (std::size_t k = 0; k < free.size(); ++k) start(free[k], parameters + static_cast<int>(k)) = 1;
-    StateRun run;
-    simulator.Run(episodes[e], 0, episodes[e].rows() - 1, fit.initial[e], &start, run, &added);
-    const Eigen::Index own = start.cols(), rows = run.slopes.rows();
-    RowMatrix columns(rows, parameters + out.functions + 1);
-    columns.leftCols(parameters) = run.slopes.leftCols(parameters);
-    for (int k = 0; k < out.functions; ++k)
-      columns.col(parameters + k) = run.slopes.col(own + kept[static_cast<std::size_t>(k)]);
-    for (int row = 0; row < episodes[e].rows(); ++row)
-      for (int j = 0; j < outputs; ++j)
-        columns(row * outputs + j, columns.cols() - 1) = fit.residuals[e](row, j);
-    RowMatrix local = run.slopes.middleCols(parameters, own - parameters);
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const auto j = static_cast<Eigen::Index>(r % outputs);
-      const bool good = columns.row(r).allFinite();
-      const double weight = good ? 1 / fit.noise[j] : 0.0;
-      if (!good) columns.row(r).setZero();
-      columns.row(r) *= weight;
-      local.row(r) *= weight;
-    }
-    if (local.cols() > 0) {
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(local);
-      const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, local.cols());
-      columns -= basis * (basis.transpose() * columns);
-    }
+    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added);
     for (const StatePiece& piece : fit.pieces) {
       if (piece.episode != static_cast<int>(e)) continue;
       const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
-      PieceSums sums;
-      sums.products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-      sums.products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
-      sums.products.triangularView<Eigen::StrictlyUpper>() = sums.products.transpose();
-      out.pieces.push_back(std::move(sums));
+      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+      products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
+      products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
+      out.pieces.push_back(std::move(products));
     }
   }
   return out;
 }
 
-/// Ridge regression of the error on the functions, parameters unpenalised, with groups of pieces left out in turn. One
-/// factorisation serves every flip of signs.
+/// Energies of the error left out as quadratic forms of the signs of the pieces: with the parameters alone, and with the
+/// functions.
+struct LeftOutForms {
+  Eigen::MatrixXd own, all;
+
+  double Share(const Eigen::VectorXd& signs) const {
+    const double alone = signs.dot(own * signs);
+    return alone > 0 ? 1 - signs.dot(all * signs) / alone : 0.0;
+  }
+};
+
+/// Ridge regression of the error on the functions, parameters unpenalised, with groups of pieces left out in turn. With G the
+/// products of columns and error (one column per piece), A_f the regression's matrix without group f and M_f, G_f the group's
+/// own, signs s give w = A_f^-1 (G - G_f) s and the energy e_f - 2 w' G_f s + w' M_f w, which is quadratic in s.
 class LeaveOut {
  public:
-  LeaveOut(const RemainderColumns& columns, double penalty) : columns_(columns) {
+  explicit LeaveOut(const RemainderColumns& columns) : columns_(columns) {
     constexpr std::size_t kFolds = 8;
     const Eigen::Index size = columns.parameters + columns.functions;
-    Eigen::MatrixXd total = Eigen::MatrixXd::Zero(size, size);
-    for (const PieceSums& piece : columns.pieces) total += piece.products.topLeftCorner(size, size);
-    scale_ = total.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const std::size_t folds = std::min(kFolds, columns.pieces.size());
+    const auto count = columns.pieces.size();
+    total_ = Eigen::MatrixXd::Zero(size, size);
+    gradient_.resize(size, static_cast<Eigen::Index>(count));
+    for (std::size_t p = 0; p < count; ++p) {
+      total_ += columns.pieces[p].topLeftCorner(size, size);
+      gradient_.col(static_cast<Eigen::Index>(p)) = columns.pieces[p].col(size).head(size);
+    }
+    scale_ = total_.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    total_ = scale_.asDiagonal() * total_ * scale_.asDiagonal();
+    gradient_ = scale_.asDiagonal() * gradient_;
+    const std::size_t folds = std::min(kFolds, count);
     for (std::size_t f = 0; f < folds; ++f) {
-      Fold fold;
-      Eigen::MatrixXd rest = total;
-      for (std::size_t p = f * columns.pieces.size() / folds; p < (f + 1) * columns.pieces.size() / folds;
-           ++p) {
-        fold.pieces.push_back(p);
-        rest -= columns.pieces[p].products.topLeftCorner(size, size);
-      }
-      rest = scale_.asDiagonal() * rest * scale_.asDiagonal();
-      for (Eigen::Index i = 0; i < size; ++i) rest(i, i) += i < columns.parameters ? 1e-9 : penalty;
-      fold.all.compute(rest);
-      fold.own.compute(rest.topLeftCorner(columns.parameters, columns.parameters));
+      Fold fold{static_cast<Eigen::Index>(f * count / folds),
+                static_cast<Eigen::Index>((f + 1) * count / folds), Eigen::MatrixXd::Zero(size, size)};
+      for (Eigen::Index p = fold.first; p < fold.end; ++p)
+        fold.products += columns.pieces[static_cast<std::size_t>(p)].topLeftCorner(size, size);
+      fold.products = scale_.asDiagonal() * fold.products * scale_.asDiagonal();
       folds_.push_back(std::move(fold));
     }
   }
 
-  /// Error energies left out: with the parameters alone, and with the functions.
-  std::pair<double, double> Energies(const std::vector<double>& signs) const {
-    const Eigen::Index size = columns_.parameters + columns_.functions, error = size;
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
-    for (std::size_t p = 0; p < columns_.pieces.size(); ++p)
-      gradient += signs[p] * columns_.pieces[p].products.col(error).head(size);
-    double own = 0, all = 0;
+  LeftOutForms Forms(double penalty) const {
+    const Eigen::Index count = gradient_.cols(), size = gradient_.rows(), own = columns_.parameters;
+    LeftOutForms out{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count)};
     for (const Fold& fold : folds_) {
-      Eigen::VectorXd rest = gradient;
-      for (const std::size_t p : fold.pieces)
-        rest -= signs[p] * columns_.pieces[p].products.col(error).head(size);
-      rest = scale_.cwiseProduct(rest);
-      Eigen::VectorXd with = scale_.cwiseProduct(fold.all.solve(rest));
-      Eigen::VectorXd alone = Eigen::VectorXd::Zero(size);
-      if (columns_.parameters > 0)
-        alone.head(columns_.parameters) =
-            scale_.head(columns_.parameters).cwiseProduct(fold.own.solve(rest.head(columns_.parameters)));
-      for (const std::size_t p : fold.pieces) {
-        const Eigen::MatrixXd& sums = columns_.pieces[p].products;
-        const auto left = [&](const Eigen::VectorXd& w) {
-          return sums(error, error) - 2 * signs[p] * w.dot(sums.col(error).head(size)) +
-                 w.dot(sums.topLeftCorner(size, size) * w);
-        };
-        own += left(alone);
-        all += left(with);
-      }
+      Eigen::MatrixXd rest = total_ - fold.products, held = Eigen::MatrixXd::Zero(size, count),
+                      gradient = gradient_;
+      rest.diagonal().head(own).array() += 1e-9;
+      rest.diagonal().tail(size - own).array() += penalty;
+      held.middleCols(fold.first, fold.end - fold.first) =
+          gradient_.middleCols(fold.first, fold.end - fold.first);
+      gradient.middleCols(fold.first, fold.end - fold.first).setZero();
+      AddForm(fold, held, rest.llt().solve(gradient), out.all);
+      Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(size, count);
+      if (own > 0) alone.topRows(own) = rest.topLeftCorner(own, own).llt().solve(gradient.topRows(own));
+      AddForm(fold, held, alone, out.own);
     }
-    return {own, all};
+    return out;
   }
 
  private:
   struct Fold {
-    std::vector<std::size_t> pieces;
-    Eigen::LDLT<Eigen::MatrixXd> all, own;
+    Eigen::Index first, end;  ///< pieces
+    Eigen::MatrixXd products;
   };
+  void AddForm(const Fold& fold, const Eigen::MatrixXd& held, const Eigen::MatrixXd& weights,
+               Eigen::MatrixXd& form) const {
+    const Eigen::Index error = columns_.parameters + columns_.functions;
+    const Eigen::MatrixXd cross = weights.transpose() * held;
+    form += weights.transpose() * (fold.products * weights) - cross - cross.transpose();
+    for (Eigen::Index p = fold.first; p < fold.end; ++p)
+      form(p, p) += columns_.pieces[static_cast<std::size_t>(p)](error, error);
+  }
+
   const RemainderColumns& columns_;
   Eigen::VectorXd scale_;
+  Eigen::MatrixXd total_, gradient_;
   std::vector<Fold> folds_;
 };
 
-/// Largest share over all penalties.
-double ShareOf(const std::vector<LeaveOut>& ridges, const std::vector<double>& signs) {
-  double best = 0;
-  for (const LeaveOut& ridge : ridges) {
-    const auto [own, all] = ridge.Energies(signs);
-    if (own > 0) best = std::max(best, 1 - all / own);
-  }
-  return best;
+std::vector<LeftOutForms> FormsOf(const RemainderColumns& columns) {
+  const LeaveOut leave_out(columns);
+  std::vector<LeftOutForms> forms;
+  for (const double penalty : {1e-6, 1e-4, 1e-2, 1.0}) forms.push_back(leave_out.Forms(penalty));
+  return forms;
 }
 
-std::vector<LeaveOut> RidgesOf(const RemainderColumns& columns) {
-  std::vector<LeaveOut> ridges;
-  for (const double penalty : {1e-6, 1e-4, 1e-2, 1.0}) ridges.emplace_back(columns, penalty);
-  return ridges;
+/// Largest share over all penalties.
+double ShareOf(const std::vector<LeftOutForms>& forms, const Eigen::VectorXd& signs) {
+  double best = 0;
+  for (const LeftOutForms& form : forms) best = std::max(best, form.Share(signs));
+  return best;
 }
 
 /// The equation whose functions alone predict most.
@@ -272,8 +255,9 @@ std::string MostIn(const StateFit& fit, const RemainderColumns& columns) {
     some.parameters = columns.parameters;
     some.functions = static_cast<int>(kept.size()) - columns.parameters;
     kept.push_back(columns.parameters + columns.functions);
-    for (const PieceSums& piece : columns.pieces) some.pieces.push_back({piece.products(kept, kept), 1});
-    const double share = ShareOf(RidgesOf(some), std::vector<double>(some.pieces.size(), 1.0));
+    for (const Eigen::MatrixXd& piece : columns.pieces) some.pieces.push_back(piece(kept, kept));
+    const double share =
+        ShareOf(FormsOf(some), Eigen::VectorXd::Ones(static_cast<Eigen::Index>(some.pieces.size())));
     if (share <= most) continue;
     most = share;
     about = e < model.states()
@@ -292,14 +276,14 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   StateRemainder out;
   out.functions = columns.functions;
   if (columns.pieces.size() < 2) return out;
-  const std::vector<LeaveOut> ridges = RidgesOf(columns);
-  std::vector<double> signs(columns.pieces.size(), 1.0);
-  out.share = ShareOf(ridges, signs);
+  const std::vector<LeftOutForms> forms = FormsOf(columns);
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(columns.pieces.size()));
+  out.share = ShareOf(forms, signs);
   std::mt19937 random(options.seed);
   std::vector<double> null;
   for (int k = 0; k < options.flips; ++k) {
     for (double& sign : signs) sign = random() % 2 == 0 ? 1.0 : -1.0;
-    null.push_back(ShareOf(ridges, signs));
+    null.push_back(ShareOf(forms, signs));
   }
   std::sort(null.begin(), null.end());
   const auto beyond = std::count_if(null.begin(), null.end(), [&](double n) { return n >= out.share; });

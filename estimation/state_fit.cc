@@ -13,35 +13,47 @@
 namespace hydroscope {
 namespace {
 
-/// A start fitted with short segments, joints first soft then stiff, then as a whole. Best of that and of the free run alone.
-shooting::Point FromStart(shooting::Task task, const Eigen::VectorXd& theta, const StateFitOptions& options) {
-  constexpr double kSoft = 0.1, kStiff = 0.01;
-  shooting::Point start;
+shooting::Point PointAt(const shooting::Task& task, const Eigen::VectorXd& parameters) {
+  shooting::Point point;
   for (std::size_t p = 0; p < task.scale.size(); ++p)
-    start.q.push_back(task.scale.ToScaled(p, theta[static_cast<Eigen::Index>(p)]));
-  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
-  shooting::Point best;
-  shooting::Point shot = start;
+    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
+  return point;
+}
+
+/// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges.
+shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, const StateFitOptions& options) {
+  constexpr double kSoft = 0.1, kStiff = 0.01;
+  shooting::Point shot = PointAt(task, parameters);
   const std::vector<shooting::Segment> segments =
       shooting::ShortSegments(task.episodes, options.segment_rows);
   shooting::GuessSegments(task, segments, shot);
-  bool fine = true;
   for (const double joint : {kSoft, kStiff}) {
     task.joint = joint;
-    fine = fine && shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance,
-                                      false, shot);
+    if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
+                            shot))
+      return {};
   }
-  for (const bool after_shooting : {true, false}) {
-    if (after_shooting && !fine) continue;
-    shooting::Point point = after_shooting ? shot : start;
-    shooting::GuessSegments(task, whole, point);
-    if (after_shooting)  // the episodes begin as their first segments do
-      for (std::size_t s = 0, e = 0; s < segments.size(); ++s)
-        if (segments[s].first == 0) point.z[e++] = shot.z[s];
-    if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point) &&
-        (!best.valid || point.cost < best.cost))
-      best = std::move(point);
-  }
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
+  shooting::Point point = shot;
+  shooting::GuessSegments(task, whole, point);
+  for (std::size_t s = 0, e = 0; s < segments.size(); ++s)  // the episodes begin as their first segments do
+    if (segments[s].first == 0) point.z[e++] = shot.z[s];
+  point.valid =
+      shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point);
+  return point;
+}
+
+/// A start fitted with short segments first; where that ends above `enough`, as one run alone too: the better.
+shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double enough,
+                          const StateFitOptions& options) {
+  shooting::Point best = Shot(task, parameters, options);
+  if (best.valid && best.cost <= enough) return best;
+  shooting::Point alone = PointAt(task, parameters);
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
+  shooting::GuessSegments(task, whole, alone);
+  if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, alone) &&
+      (!best.valid || alone.cost < best.cost))
+    best = std::move(alone);
   return best;
 }
 
@@ -241,12 +253,14 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
   };
   std::vector<Candidate> found;
   int diverged = 0;
+  double least = 0;
   for (const Eigen::VectorXd& start : starts) {
-    shooting::Point point = FromStart(task, start, options);
+    shooting::Point point = FromStart(task, start, (1 + options.same_minimum) * least, options);
     if (!point.valid) {
       ++diverged;
       continue;
     }
+    least = found.empty() ? point.cost : std::min(least, point.cost);
     const auto same = std::find_if(found.begin(), found.end(), [&](const Candidate& c) {
       return std::abs(c.point.cost - point.cost) <=
              options.same_minimum * std::min(c.point.cost, point.cost) + 1e-12;
@@ -295,26 +309,50 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
 }
 
 StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
-                     const Eigen::VectorXd& start, const std::vector<Eigen::VectorXd>& initial,
-                     const Eigen::VectorXd& weights, const StateFitOptions& options) {
+                     std::span<const StateStart> starts, const Eigen::VectorXd& weights,
+                     const StateFitOptions& options) {
   shooting::Task task = TaskOf(model, episodes);
   if (weights.size() > 0) task.noise = weights;
-  shooting::Point point;
-  for (std::size_t p = 0; p < task.scale.size(); ++p)
-    point.q.push_back(task.scale.ToScaled(p, start[static_cast<Eigen::Index>(p)]));
-  shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
-  for (std::size_t e = 0; e < initial.size(); ++e)
-    point.z[e] = shooting::Scaled(initial[e], task.state_scale);
-  return Finish(std::move(task), std::move(point), weights.size() > 0, false, options);
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(episodes);
+  shooting::Point best;
+  for (const StateStart& start : starts) {
+    shooting::Point point = PointAt(task, start.parameters);
+    shooting::GuessSegments(task, whole, point);
+    for (std::size_t e = 0; e < start.initial.size(); ++e)
+      point.z[e] = shooting::Scaled(start.initial[e], task.state_scale);
+    if (starts.size() > 1 &&
+        !shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point))
+      continue;
+    if (best.z.empty() || point.cost < best.cost) best = std::move(point);
+  }
+  if (best.z.empty()) {
+    StateFit none;
+    none.model = model;
+    none.failed = DivergedText(task, starts.front().parameters);
+    return none;
+  }
+  return Finish(std::move(task), std::move(best), weights.size() > 0, false, options);
+}
+
+std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
+                                     std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
+                                     const StateFitOptions& options) {
+  const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
+  const shooting::Task task = TaskOf(model, few);
+  const shooting::Point point = Shot(task, parameters, options);
+  if (!point.valid) return std::nullopt;
+  StateStart start{shooting::Unscaled(task, point.q), {}};
+  for (const std::vector<double>& z : point.z)
+    start.initial.push_back(Eigen::Map<const Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()))
+                                .cwiseProduct(task.state_scale));
+  return start;
 }
 
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                       const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights) {
   shooting::Task task = TaskOf(model, episodes);
   task.noise = weights;
-  shooting::Point point;
-  for (std::size_t p = 0; p < task.scale.size(); ++p)
-    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
+  shooting::Point point = PointAt(task, parameters);
   shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
   return Finish(std::move(task), std::move(point), true, true, {});
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace hydroscope {
 struct StateFitOptions {
   int starts = 8;          ///< drawn from the ranges of the parameters, beside that of the machine file
   std::uint32_t seed = 1;  ///< of the draws
-  int start_rows = 2000;   ///< starts are tried on so many rows, the best minima are then fitted to all
+  int start_rows = 1000;   ///< starts are tried on so many rows, the best minima are then fitted to all
   int segment_rows = 50;   ///< of the shooting segments that a start is first fitted with
   int polished = 2;        ///< minima that are fitted to all rows
   int iterations = 60;     ///< of the last fit
@@ -73,10 +74,22 @@ struct StateFit {
 StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                    const StateFitOptions& options = {});
 
-/// From one start only; `initial` as StateFit::initial, empty: as the data say. `weights`: noise per output, empty: found.
+/// Where a fit begins; `initial` as StateFit::initial, empty: as the data say.
+struct StateStart {
+  Eigen::VectorXd parameters;
+  std::vector<Eigen::VectorXd> initial;
+};
+
+/// From known starts: each is fitted roughly (options.start_iterations) to all rows, the best of them to the end. `weights`:
+/// noise per output, empty: found.
 StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
-                     const Eigen::VectorXd& start, const std::vector<Eigen::VectorXd>& initial,
-                     const Eigen::VectorXd& weights, const StateFitOptions& options = {});
+                     std::span<const StateStart> starts, const Eigen::VectorXd& weights,
+                     const StateFitOptions& options = {});
+
+/// A start for RefitStates from far off: what short segments of the first rows give. Nothing if the model diverges.
+std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
+                                     std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
+                                     const StateFitOptions& options = {});
 
 /// Initial states alone, on data that the parameters were not fitted to.
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,

@@ -202,7 +202,10 @@ void GuessSegments(const Task& task, const std::vector<Segment>& segments, Point
 
 bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterations, double tolerance,
               bool fixed, Point& point) {
-  FLAGS_minloglevel = google::GLOG_FATAL;  // a step that diverges is no news: it is taken back
+  static const bool quiet [[maybe_unused]] = [] {
+    FLAGS_minloglevel = google::GLOG_FATAL;  // a step that diverges is no news: it is taken back
+    return true;
+  }();
   ceres::Problem problem;
   const auto parameters = static_cast<int>(point.q.size());
   std::vector<std::vector<double>> free(segments.size());

@@ -44,37 +44,110 @@ constexpr std::array<double, kImplicitStages> kImplicitError = {
 /// Numbers from which on the width of the vectors pays for the call.
 constexpr std::size_t kLong = 24;
 
-inline void CombineShort(const double* base, const double* k, const double* weights, int count, double step,
-                         std::size_t size, double* out) {
+/// out = base + step * sum_j weights[j] * k[j], each of `size` numbers; the sum over `kCount` is written out, so that the
+/// compiler turns the loop over the numbers into vectors.
+template <int kCount>
+inline void CombineOf(const double* base, const double* k, const double* weights, double step,
+                      std::size_t size, double* out) {
+  std::array<double, static_cast<std::size_t>(kCount)> w;
+  for (std::size_t j = 0; j < kCount; ++j) w[j] = step * weights[j];
   for (std::size_t i = 0; i < size; ++i) {
-    double sum = 0;
-    for (int j = 0; j < count; ++j) sum += weights[j] * k[static_cast<std::size_t>(j) * size + i];
-    out[i] = base[i] + step * sum;
+    double sum = base[i];
+    for (std::size_t j = 0; j < kCount; ++j) sum += w[j] * k[j * size + i];
+    out[i] = sum;
+  }
+}
+
+inline void CombineCounted(const double* base, const double* k, const double* weights, int count, double step,
+                           std::size_t size, double* out) {
+  switch (count) {
+    case 0:
+      std::copy_n(base, size, out);
+      return;
+    case 1:
+      return CombineOf<1>(base, k, weights, step, size, out);
+    case 2:
+      return CombineOf<2>(base, k, weights, step, size, out);
+    case 3:
+      return CombineOf<3>(base, k, weights, step, size, out);
+    case 4:
+      return CombineOf<4>(base, k, weights, step, size, out);
+    case 5:
+      return CombineOf<5>(base, k, weights, step, size, out);
+    default:
+      return CombineOf<6>(base, k, weights, step, size, out);
   }
 }
 
 HYDROSCOPE_WIDE void CombineLong(const double* base, const double* k, const double* weights, int count,
                                  double step, std::size_t size, double* out) {
-  std::copy_n(base, size, out);
-  for (int j = 0; j < count; ++j) {
-    const double weight = step * weights[j];
-    if (weight == 0) continue;
-    const double* kj = k + static_cast<std::size_t>(j) * size;
-    for (std::size_t i = 0; i < size; ++i) out[i] += weight * kj[i];
-  }
+  CombineCounted(base, k, weights, count, step, size, out);
 }
 
-/// out = base + step * sum_j weights[j] * k[j], each of `size` numbers.
+/// out = base + step * sum_j weights[j] * k[j], each of `size` numbers; count at most 6.
 inline void Combine(const double* base, const double* k, const double* weights, int count, double step,
                     std::size_t size, double* out) {
   if (size < kLong)
-    CombineShort(base, k, weights, count, step, size, out);
+    CombineCounted(base, k, weights, count, step, size, out);
   else
     CombineLong(base, k, weights, count, step, size, out);
 }
 
-inline void AddTimes(double factor, const double* from, int size, double* to) {
-  for (int i = 0; i < size; ++i) to[i] += factor * from[i];
+/// Columns of sensitivities are padded to a multiple of this, which loops over them run in.
+constexpr int kPadding = 4;
+
+inline void AddTimes(double factor, const double* __restrict from, int columns, double* __restrict to) {
+  for (int c = 0; c < columns; c += kPadding)
+    for (int k = 0; k < kPadding; ++k) to[c + k] += factor * from[c + k];
+}
+
+/// Few numbers, for which a call of memmove takes longer than they do.
+inline void CopyFew(const double* from, int count, double* to) {
+  for (int i = 0; i < count; ++i) to[i] = from[i];
+}
+
+/// The equations at a point, as their tangent needs them.
+struct TangentPoint {
+  const double* entries;      ///< values of Equations::entries
+  const unsigned char* held;  ///< per state
+  const double* added;        ///< values of the added terms
+};
+
+/// Shapes of the sensitivities.
+struct TangentShape {
+  const std::vector<Equations::Slope>& entries;
+  int states, columns;
+  const AddedTerms* terms;
+  int terms_from;  ///< column
+};
+
+/// out = J s + df/dp + what added terms give.
+inline void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, const double* s, double* out) {
+  const int columns = shape.columns;
+  std::fill_n(out, shape.states * columns, 0.0);
+  const double* entry = point.entries;
+  for (const auto& [row, column] : shape.entries) {
+    const double value = *entry++;
+    if (point.held[row] != 0) continue;
+    if (column < shape.states)
+      AddTimes(value, s + column * columns, columns, out + row * columns);
+    else
+      out[row * columns + column - shape.states] += value;
+  }
+  if (shape.terms == nullptr) return;
+  for (const auto& [value, row, column] : shape.terms->to_states)
+    if (point.held[row] == 0) out[row * columns + shape.terms_from + column] += point.added[value];
+}
+
+/// An explicit step differentiated: from s to `end`, by way of the rates k of each stage.
+HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step,
+                                       const double* s, double* k, double* end) {
+  const auto size = static_cast<std::size_t>(shape.states * shape.columns);
+  for (int stage = 0; stage + 1 < kStages; ++stage) {
+    CombineCounted(s, k, kA[stage], stage, step, size, end);
+    RateOfSlopes(shape, stages[stage], end, k + static_cast<std::size_t>(stage) * size);
+  }
+  CombineCounted(s, k, kA[kStages - 1], kStages - 1, step, size, end);
 }
 
 }  // namespace
@@ -95,6 +168,8 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
   for (auto* v : {&x_, &next_, &scale_}) v->assign(n, 0.0);
   for (auto* v : {&u0_, &u1_, &u_}) v->assign(m, 0.0);
   k_.assign(n * kStages, 0.0);
+  stage_entries_.assign(model_->dynamics.entries.size() * kStages, 0.0);
+  stage_held_.assign(n * kStages, 0);
   stage_x_.assign(n * kStages, 0.0);
   jacobian_.assign(n * n, 0.0);
 }
@@ -164,8 +239,8 @@ void StateSimulator::HoldAtLimits(const double* x, double* rate, bool slopes) {
 void StateSimulator::Rate(const double* x, double fraction, double* rate) {
   InputAt(fraction);
   double* r = values_registers_.data();
-  std::copy_n(x, states_, r);
-  std::copy(u_.begin(), u_.end(), r + states_);
+  CopyFew(x, states_, r);
+  CopyFew(u_.data(), inputs_, r + states_);
   const ExpressionProgram& program = model_->dynamics.values;
   program.Run(r);
   for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
@@ -175,46 +250,49 @@ void StateSimulator::Rate(const double* x, double fraction, double* rate) {
 void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rate) {
   InputAt(fraction);
   double* r = slopes_registers_.data();
-  std::copy_n(x, states_, r);
-  std::copy(u_.begin(), u_.end(), r + states_);
+  CopyFew(x, states_, r);
+  CopyFew(u_.data(), inputs_, r + states_);
   const ExpressionProgram& program = model_->dynamics.slopes;
   program.Run(r);
   for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
   HoldAtLimits(x, rate, true);
-  if (added_ != nullptr) added_->values(x, u_.data(), added_values_.data());
 }
 
-/// Rates of the sensitivities at the point that RateAndSlopes looked at: J S + df/dp.
-void StateSimulator::SlopesOfRate(const double* s, double* out) const {
-  std::fill_n(out, static_cast<std::size_t>(states_ * columns_), 0.0);
+/// Rates of the sensitivities at the point that RateAndSlopes looked at.
+void StateSimulator::SlopesOfRate(const double* s, double* out) {
+  KeepStage(0);
+  RateOfSlopes({model_->dynamics.entries, states_, columns_, added_, added_from_},
+               {stage_entries_.data(), stage_held_.data(), stage_added_.data()}, s, out);
+}
+
+/// Keeps what ExplicitSlopes needs of the point that RateAndSlopes looked at.
+void StateSimulator::KeepStage(std::size_t stage) {
   const ExpressionProgram& program = model_->dynamics.slopes;
-  const auto& entries = model_->dynamics.entries;
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    const auto [row, column] = entries[e];
-    if (held_[static_cast<std::size_t>(row)]) continue;
-    const double slope = slopes_registers_[program.output(static_cast<std::size_t>(states_) + e)];
-    if (column < states_)
-      AddTimes(slope, s + column * columns_, columns_, out + row * columns_);
-    else
-      out[row * columns_ + column - states_] += slope;
-  }
+  const auto n = static_cast<std::size_t>(states_), count = model_->dynamics.entries.size();
+  for (std::size_t e = 0; e < count; ++e)
+    stage_entries_[stage * count + e] = slopes_registers_[program.output(n + e)];
+  for (std::size_t i = 0; i < n; ++i) stage_held_[stage * n + i] = held_[i];
   if (added_ == nullptr) return;
-  for (int i = 0; i < states_; ++i) {
-    if (held_[static_cast<std::size_t>(i)]) continue;
-    double* to = out + i * columns_ + added_from_ + i * added_->count;
-    for (int k = 0; k < added_->count; ++k) to[k] += added_values_[static_cast<std::size_t>(k)];
-  }
+  added_->evaluate(slopes_registers_.data(), u_.data(),
+                   stage_added_.data() + stage * static_cast<std::size_t>(added_->values));
 }
 
 bool StateSimulator::ExplicitStep(double fraction, double share, double period, double& error) {
   const double step = share * period;
   const auto n = static_cast<std::size_t>(states_);
-  for (int s = 0; s < kStages; ++s) {
-    double* x = stage_x_.data() + static_cast<std::size_t>(s) * n;
+  for (int s = begun_ ? 1 : 0; s < kStages; ++s) {
+    const auto at = static_cast<std::size_t>(s);
+    double *x = stage_x_.data() + at * n, *k = k_.data() + at * n;
     Combine(x_.data(), k_.data(), kA[s], s, step, n, x);
-    Rate(x, fraction + kNodes[static_cast<std::size_t>(s)] * share,
-         k_.data() + static_cast<std::size_t>(s) * n);
+    const double here = fraction + kNodes[at] * share;
+    if (with_slopes_ && s + 1 < kStages) {
+      RateAndSlopes(x, here, k);
+      KeepStage(at);
+    } else {
+      Rate(x, here, k);
+    }
   }
+  begun_ = true;
   const double* end = stage_x_.data() + (kStages - 1) * n;
   error = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -228,22 +306,23 @@ bool StateSimulator::ExplicitStep(double fraction, double share, double period, 
   return true;
 }
 
-/// Bound on the model's fastest rate, 1/s, at the point that RateAndSlopes looked at: rows of the Jacobian in the units of the
+/// Bound on the model's fastest rate, 1/s, in the first stage of an explicit step: rows of the Jacobian in the units of the
 /// states in which each pair weighs the same.
 double StateSimulator::Fastest() {
   const auto n = static_cast<std::size_t>(states_);
   std::fill(jacobian_.begin(), jacobian_.end(), 0.0);
-  const ExpressionProgram& program = model_->dynamics.slopes;
   const auto& entries = model_->dynamics.entries;
   for (std::size_t e = 0; e < entries.size(); ++e)
     if (entries[e].column < states_)
       jacobian_[static_cast<std::size_t>(entries[e].row) * n + static_cast<std::size_t>(entries[e].column)] =
-          slopes_registers_[program.output(n + e)];
+          stage_entries_[e];
   double fastest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     double sum = std::abs(jacobian_[i * n + i]);
-    for (std::size_t j = 0; j < n; ++j)
-      if (j != i) sum += std::sqrt(std::abs(jacobian_[i * n + j] * jacobian_[j * n + i]));
+    for (std::size_t j = 0; j < n; ++j) {
+      const double product = jacobian_[i * n + j] * jacobian_[j * n + i];
+      if (j != i && product != 0) sum += std::sqrt(std::abs(product));
+    }
     fastest = std::max(fastest, sum);
   }
   return fastest;
@@ -251,21 +330,18 @@ double StateSimulator::Fastest() {
 
 /// The step that ExplicitStep took, differentiated. False if it is too long for the method to be stable: states at rest do
 /// not show it, their sensitivities would grow without bound.
-bool StateSimulator::ExplicitSlopes(double fraction, double share, double period) {
+bool StateSimulator::ExplicitSlopes(double share, double period) {
   const double step = share * period;
-  const auto n = static_cast<std::size_t>(states_), size = n * static_cast<std::size_t>(columns_);
-  std::array<double, kMaxStates> rate;
-  for (int s = 0; s + 1 < kStages; ++s) {
-    Combine(s_.data(), ks_.data(), kA[s], s, step, size, stage_s_.data());
-    RateAndSlopes(stage_x_.data() + static_cast<std::size_t>(s) * n,
-                  fraction + kNodes[static_cast<std::size_t>(s)] * share, rate.data());
-    if (s == 0) {
-      fastest_ = Fastest();
-      if (!(step * fastest_ <= kStable)) return false;
-    }
-    SlopesOfRate(stage_s_.data(), ks_.data() + static_cast<std::size_t>(s) * size);
-  }
-  Combine(s_.data(), ks_.data(), kA[kStages - 1], kStages - 1, step, size, stage_s_.data());
+  fastest_ = Fastest();
+  if (!(step * fastest_ <= kStable)) return false;
+  const auto n = static_cast<std::size_t>(states_), entries = model_->dynamics.entries.size(),
+             values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
+  std::array<TangentPoint, kStages> stages;
+  for (std::size_t s = 0; s < kStages; ++s)
+    stages[s] = {stage_entries_.data() + s * entries, stage_held_.data() + s * n,
+                 stage_added_.data() + s * values};
+  DifferentiateStep({model_->dynamics.entries, states_, columns_, added_, added_from_}, stages.data(), step,
+                    s_.data(), ks_.data(), stage_s_.data());
   s_.swap(stage_s_);
   return true;
 }
@@ -376,6 +452,7 @@ bool StateSimulator::Interval(double period) {
   constexpr double kSafety = 0.9, kSmallest = 0.2, kLargest = 5, kWhole = 1 - 1e-9;
   double done = 0;
   int taken = 0;
+  begun_ = false;
   while (done < kWhole) {
     const double share = std::min(next_share_, 1 - done);
     double error = 0;
@@ -397,12 +474,13 @@ bool StateSimulator::Interval(double period) {
       continue;
     }
     if (with_slopes_ && stiff_) s_.swap(stage_s_);
-    if (with_slopes_ && !stiff_ && !ExplicitSlopes(done, share, period)) {
+    if (with_slopes_ && !stiff_ && !ExplicitSlopes(share, period)) {
       if (!std::isfinite(fastest_)) return false;
       next_share_ = kStableAgain / (fastest_ * period);
       continue;
     }
     x_.swap(next_);
+    begun_ = false;
     Clamp();
     for (int i = 0; i < states_; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -421,8 +499,8 @@ void StateSimulator::Output(int row, StateRun& run) {
   const Equations& output = model_->output;
   const ExpressionProgram& program = with_slopes_ ? output.slopes : output.values;
   std::vector<double>& registers = with_slopes_ ? output_slopes_registers_ : output_registers_;
-  std::copy(x_.begin(), x_.end(), registers.begin());
-  std::copy(u0_.begin(), u0_.end(), registers.begin() + states_);
+  CopyFew(x_.data(), states_, registers.data());
+  CopyFew(u0_.data(), inputs_, registers.data() + states_);
   program.Run(registers.data());
   for (int j = 0; j < output.rows; ++j)
     run.outputs(row, j) = registers[program.output(static_cast<std::size_t>(j))];
@@ -433,17 +511,16 @@ void StateSimulator::Output(int row, StateRun& run) {
     const auto [j, column] = output.entries[e];
     const double slope = registers[program.output(static_cast<std::size_t>(output.rows) + e)];
     double* to = run.slopes.row(row * output.rows + j).data();
-    if (column < states_)
-      AddTimes(slope, s_.data() + column * columns_, columns_, to);
-    else
+    const double* from = s_.data() + column * columns_;
+    if (column >= states_)
       to[column - states_] += slope;
+    else
+      for (int c = 0; c < wanted_; ++c) to[c] += slope * from[c];
   }
-  if (added_ == nullptr) return;
-  added_->values(x_.data(), u0_.data(), added_values_.data());
-  for (int j = 0; j < output.rows; ++j)
-    for (int k = 0; k < added_->count; ++k)
-      run.slopes(row * output.rows + j, columns_ + j * added_->count + k) =
-          added_values_[static_cast<std::size_t>(k)];
+  if (added_ == nullptr || added_->to_outputs.empty()) return;
+  added_->evaluate(x_.data(), u0_.data(), added_values_.data());
+  for (const auto& [value, j, column] : added_->to_outputs)
+    run.slopes(row * output.rows + j, added_from_ + column) += added_values_[static_cast<std::size_t>(value)];
 }
 
 void StateSimulator::Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
@@ -453,7 +530,9 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
   added_ = with_slopes_ ? added : nullptr;
   columns_ = with_slopes_ ? static_cast<int>(start_slopes->cols()) : 0;
   added_from_ = columns_;
-  if (added_ != nullptr) columns_ += added_->count * states_;
+  if (added_ != nullptr) columns_ += added_->moving;
+  wanted_ = columns_;
+  columns_ = (columns_ + kPadding - 1) / kPadding * kPadding;
   run.diverged = false;
   run.rows = 0;
   run.outputs.resize(rows, outputs);
@@ -465,8 +544,10 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     ks_.assign(size * kStages, 0.0);
     for (int i = 0; i < states_; ++i)
       std::copy_n(start_slopes->row(i).data(), start_slopes->cols(), s_.data() + i * columns_);
-    if (added_ != nullptr) added_values_.assign(static_cast<std::size_t>(added_->count), 0.0);
-    run.slopes.resize(rows * outputs, columns_ + (added_ == nullptr ? 0 : added_->count * outputs));
+    const std::size_t values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
+    added_values_.assign(values, 0.0);
+    stage_added_.assign(values * kStages, 0.0);
+    run.slopes.resize(rows * outputs, wanted_ + (added_ == nullptr ? 0 : added_->columns - added_->moving));
   }
   std::copy(x0.begin(), x0.end(), x_.begin());
   for (int i = 0; i < states_; ++i) scale_[static_cast<std::size_t>(i)] = std::abs(x0[i]);
@@ -489,7 +570,8 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     }
   }
   run.end = Eigen::Map<const Eigen::VectorXd>(x_.data(), states_);
-  if (with_slopes_) run.end_slopes = Eigen::Map<const RowMatrix>(s_.data(), states_, columns_);
+  if (with_slopes_)
+    run.end_slopes = Eigen::Map<const RowMatrix>(s_.data(), states_, columns_).leftCols(wanted_);
 }
 
 }  // namespace hydroscope

@@ -23,9 +23,15 @@ struct Episode {
 
 /// Further columns of the sensitivities: what terms added to the equations would change, per unit of each.
 struct AddedTerms {
-  int count = 0;
+  struct Place {
+    int value = 0, row = 0, column = 0;  ///< row: of the states, or of the outputs
+  };
+  int values = 0;   ///< that `evaluate` gives
+  int columns = 0;  ///< all; those that change a state come first
+  int moving = 0;   ///< columns that change a state
+  std::vector<Place> to_states, to_outputs;
   /// Values of the terms at a state and input.
-  std::function<void(const double* state, const double* input, double* values)> values;
+  std::function<void(const double* state, const double* input, double* values)> evaluate;
 };
 
 struct SimulationOptions {
@@ -41,7 +47,7 @@ struct StateRun {
   int rows = 0;          ///< rows reached
   RowMatrix outputs;     ///< row x output
   RowMatrix states;      ///< row x state
-  RowMatrix slopes;      ///< (row, output) x (parameters, initial states, added terms per state, per output)
+  RowMatrix slopes;      ///< (row, output) x (parameters, initial states, columns of added terms)
   Eigen::VectorXd end;   ///< states at the end
   RowMatrix end_slopes;  ///< their sensitivities
 };
@@ -78,26 +84,33 @@ class StateSimulator {
   void InputAt(double fraction);
   bool Interval(double period);
   bool ExplicitStep(double fraction, double share, double period, double& error);
-  bool ExplicitSlopes(double fraction, double share, double period);
+  bool ExplicitSlopes(double share, double period);
+  void KeepStage(std::size_t stage);
   double Fastest();
   bool ImplicitStep(double fraction, double share, double period, double& error);
   bool SolveStage(double fraction, double step, const double* base, double* k);
-  void SlopesOfRate(const double* state_slopes, double* out) const;
+  void SlopesOfRate(const double* state_slopes, double* out);
   void Clamp();
   void Output(int row, StateRun& run);
 
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
-  int states_, inputs_, parameters_, columns_ = 0;
+  int states_, inputs_, parameters_;
+  int wanted_ = 0, columns_ = 0;  ///< columns of sensitivities, and with what they are padded by
   bool linear_;
   Eigen::VectorXd theta_, limits_;
   RowMatrix limit_slopes_;
   std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
   std::vector<double> x_, next_, scale_, u0_, u1_, u_, k_, stage_x_;
-  std::vector<bool> held_;  ///< states at a limit in the stage looked at
-  std::vector<double> s_, stage_s_, ks_, jacobian_, added_values_;  ///< sensitivities, row by row
+  std::vector<unsigned char> held_;       ///< states at a limit in the stage looked at
+  std::vector<double> s_, stage_s_, ks_;  ///< sensitivities, row by row
+  std::vector<double> jacobian_, added_values_;
+  /// Of each stage of an explicit step: slopes of the equations, states held, values of the added terms.
+  std::vector<double> stage_entries_, stage_added_;
+  std::vector<unsigned char> stage_held_;
   const AddedTerms* added_ = nullptr;
   int added_from_ = 0;  ///< first column of the added terms
+  bool begun_ = false;  ///< the first stage of the step to come is known
   bool stiff_ = false, with_slopes_ = false;
   double next_share_ = 1, fastest_ = 0;
   std::int64_t steps_ = 0;

@@ -2,15 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 namespace hydroscope {
 namespace {
 
-StatesExplanation ExplainOf(StateMachineKind kind, const std::string& hidden,
-                            const std::string& without = {}) {
+StatesExplanation ExplainOf(StateMachineKind kind, const std::string& hidden, const std::string& without = {},
+                            std::uint64_t seed = 6) {
   const Machine machine = StatesMachine(kind, without);
-  const Episode episode = EpisodeOf(SimulateStates({kind, hidden, 5, 1000}), machine);
+  const Episode episode = EpisodeOf(SimulateStates({kind, hidden, seed, 1000}), machine);
   return ExplainStates(machine, std::span(&episode, 1));
 }
 
@@ -30,6 +31,29 @@ TEST(StateMachines, ATankThatOverflowsUnseenIsNamedAndAHealthyOneAdequate) {
   EXPECT_EQ(x.verdict, Verdict::kNamed);
   EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
   EXPECT_EQ(ExplainOf(StateMachineKind::kTanks, "").verdict, Verdict::kAdequate);
+}
+
+TEST(StateMachines, AMeasuredLogNamesWhatIsHiddenAndItsSensorsEndIsLeftOut) {
+  const Machine machine = StatesMachine(StateMachineKind::kActuator, {});
+  const Episode episode =
+      EpisodeOf(SimulateStates({StateMachineKind::kActuator, "root_flow", 7017, 1448, true}), machine);
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"root_flow"});
+}
+
+TEST(StateMachines, ALongerLogOfTheSameSeedBeginsWithTheShorter) {
+  for (const auto kind :
+       {StateMachineKind::kOscillator, StateMachineKind::kTanks, StateMachineKind::kActuator}) {
+    const StatesLog one = SimulateStates({kind, "", 4, 1100, true}),
+                    longer = SimulateStates({kind, "", 4, 2200, true});
+    for (std::size_t row = 0; row < one.input.size(); row += 13) {
+      EXPECT_EQ(one.input[row], longer.input[row]);
+      if (std::isfinite(one.outputs[0][row])) {
+        EXPECT_EQ(one.outputs[0][row], longer.outputs[0][row]);
+      }
+    }
+  }
 }
 
 /// The example of docs/state_models.md: the indented lines before the commands.

@@ -57,9 +57,6 @@ struct GraphValue {
   double constant = 0;
 };
 
-/// The operation on numbers. Not finite (division by zero, root of a negative value) comes out as IEEE 754 has it.
-double Compute(Operation operation, double a, double b, double c);
-
 /// Expressions as values computed from each other, each kept once, so that what they share is computed once.
 /// Derivatives are exact: the rules of forward differentiation (Griewank and Walther 2008, chapter 3) applied to each
 /// value give new values of the same graph, and those that are zero vanish.

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "core/wide.h"
+#include "models/expression_operation.h"
 
 namespace hydroscope {
 namespace {

@@ -1,0 +1,264 @@
+#include "diagnosis/effect_starts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "diagnosis/state_tangent.h"
+#include "models/state_names.h"
+
+namespace hydroscope {
+namespace {
+
+/// What effects add to the equations at some values of their parameters: equations of the model with them, less those of the
+/// model without.
+class AddedEffect {
+ public:
+  AddedEffect(const StateModel& near, const StateModel& with, const Eigen::VectorXd& own)
+      : near_(near), with_(with), own_(RegistersOf(near, own)) {
+    for (const UserEffectSpec& effect : with.machine.user_effects) {
+      const auto has = [&](const StateModel& model) {
+        return std::find(model.effects.begin(), model.effects.end(), effect.id) != model.effects.end();
+      };
+      if (!has(with) || has(near)) continue;
+      for (const TermSpec& term : effect.adds) {
+        const int state = StateIndex(with.machine, term.parameter);
+        auto& rows = state >= 0 ? states_ : outputs_;
+        const int row = state >= 0 ? state : OutputIndex(with.machine, term.parameter);
+        if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+      }
+    }
+  }
+  void AddDraw(const Eigen::VectorXd& parameters) { draws_.push_back(RegistersOf(with_, parameters)); }
+
+  int rows() const { return static_cast<int>(states_.size() + outputs_.size()); }
+
+  /// Values of each draw in turn: of the states it adds to, then of the outputs.
+  void Values(const double* x, const double* u, double* out) {
+    Run(near_, own_, x, u);
+    for (Registers& draw : draws_) {
+      Run(with_, draw, x, u);
+      for (const int i : states_)
+        *out++ = At(with_.dynamics, draw.states, i) - At(near_.dynamics, own_.states, i);
+      for (const int j : outputs_)
+        *out++ = At(with_.output, draw.outputs, j) - At(near_.output, own_.outputs, j);
+    }
+  }
+
+  /// One column per draw.
+  AddedTerms Terms() {
+    AddedTerms added;
+    added.columns = static_cast<int>(draws_.size());
+    added.moving = states_.empty() ? 0 : added.columns;
+    for (int d = 0; d < added.columns; ++d) {
+      for (const int i : states_) added.to_states.push_back({added.values++, i, d});
+      for (const int j : outputs_) added.to_outputs.push_back({added.values++, j, d});
+    }
+    added.evaluate = [this](const double* x, const double* u, double* values) { Values(x, u, values); };
+    return added;
+  }
+
+ private:
+  struct Registers {
+    std::vector<double> states, outputs;
+  };
+  static Registers RegistersOf(const StateModel& model, const Eigen::VectorXd& parameters) {
+    const auto of = [&](const ExpressionProgram& program) {
+      std::vector<double> registers = program.Registers();
+      std::copy(parameters.begin(), parameters.end(),
+                registers.begin() + static_cast<std::ptrdiff_t>(model.states()) +
+                    static_cast<std::ptrdiff_t>(model.inputs.size()));
+      program.RunFixed(registers.data());
+      return registers;
+    };
+    return {of(model.dynamics.values), of(model.output.values)};
+  }
+  void Run(const StateModel& model, Registers& registers, const double* x, const double* u) const {
+    const auto run = [&](const ExpressionProgram& program, std::vector<double>& at) {
+      std::copy_n(x, model.states(), at.begin());
+      std::copy_n(u, model.inputs.size(), at.begin() + model.states());
+      program.Run(at.data());
+    };
+    if (!states_.empty()) run(model.dynamics.values, registers.states);
+    if (!outputs_.empty()) run(model.output.values, registers.outputs);
+  }
+  static double At(const Equations& equations, const std::vector<double>& registers, int row) {
+    return registers[equations.values.output(static_cast<std::size_t>(row))];
+  }
+
+  const StateModel& near_;
+  const StateModel& with_;
+  std::vector<int> states_, outputs_;
+  Registers own_;
+  std::vector<Registers> draws_;
+};
+
+class StartSearch {
+ public:
+  StartSearch(const StateFit& near, const StateModel& with, std::span<const Episode> episodes,
+              const EffectStartsOptions& options)
+      : near_(near), with_(with), episodes_(episodes), options_(options) {}
+
+  std::vector<StateStart> Run() {
+    TakeKnown();
+    factor_ = ProportionalTo();
+    Draw();
+    const std::vector<Score> scores = Scores();
+    std::vector<std::size_t> order(draws_.size());
+    for (std::size_t d = 0; d < order.size(); ++d) order[d] = d;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return scores[a].explained > scores[b].explained; });
+    std::vector<StateStart> starts;
+    for (std::size_t k = 0; k < order.size() && k < static_cast<std::size_t>(options_.kept); ++k) {
+      StateStart start{draws_[order[k]], near_.initial};
+      if (factor_ >= 0) {
+        const ParameterSpec& spec = SpecOf(factor_);
+        start.parameters[factor_] =
+            std::clamp(scores[order[k]].amplitude * start.parameters[factor_], spec.min, spec.max);
+      }
+      starts.push_back(std::move(start));
+    }
+    starts.push_back({first_, near_.initial});
+    return starts;
+  }
+
+ private:
+  struct Score {
+    double explained = 0;  ///< energy, in noise variances
+    double amplitude = 1;  ///< of the draw's effect
+  };
+
+  const ParameterSpec& SpecOf(int p) const { return with_.parameters[static_cast<std::size_t>(p)].spec; }
+
+  void TakeKnown() {
+    first_.resize(with_.parameter_count());
+    for (int p = 0; p < with_.parameter_count(); ++p) {
+      const auto& known = near_.model->parameters;
+      const auto at = std::find_if(known.begin(), known.end(), [&](const StateParameter& other) {
+        return other.name == with_.parameters[static_cast<std::size_t>(p)].name;
+      });
+      if (at != known.end()) {
+        first_[p] = near_.parameters[at - known.begin()];
+      } else {
+        first_[p] = SpecOf(p).start;
+        new_.push_back(p);
+      }
+    }
+  }
+
+  Eigen::VectorXd Drawn(std::mt19937& random) const {
+    std::uniform_real_distribution<double> uniform;
+    Eigen::VectorXd drawn = first_;
+    for (const int p : new_) {
+      const double share = uniform(random);
+      const ParameterSpec& spec = SpecOf(p);
+      if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) continue;
+      drawn[p] = spec.min > 0 ? spec.min * std::pow(spec.max / spec.min, share)
+                              : spec.min + share * (spec.max - spec.min);
+    }
+    return drawn;
+  }
+
+  /// A new parameter which the effect is proportional to, at rows of the log and draws; -1 if there is none.
+  int ProportionalTo() const {
+    constexpr int kRows = 40, kDraws = 5;
+    constexpr double kRounding = 1e-6;  // values are differences of rates that may be much larger
+    std::mt19937 random(options_.seed);
+    for (const int p : new_) {
+      AddedEffect effect(*near_.model, with_, near_.parameters);
+      for (int d = 0; d < kDraws; ++d) {
+        Eigen::VectorXd drawn = Drawn(random);
+        if (drawn[p] == 0) drawn[p] = 1;
+        effect.AddDraw(drawn);
+        drawn[p] *= 0.5;
+        effect.AddDraw(drawn);
+      }
+      std::vector<double> values(static_cast<std::size_t>(2 * kDraws * effect.rows())),
+          input(with_.inputs.size());
+      double size = 0, off = 0;
+      for (std::size_t e = 0; e < episodes_.size(); ++e)
+        for (int k = 0; k < kRows; ++k) {
+          const int row = static_cast<int>(static_cast<std::int64_t>(episodes_[e].rows() - 1) * k / kRows);
+          for (std::size_t i = 0; i < input.size(); ++i) input[i] = episodes_[e].signal(row, with_.inputs[i]);
+          const Eigen::VectorXd state = near_.runs[e].states.row(row).transpose();
+          effect.Values(state.data(), input.data(), values.data());
+          for (int d = 0; d < kDraws; ++d)
+            for (int r = 0; r < effect.rows(); ++r) {
+              const double whole = values[static_cast<std::size_t>(2 * d * effect.rows() + r)],
+                           half = values[static_cast<std::size_t>((2 * d + 1) * effect.rows() + r)];
+              size += std::abs(whole);
+              off += std::abs(whole - 2 * half);
+            }
+        }
+      if (size > 0 && off <= kRounding * size) return p;
+    }
+    return -1;
+  }
+
+  void Draw() {
+    draws_ = {first_};
+    if (factor_ >= 0 && draws_.front()[factor_] == 0)
+      draws_.front()[factor_] =
+          std::isfinite(SpecOf(factor_).max) && SpecOf(factor_).max > 0 ? SpecOf(factor_).max : 1;
+    if (new_.empty() || (new_.size() == 1 && factor_ == new_.front())) return;  // all draws would be one
+    std::mt19937 random(options_.seed);
+    for (int k = 0; k < options_.draws; ++k) draws_.push_back(Drawn(random));
+  }
+
+  std::vector<Score> Scores() const {
+    AddedEffect effect(*near_.model, with_, near_.parameters);
+    for (const Eigen::VectorXd& draw : draws_) effect.AddDraw(draw);
+    const AddedTerms added = effect.Terms();
+    const int parameters = near_.model->parameter_count(), columns = added.columns;
+    // Sums over all episodes, initial states taken out: parameters, draws, error.
+    const int all = parameters + columns + 1;
+    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(all, all);
+    for (std::size_t e = 0; e < episodes_.size(); ++e) {
+      const RowMatrix tangent = TangentColumns(near_, episodes_[e], e, added);
+      sums += tangent.transpose() * tangent;
+    }
+    std::vector<Score> scores(draws_.size());
+    const Eigen::MatrixXd own = sums.topLeftCorner(parameters, parameters);
+    const Eigen::VectorXd size = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled = size.asDiagonal() * own * size.asDiagonal();
+    scaled.diagonal().array() += 1e-10;
+    const Eigen::MatrixXd weights =
+        parameters > 0 ? Eigen::MatrixXd(size.asDiagonal() *
+                                         scaled.llt().solve(size.asDiagonal() * sums.topRows(parameters)))
+                       : Eigen::MatrixXd(0, all);
+    const Eigen::MatrixXd rest = sums - sums.leftCols(parameters) * weights;
+    for (int d = 0; d < columns; ++d) {
+      const int c = parameters + d;
+      const double square = rest(c, c), cross = rest(c, all - 1);
+      if (!(square > 1e-12 * sums(c, c)) || !std::isfinite(square) || !std::isfinite(cross)) continue;
+      scores[static_cast<std::size_t>(d)] = ScoreOf(draws_[static_cast<std::size_t>(d)], square, cross);
+    }
+    return scores;
+  }
+
+  Score ScoreOf(const Eigen::VectorXd& draw, double square, double cross) const {
+    if (factor_ < 0) return {2 * cross - square, 1};
+    const ParameterSpec& spec = SpecOf(factor_);
+    const double wanted = cross / square * draw[factor_];
+    const double amplitude = std::clamp(wanted, spec.min, spec.max) / draw[factor_];
+    return {2 * amplitude * cross - amplitude * amplitude * square, amplitude};
+  }
+
+  const StateFit& near_;
+  const StateModel& with_;
+  std::span<const Episode> episodes_;
+  const EffectStartsOptions& options_;
+  Eigen::VectorXd first_;
+  std::vector<int> new_;
+  int factor_ = -1;  ///< parameter which the effect is proportional to
+  std::vector<Eigen::VectorXd> draws_;
+};
+
+}  // namespace
+
+std::vector<StateStart> EffectStarts(const StateFit& near, std::shared_ptr<const StateModel> with,
+                                     std::span<const Episode> episodes, const EffectStartsOptions& options) {
+  return StartSearch(near, *with, episodes, options).Run();
+}
+
+}  // namespace hydroscope
