@@ -4,94 +4,11 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/added_effect.h"
 #include "diagnosis/state_tangent.h"
-#include "models/state_names.h"
 
 namespace hydroscope {
 namespace {
-
-/// What effects add to the equations at some values of their parameters: equations of the model with them, less those of the
-/// model without.
-class AddedEffect {
- public:
-  AddedEffect(const StateModel& near, const StateModel& with, const Eigen::VectorXd& own)
-      : near_(near), with_(with), own_(RegistersOf(near, own)) {
-    for (const UserEffectSpec& effect : with.machine.user_effects) {
-      const auto has = [&](const StateModel& model) {
-        return std::find(model.effects.begin(), model.effects.end(), effect.id) != model.effects.end();
-      };
-      if (!has(with) || has(near)) continue;
-      for (const TermSpec& term : effect.adds) {
-        const int state = StateIndex(with.machine, term.parameter);
-        auto& rows = state >= 0 ? states_ : outputs_;
-        const int row = state >= 0 ? state : OutputIndex(with.machine, term.parameter);
-        if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
-      }
-    }
-  }
-  void AddDraw(const Eigen::VectorXd& parameters) { draws_.push_back(RegistersOf(with_, parameters)); }
-
-  int rows() const { return static_cast<int>(states_.size() + outputs_.size()); }
-
-  /// Values of each draw in turn: of the states it adds to, then of the outputs.
-  void Values(const double* x, const double* u, double* out) {
-    Run(near_, own_, x, u);
-    for (Registers& draw : draws_) {
-      Run(with_, draw, x, u);
-      for (const int i : states_)
-        *out++ = At(with_.dynamics, draw.states, i) - At(near_.dynamics, own_.states, i);
-      for (const int j : outputs_)
-        *out++ = At(with_.output, draw.outputs, j) - At(near_.output, own_.outputs, j);
-    }
-  }
-
-  /// One column per draw.
-  AddedTerms Terms() {
-    AddedTerms added;
-    added.columns = static_cast<int>(draws_.size());
-    added.moving = states_.empty() ? 0 : added.columns;
-    for (int d = 0; d < added.columns; ++d) {
-      for (const int i : states_) added.to_states.push_back({added.values++, i, d});
-      for (const int j : outputs_) added.to_outputs.push_back({added.values++, j, d});
-    }
-    added.evaluate = [this](const double* x, const double* u, double* values) { Values(x, u, values); };
-    return added;
-  }
-
- private:
-  struct Registers {
-    std::vector<double> states, outputs;
-  };
-  static Registers RegistersOf(const StateModel& model, const Eigen::VectorXd& parameters) {
-    const auto of = [&](const ExpressionProgram& program) {
-      std::vector<double> registers = program.Registers();
-      std::copy(parameters.begin(), parameters.end(),
-                registers.begin() + static_cast<std::ptrdiff_t>(model.states()) +
-                    static_cast<std::ptrdiff_t>(model.inputs.size()));
-      program.RunFixed(registers.data());
-      return registers;
-    };
-    return {of(model.dynamics.values), of(model.output.values)};
-  }
-  void Run(const StateModel& model, Registers& registers, const double* x, const double* u) const {
-    const auto run = [&](const ExpressionProgram& program, std::vector<double>& at) {
-      std::copy_n(x, model.states(), at.begin());
-      std::copy_n(u, model.inputs.size(), at.begin() + model.states());
-      program.Run(at.data());
-    };
-    if (!states_.empty()) run(model.dynamics.values, registers.states);
-    if (!outputs_.empty()) run(model.output.values, registers.outputs);
-  }
-  static double At(const Equations& equations, const std::vector<double>& registers, int row) {
-    return registers[equations.values.output(static_cast<std::size_t>(row))];
-  }
-
-  const StateModel& near_;
-  const StateModel& with_;
-  std::vector<int> states_, outputs_;
-  Registers own_;
-  std::vector<Registers> draws_;
-};
 
 class StartSearch {
  public:
@@ -101,6 +18,7 @@ class StartSearch {
 
   std::vector<StateStart> Run() {
     TakeKnown();
+    if (with_.delays.size() != near_.model->delays.size()) return Unranked();
     factor_ = ProportionalTo();
     Draw();
     const std::vector<Score> scores = Scores();
@@ -127,6 +45,14 @@ class StartSearch {
     double explained = 0;  ///< energy, in noise variances
     double amplitude = 1;  ///< of the draw's effect
   };
+
+  /// An effect that delays an input reads what the model without it does not have at hand.
+  std::vector<StateStart> Unranked() const {
+    std::vector<StateStart> starts = {{first_, near_.initial}};
+    std::mt19937 random(options_.seed);
+    for (int k = 0; k < options_.unranked; ++k) starts.push_back({Drawn(random), near_.initial});
+    return starts;
+  }
 
   const ParameterSpec& SpecOf(int p) const { return with_.parameters[static_cast<std::size_t>(p)].spec; }
 
@@ -173,19 +99,21 @@ class StartSearch {
         drawn[p] *= 0.5;
         effect.AddDraw(drawn);
       }
-      std::vector<double> values(static_cast<std::size_t>(2 * kDraws * effect.rows())),
-          input(with_.inputs.size());
+      const auto effect_rows = static_cast<int>(effect.equations().size());
+      std::vector<double> values(static_cast<std::size_t>(2 * kDraws * effect_rows)),
+          input(static_cast<std::size_t>(with_.driving()), 0.0);
       double size = 0, off = 0;
       for (std::size_t e = 0; e < episodes_.size(); ++e)
         for (int k = 0; k < kRows; ++k) {
           const int row = static_cast<int>(static_cast<std::int64_t>(episodes_[e].rows() - 1) * k / kRows);
-          for (std::size_t i = 0; i < input.size(); ++i) input[i] = episodes_[e].signal(row, with_.inputs[i]);
+          for (std::size_t i = 0; i < with_.inputs.size(); ++i)
+            input[i] = episodes_[e].signal(row, with_.inputs[i]);
           const Eigen::VectorXd state = near_.runs[e].states.row(row).transpose();
           effect.Values(state.data(), input.data(), values.data());
           for (int d = 0; d < kDraws; ++d)
-            for (int r = 0; r < effect.rows(); ++r) {
-              const double whole = values[static_cast<std::size_t>(2 * d * effect.rows() + r)],
-                           half = values[static_cast<std::size_t>((2 * d + 1) * effect.rows() + r)];
+            for (int r = 0; r < effect_rows; ++r) {
+              const double whole = values[static_cast<std::size_t>(2 * d * effect_rows + r)],
+                           half = values[static_cast<std::size_t>((2 * d + 1) * effect_rows + r)];
               size += std::abs(whole);
               off += std::abs(whole - 2 * half);
             }

@@ -8,8 +8,9 @@
 namespace hydroscope {
 
 struct EffectStartsOptions {
-  int draws = 24;  ///< of the effect's parameters from their ranges, beside those of the machine file
-  int kept = 2;    ///< best of them
+  int draws = 24;    ///< of the effect's parameters from their ranges, beside those of the machine file
+  int kept = 2;      ///< best of them
+  int unranked = 4;  ///< draws of an effect that delays an input, which cannot be ranked
   std::uint32_t seed = 1;
 };
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "diagnosis/added_effect.h"
+
 namespace hydroscope {
 namespace {
 
@@ -135,6 +137,7 @@ class StatesExplainer {
         }
       std::sort(sets.begin(), sets.end(),
                 [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
+      if (!sets.empty()) PreferFewParameters(sets);
       if (size == 1) out_.ranking = sets;
       if (sets.empty() || !Better(sets.front())) break;
       out_.final = sets.front();
@@ -157,19 +160,75 @@ class StatesExplainer {
            (large || t > options_.min_t);
   }
 
+  /// Terms that a candidate adds to each equation along its own run, over the size of the equation's rate there.
+  Eigen::MatrixXd TermsOf(const StateCandidate& candidate) const {
+    const StateModel &near = *out_.base.fit.model, &with = *candidate.fit.model;
+    AddedEffect effect(near, with, candidate.fit.parameters.head(near.parameter_count()));
+    effect.AddDraw(candidate.fit.parameters);
+    const auto equations = static_cast<Eigen::Index>(with.states() + with.output.rows);
+    std::vector<Eigen::VectorXd> rows;
+    Eigen::VectorXd size = Eigen::VectorXd::Zero(equations), before;
+    std::vector<double> values(effect.equations().size()), input(static_cast<std::size_t>(with.driving()));
+    for (std::size_t e = 0; e < episodes_.size(); ++e)
+      for (int row = 0; row + 1 < episodes_[e].rows(); ++row) {
+        for (std::size_t i = 0; i < with.inputs.size(); ++i)
+          input[i] = episodes_[e].signal(row, with.inputs[i]);
+        const StateRun& run = candidate.fit.runs[e];
+        const Eigen::VectorXd state = run.states.row(row).transpose();
+        effect.Values(state.data(), input.data(), values.data());
+        Eigen::VectorXd terms = Eigen::VectorXd::Zero(equations);
+        for (std::size_t k = 0; k < values.size(); ++k) terms[effect.equations()[k]] = values[k];
+        rows.push_back(std::move(terms));
+        const double period = episodes_[e].time[static_cast<std::size_t>(row) + 1] -
+                              episodes_[e].time[static_cast<std::size_t>(row)];
+        size.head(with.states()) +=
+            ((run.states.row(row + 1) - run.states.row(row)) / period).cwiseAbs2().transpose();
+        size.tail(with.output.rows) += candidate.fit.scale.cwiseAbs2();
+      }
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), equations);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      out.row(static_cast<Eigen::Index>(r)) =
+          rows[r].cwiseQuotient(size.cwiseMax(1e-300).cwiseSqrt()).transpose();
+    return out;
+  }
+
+  /// Two effects of which the fitted terms are the same function in these episodes are one law.
+  bool SameLaw(const StateCandidate& a, const StateCandidate& b) const {
+    // What a delayed input is at a row is not at hand here.
+    if (a.fit.model->delays.size() != out_.base.fit.model->delays.size() ||
+        a.fit.model->delays.size() != b.fit.model->delays.size() || !a.fit.model->delays.empty())
+      return false;
+    const Eigen::MatrixXd of_a = TermsOf(a), of_b = TermsOf(b);
+    return (of_a - of_b).norm() <= options_.same_law * of_a.norm();
+  }
+
+  /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
+  void PreferFewParameters(std::vector<StateCandidate>& sets) const {
+    for (std::size_t k = 1; k < sets.size(); ++k)
+      if (sets[k].fit.parameters.size() < sets.front().fit.parameters.size() &&
+          NearlyAsGood(sets[k], sets.front()) && SameLaw(sets[k], sets.front())) {
+        std::rotate(sets.begin(), sets.begin() + static_cast<std::ptrdiff_t>(k),
+                    sets.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+        return;
+      }
+  }
+
+  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
+    const double noise = EvidenceOf(best), removed = out_.base.held_out - best.held_out;
+    const auto [worse, t] = PairedGain(Energies(other.fit), Energies(best.fit));
+    const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
+    return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
+  }
+
   /// Rivals of the set found: of the same size, and hardly worse.
   std::vector<StateCandidate> Rivals() const {
     std::vector<StateCandidate> rivals;
     if (levels_.size() < 2) return rivals;
     const StateCandidate& best = out_.final;
-    const double noise = EvidenceOf(best), removed = out_.base.held_out - best.held_out;
-    for (const StateCandidate& other : levels_.back()) {
-      if (other.added == best.added) continue;
-      const auto [worse, t] = PairedGain(Energies(other.fit), Energies(best.fit));
-      const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
-      if (near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed))
+    for (const StateCandidate& other : levels_.back())
+      if (other.added != best.added && NearlyAsGood(other, best) &&
+          !(other.fit.parameters.size() > best.fit.parameters.size() && SameLaw(best, other)))
         rivals.push_back(other);
-    }
     return rivals;
   }
 
@@ -183,8 +242,9 @@ class StatesExplainer {
     const double predictable = out_.base.held_out * out_.base_left.share,
                  left = out_.final.held_out * out_.final_left.share;
     const double removed = out_.base.held_out - out_.final.held_out;
-    const bool complete = !out_.final_left.structured ||
-                          (found && left <= options_.left_share * std::max(predictable, removed));
+    if (found && out_.final_left.structured)
+      out_.unexplained = left / std::max({predictable, removed, 1e-300});
+    const bool complete = !out_.final_left.structured || (found && out_.unexplained <= options_.left_share);
     if (!found) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
@@ -196,6 +256,12 @@ class StatesExplainer {
       return;
     }
     out_.partial = out_.final_left.structured;
+    if (out_.partial)
+      out_.warnings.push_back(fmt::format(
+          "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
+          "{:.2g} % of what they could predict before; a small law more is missing, or one of these is a little "
+          "different",
+          100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
     out_.set = out_.final.added;
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;

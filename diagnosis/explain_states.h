@@ -26,6 +26,7 @@ struct ExplainStatesOptions {
   double min_removed =
       0.2;  ///< of the energy that functions can predict: what a further effect must take away
   double left_share = 0.02;  ///< of that energy: what a complete explanation may leave
+  double same_law = 0.1;     ///< terms of two effects that differ by no more than this share are one law
   double rival_gain = 12;    ///< sets within this of the best, in noise variances, stay rivals ...
   double rival_t = 2.5;      ///< ... and those that are not worse by so many standard errors
   double rival_share =
@@ -49,6 +50,7 @@ struct StatesExplanation {
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it
   bool partial = false;  ///< unknown: `nearest` explains part of it; named: a little is left
   std::vector<std::string> nearest;
+  double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
   std::vector<std::string> warnings;
   StateCandidate base, final;
   StateRemainder base_left, final_left;

@@ -6,7 +6,7 @@
 namespace hydroscope {
 
 void TakePieces(const shooting::Task& task, const StateFitOptions& options, StateFit& fit) {
-  const int outputs = task.model->output.rows, parameters = task.model->parameter_count();
+  const int outputs = task.model->output.rows, parameters = static_cast<int>(task.scale.size());
   const auto episodes = static_cast<int>(task.episodes.size());
   const int parts = std::max(1, (options.least_clusters + episodes - 1) / episodes);
   for (int e = 0; e < episodes; ++e) {
@@ -53,11 +53,12 @@ void TakePieces(const shooting::Task& task, const StateFitOptions& options, Stat
 void TakeCovariance(const shooting::Task& task, StateFit& fit) {
   constexpr double kUnseen = 0.7;  // standard error of a relative change that says nothing of it any more
   constexpr double kPart = 0.15;   // of a direction: parameters with less stay unnamed
-  const int count = task.model->parameter_count();
-  fit.covariance = Eigen::MatrixXd::Zero(count, count);
-  if (count == 0) return;
+  const int count = static_cast<int>(task.scale.size()), parameters = task.model->parameter_count();
+  fit.covariance = Eigen::MatrixXd::Zero(parameters, parameters);
+  if (parameters == 0) return;
   Eigen::VectorXd size(count);
-  for (int p = 0; p < count; ++p) {
+  for (int g = parameters; g < count; ++g) size[g] = task.scale.Slope(static_cast<std::size_t>(g), 0);
+  for (int p = 0; p < parameters; ++p) {
     const ParameterSpec& spec = task.model->parameters[static_cast<std::size_t>(p)].spec;
     const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
     size[p] = std::max(std::abs(fit.parameters[p]), 1e-3 * range);
@@ -86,13 +87,14 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
     covariance.row(p) *= factor;
     covariance.col(p) *= factor;
   }
-  fit.covariance = size.asDiagonal() * covariance * size.asDiagonal();
+  fit.covariance = (size.asDiagonal() * covariance * size.asDiagonal()).topLeftCorner(parameters, parameters);
   for (int d = 0; d < count; ++d) {
     const double standard_error = std::sqrt(weights[d]);
     if (standard_error < kUnseen) continue;
     UnseenDirection unseen;
-    const double largest = directions.col(d).cwiseAbs().maxCoeff();
-    for (int p = 0; p < count; ++p)
+    const double largest = directions.col(d).head(parameters).cwiseAbs().maxCoeff();
+    if (largest < kPart) continue;  // of gains
+    for (int p = 0; p < parameters; ++p)
       if (std::abs(directions(p, d)) > kPart * largest)
         unseen.parts.emplace_back(task.model->parameters[static_cast<std::size_t>(p)].name,
                                   directions(p, d) / largest);
@@ -108,7 +110,7 @@ int StateFit::readings() const {
 
 std::vector<double> StateFit::HeldOutEnergies() const {
   std::vector<double> energies;
-  const int count = model->parameter_count();
+  const Eigen::Index count = pieces.empty() ? 0 : pieces.front().information.rows();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(count);
   for (const StatePiece& piece : pieces) {

@@ -169,9 +169,13 @@ std::string DivergedText(const shooting::Task& task, const Eigen::VectorXd& thet
 /// Runs with sensitivities at a point, residuals, noise.
 bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit) {
   const StateModel& model = *task.model;
-  fit.parameters = shooting::Unscaled(task, point.q);
+  const Eigen::VectorXd all = shooting::Unscaled(task, point.q);
+  const int parameters = model.parameter_count();
+  fit.parameters = all.head(parameters);
+  fit.gain = Eigen::Map<const RowMatrix>(all.data() + parameters, task.predicts ? model.states() : 0,
+                                         model.output.rows);
   StateSimulator simulator(task.model);
-  simulator.SetParameters(fit.parameters);
+  task.Set(all, simulator);
   fit.runs.clear();
   fit.residuals.clear();
   fit.initial.clear();
@@ -183,10 +187,10 @@ bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit)
       given[i] = point.z[e][static_cast<std::size_t>(i)] * task.state_scale[i];
     RowMatrix start, by_parameter;
     const Eigen::VectorXd x0 = simulator.Initial(episode, given, &by_parameter);
-    start = RowMatrix::Zero(model.states(), model.parameter_count() + static_cast<int>(free.size()));
-    start.leftCols(model.parameter_count()) = by_parameter;
+    start = RowMatrix::Zero(model.states(), all.size() + static_cast<Eigen::Index>(free.size()));
+    start.leftCols(parameters) = by_parameter;
     for (std::size_t k = 0; k < free.size(); ++k)
-      start(free[k], model.parameter_count() + static_cast<int>(k)) = 1;
+      start(free[k], all.size() + static_cast<Eigen::Index>(k)) = 1;
     StateRun run;
     simulator.Run(episode, 0, episode.rows() - 1, x0, &start, run);
     if (run.diverged) return false;
@@ -208,7 +212,7 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   fit.model = task.model;
   fit.scale = OutputScale(*task.model, task.episodes);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
-  const int rounds = task.model->output.rows > 1 && !noise_known && !fixed ? 3 : 1;
+  const int rounds = (task.model->output.rows > 1 || task.predicts) && !noise_known && !fixed ? 3 : 1;
   for (int round = 0; round < rounds; ++round) {
     if (!shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point) ||
         !TakeRuns(task, point, fit)) {
@@ -220,7 +224,7 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   }
   TakePieces(task, options, fit);
   TakeCovariance(task, fit);
-  for (std::size_t p = 0; p < task.scale.size(); ++p) {
+  for (std::size_t p = 0; p < static_cast<std::size_t>(task.model->parameter_count()); ++p) {
     const double margin = 1e-6 * (1 + std::abs(point.q[p]));
     fit.at_limit.push_back(point.q[p] <= task.scale.low(p) + margin ||
                            point.q[p] >= task.scale.high(p) - margin);
@@ -346,6 +350,26 @@ std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
     start.initial.push_back(Eigen::Map<const Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()))
                                 .cwiseProduct(task.state_scale));
   return start;
+}
+
+StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episodes,
+                       const StateFitOptions& options) {
+  constexpr double kFirstGain = 0.3;  // of a state that is measured itself
+  const StateModel& model = *free_run.model;
+  shooting::Task task = TaskOf(free_run.model, episodes);
+  task.noise = free_run.noise;
+  shooting::Point point = PointAt(task, free_run.parameters);
+  shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
+  for (std::size_t e = 0; e < free_run.initial.size(); ++e)
+    point.z[e] = shooting::Scaled(free_run.initial[e], task.state_scale);
+  task.predicts = true;
+  for (int i = 0; i < model.states(); ++i)
+    for (int j = 0; j < model.output.rows; ++j) {
+      const double size = task.state_scale[i] / free_run.scale[j];
+      task.scale.AddFree(size);
+      point.q.push_back(model.measured_by[static_cast<std::size_t>(i)] == j ? kFirstGain / size : 0.0);
+    }
+  return Finish(std::move(task), std::move(point), false, false, options);
 }
 
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,

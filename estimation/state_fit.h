@@ -33,7 +33,7 @@ struct StateMinimum {
 /// A piece of the rows, as it enters the normal equations: outputs over their noise, initial states taken out.
 struct StatePiece {
   int episode = 0, first = 0, last = 0;  ///< rows first ... last - 1 of the episode
-  Eigen::MatrixXd information;           ///< of the parameters
+  Eigen::MatrixXd information;           ///< of the parameters, and of the gains if there are
   Eigen::VectorXd gradient;              ///< J' r, r measured less modelled
   double energy = 0;                     ///< r' r
   int readings = 0;
@@ -48,6 +48,7 @@ struct StateFit {
   std::shared_ptr<const StateModel> model;
   std::string failed;  ///< why there is no fit, a sentence; "" = there is one
   Eigen::VectorXd parameters;
+  RowMatrix gain;                        ///< of the innovations form, state x output; empty: a free run
   Eigen::MatrixXd covariance;            ///< from the residuals as they are, pieces of the log as clusters
   std::vector<Eigen::VectorXd> initial;  ///< estimated initial states, per episode (all states)
   Eigen::VectorXd noise;                 ///< per output: rms of what is left
@@ -90,6 +91,12 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
 std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
                                      std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
                                      const StateFitOptions& options = {});
+
+/// By prediction error in innovations form (Ljung 1999, 5.3 and 7.2) where noise acts on the process itself: the states are
+/// corrected after each row by a gain that is estimated with the parameters. Begins at a free-run fit; residuals are those of
+/// one step.
+StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episodes,
+                       const StateFitOptions& options = {});
 
 /// Initial states alone, on data that the parameters were not fitted to.
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,

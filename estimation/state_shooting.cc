@@ -31,22 +31,22 @@ class SegmentCost : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     const StateModel& model = *task_.model;
-    const int states = model.states(), parameters = model.parameter_count();
+    const int states = model.states(), parameters = static_cast<int>(task_.scale.size());
     std::size_t block = 0;
     Eigen::VectorXd theta(parameters);
     const double* q = parameters > 0 ? blocks[block++] : nullptr;
     for (int p = 0; p < parameters; ++p) theta[p] = task_.scale.FromScaled(static_cast<std::size_t>(p), q[p]);
-    simulator_.SetParameters(theta);
+    task_.Set(theta, simulator_);
     const double* z = free_.empty() ? nullptr : blocks[block++];
     Eigen::VectorXd given = Eigen::VectorXd::Zero(states);
     for (std::size_t k = 0; k < free_.size(); ++k) given[free_[k]] = z[k] * task_.state_scale[free_[k]];
     const Episode& episode = task_.episodes[static_cast<std::size_t>(segment_.episode)];
-    RowMatrix by_parameter = RowMatrix::Zero(states, parameters);
+    RowMatrix by_parameter = RowMatrix::Zero(states, model.parameter_count());
     const Eigen::VectorXd x0 = segment_.first > 0 ? given : simulator_.Initial(episode, given, &by_parameter);
     const bool want = jacobians != nullptr;
     if (want) {
       start_slopes_ = RowMatrix::Zero(states, parameters + static_cast<int>(free_.size()));
-      start_slopes_.leftCols(parameters) = by_parameter;
+      start_slopes_.leftCols(by_parameter.cols()) = by_parameter;
       for (std::size_t k = 0; k < free_.size(); ++k)
         start_slopes_(free_[k], parameters + static_cast<int>(k)) = task_.state_scale[free_[k]];
     }
@@ -73,7 +73,7 @@ class SegmentCost : public ceres::CostFunction {
   }
   void FillJacobians(const Episode& episode, const double* q, double** jacobians) const {
     const StateModel& model = *task_.model;
-    const int states = model.states(), parameters = model.parameter_count(),
+    const int states = model.states(), parameters = static_cast<int>(task_.scale.size()),
               free = static_cast<int>(free_.size());
     std::size_t block = 0;
     const auto fill = [&](double* out, int from, int count, const auto& factor) {
@@ -234,7 +234,7 @@ bool Minimise(const Task& task, const std::vector<Segment>& segments, int iterat
     if (fixed) problem.SetParameterBlockConstant(point.q.data());
   }
   StateSimulator simulator(task.model);
-  simulator.SetParameters(Unscaled(task, point.q));
+  task.Set(Unscaled(task, point.q), simulator);
   const int states = task.model->states();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const std::vector<int> which = FreeStates(*task.model, segments[s]);

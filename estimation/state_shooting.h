@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +29,11 @@ class ParameterScale {
       e.high = e.logarithm ? std::log(s.max) : s.max / e.size;
       entries_.push_back(e);
     }
+  }
+  /// One more, of any value; `size`: what is a large change of it.
+  void AddFree(double size) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    entries_.push_back({false, size, -kInfinity, kInfinity});
   }
   double ToScaled(std::size_t i, double value) const {
     const Entry& e = entries_[i];
@@ -66,6 +72,17 @@ struct Task {
   Eigen::VectorXd noise;        ///< per output
   Eigen::VectorXd state_scale;  ///< per state
   double joint = 0;             ///< standard deviation of a joint, in state_scale
+  /// Parameters are followed by the gains of the innovations form (StateSimulator::SetGain).
+  bool predicts = false;
+
+  int gains() const { return predicts ? model->states() * model->output.rows : 0; }
+  /// Of a run: parameters, with the gains behind them.
+  void Set(const Eigen::VectorXd& all, StateSimulator& simulator) const {
+    simulator.SetParameters(all.head(model->parameter_count()));
+    if (predicts)
+      simulator.SetGain(Eigen::Map<const RowMatrix>(all.data() + model->parameter_count(), model->states(),
+                                                    model->output.rows));
+  }
 };
 
 /// Parameters (scaled) and initial states of each segment.

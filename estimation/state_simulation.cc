@@ -156,7 +156,7 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
     : model_(std::move(model)),
       options_(options),
       states_(model_->states()),
-      inputs_(static_cast<int>(model_->inputs.size())),
+      inputs_(model_->driving()),
       parameters_(model_->parameter_count()),
       linear_(model_->machine.log.hold == InputHold::kLinear),
       values_registers_(model_->dynamics.values.Registers()),
@@ -225,6 +225,77 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
 void StateSimulator::InputAt(double fraction) {
   for (std::size_t i = 0; i < u_.size(); ++i)
     u_[i] = linear_ ? u0_[i] + fraction * (u1_[i] - u0_[i]) : u0_[i];
+}
+
+/// Inputs at a row and at the next one; of the last row at it alone. What is delayed: TakeDelayed.
+void StateSimulator::TakeInputs(const Episode& episode, int row) {
+  const int next = std::min(row + 1, episode.rows() - 1);
+  for (std::size_t i = 0; i < model_->inputs.size(); ++i) {
+    u0_[i] = episode.signal(row, model_->inputs[i]);
+    u1_[i] = episode.signal(next, model_->inputs[i]);
+  }
+}
+
+/// Shares of the time from a row to the next at which the rows of delayed inputs arrive, with 0 and 1.
+void StateSimulator::Breaks(const Episode& episode, int row) {
+  constexpr double kApart = 1e-9;
+  const auto at = static_cast<std::size_t>(row);
+  breaks_.assign({0.0, 1.0});
+  const double begin = episode.time[at], period = episode.time[at + 1] - begin;
+  for (const DelayedInput& delay : model_->delays) {
+    const double seconds = delay.parameter < 0 ? delay.seconds : theta_[delay.parameter];
+    for (auto t = std::upper_bound(episode.time.begin(), episode.time.end(), begin - seconds);
+         t != episode.time.end() && *t + seconds < begin + period; ++t)
+      breaks_.push_back((*t + seconds - begin) / period);
+  }
+  std::sort(breaks_.begin(), breaks_.end());
+  breaks_.erase(
+      std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < kApart; }),
+      breaks_.end());
+  breaks_.back() = 1;
+}
+
+/// Delayed inputs from one share of a row's time to another between which none of them jumps or bends; before the episode
+/// they are what they are at its first row. Where one jumps, a state arrives there with the rate of before for as much longer
+/// as the delay grows: its sensitivity jumps by the difference of the rates.
+void StateSimulator::TakeDelayed(const Episode& episode, int row, double from, double to) {
+  const auto at = static_cast<std::size_t>(row);
+  const double period = at + 1 < episode.time.size() ? episode.time[at + 1] - episode.time[at] : 0;
+  const bool jumps = with_slopes_ && !linear_ && !(row == first_ && from == 0);
+  std::array<double, kMaxStates> before, after;
+  for (std::size_t d = 0; d < model_->delays.size(); ++d) {
+    const DelayedInput& delay = model_->delays[d];
+    const double seconds = delay.parameter < 0 ? delay.seconds : theta_[delay.parameter];
+    const auto value = [&](double time, std::size_t k) {
+      const double here =
+          episode.signal(static_cast<Eigen::Index>(k), model_->inputs[static_cast<std::size_t>(delay.input)]);
+      if (!linear_ || k + 1 >= episode.time.size()) return std::pair(here, 0.0);
+      const double next = episode.signal(static_cast<Eigen::Index>(k + 1),
+                                         model_->inputs[static_cast<std::size_t>(delay.input)]);
+      const double rate = (next - here) / (episode.time[k + 1] - episode.time[k]);
+      return std::pair(here + rate * (time - episode.time[k]), rate);
+    };
+    // The row that holds in the middle of the part holds over all of it.
+    const double begin = episode.time[at] + from * period - seconds,
+                 end = episode.time[at] + to * period - seconds;
+    const auto later = std::upper_bound(episode.time.begin(), episode.time.end(), 0.5 * (begin + end));
+    const bool early = later == episode.time.begin();
+    const std::size_t k = early ? 0 : static_cast<std::size_t>(later - episode.time.begin()) - 1;
+    const auto [first, rate] = early ? std::pair(value(episode.time[0], 0).first, 0.0) : value(begin, k);
+    const double last = early ? first : value(end, k).first;
+    const std::size_t place = model_->inputs.size() + static_cast<std::size_t>(DelayedInput::kRegisters) * d;
+    const bool jump = jumps && delay.parameter >= 0 && first != u0_[place];
+    if (jump) Rate(x_.data(), 0, before.data());
+    u0_[place] = first;
+    u1_[place] = last;
+    u0_[place + 1] = u1_[place + 1] = rate;
+    u0_[place + 2] = u1_[place + 2] = seconds;
+    if (!jump) continue;
+    Rate(x_.data(), 0, after.data());
+    for (int i = 0; i < states_; ++i)
+      s_[static_cast<std::size_t>(i * columns_ + delay.parameter)] +=
+          before[static_cast<std::size_t>(i)] - after[static_cast<std::size_t>(i)];
+  }
 }
 
 /// What drives a state beyond its limit is stopped there.
@@ -495,6 +566,31 @@ bool StateSimulator::Interval(double period) {
   return true;
 }
 
+/// From a row to the next, in parts where delayed inputs jump or bend in between.
+bool StateSimulator::Row(const Episode& episode, int row) {
+  const auto at = static_cast<std::size_t>(row);
+  const double period = episode.time[at + 1] - episode.time[at];
+  if (model_->delays.empty()) return Interval(period);
+  Breaks(episode, row);
+  const std::size_t undelayed = model_->inputs.size();
+  double before = 1;
+  for (std::size_t b = 0; b + 1 < breaks_.size(); ++b) {
+    const double from = breaks_[b], to = breaks_[b + 1];
+    TakeInputs(episode, row);
+    for (std::size_t i = 0; linear_ && i < undelayed; ++i) {
+      const double begin = u0_[i], rise = u1_[i] - begin;
+      u0_[i] = begin + from * rise;
+      u1_[i] = begin + to * rise;
+    }
+    TakeDelayed(episode, row, from, to);
+    next_share_ = std::min(1.0, next_share_ * before / (to - from));
+    before = to - from;
+    if (!Interval(period * (to - from))) return false;
+  }
+  next_share_ = std::min(1.0, next_share_ * before);
+  return true;
+}
+
 void StateSimulator::Output(int row, StateRun& run) {
   const Equations& output = model_->output;
   const ExpressionProgram& program = with_slopes_ ? output.slopes : output.values;
@@ -521,6 +617,25 @@ void StateSimulator::Output(int row, StateRun& run) {
   added_->evaluate(x_.data(), u0_.data(), added_values_.data());
   for (const auto& [value, j, column] : added_->to_outputs)
     run.slopes(row * output.rows + j, added_from_ + column) += added_values_[static_cast<std::size_t>(value)];
+}
+
+/// What the readings of a row, `run.outputs` of it being what was foreseen, say of the states.
+void StateSimulator::Correct(const Episode& episode, int row, const StateRun& run) {
+  const int outputs = model_->output.rows;
+  for (int j = 0; j < outputs; ++j) {
+    const Eigen::Index at = run.rows - 1;
+    const double error =
+        episode.signal(row, model_->outputs[static_cast<std::size_t>(j)]) - run.outputs(at, j);
+    if (!std::isfinite(error)) continue;
+    for (int i = 0; i < states_; ++i) {
+      x_[static_cast<std::size_t>(i)] += gain_(i, j) * error;
+      if (!with_slopes_) continue;
+      double* slopes = s_.data() + i * columns_;
+      for (int c = 0; c < wanted_; ++c) slopes[c] -= gain_(i, j) * run.slopes(at * outputs + j, c);
+      slopes[parameters_ + i * outputs + j] += error;
+    }
+  }
+  Clamp();
 }
 
 void StateSimulator::Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
@@ -553,18 +668,15 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
   for (int i = 0; i < states_; ++i) scale_[static_cast<std::size_t>(i)] = std::abs(x0[i]);
   stiff_ = false;
   next_share_ = 1;
-  const auto input = [&](int row, std::vector<double>& u) {
-    for (std::size_t i = 0; i < u.size(); ++i) u[i] = episode.signal(row, model_->inputs[i]);
-  };
-  input(first, u1_);
-  for (int row = 0; row < rows; ++row) {
-    u0_.swap(u1_);
-    Output(row, run);
-    run.rows = row + 1;
-    if (row + 1 == rows) break;
-    input(first + row + 1, u1_);
-    const auto at = static_cast<std::size_t>(first + row);
-    if (!Interval(episode.time[at + 1] - episode.time[at])) {
+  first_ = first;
+  for (int row = first; row <= last; ++row) {
+    TakeInputs(episode, row);
+    if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
+    Output(row - first, run);
+    run.rows = row - first + 1;
+    if (row == last) break;
+    if (gain_.size() > 0) Correct(episode, row, run);
+    if (!Row(episode, row)) {
       run.diverged = true;
       break;
     }

@@ -62,6 +62,9 @@ class StateSimulator {
 
   /// For all following runs.
   void SetParameters(const Eigen::VectorXd& parameters);
+  /// Innovations form (Ljung 1999, 5.3): after each row the states move by gain times measured less modelled; state x output.
+  /// Sensitivities by the gain, state by state, follow those by the parameters in the columns. Empty: a free run.
+  void SetGain(const RowMatrix& gain) { gain_ = gain; }
   /// Initial states of an episode: as the machine file says, `estimated` (one per state, those used that are estimated)
   /// elsewhere; `slopes` (if not nullptr) by the parameters. Clamped to the limits.
   Eigen::VectorXd Initial(const Episode& episode, const Eigen::VectorXd& estimated,
@@ -82,6 +85,10 @@ class StateSimulator {
   void RateAndSlopes(const double* x, double fraction, double* rate);
   void HoldAtLimits(const double* x, double* rate, bool slopes);
   void InputAt(double fraction);
+  void TakeInputs(const Episode& episode, int row);
+  bool Row(const Episode& episode, int row);
+  void Breaks(const Episode& episode, int row);
+  void TakeDelayed(const Episode& episode, int row, double from, double to);
   bool Interval(double period);
   bool ExplicitStep(double fraction, double share, double period, double& error);
   bool ExplicitSlopes(double share, double period);
@@ -91,14 +98,16 @@ class StateSimulator {
   bool SolveStage(double fraction, double step, const double* base, double* k);
   void SlopesOfRate(const double* state_slopes, double* out);
   void Clamp();
+  void Correct(const Episode& episode, int row, const StateRun& run);
   void Output(int row, StateRun& run);
 
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
-  int states_, inputs_, parameters_;
-  int wanted_ = 0, columns_ = 0;  ///< columns of sensitivities, and with what they are padded by
+  int states_, inputs_, parameters_;  ///< inputs: with what is delayed
+  int wanted_ = 0, columns_ = 0;      ///< columns of sensitivities, and with what they are padded by
   bool linear_;
   Eigen::VectorXd theta_, limits_;
+  RowMatrix gain_;
   RowMatrix limit_slopes_;
   std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
   std::vector<double> x_, next_, scale_, u0_, u1_, u_, k_, stage_x_;
@@ -109,8 +118,10 @@ class StateSimulator {
   std::vector<double> stage_entries_, stage_added_;
   std::vector<unsigned char> stage_held_;
   const AddedTerms* added_ = nullptr;
-  int added_from_ = 0;  ///< first column of the added terms
-  bool begun_ = false;  ///< the first stage of the step to come is known
+  int first_ = 0;               ///< row of the run
+  int added_from_ = 0;          ///< first column of the added terms
+  std::vector<double> breaks_;  ///< parts of a row at whose ends a delayed input may jump or bend
+  bool begun_ = false;          ///< the first stage of the step to come is known
   bool stiff_ = false, with_slopes_ = false;
   double next_share_ = 1, fastest_ = 0;
   std::int64_t steps_ = 0;

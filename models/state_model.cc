@@ -1,8 +1,10 @@
 #include "models/state_model.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <set>
 
@@ -74,6 +76,7 @@ class Builder {
   Result<std::shared_ptr<const StateModel>> Run() {
     if (const Status fine = TakeParameters(); !fine) return tl::unexpected(fine.error());
     TakeSignals();
+    TakeDelays();
     NumberNames();
     BuildDynamics();
     BuildLimits();
@@ -120,11 +123,75 @@ class Builder {
     for (const OutputSpec& o : spec_.outputs) model_.outputs.push_back(machine().SignalIndex(o.signal));
   }
 
+  /// Calls `take` with each text of the model and of its effects, and the effect's id.
+  void EveryEquation(
+      const std::function<void(const std::string& text, const std::string& effect)>& take) const {
+    for (const StateSpec& s : spec_.states) take(s.ddt, "");
+    for (const OutputSpec& o : spec_.outputs) take(o.expression, "");
+    for (const std::string& id : model_.effects)
+      for (const TermSpec& term : EffectNamed(machine(), id)->adds) take(term.expression, id);
+  }
+
+  /// What a call of delay(...) in an equation of the model or an effect asks for.
+  DelayedInput DelayOf(const ExpressionNode& call, const std::string& effect) const {
+    DelayedInput delay;
+    for (std::size_t i = 0; i < model_.inputs.size(); ++i)
+      if (machine().signals[static_cast<std::size_t>(model_.inputs[i])].name == call.args[0]->text)
+        delay.input = static_cast<int>(i);
+    const ExpressionNode& time = *call.args[1];
+    if (time.kind == ExpressionNode::Kind::kNumber) {
+      delay.seconds = time.number;
+      return delay;
+    }
+    for (std::size_t p = 0; p < model_.parameters.size(); ++p) {
+      const StateParameter& parameter = model_.parameters[p];
+      if (parameter.spec.name == time.text && (parameter.effect.empty() || parameter.effect == effect))
+        delay.parameter = static_cast<int>(p);
+    }
+    return delay;
+  }
+  static bool IsDelay(const ExpressionNode& node) {
+    return node.kind == ExpressionNode::Kind::kCall && node.text == "delay";
+  }
+
+  void TakeDelays() {
+    EveryEquation([&](const std::string& text, const std::string& effect) {
+      Replaced(Parsed(text, machine()), [&](const ExpressionNode& node) -> Expression {
+        if (!IsDelay(node)) return nullptr;
+        const DelayedInput delay = DelayOf(node, effect);
+        if (std::find(model_.delays.begin(), model_.delays.end(), delay) == model_.delays.end())
+          model_.delays.push_back(delay);
+        return nullptr;
+      });
+    });
+  }
+
   void NumberNames() {
     int next = 0;
     for (const StateSpec& s : spec_.states) numbers_[s.name] = next++;
     for (const int s : model_.inputs) numbers_[machine().signals[static_cast<std::size_t>(s)].name] = next++;
+    for (std::size_t d = 0; d < model_.delays.size(); ++d)
+      for (const char* what : {"value", "rate", "now"}) numbers_[DelayName(d, what)] = next++;
     first_fixed_ = next;
+  }
+  /// No name of the file, which holds no space.
+  static std::string DelayName(std::size_t delay, const char* what) {
+    return fmt::format("delay {} {}", delay, what);
+  }
+
+  /// An equation with what is delayed in it as DelayedInput says.
+  Expression Equation(const std::string& text, const std::string& effect) const {
+    return Replaced(Parsed(text, machine()), [&](const ExpressionNode& node) -> Expression {
+      if (!IsDelay(node)) return nullptr;
+      const DelayedInput delay = DelayOf(node, effect);
+      const auto at = static_cast<std::size_t>(std::find(model_.delays.begin(), model_.delays.end(), delay) -
+                                               model_.delays.begin());
+      const Expression value = NameNode(DelayName(at, "value"));
+      if (delay.parameter < 0) return value;
+      return BinaryNode("+", value,
+                        BinaryNode("*", BinaryNode("-", NameNode(DelayName(at, "now")), node.args[1]),
+                                   NameNode(DelayName(at, "rate"))));
+    });
   }
   /// The names with the parameters of the model and those of an effect ("" = none).
   InputNumbers NumbersFor(const std::string& effect, InputNumbers numbers, int next) const {
@@ -141,13 +208,13 @@ class Builder {
     EquationBuilder dynamics(states()), output(outputs);
     const InputNumbers base = NumbersFor("", numbers_, first_fixed_);
     for (int i = 0; i < states(); ++i)
-      dynamics.Add(i, Parsed(spec_.states[static_cast<std::size_t>(i)].ddt, machine()), base);
+      dynamics.Add(i, Equation(spec_.states[static_cast<std::size_t>(i)].ddt, ""), base);
     for (int j = 0; j < outputs; ++j)
-      output.Add(j, Parsed(spec_.outputs[static_cast<std::size_t>(j)].expression, machine()), base);
+      output.Add(j, Equation(spec_.outputs[static_cast<std::size_t>(j)].expression, ""), base);
     for (const std::string& id : model_.effects) {
       const InputNumbers numbers = NumbersFor(id, numbers_, first_fixed_);
       for (const TermSpec& term : EffectNamed(machine(), id)->adds) {
-        const Expression added = Parsed(term.expression, machine());
+        const Expression added = Equation(term.expression, id);
         const int state = StateIndex(machine(), term.parameter);
         if (state >= 0)
           dynamics.Add(state, added, numbers);
@@ -197,6 +264,7 @@ class Builder {
     std::set<int> read;
     for (const Equations* e : {&model_.dynamics, &model_.output})
       for (const Equations::Slope& slope : e->entries) read.insert(slope.column - states());
+    for (const DelayedInput& delay : model_.delays) read.insert(delay.parameter);
     for (const Equations* e : {&model_.limits, &model_.initial})
       for (const Equations::Slope& slope : e->entries) read.insert(slope.column);
     for (int p = 0; p < model_.parameter_count(); ++p)

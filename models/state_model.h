@@ -28,14 +28,26 @@ struct Equations {
   int rows = 0;
 };
 
+/// An input of some seconds ago. Beside its value the programs read its rate r and, once more, the delay as it stands:
+/// u + (now - delay)*r has the value u and, by the delay, the derivative -r.
+struct DelayedInput {
+  static constexpr int kRegisters = 3;  ///< value, rate, now
+  int input = 0;                        ///< index into StateModel::inputs
+  int parameter = -1;                   ///< that is the delay; -1: it is known
+  double seconds = 0;                   ///< ... and this
+
+  bool operator==(const DelayedInput&) const = default;
+};
+
 /// The model of a machine that is described by states, with some of its effects:
 ///   dx/dt = f(x, u, p), y = g(x, u, p), min(p) <= x <= max(p).
-/// Inputs of the programs: states, inputs u, parameters (which are fixed during a run).
+/// Inputs of the programs: states, inputs u, delayed inputs, parameters (which are fixed during a run).
 struct StateModel {
   Machine machine;
   std::vector<std::string> effects;  ///< ids, those that are part of the model
   std::vector<StateParameter> parameters;
-  std::vector<int> inputs;   ///< machine signal of each u
+  std::vector<int> inputs;  ///< machine signal of each u
+  std::vector<DelayedInput> delays;
   std::vector<int> outputs;  ///< machine signal of each y
   Equations dynamics, output;
   Equations limits;             ///< min of each state, then max of each; of parameters alone
@@ -47,6 +59,11 @@ struct StateModel {
   std::vector<int> rate_of;
 
   int states() const { return dynamics.rows; }
+  /// Inputs of the programs between states and parameters.
+  int driving() const {
+    return static_cast<int>(inputs.size() +
+                            delays.size() * static_cast<std::size_t>(DelayedInput::kRegisters));
+  }
   int parameter_count() const { return static_cast<int>(parameters.size()); }
 };
 

@@ -12,14 +12,24 @@ void AddParameters(const std::vector<ParameterSpec>& parameters, ExpressionNames
   for (const ParameterSpec& p : parameters) AddName(p.name, p.unit, names);
 }
 
+void AddDelayTimes(const std::vector<ParameterSpec>& parameters, ExpressionNames& names) {
+  for (const ParameterSpec& p : parameters)
+    if (p.min >= 0) names.delay_times.insert(p.name);
+}
+
 }  // namespace
 
 ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effect) {
   ExpressionNames names = ExpressionNamesOf(machine);
   for (const OutputSpec& output : machine.states.outputs) names.units.erase(output.signal);
+  for (const SignalSpec& signal : machine.signals)
+    if (OutputIndex(machine, signal.name) < 0) names.delayed.insert(signal.name);
   for (const StateSpec& state : machine.states.states) AddName(state.name, state.unit, names);
   AddParameters(machine.states.parameters, names);
-  if (effect != nullptr) AddParameters(effect->parameters, names);
+  AddDelayTimes(machine.states.parameters, names);
+  if (effect == nullptr) return names;
+  AddParameters(effect->parameters, names);
+  AddDelayTimes(effect->parameters, names);
   return names;
 }
 

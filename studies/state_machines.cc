@@ -231,12 +231,13 @@ StateMachineOutcome RunCase(int number, const StateMachinesOptions& options) {
     score.unknown = x.verdict == Verdict::kUnknown;
   }
   out.line = fmt::format(
-      "{:>4} {:<10} {:<8} {:>5} rows, hidden {:<10}{:<9} {:<9} [{}]{} left {:.3f} -> {:.3f}{}, {:.1f} s{}\n",
+      "{:>4} {:<10} {:<8} {:>5} rows, hidden {:<10}{:<9} {:<9} [{}]{} left {:.3f} -> {:.3f} ({:.2g}){}, {:.1f} s{}\n",
       number, kKindNames[static_cast<std::size_t>(one.simulated.kind)], out.measured ? "measured" : "ideal",
       one.simulated.rows, hidden.empty() ? "-" : hidden, one.known ? "" : " (absent)", VerdictName(x.verdict),
       fmt::join(x.set, ", "), x.nearest.empty() ? "" : fmt::format(" part {}", fmt::join(x.nearest, ", ")),
-      x.base_left.share, x.final_left.share, ratio > 0 ? fmt::format(", next log {:.2f} x noise", ratio) : "",
-      seconds, score.wrong > 0 ? " WRONG" : "");
+      x.base_left.share, x.final_left.share, x.unexplained,
+      ratio > 0 ? fmt::format(", next log {:.2f} x noise", ratio) : "", seconds,
+      score.wrong > 0 ? " WRONG" : "");
   return out;
 }
 

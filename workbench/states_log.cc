@@ -96,7 +96,13 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   if (!out.fit.solved()) return BadInput("machine '{}': {}", log.machine.name, out.fit.failed);
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
-  out.parameters = EstimatesOf(out.fit);
+  if (!out.left.structured && out.error.one_step < kSlowError * out.error.rms) {
+    StateFit prediction = PredictStates(out.fit, log.episodes);
+    if (prediction.solved() &&
+        Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)
+      out.prediction = std::move(prediction);
+  }
+  out.parameters = EstimatesOf(out.prediction ? *out.prediction : out.fit);
   for (int j = 0; j < out.fit.noise.size(); ++j) out.one_step.push_back(OneStepError(out.fit, j));
   out.log = std::move(log);
   return out;
@@ -114,8 +120,8 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   if (!out || chosen->held_out.empty()) return out;
   const auto other = ReadEpisodes({chosen->held_out}, *machine);
   if (!other) return tl::unexpected(other.error());
-  const StateFit followed =
-      FollowStates(out->fit.model, other->episodes, out->fit.parameters, out->fit.noise);
+  const StateFit& fitted = out->prediction ? *out->prediction : out->fit;
+  const StateFit followed = FollowStates(fitted.model, other->episodes, fitted.parameters, out->fit.noise);
   if (!followed.solved()) return BadInput("{}: {}", chosen->held_out, followed.failed);
   out->held_out =
       Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;

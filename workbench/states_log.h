@@ -27,12 +27,18 @@ struct StatesError {
   DisplayUnit unit;
 };
 
+/// Error of one step over that of the free run, below which a log that no function of states and inputs explains any better
+/// is taken for one whose process itself is noisy.
+inline constexpr double kSlowError = 0.5;
+
 /// A model with states fitted to logs.
 struct StatesFit {
   EpisodeLog log;
   StateFit fit;
   StateRemainder left;
   StatesError error;
+  /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
+  std::optional<StateFit> prediction;
   std::vector<Estimate> parameters;
   std::vector<double> one_step;  ///< per output, SI
   std::optional<double>

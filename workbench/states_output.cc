@@ -41,10 +41,13 @@ std::vector<std::string> FitWarnings(const StatesFit& fit) {
                     "equation of {}: the model misses "
                     "something, and its parameters absorb part of it; 'hydroscope explain' says what",
                     100 * fit.left.share, fit.left.about));
-  if (!fit.left.structured && fit.error.one_step < 0.5 * fit.error.rms)
+  if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
     warnings.push_back(
-        "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-        "itself (or a disturbance that is not measured), and the intervals hold it");
+        std::string(
+            "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
+            "itself (or a disturbance that is not measured)") +
+        (fit.prediction ? "; the parameters are those that predict one row ahead best"
+                        : ", and the intervals hold it"));
   return warnings;
 }
 
@@ -243,6 +246,7 @@ nlohmann::json FitJson(const StatesFit& fit) {
           {"starts", fit.fit.starts_tried},
           {"starts_diverged", fit.fit.starts_diverged},
           {"predictable", LeftJson(fit.left)},
+          {"method", fit.prediction ? "prediction" : "free_run"},
           {"held_out", HeldOutObject(fit)},
           {"warnings", FitWarnings(fit)}};
 }

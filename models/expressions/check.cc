@@ -46,6 +46,30 @@ Checked CheckNames(const ExpressionNode& node, const ExpressionNames& names, boo
   return {};
 }
 
+/// delay(signal, time).
+Checked CheckDelays(const ExpressionNode& node, const ExpressionNames& names) {
+  for (const Expression& arg : node.args)
+    if (const Checked fine = CheckDelays(*arg, names); !fine) return fine;
+  if (node.kind != Kind::kCall || node.text != "delay") return {};
+  const ExpressionNode &signal = *node.args[0], &time = *node.args[1];
+  const auto refuse = [](const ExpressionNode& at, const char* why) {
+    return tl::unexpected(ExpressionError{at.at, why});
+  };
+  if (names.delayed.empty())
+    return refuse(node,
+                  "delay(...) has a place only in the equations of a model with states that has inputs");
+  if (signal.kind != Kind::kName || !names.delayed.contains(signal.text))
+    return refuse(signal,
+                  "delay(...) is of an input, a signal that no equation gives: write e.g. delay(u, t_dead)");
+  const bool constant =
+      time.kind == Kind::kNumber || (time.kind == Kind::kName && names.constants.contains(time.text));
+  if (!constant && (time.kind != Kind::kName || !names.delay_times.contains(time.text)))
+    return refuse(
+        time,
+        "a delay is a number of seconds, or a parameter whose min is 0 or more: write e.g. delay(u, t_dead)");
+  return {};
+}
+
 using Range = ValueRange;
 
 /// Products of the ends; zero times anything is zero, since what is infinite here stands for what is large.
@@ -195,6 +219,7 @@ ExpressionResult<CheckedExpression> CheckExpression(const std::string& text, con
   if (const Checked fine = CheckNames(**tree, names, false); !fine) return tl::unexpected(fine.error());
   const auto unit = UnitOf(**tree, names.units);
   if (!unit) return tl::unexpected(unit.error());
+  if (const Checked fine = CheckDelays(**tree, names); !fine) return tl::unexpected(fine.error());
   if (const Checked fine = CheckRates(**tree, names); !fine) return tl::unexpected(fine.error());
   return CheckedExpression{*tree, *unit};
 }
@@ -210,6 +235,11 @@ Expression WithRates(const Expression& expression, double rate) {
   return Map(expression, [&](const ExpressionNode& node) -> Expression {
     return node.kind == Kind::kCall && node.text == "ddt" ? NumberNode(rate) : nullptr;
   });
+}
+
+Expression Replaced(const Expression& expression,
+                    const std::function<Expression(const ExpressionNode&)>& replacement) {
+  return Map(expression, replacement);
 }
 
 std::set<std::string> NamesIn(const ExpressionNode& node) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -21,7 +22,9 @@ struct ExpressionNames {
   NameUnits units;                          ///< every name
   std::map<std::string, double> constants;  ///< values from [geometry], and pi
   std::map<std::string, ValueRange>
-      found;  ///< names whose value is found from the data, and where: ShapeSpec
+      found;                          ///< names whose value is found from the data, and where: ShapeSpec
+  std::set<std::string> delayed;      ///< signals that delay(...) may be of; none: it has no place
+  std::set<std::string> delay_times;  ///< names that may say by how long, beside constants
 };
 /// Signals and [geometry] of the machine, and pi. A signal hides a constant of the same name.
 ExpressionNames ExpressionNamesOf(const Machine& machine);
@@ -40,6 +43,9 @@ ExpressionResult<CheckedExpression> CheckExpression(const std::string& text, con
 Expression WithValues(const Expression& expression, const std::map<std::string, double>& values);
 /// The expression with each ddt(...) replaced by a number, for checks.
 Expression WithRates(const Expression& expression, double rate);
+/// The expression with nodes replaced where `replacement` gives one.
+Expression Replaced(const Expression& expression,
+                    const std::function<Expression(const ExpressionNode&)>& replacement);
 /// Every name the expression uses.
 std::set<std::string> NamesIn(const ExpressionNode& node);
 

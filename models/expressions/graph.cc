@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/expression_operation.h"
+#include "models/expressions/operation.h"
 
 namespace hydroscope {
 namespace {

@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "core/wide.h"
-#include "models/expression_operation.h"
+#include "models/expressions/operation.h"
 
 namespace hydroscope {
 namespace {

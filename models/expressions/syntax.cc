@@ -199,6 +199,7 @@ const std::vector<ExpressionFunction>& ExpressionFunctions() {
   constexpr std::size_t kMany = 20;
   static const std::vector<ExpressionFunction> functions = {
       {"ddt", 1, 1, "rate of change, taken by the window"},
+      {"delay", 2, 2, "a signal some seconds ago; in models with states"},
       {"abs", 1, 1, "absolute value"},
       {"sign", 1, 1, "-1, 0 or 1"},
       {"sqrt", 1, 1, "square root"},

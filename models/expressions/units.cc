@@ -227,6 +227,12 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
   if (node.text == "ddt")
     return ExpressionUnit{args[0].dimension * Dimension{{0, 0, -1, 0, 0}}, args[0].exact};
   if (node.text == "min" || node.text == "max") return common(0);
+  if (node.text == "delay") {
+    if (args[1].exact && !(args[1].dimension == Dimension{{0, 0, 1, 0, 0}}))
+      return tl::unexpected(
+          ExpressionError{node.args[1]->at, fmt::format("a delay in {}, expected s", Shown(args[1]))});
+    return args[0];
+  }
   if (args[0].exact && !args[0].dimension.pure())
     return tl::unexpected(ExpressionError{
         node.at, fmt::format("{} of {}, expected a pure number: divide by a value of that unit first",

@@ -79,6 +79,21 @@ TEST(StatesFile, PointsAtTheCharacter) {
               AllOf(HasSubstr("an expression in m/s"), HasSubstr("m3/s")));
 }
 
+TEST(StatesFile, ADelayIsOfAnInputByANumberOrAParameter) {
+  const auto with = [](const std::string& call) {
+    return kHead + "[states]\nh_2 = { ddt = \"k_1*" + call + "\" }\n" + kRest;
+  };
+  EXPECT_TRUE(ParseMachine(with("delay(q_in, k_2)"), "tanks.toml"));
+  EXPECT_TRUE(ParseMachine(with("delay(q_in, 0.2)"), "tanks.toml"));
+  EXPECT_THAT(RefusalOf(with("delay(h_2, 0.2)")),
+              AllOf(HasSubstr("tanks.toml:8:"), HasSubstr("is of an input")));
+  EXPECT_THAT(RefusalOf(with("delay(q_in, q_in)")),
+              HasSubstr("a delay is a number of seconds, or a parameter"));
+  EXPECT_THAT(
+      RefusalOf(kHead + "[states]\nh_2 = { ddt = \"k_1\", initial = \"delay(level_2, 1)\" }\n" + kRest),
+      HasSubstr("has a place only in the equations"));
+}
+
 TEST(StatesFile, RefusesWhatCannotBeSimulated) {
   EXPECT_THAT(RefusalOf(kHead + "[states]\nh_2 = { initial = 3, unit = \"cm\" }\n" + kRest),
               HasSubstr("this state has no equation"));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/expression_graph.h"
+#include "models/expressions/graph.h"
 
 namespace hydroscope {
 
