@@ -65,6 +65,7 @@ class StatesExplainer {
     out_.base.held_out = out_.base.fit.HeldOutEnergy();
     out_.base_left = Left(out_.base.fit);
     Search();
+    Prune();
     Conclude();
     return std::move(out_);
   }
@@ -74,26 +75,60 @@ class StatesExplainer {
   /// Energies left out, over the base's noise whatever the fit's own.
   std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
 
-  /// Fits a set from the values of the nearest model, and from what short segments give.
-  StateCandidate Fit(const std::vector<std::string>& added, const StateFit& near) {
-    StateCandidate candidate;
-    candidate.added = added;
+  static Eigen::VectorXd FileStart(const StateModel& model) {
+    Eigen::VectorXd start(model.parameter_count());
+    for (int p = 0; p < start.size(); ++p)
+      start[p] = model.parameters[static_cast<std::size_t>(p)].spec.start;
+    return start;
+  }
+
+  std::vector<std::string> WithAdded(const std::vector<std::string>& added) const {
     std::vector<std::string> effects = machine_.added_effects;
     effects.insert(effects.end(), added.begin(), added.end());
-    const auto model = BuildStateModel(machine_, effects);
+    return effects;
+  }
+
+  /// What a fit found, for a model with fewer effects.
+  StateStart StartFrom(const StateFit& fit, const std::vector<std::string>& added) const {
+    StateStart start{Eigen::VectorXd(fit.parameters.size()), fit.initial};
+    Eigen::Index count = 0;
+    const std::vector<std::string> effects = WithAdded(added);
+    for (Eigen::Index p = 0; p < fit.parameters.size(); ++p) {
+      const std::string& effect = fit.model->parameters[static_cast<std::size_t>(p)].effect;
+      if (effect.empty() || std::find(effects.begin(), effects.end(), effect) != effects.end())
+        start.parameters[count++] = fit.parameters[p];
+    }
+    start.parameters.conservativeResize(count);
+    return start;
+  }
+
+  /// Where the fit of a model with further effects may begin: at the values of the nearest model, and at what short segments
+  /// give, since that may stand in a wrong minimum for want of the effect.
+  std::vector<StateStart> StartsOf(const std::shared_ptr<const StateModel>& model,
+                                   const StateFit& near) const {
+    std::vector<StateStart> starts = EffectStarts(near, model, episodes_, options_.effect_starts);
+    if (!out_.base_left.structured) return starts;
+    for (const Eigen::VectorXd& from : {starts.front().parameters, FileStart(*model)})
+      if (auto shot = ShootStart(model, episodes_, from, options_.fit)) starts.push_back(std::move(*shot));
+    return starts;
+  }
+
+  /// Fits a set from starts; from those near a fit without it if there are none.
+  StateCandidate Fit(const std::vector<std::string>& added, std::vector<StateStart> starts,
+                     const StateFit* near = nullptr) {
+    StateCandidate candidate;
+    candidate.added = added;
+    const auto model = BuildStateModel(machine_, WithAdded(added));
     if (!model) {
       candidate.fit.failed = model.error().text;
       return candidate;
     }
+    if (near != nullptr) starts = StartsOf(*model, *near);
     StateFitOptions quick = options_.fit;
     quick.iterations = options_.candidate_iterations;
     quick.tolerance = options_.candidate_tolerance;
     quick.start_iterations = options_.screen_iterations;
     quick.start_tolerance = options_.screen_tolerance;
-    std::vector<StateStart> starts = EffectStarts(near, *model, episodes_, options_.effect_starts);
-    if (out_.base_left.structured)  // the base may stand in a wrong minimum for want of the effect
-      if (auto shot = ShootStart(*model, episodes_, starts.front().parameters, options_.fit))
-        starts.push_back(std::move(*shot));
     candidate.fit = RefitStates(*model, episodes_, starts, noise_, quick);
     if (candidate.fit.solved()) {
       candidate.held_out = candidate.fit.HeldOutEnergy();
@@ -129,7 +164,7 @@ class StatesExplainer {
           std::vector<std::string> sorted = added;
           std::sort(sorted.begin(), sorted.end());
           if (!tried.insert(sorted).second) continue;
-          StateCandidate candidate = Fit(added, before[b].fit);
+          StateCandidate candidate = Fit(added, {}, &before[b].fit);
           if (candidate.fit.solved())
             sets.push_back(std::move(candidate));
           else if (size == 1)
@@ -139,25 +174,51 @@ class StatesExplainer {
                 [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
       if (!sets.empty()) PreferFewParameters(sets);
       if (size == 1) out_.ranking = sets;
-      if (sets.empty() || !Better(sets.front())) break;
+      if (sets.empty() || !Better(out_.final, out_.final_left, sets.front())) break;
       out_.final = sets.front();
       out_.final_left = Left(out_.final.fit);
       levels_.push_back(std::move(sets));
     }
   }
 
-  /// Whether a set does better than what stands so far.
-  bool Better(const StateCandidate& next) const {
-    const StateCandidate& now = out_.final;
+  /// Whether a set does better than another, of which `left` is left.
+  bool Better(const StateCandidate& now, const StateRemainder& left, const StateCandidate& next) const {
     const auto [removed, t] = PairedGain(Energies(now.fit), Energies(next.fit));
     // An effect that acts in a few pieces has a small t however large its gain is against correlated noise.
     const bool large = removed > options_.min_gain * EvidenceOf(next) && t > options_.few_t &&
                        removed > options_.min_removed * now.held_out;
-    if (!out_.final_left.structured)
+    if (!left.structured)
       return large || (removed > options_.min_gain * EvidenceOf(next) && t > options_.sure_t);
-    const double predictable = now.held_out * out_.final_left.share;
+    const double predictable = now.held_out * left.share;
     return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
            (large || t > options_.min_t);
+  }
+
+  /// The fit of fewer effects may have ended in a wrong minimum, from where another effect seemed to help: each is taken out
+  /// again, the fit beginning where it ended with it, and stays out if it does not do better than what is left.
+  void Prune() {
+    for (bool smaller = true; smaller && !out_.final.added.empty();) {
+      smaller = false;
+      for (const std::string& id : out_.final.added) {
+        std::vector<std::string> rest = out_.final.added;
+        rest.erase(std::find(rest.begin(), rest.end(), id));
+        StateCandidate without = Fit(rest, {StartFrom(out_.final.fit, rest)});
+        if (!without.fit.solved()) continue;
+        StateRemainder left = Left(without.fit);
+        if (Better(without, left, out_.final)) continue;
+        out_.final_left = std::move(left);
+        levels_.pop_back();
+        std::vector<StateCandidate>& level = levels_.back();
+        std::erase_if(level, [&](const StateCandidate& other) { return other.added == rest; });
+        level.insert(level.begin(), without);
+        out_.final = std::move(without);
+        smaller = true;
+        break;
+      }
+    }
+    if (!out_.final.added.empty()) return;
+    out_.base = out_.final;
+    out_.base_left = out_.final_left;
   }
 
   /// Terms that a candidate adds to each equation along its own run, over the size of the equation's rate there.

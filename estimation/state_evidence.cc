@@ -82,6 +82,7 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
   Eigen::MatrixXd covariance = inverse * scatter * inverse;
   for (int p = 0; p < count; ++p) {
     const double white = inverse(p, p), found = covariance(p, p);
+    if (!(found > 0)) covariance(p, p) = white;  // nothing depends on it
     if (found >= white || !(found > 0)) continue;
     const double factor = std::sqrt(white / found);
     covariance.row(p) *= factor;

@@ -154,6 +154,10 @@ std::string DivergedText(const shooting::Task& task, const Eigen::VectorXd& thet
     StateRun run;
     shooting::Trial(task, theta, episode, run);
     if (!run.diverged) continue;
+    if (run.rows <= 1)
+      return "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
+             "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
+             "second; limit them with max(..., 0), or check start and initial";
     Eigen::Index worst = 0;
     run.states.row(run.rows - 1).cwiseAbs().cwiseQuotient(task.state_scale.transpose()).maxCoeff(&worst);
     return fmt::format(

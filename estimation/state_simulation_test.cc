@@ -142,6 +142,18 @@ TEST(StateSimulation, AModelThatRunsAwayIsSaidToDiverge) {
   EXPECT_NE(fit.failed.find("diverges"), std::string::npos) << fit.failed;
 }
 
+TEST(StateFit, SaysThatRatesAreNotFiniteWhereAModelBegins) {
+  const Machine machine =
+      StatesFrom(kSignals +
+                 "[states]\nx = { ddt = \"u - a*sqrt(x - 5)\", initial = 0 }\n[outputs]\ny = \"x\"\n"
+                 "[parameters]\na = { start = 5, min = 1, max = 10 }\n");
+  const Episode episode = Rows(100, 0.1, 1);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  EXPECT_NE(fit.failed.find("not finite at the first row"), std::string::npos) << fit.failed;
+}
+
 TEST(StateFit, SaysWhichCombinationTheDataDoNotSee) {
   const Machine machine = StatesFrom("[log]\nhold = \"zero\"\n" + kSignals +
                                      "[states]\nx = { ddt = \"(b*u - x)/(b*c)\", initial = \"estimate\" }\n"

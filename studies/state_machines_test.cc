@@ -56,6 +56,23 @@ TEST(StateMachines, ALongerLogOfTheSameSeedBeginsWithTheShorter) {
   }
 }
 
+TEST(StateMachines, AnEffectThatOnlyHelpedOutOfAWrongMinimumIsTakenOutAgain) {
+  const Machine machine = StatesMachine(StateMachineKind::kTanks, {});
+  const Episode episode = EpisodeOf(SimulateStates({StateMachineKind::kTanks, "leak", 31004, 2000}), machine);
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"leak"}) << "and no overflow";
+}
+
+TEST(StateMachines, OfEffectsThatComeToTheSameTheSimplestStands) {
+  const Machine machine = StatesMachine(StateMachineKind::kTanks, {});
+  const Episode episode =
+      EpisodeOf(SimulateStates({StateMachineKind::kTanks, "overflow", 31001, 2000}), machine);
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  EXPECT_EQ(x.verdict, Verdict::kNamed) << "spill with a part of 0 is the same law";
+  EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
+}
+
 /// The example of docs/state_models.md: the indented lines before the commands.
 std::string ExampleOfTheDocs() {
   std::ifstream file(std::string(HYDROSCOPE_SOURCE_DIR) + "/docs/state_models.md");

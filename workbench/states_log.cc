@@ -41,6 +41,38 @@ double OneStepError(const StateFit& fit, int output) {
   return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(own.ldlt().solve(cross))) / count);
 }
 
+/// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
+std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<Episode>& episodes) {
+  const StateModel& model = *fit.model;
+  StateSimulator simulator(fit.model);
+  simulator.SetParameters(fit.parameters);
+  std::vector<double> registers = model.initial.values.Registers();
+  std::vector<int> outside(static_cast<std::size_t>(model.states()), 0);
+  for (const Episode& episode : episodes) {
+    const Eigen::Index signals = episode.signal.cols();
+    for (Eigen::Index s = 0; s < signals; ++s) registers[static_cast<std::size_t>(s)] = episode.signal(0, s);
+    std::copy(fit.parameters.begin(), fit.parameters.end(), registers.begin() + signals);
+    model.initial.values.RunFixed(registers.data());
+    model.initial.values.Run(registers.data());
+    for (int i = 0; i < model.states(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double x = registers[model.initial.values.output(at)];
+      outside[at] +=
+          !model.estimated[at] && (x < simulator.limits()[i] || x > simulator.limits()[model.states() + i]);
+    }
+  }
+  std::vector<std::string> warnings;
+  for (int i = 0; i < model.states(); ++i)
+    if (const int count = outside[static_cast<std::size_t>(i)]; count > 0) {
+      const StateSpec& state = model.machine.states.states[static_cast<std::size_t>(i)];
+      warnings.push_back(fmt::format(
+          "initial = \"{}\" of {} is outside of its limits in {} of {} episodes, which begin at the limit; check unit, "
+          "zero and limits",
+          state.initial, state.name, count, episodes.size()));
+    }
+  return warnings;
+}
+
 }  // namespace
 
 bool HasStates(const std::string& machine_file) {
@@ -104,6 +136,8 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   }
   out.parameters = EstimatesOf(out.prediction ? *out.prediction : out.fit);
   for (int j = 0; j < out.fit.noise.size(); ++j) out.one_step.push_back(OneStepError(out.fit, j));
+  for (std::string& warning : InitialWarnings(out.fit, log.episodes))
+    log.warnings.push_back(std::move(warning));
   out.log = std::move(log);
   return out;
 }
@@ -139,6 +173,9 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   StatesExplained out;
   out.target = "--machine " + machine_file;
   out.explanation = ExplainStates(*machine, log->episodes);
+  if (out.explanation.base.fit.solved())
+    for (std::string& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
+      log->warnings.push_back(std::move(warning));
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);

@@ -136,6 +136,14 @@ void ReadState(TableReader& reader, StateSpec& state) {
   CheckLimits(reader, state);
 }
 
+/// The first output that an expression names, "" = none.
+std::string OutputIn(const std::string& text, const Machine& machine) {
+  if (const auto tree = ParseExpression(text))
+    for (const std::string& name : NamesIn(**tree))
+      if (OutputIndex(machine, name) >= 0) return name;
+  return "";
+}
+
 /// What needs all names of the file.
 void CheckStates(TableReader& file, const Machine& machine) {
   const ExpressionNames names = StateNamesOf(machine), limits = LimitNamesOf(machine),
@@ -145,7 +153,14 @@ void CheckStates(TableReader& file, const Machine& machine) {
     const toml::table* table = states.Table(s.name);
     if (table == nullptr) continue;
     TableReader reader(*table, "states." + s.name, file.problems());
-    CheckText(reader, "ddt", s.ddt, names, PerSecond(s.unit));
+    if (const std::string output = OutputIn(s.ddt, machine); !output.empty())
+      reader.Wrong(
+          "ddt",
+          fmt::format("an expression of states, inputs and parameters; {} is an output, which the model "
+                      "gives itself: name the state that it shows",
+                      output));
+    else
+      CheckText(reader, "ddt", s.ddt, names, PerSecond(s.unit));
     CheckText(reader, "min", s.min, limits, s.unit);
     CheckText(reader, "max", s.max, limits, s.unit);
     if (s.initial != "estimate") CheckText(reader, "initial", s.initial, initial, s.unit);
@@ -154,12 +169,7 @@ void CheckStates(TableReader& file, const Machine& machine) {
   if (table == nullptr) return;
   TableReader outputs(*table, "outputs", file.problems());
   for (const OutputSpec& o : machine.states.outputs) {
-    const auto tree = ParseExpression(o.expression);
-    std::string loop;
-    if (tree)
-      for (const std::string& name : NamesIn(**tree))
-        if (OutputIndex(machine, name) >= 0) loop = name;
-    if (!loop.empty()) {
+    if (const std::string loop = OutputIn(o.expression, machine); !loop.empty()) {
       outputs.Wrong(o.signal,
                     fmt::format("an expression of states, inputs and parameters; {} is an output itself, and "
                                 "would explain itself (an algebraic loop)",

@@ -87,7 +87,7 @@ TEST(StatesFile, ADelayIsOfAnInputByANumberOrAParameter) {
   EXPECT_TRUE(ParseMachine(with("delay(q_in, 0.2)"), "tanks.toml"));
   EXPECT_THAT(RefusalOf(with("delay(h_2, 0.2)")),
               AllOf(HasSubstr("tanks.toml:8:"), HasSubstr("is of an input")));
-  EXPECT_THAT(RefusalOf(with("delay(q_in, q_in)")),
+  EXPECT_THAT(RefusalOf(with("delay(q_in, h_2)")),
               HasSubstr("a delay is a number of seconds, or a parameter"));
   EXPECT_THAT(
       RefusalOf(kHead + "[states]\nh_2 = { ddt = \"k_1\", initial = \"delay(level_2, 1)\" }\n" + kRest),
@@ -99,6 +99,8 @@ TEST(StatesFile, RefusesWhatCannotBeSimulated) {
               HasSubstr("this state has no equation"));
   EXPECT_THAT(RefusalOf(kHead + kStates + "[outputs]\nlevel_2 = \"h_2 + 0.1*level_2\"\n"),
               HasSubstr("algebraic loop"));
+  EXPECT_THAT(RefusalOf(kHead + "[states]\nh_2 = { ddt = \"q_in - k_1*level_2\" }\n" + kRest),
+              HasSubstr("level_2 is an output, which the model gives itself"));
   EXPECT_THAT(RefusalOf(kHead + kStates), HasSubstr("section [outputs] is missing"));
   EXPECT_THAT(RefusalOf(kHead + kStates + "[outputs]\nlevel_1 = \"h_1\"\n"),
               HasSubstr("is no signal of [signals]"));
