@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Adds an effect, a kind of machine, a command and a log format to a copy of the sources, compiles what was touched, and
+# Adds an effect, a kind of machine, a command, a log format and a feed to a copy of the sources, compiles what was touched, and
 # prints the files and lines that each took. Fails where one of them takes more than docs/architecture.md says.
 # Usage: scripts/one_of_each.sh [compiler]
 set -euo pipefail
@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 compiler=${1:-c++}
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
-cp -r core models machines host setup cli replay acquisition "$copy"
+cp -r core models machines host setup cli replay acquisition storage alarms "$copy"
 cd "$copy"
 git init -q . && git add -A && git -c user.name=copy -c user.email=copy commit -qm copy
 
@@ -60,3 +60,24 @@ Result<std::unique_ptr<LogReader>> OpenTdms(const std::string& path, const Machi
 }  // namespace hydroscope
 READER
 judge "log format" 2 replay/log_reader.cc
+
+mkdir alarms/feeds/opcua
+for file in settings.h settings.cc; do
+  renamed Modbus Opcua alarms/feeds/modbus/$file | sed 's/modbus/opcua/g' > alarms/feeds/opcua/$file
+done
+cat > alarms/feeds/opcua/opcua_feed.cc <<'FEED'
+#include "alarms/feeds/feed_context.h"
+#include "alarms/feeds/list.h"
+#include "alarms/feeds/opcua/settings.h"
+namespace hydroscope {
+std::unique_ptr<Feed> MakeOpcuaFeed(const FeedContext& context) {
+  class OpcuaFeed : public Feed {
+    FeedStatus status() const override { return {.name = "opcua", .state = "not yet written"}; }
+  };
+  if (context.machine.feeds->Of<OpcuaFeedSpec>() == nullptr) return nullptr;
+  return std::make_unique<OpcuaFeed>();
+}
+}  // namespace hydroscope
+FEED
+sed -i 's/^  _(Sparkplug)/  _(Opcua) \\\n  _(Sparkplug)/' alarms/feeds/list.h
+judge "feed" 1 alarms/feeds/opcua/settings.cc alarms/feeds/opcua/opcua_feed.cc alarms/feeds/sections.cc alarms/feeds/feeds.cc

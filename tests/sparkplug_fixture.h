@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "alarms/feeds/sparkplug/sparkplug_feed.h"
+#include "alarms/feeds/sparkplug/settings.h"
 #include "tests/broker_fixture.h"
 #include "tests/feed_fixture.h"
 
@@ -37,7 +37,7 @@ class SparkplugFeedTest : public FeedTest {
   void StartFeed() { StartFeed(Spec()); }
   void StartFeed(SparkplugFeedSpec spec) {
     FeedsSpec feeds;
-    feeds.sparkplug = std::move(spec);
+    feeds.Add(std::move(spec));
     feeds_.reset();
     feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime));
   }

@@ -19,7 +19,7 @@
 #include "acquisition/batch_assembler.h"
 #include "acquisition/dds/messages.h"
 #include "dds/participant.h"
-#include "models/feeds_spec.h"
+#include "models/ipv4_range.h"
 
 namespace hydroscope {
 namespace {

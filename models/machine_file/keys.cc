@@ -1,5 +1,6 @@
 #include "models/machine_file/keys.h"
 
+#include "models/machine_file/feed_section.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -13,10 +14,21 @@ std::vector<std::string> ExperimentKeys() {
   return keys;
 }
 
+/// The sections of the feeds added to the others.
+std::vector<MachineSection> WithFeeds(std::vector<MachineSection> sections) {
+  std::vector<std::string> feeds;
+  for (const FeedSection* feed : FeedSections()) {
+    feeds.emplace_back(feed->name);
+    sections.push_back({fmt::format("feeds.{}", feed->name), feed->keys});
+  }
+  sections.push_back({"feeds", feeds});
+  return sections;
+}
+
 }  // namespace
 
 const std::vector<MachineSection>& MachineFileSections() {
-  static const std::vector<MachineSection> sections = {
+  static const std::vector<MachineSection> sections = WithFeeds({
       {"", {"machine",    "log",           "signals", "geometry", "gate",       "conditions", "window",
             "estimator",  "monitor",       "valve",   "balance",  "effect",     "live",       "feeds",
             "experiment", "model_history", "states",  "outputs",  "parameters", "episodes"}},
@@ -56,18 +68,12 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"live.modbus.ring",
        {"session", "newest", "time", "first", "records", "width", "period", "poll_period"}},
       {"live.modbus.sweep", {"coil", "status", "axis", "amplitude"}},
-      {"feeds", {"modbus", "dds", "sparkplug"}},
-      {"feeds.modbus", {"host", "port", "connections", "idle_timeout", "allow", "acknowledge"}},
-      {"feeds.dds", {"domain", "topic", "transport", "interfaces", "peers", "security"}},
-      {"feeds.sparkplug",
-       {"broker", "group", "node", "user", "password_file", "primary_host", "ca_file", "certificate_file",
-        "key_file"}},
       {"model_history",
        {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit",
         "parameters"}},
       {"model_history.parameters.<name>", {"value", "std", "unit"}},
       {"<quantity>", {"value", "unit"}},
-  };
+  });
   return sections;
 }
 

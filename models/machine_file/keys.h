@@ -8,7 +8,7 @@ namespace hydroscope {
 
 /// One section of a machine file and the keys it may hold.
 struct MachineSection {
-  std::string_view name;  ///< "log", "signals.<name>", "monitor.<parameter>", ...
+  std::string name;  ///< "log", "signals.<name>", "monitor.<parameter>", ...
   std::vector<std::string> keys;
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <set>
 
+#include "models/ipv4_range.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_file/section_text.h"
 #include "models/machine_file/sections.h"

@@ -3,7 +3,10 @@
 #include <random>
 
 #include "alarms/alarm_machine.h"
+#include "alarms/feeds/dds/settings.h"
 #include "alarms/feeds/feeds.h"
+#include "alarms/feeds/modbus/settings.h"
+#include "alarms/feeds/sparkplug/settings.h"
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "storage/alarm_journal.h"
@@ -25,9 +28,9 @@ Machine PressWithFeeds(const AlarmLoadOptions& o) {
   LiveSpec& live = machine.live.emplace();
   for (int axis = 0; axis < kAlarmAxes; ++axis) live.axes.push_back(AlarmAxis(axis).substr(6));
   FeedsSpec& feeds = machine.feeds.emplace();
-  feeds.modbus.emplace().port = 0;
-  feeds.sparkplug.emplace().broker = o.broker;
-  DdsFeedSpec& dds = feeds.dds.emplace();
+  feeds.Add<ModbusFeedSpec>().port = 0;
+  feeds.Add<SparkplugFeedSpec>().broker = o.broker;
+  auto& dds = feeds.Add<DdsFeedSpec>();
   dds.domain = o.domain;
   dds.topic = AlarmListener::kTopic;
   dds.transport = DdsTransport::kUdp;

@@ -1,5 +1,3 @@
-#include "alarms/feeds/dds/dds_feed.h"
-
 #include <fmt/format.h>
 #include <hydroscope_wire/hydroscope_alarmsPubSubTypes.h>
 
@@ -13,7 +11,10 @@
 #include <map>
 #include <mutex>
 
+#include "alarms/feeds/dds/settings.h"
+#include "alarms/feeds/feed_context.h"
 #include "alarms/feeds/feed_loop.h"
+#include "alarms/feeds/list.h"
 #include "dds/participant.h"
 
 namespace hydroscope {
@@ -158,6 +159,8 @@ class Publication {
   DataWriter* findings_ = nullptr;
 };
 
+/// Journal rows on <topic>/alarms and the present state of every alarm on <topic>/findings, by DDS
+/// (docs/live_protocol.md).
 class DdsFeed : public Feed {
  public:
   DdsFeed(DdsFeedSpec spec, FeedReader reader, Clock clock)
@@ -253,8 +256,10 @@ class DdsFeed : public Feed {
 
 }  // namespace
 
-std::unique_ptr<Feed> MakeDdsFeed(DdsFeedSpec spec, FeedReader reader, Clock clock) {
-  return std::make_unique<DdsFeed>(std::move(spec), std::move(reader), std::move(clock));
+std::unique_ptr<Feed> MakeDdsFeed(const FeedContext& context) {
+  const auto* spec = context.machine.feeds->Of<DdsFeedSpec>();
+  if (spec == nullptr) return nullptr;
+  return std::make_unique<DdsFeed>(*spec, context.Reader(), context.clock);
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,3 @@
-#include "alarms/feeds/dds/dds_feed.h"
-
 #include <gmock/gmock.h>
 #include <hydroscope_wire/hydroscope_alarmsPubSubTypes.h>
 #include <unistd.h>
@@ -11,6 +9,7 @@
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
+#include "alarms/feeds/dds/settings.h"
 #include "dds/participant.h"
 #include "tests/feed_fixture.h"
 
@@ -69,7 +68,7 @@ class DdsFeedTest : public FeedTest {
  protected:
   void Start() {
     FeedsSpec feeds;
-    DdsFeedSpec& dds = feeds.dds.emplace();
+    auto& dds = feeds.Add<DdsFeedSpec>();
     dds.domain = OwnDomain();
     dds.topic = "plant";
     dds.transport = DdsTransport::kUdp;
@@ -129,7 +128,7 @@ TEST_F(DdsFeedTest, ALateReaderGetsThePresentStateOfEveryAlarm) {
 
 TEST_F(DdsFeedTest, AnAddressThatThisComputerDoesNotHaveIsTold) {
   FeedsSpec spec;
-  spec.dds.emplace().interfaces = {"203.0.113.1"};
+  spec.Add<DdsFeedSpec>().interfaces = {"203.0.113.1"};
   const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return feeds.status()[0].errors > 0; }));
   EXPECT_FALSE(feeds.status()[0].connected);

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "alarms/feeds/modbus/requests.h"
+#include "alarms/feeds/modbus/settings.h"
 #include "core/clock.h"
 #include "core/result.h"
-#include "models/feeds_spec.h"
+#include "models/ipv4_range.h"
 
 namespace hydroscope {
 

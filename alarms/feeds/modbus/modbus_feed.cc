@@ -1,14 +1,15 @@
-#include "alarms/feeds/modbus/modbus_feed.h"
-
 #include <fmt/format.h>
 
 #include <deque>
 #include <mutex>
 
+#include "alarms/feeds/feed_context.h"
 #include "alarms/feeds/feed_loop.h"
+#include "alarms/feeds/list.h"
 #include "alarms/feeds/modbus/listener.h"
 #include "alarms/feeds/modbus/register_image.h"
 #include "alarms/feeds/modbus/register_map.h"
+#include "alarms/feeds/modbus/settings.h"
 
 namespace hydroscope {
 namespace {
@@ -16,6 +17,9 @@ namespace {
 constexpr std::size_t kMostWaiting = 64;  // acknowledgements
 const char* const kUser = "modbus";
 
+/// The register map of docs/register_map.md at a Modbus TCP port. One thread takes journal and trends into
+/// the registers ten times a second and stores acknowledgements, another one answers clients; a port that is
+/// taken is tried again every second.
 class ModbusFeed : public Feed {
  public:
   ModbusFeed(ModbusFeedSpec spec, FeedReader reader, Clock clock)
@@ -178,8 +182,10 @@ class ModbusFeed : public Feed {
 
 }  // namespace
 
-std::unique_ptr<Feed> MakeModbusFeed(ModbusFeedSpec spec, FeedReader reader, Clock clock) {
-  return std::make_unique<ModbusFeed>(std::move(spec), std::move(reader), std::move(clock));
+std::unique_ptr<Feed> MakeModbusFeed(const FeedContext& context) {
+  const auto* spec = context.machine.feeds->Of<ModbusFeedSpec>();
+  if (spec == nullptr) return nullptr;
+  return std::make_unique<ModbusFeed>(*spec, context.Reader(), context.clock);
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,3 @@
-#include "alarms/feeds/modbus/modbus_feed.h"
-
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <poll.h>
@@ -8,6 +6,7 @@
 
 #include "acquisition/modbus/link.h"
 #include "alarms/feeds/modbus/register_map.h"
+#include "alarms/feeds/modbus/settings.h"
 #include "core/registers.h"
 #include "tests/feed_fixture.h"
 
@@ -67,7 +66,7 @@ class ModbusFeedTest : public FeedTest {
   void Start(ModbusFeedSpec spec = {}, std::shared_ptr<const HealthBoard> board = nullptr) {
     spec.port = 0;
     FeedsSpec feeds;
-    feeds.modbus = spec;
+    feeds.Add(spec);
     feeds_.reset();
     feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime, std::move(board)));
     ASSERT_TRUE(WaitUntil([&] { return status().connected; }));
@@ -315,7 +314,7 @@ TEST_F(ModbusFeedTest, ClientsThatAreNotAllowedAreClosedAtOnce) {
 TEST_F(ModbusFeedTest, APortThatIsTakenIsToldAndTriedAgain) {
   Start();
   FeedsSpec same;
-  same.modbus.emplace().port = port();
+  same.Add<ModbusFeedSpec>().port = port();
   const Feeds second = Feeds::Start(Press(same), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return second.status()[0].errors > 0; }));
   EXPECT_FALSE(second.status()[0].connected);

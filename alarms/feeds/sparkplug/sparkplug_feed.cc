@@ -1,5 +1,3 @@
-#include "alarms/feeds/sparkplug/sparkplug_feed.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,10 +7,13 @@
 #include <mutex>
 #include <set>
 
+#include "alarms/feeds/feed_context.h"
 #include "alarms/feeds/feed_loop.h"
+#include "alarms/feeds/list.h"
 #include "alarms/feeds/sparkplug/mqtt_connection.h"
 #include "alarms/feeds/sparkplug/payload.h"
 #include "alarms/feeds/sparkplug/primary_host.h"
+#include "alarms/feeds/sparkplug/settings.h"
 #include "core/secret_file.h"
 #include "storage/outbox.h"
 
@@ -42,6 +43,9 @@ struct Announced {
   Health health;
 };
 
+/// An MQTT Sparkplug B 3.0 edge node (docs/sparkplug.md): the node is the machine, each axis a device. Rows
+/// of the journal go through the outbox at `outbox_path` and leave it when the broker has acknowledged them;
+/// state and parameters are told as they are now.
 class SparkplugFeed : public Feed {
  public:
   SparkplugFeed(SparkplugFeedSpec spec, FeedReader reader, std::string outbox_path, Clock clock)
@@ -368,10 +372,13 @@ class SparkplugFeed : public Feed {
 
 }  // namespace
 
-std::unique_ptr<Feed> MakeSparkplugFeed(SparkplugFeedSpec spec, FeedReader reader, std::string outbox_path,
-                                        Clock clock) {
-  return std::make_unique<SparkplugFeed>(std::move(spec), std::move(reader), std::move(outbox_path),
-                                         std::move(clock));
+std::unique_ptr<Feed> MakeSparkplugFeed(const FeedContext& context) {
+  const auto* asked = context.machine.feeds->Of<SparkplugFeedSpec>();
+  if (asked == nullptr) return nullptr;
+  SparkplugFeedSpec spec = *asked;
+  if (spec.node.empty()) spec.node = context.machine.name;
+  return std::make_unique<SparkplugFeed>(std::move(spec), context.Reader(), Outbox::PathFor(context.database),
+                                         context.clock);
 }
 
 }  // namespace hydroscope

@@ -1,7 +1,7 @@
-#include "alarms/feeds/sparkplug/sparkplug_feed.h"
-
 #include <gmock/gmock.h>
 
+#include "alarms/feeds/modbus/settings.h"
+#include "alarms/feeds/sparkplug/settings.h"
 #include "storage/database.h"
 #include "storage/outbox.h"
 #include "tests/sparkplug_fixture.h"
@@ -169,8 +169,8 @@ TEST_F(SparkplugFeedTest, AHangingBrokerDelaysNeitherTheJournalNorAnotherFeed) {
   ASSERT_EQ(listen(listening, 8), 0);
   getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size);
   FeedsSpec spec;
-  spec.modbus.emplace().port = 0;
-  spec.sparkplug.emplace().broker = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  spec.Add<ModbusFeedSpec>().port = 0;
+  spec.Add<SparkplugFeedSpec>().broker = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
   const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return feeds.status()[0].connected; }));
   const double begin = Now();

@@ -1,6 +1,7 @@
-#include "models/feeds_spec.h"
+#include "models/ipv4_range.h"
 
 #include <charconv>
+#include <string_view>
 
 namespace hydroscope {
 namespace {

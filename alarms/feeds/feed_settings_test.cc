@@ -1,8 +1,10 @@
-#include "models/feeds_spec.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "alarms/feeds/dds/settings.h"
+#include "alarms/feeds/modbus/settings.h"
+#include "alarms/feeds/sparkplug/settings.h"
+#include "models/ipv4_range.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -36,10 +38,10 @@ TEST(FeedsSpec, AFileWithoutSectionsFeedsNobody) { EXPECT_FALSE(Loaded("").feeds
 
 TEST(FeedsSpec, AnEmptySectionTurnsAFeedOnForThisComputerOnly) {
   const Machine machine = Loaded("[feeds.modbus]\n[feeds.dds]\n[feeds.sparkplug]\n");
-  EXPECT_EQ(machine.feeds->modbus->host, "127.0.0.1");
-  EXPECT_THAT(machine.feeds->modbus->allow, ElementsAre("127.0.0.0/8"));
-  EXPECT_THAT(machine.feeds->dds->interfaces, ElementsAre("127.0.0.1"));
-  EXPECT_EQ(machine.feeds->sparkplug->broker, "tcp://127.0.0.1:1883");
+  EXPECT_EQ(machine.feeds->Of<ModbusFeedSpec>()->host, "127.0.0.1");
+  EXPECT_THAT(machine.feeds->Of<ModbusFeedSpec>()->allow, ElementsAre("127.0.0.0/8"));
+  EXPECT_THAT(machine.feeds->Of<DdsFeedSpec>()->interfaces, ElementsAre("127.0.0.1"));
+  EXPECT_EQ(machine.feeds->Of<SparkplugFeedSpec>()->broker, "tcp://127.0.0.1:1883");
 }
 
 TEST(FeedsSpec, ReadsBackEqualAfterWriting) {
