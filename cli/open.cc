@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "host/output.h"
+#include "host/signals.h"
 #include "page/page_server.h"
 #include "simulator/log_format.h"
 #include "simulator/press.h"
@@ -51,11 +52,7 @@ void Wait(PageServer& page, const sigset_t& signals) {
 }
 
 Status RunOpen(PageOptions options) {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});
   options.examples = Examples();
   const auto page = PageServer::Open(options);
   if (!page) return tl::unexpected(page.error());

@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "host/output.h"
 #include "host/real_clock.h"
+#include "host/signals.h"
 #include "live/http_endpoint.h"
 #include "live/live_service.h"
 #include "live/log.h"
@@ -36,14 +37,6 @@ struct ServeArguments {
 void KeepFreedMemory() {
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
-}
-
-/// Signals the service answers; blocked in every thread and waited for by one.
-sigset_t Signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
-  return set;
 }
 
 /// Feeds systemd's watchdog from the pipeline's thread, four times as often as it asks for.
@@ -105,8 +98,7 @@ int Run(ServeArguments& a) {
         {ErrorKind::kBadInput,
          fmt::format("another service writes {} already; stop it first, or take another database",
                      a.live.database)});
-  const sigset_t signals = Signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const sigset_t signals = LeaveToSignalWait({SIGTERM, SIGINT, SIGHUP});  // one thread waits for them
   auto created = LiveService::Create(
       a.live,
       [](const Machine& machine, const Clock& clock) {

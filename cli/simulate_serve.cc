@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "cli/live_command.h"
+#include "host/signals.h"
 #include "simulator/press_map.h"
 
 namespace hydroscope {
@@ -141,10 +142,7 @@ Status ServePress(const ServedPress& arguments, PressOptions press) {
   if (!options) return tl::unexpected(options.error());
   options->session = static_cast<std::uint64_t>(Now().wall_ns / 1'000'000);
 
-  sigset_t signals;  // before any thread begins: all of them leave these signals to Control
-  sigemptyset(&signals);
-  for (const int number : {SIGINT, SIGTERM}) sigaddset(&signals, number);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});  // Control waits for them
 
   auto server = PressServer::Create(*options, Now);
   if (!server) return tl::unexpected(server.error());
