@@ -3,11 +3,15 @@
 # two processes that talk by DDS and Modbus TCP. The service learns the healthy press, the piston seal of one cushion
 # wears within seconds, the alarm arrives with its explanation, and a SCADA client reads and acknowledges it.
 #   scripts/demo.sh [DIRECTORY]    where machine file, database and logs go; default out/demo
+# HYDROSCOPE names a program that is built already.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-scripts/build.sh release hydroscope
-hydroscope=$PWD/build/release/hydroscope
+hydroscope=${HYDROSCOPE:-}
+if [[ -z $hydroscope ]]; then
+  scripts/build.sh release hydroscope
+  hydroscope=$PWD/build/release/hydroscope
+fi
 out=${1:-out/demo}
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
@@ -55,8 +59,9 @@ wait_for() {
   echo "nothing came within $seconds s; $out/press.service.txt tells what the service did" >&2
   exit 1
 }
-learned() { [[ $("$hydroscope" alarms --db "$out/press.db" journal 2>/dev/null | grep -c reference_learned) -ge 4 ]]; }
-explained() { "$hydroscope" alarms --db "$out/press.db" journal 2>/dev/null | grep -q 'internal_leakage: explained'; }
+events() { "$hydroscope" alarms --db "$out/press.db" journal --quiet --json - 2>/dev/null | grep -c "\"event\": \"$1\""; }
+learned() { [[ $(events reference_learned) -ge 4 ]]; }
+explained() { [[ $(events explained) -ge 1 ]]; }
 
 step "1. A press with four cushions works $speed times faster than in life; the service watches it."
 mkfifo "$out/press.orders"
