@@ -47,9 +47,13 @@ const char* JudgementText(JudgementReason reason) {
 DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference)
     : model_(std::move(model)), rules_(&rules), reference_(std::move(reference)) {
   const int n = model_.size();
+  // Rules that know nothing of this machine must not make it look sound: then all of it is watched, by the default sizes.
+  const bool strange =
+      std::none_of(model_.quantities().begin(), model_.quantities().end(),
+                   [&](const auto& quantity) { return rules_->Find(quantity.name) != nullptr; });
   for (int q = 0; q < n; ++q) {
     const WatchSpec* watch = rules_->Find(model_.quantities()[q].name);
-    watched_.push_back(watch != nullptr);
+    watched_.push_back(strange || watch != nullptr);
     sizes_.push_back(watch != nullptr ? watch->Sizes(reference_.typical(q))
                                       : WatchSpec{}.Sizes(reference_.typical(q)));
   }
