@@ -110,10 +110,9 @@ Result<std::unique_ptr<HttpEndpoint>> HttpEndpoint::Open(int port, const std::st
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    impl.port =
-        MHD_start_daemon(flags, 0, nullptr, nullptr, &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR, &address,
-                         MHD_OPTION_CONNECTION_LIMIT, kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT,
-                         kConnectionTimeout, MHD_OPTION_LISTENING_ADDRESS_REUSE, 1u, MHD_OPTION_END);
+    impl.port = MHD_start_daemon(flags, 0, nullptr, nullptr, &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR,
+                                 &address, MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
+                                 MHD_OPTION_CONNECTION_TIMEOUT, kConnectionTimeout, MHD_OPTION_END);
     if (impl.port == nullptr)
       return BadInput(
           "port {} on 127.0.0.1 cannot be opened ({}); give another one with --port, or 0 for none", port,
