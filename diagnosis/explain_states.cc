@@ -320,8 +320,8 @@ class StatesExplainer {
     if (out_.partial)
       out_.warnings.push_back(fmt::format(
           "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
-          "{:.2g} % of what they could predict before; a small law more is missing, or one of these is a little "
-          "different",
+          "{:.2g} % of what they could predict before; a small law more is missing, or one of "
+          "these differs a little",
           100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
     out_.set = out_.final.added;
     for (const std::string& id : out_.set) out_.groups.push_back({id});

@@ -147,8 +147,7 @@ RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episode
   return out;
 }
 
-/// Energies of the error left out as quadratic forms of the signs of the pieces: with the parameters alone, and with the
-/// functions.
+/// Energies of the error left out as quadratic forms of the signs of the pieces: with parameters alone, and with functions.
 struct LeftOutForms {
   Eigen::MatrixXd own, all;
 

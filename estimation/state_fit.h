@@ -93,8 +93,8 @@ std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
                                      const StateFitOptions& options = {});
 
 /// By prediction error in innovations form (Ljung 1999, 5.3 and 7.2) where noise acts on the process itself: the states are
-/// corrected after each row by a gain that is estimated with the parameters. Begins at a free-run fit; residuals are those of
-/// one step.
+/// corrected after each row by a gain that is estimated with the parameters. Begins at a free-run fit and leaves
+/// the residuals of one step.
 StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episodes,
                        const StateFitOptions& options = {});
 

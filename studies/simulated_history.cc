@@ -28,7 +28,9 @@ Status StoreOverAndOver(Database& database, const std::string& name, const std::
     batch.clear();
     if (progress) progress(k + 1);
   }
-  return database.FinishRun(run->id, FormatRunSummary({}), {});
+  RunSummary summary;
+  summary.sample_period = log.window.period;
+  return database.FinishRun(run->id, FormatRunSummary(summary), {});
 }
 
 }  // namespace hydroscope
