@@ -6,7 +6,7 @@
 #include <random>
 
 #include "acquisition/quality_monitor.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 namespace {

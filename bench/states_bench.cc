@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "estimation/state_fit.h"
-#include "simulator/state_machines.h"
+#include "estimation/states/fit.h"
+#include "simulator/own_states/machines.h"
 
 namespace hydroscope {
 namespace {

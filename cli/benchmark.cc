@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/machines/machines.h"
 #include "studies/coverage_benchmark.h"
 #include "studies/drift/drift_benchmark.h"
 #include "studies/drift/drift_full_simulation.h"
@@ -362,6 +363,9 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   AddSealFriction(*benchmark, exit_code);
   AddOwnMachines(*benchmark, exit_code);
   AddStateMachines(*benchmark, exit_code);
+#define HYDROSCOPE_ADD_BENCHMARK(Name) AddBenchmark##Name(*benchmark, exit_code);
+  HYDROSCOPE_SIMULATED_MACHINES(HYDROSCOPE_ADD_BENCHMARK)
+#undef HYDROSCOPE_ADD_BENCHMARK
 }
 
 }  // namespace hydroscope

@@ -7,7 +7,7 @@
 #include "workbench/compare_output.h"
 #include "workbench/history/history_options.h"
 #include "workbench/history/history_output.h"
-#include "workbench/states_output.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {

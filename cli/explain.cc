@@ -10,7 +10,7 @@
 #include "workbench/history/history_output.h"
 #include "workbench/history/stored_change.h"
 #include "workbench/model/measured_sizes.h"
-#include "workbench/states_output.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {

@@ -6,7 +6,7 @@
 #include "host/output.h"
 #include "workbench/fit_log.h"
 #include "workbench/fit_output.h"
-#include "workbench/states_output.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cli/commands.h"
-#include "simulator/valve_sweep.h"
+#include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
 namespace {

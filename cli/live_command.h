@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "simulator/press_server.h"
+#include "simulator/die_cushion/press_server.h"
 
 namespace hydroscope {
 

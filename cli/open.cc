@@ -8,8 +8,8 @@
 #include "host/output.h"
 #include "host/signals.h"
 #include "page/page_server.h"
-#include "simulator/log_format.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/log_format.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 namespace {

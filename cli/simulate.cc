@@ -8,14 +8,15 @@
 
 #include "cli/commands.h"
 #include "cli/live_command.h"
+#include "cli/machines/machines.h"
 #include "cli/simulate_press.h"
 #include "cli/simulate_serve.h"
 #include "host/output.h"
 #include "report/text_sink.h"
-#include "simulator/live_press.h"
-#include "simulator/log_format.h"
-#include "simulator/press.h"
-#include "simulator/valve_sweep.h"
+#include "simulator/die_cushion/live_press.h"
+#include "simulator/die_cushion/log_format.h"
+#include "simulator/die_cushion/press.h"
+#include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
 namespace {
@@ -270,6 +271,9 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
   simulate->require_subcommand(1);
   AddPress(*simulate, exit_code);
   AddValve(*simulate, exit_code);
+#define HYDROSCOPE_ADD_SIMULATION(Name) AddSimulate##Name(*simulate, exit_code);
+  HYDROSCOPE_SIMULATED_MACHINES(HYDROSCOPE_ADD_SIMULATION)
+#undef HYDROSCOPE_ADD_SIMULATION
 }
 
 }  // namespace hydroscope

@@ -13,8 +13,8 @@
 #include "core/constants.h"
 #include "core/units.h"
 #include "models/machine.h"
-#include "simulator/effects.h"
-#include "simulator/imperfections.h"
+#include "simulator/die_cushion/effects.h"
+#include "simulator/die_cushion/imperfections.h"
 
 namespace hydroscope {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 

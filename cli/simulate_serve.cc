@@ -11,7 +11,7 @@
 
 #include "cli/live_command.h"
 #include "host/signals.h"
-#include "simulator/press_map.h"
+#include "simulator/die_cushion/press_map.h"
 
 namespace hydroscope {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/result.h"
 #include "models/machine.h"
-#include "simulator/press_server.h"
+#include "simulator/die_cushion/press_server.h"
 
 namespace hydroscope {
 

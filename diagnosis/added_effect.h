@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "estimation/state_fit.h"
+#include "estimation/states/fit.h"
 
 namespace hydroscope {
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "diagnosis/added_effect.h"
-#include "diagnosis/state_tangent.h"
+#include "diagnosis/states/tangent.h"
 
 namespace hydroscope {
 namespace {

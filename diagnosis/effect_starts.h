@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/state_fit.h"
+#include "estimation/states/fit.h"
 
 namespace hydroscope {
 

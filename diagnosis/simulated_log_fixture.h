@@ -6,7 +6,7 @@
 #include "diagnosis/refine.h"
 #include "estimation/stroke_segmenter.h"
 #include "models/machine.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 

@@ -8,8 +8,8 @@
 
 #include "estimation/analytic_stroke_fixture.h"
 #include "models/effect.h"
-#include "simulator/effects.h"
-#include "simulator/imperfections.h"
+#include "simulator/die_cushion/effects.h"
+#include "simulator/die_cushion/imperfections.h"
 
 namespace hydroscope {
 namespace {

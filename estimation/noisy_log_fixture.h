@@ -10,7 +10,7 @@
 #include "estimation/gram_fit.h"
 #include "estimation/stroke_accumulator.h"
 #include "estimation/stroke_segmenter.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "simulator/random.h"
 
 namespace hydroscope {

@@ -17,7 +17,7 @@
 #include "monitor/learning_check.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 namespace {

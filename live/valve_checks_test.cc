@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "simulator/valve_sweep.h"
+#include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
 namespace {

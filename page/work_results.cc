@@ -15,7 +15,7 @@
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_history_output.h"
 #include "workbench/model/model_output.h"
-#include "workbench/states_output.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {

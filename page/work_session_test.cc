@@ -9,8 +9,8 @@
 
 #include "page/log_picture.h"
 #include "page/page_api.h"
-#include "simulator/log_format.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/log_format.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/state_simulation.h"
+#include "estimation/states/simulation.h"
 #include "pipeline/log_pass.h"
 
 namespace hydroscope {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "simulator/random.h"
 #include "studies/simulated_strokes.h"
 #include "tests/counting_new.h"

@@ -12,7 +12,7 @@
 
 #include "core/constants.h"
 #include "estimation/frequency_response/frequency_response.h"
-#include "simulator/valve_sweep.h"
+#include "simulator/valve/valve_sweep.h"
 
 namespace hydroscope {
 namespace {

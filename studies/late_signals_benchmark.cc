@@ -11,7 +11,7 @@
 
 #include "diagnosis/explain.h"
 #include "host/output.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "simulator/effects.h"
-#include "simulator/plant_laws.h"
+#include "simulator/die_cushion/effects.h"
+#include "simulator/die_cushion/plant_laws.h"
 #include "studies/random_effect.h"
 
 namespace hydroscope {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/imperfections.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/imperfections.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/random_effect.h"
 
 namespace hydroscope {

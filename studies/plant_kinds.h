@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulator/press_options.h"
+#include "simulator/die_cushion/press_options.h"
 
 namespace hydroscope {
 

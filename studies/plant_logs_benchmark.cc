@@ -11,7 +11,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "pipeline/geometry_tolerance.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/parallel.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"

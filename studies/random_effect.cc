@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/effects.h"
+#include "simulator/die_cushion/effects.h"
 
 namespace hydroscope {
 namespace {

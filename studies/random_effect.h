@@ -4,7 +4,7 @@
 #include <string>
 
 #include "diagnosis/extended_fit.h"
-#include "simulator/press_options.h"
+#include "simulator/die_cushion/press_options.h"
 
 namespace hydroscope {
 

@@ -11,7 +11,7 @@
 
 #include "core/constants.h"
 #include "host/output.h"
-#include "simulator/effects.h"
+#include "simulator/die_cushion/effects.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_log.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "simulator/effects.h"
+#include "simulator/die_cushion/effects.h"
 
 namespace hydroscope {
 namespace {

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "simulator/log_format.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/log_format.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "review/replay_runner.h"
-#include "simulator/press_options.h"
+#include "simulator/die_cushion/press_options.h"
 
 namespace hydroscope {
 

@@ -2,7 +2,7 @@
 
 #include "core/result.h"
 #include "pipeline/batch_fit.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 
 namespace hydroscope {
 

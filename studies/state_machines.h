@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/explain_states.h"
-#include "simulator/state_machines.h"
+#include "diagnosis/states/explain_states.h"
+#include "simulator/own_states/machines.h"
 
 namespace hydroscope {
 

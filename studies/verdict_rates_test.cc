@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "diagnosis/effect_ranking.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_log.h"

@@ -65,10 +65,10 @@ struct Reserved {
 const std::vector<Reserved> kReservedIncludes = {
     {"<sqlite3.h>", {"storage/"}},
     {"<SQLiteCpp/", {"storage/"}},
-    {"<modbus", {"acquisition/modbus/", "simulator/modbus/"}},
-    {"<fastdds/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
-    {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
-    {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/dds/"}},
+    {"<modbus", {"acquisition/modbus/", "simulator/die_cushion/modbus/"}},
+    {"<fastdds/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/die_cushion/dds/"}},
+    {"<fastrtps/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/die_cushion/dds/"}},
+    {"<hydroscope_wire/", {"dds/", "acquisition/dds/", "alarms/feeds/dds/", "simulator/die_cushion/dds/"}},
     {"<mqtt/", {"alarms/feeds/sparkplug/"}},
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
@@ -82,7 +82,8 @@ const std::vector<Reserved> kReservedWords = {
     {"std::time(", {"dds/shared_memory.cc"}},  // age of what killed processes left behind
     {"getenv", {"host/", "cli/", "live/", "studies/"}},
     {"random_device", {"dds/shared_memory.cc"}},  // a port number no process had before
-    {"<sys/socket.h>", {"live/", "page/", "studies/", "acquisition/modbus/", "alarms/", "simulator/modbus/"}},
+    {"<sys/socket.h>",
+     {"live/", "page/", "studies/", "acquisition/modbus/", "alarms/", "simulator/die_cushion/modbus/"}},
     {"sleep_for", {"live/", "studies/", "cli/"}},
 };
 

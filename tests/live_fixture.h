@@ -14,7 +14,7 @@
 
 #include "acquisition/source.h"
 #include "models/machine.h"
-#include "simulator/press_server.h"
+#include "simulator/die_cushion/press_server.h"
 
 namespace hydroscope {
 

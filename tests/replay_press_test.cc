@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "machines/die_cushion/press_file_fixture.h"
-#include "simulator/log_format.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/log_format.h"
+#include "simulator/die_cushion/press.h"
 #include "storage/alarm_journal.h"
 #include "tests/command_line_fixture.h"
 

@@ -15,7 +15,7 @@
 #include "workbench/identifiability.h"
 #include "workbench/model/machine_model.h"
 #include "workbench/plausibility.h"
-#include "workbench/states_log.h"
+#include "workbench/states/states_log.h"
 
 namespace hydroscope {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/geometry_tolerance.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/fit_output.h"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "simulator/press.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/seal_friction.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_log.h"

@@ -12,7 +12,7 @@
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "host/output.h"
-#include "simulator/valve_sweep.h"
+#include "simulator/valve/valve_sweep.h"
 #include "studies/drift/drift_press.h"
 #include "studies/parallel.h"
 

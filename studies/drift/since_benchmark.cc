@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "host/output.h"
-#include "simulator/effects.h"
-#include "simulator/press.h"
+#include "simulator/die_cushion/effects.h"
+#include "simulator/die_cushion/press.h"
 #include "studies/random_effect.h"
 #include "studies/simulated_replay.h"
 #include "workbench/explain/explain_change.h"

@@ -13,7 +13,7 @@
 #include "workbench/held_out_log.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_history_output.h"
-#include "workbench/states_log.h"
+#include "workbench/states/states_log.h"
 
 namespace hydroscope {
 namespace {

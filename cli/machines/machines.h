@@ -1,0 +1,19 @@
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace hydroscope {
+
+/// The simulated machines beside press and valve. Each lives in cli/machines/<name>.cc and adds `simulate <name>`, a log
+/// whose truth is known, and `benchmark <name>`, our figures beside published ones: one line here.
+#define HYDROSCOPE_SIMULATED_MACHINES(_)
+
+#define HYDROSCOPE_DECLARE_MACHINE(Name)                      \
+  void AddSimulate##Name(CLI::App& simulate, int& exit_code); \
+  void AddBenchmark##Name(CLI::App& benchmark, int& exit_code);
+HYDROSCOPE_SIMULATED_MACHINES(HYDROSCOPE_DECLARE_MACHINE)
+#undef HYDROSCOPE_DECLARE_MACHINE
+
+}  // namespace hydroscope

@@ -1,0 +1,359 @@
+#include "diagnosis/states/explain_states.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "diagnosis/added_effect.h"
+
+namespace hydroscope {
+namespace {
+
+/// How much lower the second energies are: sum, and its t over the pieces.
+std::pair<double, double> PairedGain(const std::vector<double>& before, const std::vector<double>& after) {
+  const auto n = static_cast<double>(before.size());
+  double sum = 0, squares = 0;
+  for (std::size_t k = 0; k < before.size(); ++k) sum += before[k] - after[k];
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const double d = before[k] - after[k] - sum / n;
+    squares += d * d;
+  }
+  const double error = std::sqrt(squares * n / std::max(n - 1, 1.0));
+  return {sum, error > 0 ? sum / error : 0.0};
+}
+
+/// Readings over which the errors of a fit are correlated: 1 + 2 sum of their autocorrelation until it first vanishes.
+double CorrelatedReadings(const StateFit& fit) {
+  constexpr Eigen::Index kLags = 100;
+  double longest = 1;
+  for (Eigen::Index j = 0; j < fit.noise.size(); ++j) {
+    double sum = 1;
+    for (Eigen::Index lag = 1; lag <= kLags; ++lag) {
+      double product = 0, energy = 0;
+      for (const RowMatrix& residual : fit.residuals)
+        for (Eigen::Index row = lag; row < residual.rows(); ++row) {
+          const double now = residual(row, j), then = residual(row - lag, j);
+          if (!std::isfinite(now) || !std::isfinite(then)) continue;
+          product += now * then;
+          energy += now * now;
+        }
+      if (!(product > 0)) break;
+      sum += 2 * product / energy;
+    }
+    longest = std::max(longest, sum);
+  }
+  return longest;
+}
+
+class StatesExplainer {
+ public:
+  StatesExplainer(const Machine& machine, std::span<const Episode> episodes,
+                  const ExplainStatesOptions& options)
+      : machine_(machine), episodes_(episodes), options_(options) {}
+
+  StatesExplanation Run() {
+    const auto model = BuildStateModel(machine_, machine_.added_effects);
+    if (!model) {
+      out_.base.fit.failed = model.error().text;
+      return std::move(out_);
+    }
+    out_.base.fit = FitStates(*model, episodes_, options_.fit);
+    if (!out_.base.fit.solved()) return std::move(out_);
+    noise_ = out_.base.fit.noise;
+    out_.base.held_out = out_.base.fit.HeldOutEnergy();
+    out_.base_left = Left(out_.base.fit);
+    Search();
+    Prune();
+    Conclude();
+    return std::move(out_);
+  }
+
+ private:
+  StateRemainder Left(const StateFit& fit) const { return RemainderOf(fit, episodes_, options_.remainder); }
+  /// Energies left out, over the base's noise whatever the fit's own.
+  std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
+
+  static Eigen::VectorXd FileStart(const StateModel& model) {
+    Eigen::VectorXd start(model.parameter_count());
+    for (int p = 0; p < start.size(); ++p)
+      start[p] = model.parameters[static_cast<std::size_t>(p)].spec.start;
+    return start;
+  }
+
+  std::vector<std::string> WithAdded(const std::vector<std::string>& added) const {
+    std::vector<std::string> effects = machine_.added_effects;
+    effects.insert(effects.end(), added.begin(), added.end());
+    return effects;
+  }
+
+  /// What a fit found, for a model with fewer effects.
+  StateStart StartFrom(const StateFit& fit, const std::vector<std::string>& added) const {
+    StateStart start{Eigen::VectorXd(fit.parameters.size()), fit.initial};
+    Eigen::Index count = 0;
+    const std::vector<std::string> effects = WithAdded(added);
+    for (Eigen::Index p = 0; p < fit.parameters.size(); ++p) {
+      const std::string& effect = fit.model->parameters[static_cast<std::size_t>(p)].effect;
+      if (effect.empty() || std::find(effects.begin(), effects.end(), effect) != effects.end())
+        start.parameters[count++] = fit.parameters[p];
+    }
+    start.parameters.conservativeResize(count);
+    return start;
+  }
+
+  /// Where the fit of a model with further effects may begin: at the values of the nearest model, and at what short segments
+  /// give, since that may stand in a wrong minimum for want of the effect.
+  std::vector<StateStart> StartsOf(const std::shared_ptr<const StateModel>& model,
+                                   const StateFit& near) const {
+    std::vector<StateStart> starts = EffectStarts(near, model, episodes_, options_.effect_starts);
+    if (!out_.base_left.structured) return starts;
+    for (const Eigen::VectorXd& from : {starts.front().parameters, FileStart(*model)})
+      if (auto shot = ShootStart(model, episodes_, from, options_.fit)) starts.push_back(std::move(*shot));
+    return starts;
+  }
+
+  /// Fits a set from starts; from those near a fit without it if there are none.
+  StateCandidate Fit(const std::vector<std::string>& added, std::vector<StateStart> starts,
+                     const StateFit* near = nullptr) {
+    StateCandidate candidate;
+    candidate.added = added;
+    const auto model = BuildStateModel(machine_, WithAdded(added));
+    if (!model) {
+      candidate.fit.failed = model.error().text;
+      return candidate;
+    }
+    if (near != nullptr) starts = StartsOf(*model, *near);
+    StateFitOptions quick = options_.fit;
+    quick.iterations = options_.candidate_iterations;
+    quick.tolerance = options_.candidate_tolerance;
+    quick.start_iterations = options_.screen_iterations;
+    quick.start_tolerance = options_.screen_tolerance;
+    candidate.fit = RefitStates(*model, episodes_, starts, noise_, quick);
+    if (candidate.fit.solved()) {
+      candidate.held_out = candidate.fit.HeldOutEnergy();
+      std::tie(candidate.gain, candidate.t) = PairedGain(Energies(out_.base.fit), Energies(candidate.fit));
+    }
+    return candidate;
+  }
+
+  /// Energy that counts as one piece of evidence: that of a reading, times the readings over which errors are correlated.
+  static double EvidenceOf(const StateCandidate& candidate) {
+    return candidate.held_out / std::max(1, candidate.fit.readings()) * CorrelatedReadings(candidate.fit);
+  }
+
+  void Search() {
+    std::vector<std::string> ids;
+    for (const UserEffectSpec& effect : machine_.user_effects)
+      if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
+          machine_.added_effects.end())
+        ids.push_back(effect.id);
+    levels_.push_back({out_.base});
+    out_.final = out_.base;
+    out_.final_left = out_.base_left;
+    std::set<std::vector<std::string>> tried;
+    for (int size = 1; size <= options_.max_effects && static_cast<std::size_t>(size) <= ids.size(); ++size) {
+      if (size > 1 && !out_.final_left.structured) break;
+      std::vector<StateCandidate> sets;
+      const std::vector<StateCandidate>& before = levels_.back();
+      for (std::size_t b = 0; b < before.size() && static_cast<int>(b) < options_.beam; ++b)
+        for (const std::string& id : ids) {
+          std::vector<std::string> added = before[b].added;
+          if (std::find(added.begin(), added.end(), id) != added.end()) continue;
+          added.push_back(id);
+          std::vector<std::string> sorted = added;
+          std::sort(sorted.begin(), sorted.end());
+          if (!tried.insert(sorted).second) continue;
+          StateCandidate candidate = Fit(added, {}, &before[b].fit);
+          if (candidate.fit.solved())
+            sets.push_back(std::move(candidate));
+          else if (size == 1)
+            out_.warnings.push_back(fmt::format("{} cannot be tried: {}", id, candidate.fit.failed));
+        }
+      std::sort(sets.begin(), sets.end(),
+                [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
+      if (!sets.empty()) PreferFewParameters(sets);
+      if (size == 1) out_.ranking = sets;
+      if (sets.empty() || !Better(out_.final, out_.final_left, sets.front())) break;
+      out_.final = sets.front();
+      out_.final_left = Left(out_.final.fit);
+      levels_.push_back(std::move(sets));
+    }
+  }
+
+  /// Whether a set does better than another, of which `left` is left.
+  bool Better(const StateCandidate& now, const StateRemainder& left, const StateCandidate& next) const {
+    const auto [removed, t] = PairedGain(Energies(now.fit), Energies(next.fit));
+    // An effect that acts in a few pieces has a small t however large its gain is against correlated noise.
+    const bool large = removed > options_.min_gain * EvidenceOf(next) && t > options_.few_t &&
+                       removed > options_.min_removed * now.held_out;
+    if (!left.structured)
+      return large || (removed > options_.min_gain * EvidenceOf(next) && t > options_.sure_t);
+    const double predictable = now.held_out * left.share;
+    return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
+           (large || t > options_.min_t);
+  }
+
+  /// The fit of fewer effects may have ended in a wrong minimum, from where another effect seemed to help: each is taken out
+  /// again, the fit beginning where it ended with it, and stays out if it does not do better than what is left.
+  void Prune() {
+    for (bool smaller = true; smaller && !out_.final.added.empty();) {
+      smaller = false;
+      for (const std::string& id : out_.final.added) {
+        std::vector<std::string> rest = out_.final.added;
+        rest.erase(std::find(rest.begin(), rest.end(), id));
+        StateCandidate without = Fit(rest, {StartFrom(out_.final.fit, rest)});
+        if (!without.fit.solved()) continue;
+        StateRemainder left = Left(without.fit);
+        if (Better(without, left, out_.final)) continue;
+        out_.final_left = std::move(left);
+        levels_.pop_back();
+        std::vector<StateCandidate>& level = levels_.back();
+        std::erase_if(level, [&](const StateCandidate& other) { return other.added == rest; });
+        level.insert(level.begin(), without);
+        out_.final = std::move(without);
+        smaller = true;
+        break;
+      }
+    }
+    if (!out_.final.added.empty()) return;
+    out_.base = out_.final;
+    out_.base_left = out_.final_left;
+  }
+
+  /// Terms that a candidate adds to each equation along its own run, over the size of the equation's rate there.
+  Eigen::MatrixXd TermsOf(const StateCandidate& candidate) const {
+    const StateModel &near = *out_.base.fit.model, &with = *candidate.fit.model;
+    AddedEffect effect(near, with, candidate.fit.parameters.head(near.parameter_count()));
+    effect.AddDraw(candidate.fit.parameters);
+    const auto equations = static_cast<Eigen::Index>(with.states() + with.output.rows);
+    std::vector<Eigen::VectorXd> rows;
+    Eigen::VectorXd size = Eigen::VectorXd::Zero(equations), before;
+    std::vector<double> values(effect.equations().size()), input(static_cast<std::size_t>(with.driving()));
+    for (std::size_t e = 0; e < episodes_.size(); ++e)
+      for (int row = 0; row + 1 < episodes_[e].rows(); ++row) {
+        for (std::size_t i = 0; i < with.inputs.size(); ++i)
+          input[i] = episodes_[e].signal(row, with.inputs[i]);
+        const StateRun& run = candidate.fit.runs[e];
+        const Eigen::VectorXd state = run.states.row(row).transpose();
+        effect.Values(state.data(), input.data(), values.data());
+        Eigen::VectorXd terms = Eigen::VectorXd::Zero(equations);
+        for (std::size_t k = 0; k < values.size(); ++k) terms[effect.equations()[k]] = values[k];
+        rows.push_back(std::move(terms));
+        const double period = episodes_[e].time[static_cast<std::size_t>(row) + 1] -
+                              episodes_[e].time[static_cast<std::size_t>(row)];
+        size.head(with.states()) +=
+            ((run.states.row(row + 1) - run.states.row(row)) / period).cwiseAbs2().transpose();
+        size.tail(with.output.rows) += candidate.fit.scale.cwiseAbs2();
+      }
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(rows.size()), equations);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      out.row(static_cast<Eigen::Index>(r)) =
+          rows[r].cwiseQuotient(size.cwiseMax(1e-300).cwiseSqrt()).transpose();
+    return out;
+  }
+
+  /// Two effects of which the fitted terms are the same function in these episodes are one law.
+  bool SameLaw(const StateCandidate& a, const StateCandidate& b) const {
+    // What a delayed input is at a row is not at hand here.
+    if (a.fit.model->delays.size() != out_.base.fit.model->delays.size() ||
+        a.fit.model->delays.size() != b.fit.model->delays.size() || !a.fit.model->delays.empty())
+      return false;
+    const Eigen::MatrixXd of_a = TermsOf(a), of_b = TermsOf(b);
+    return (of_a - of_b).norm() <= options_.same_law * of_a.norm();
+  }
+
+  /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
+  void PreferFewParameters(std::vector<StateCandidate>& sets) const {
+    for (std::size_t k = 1; k < sets.size(); ++k)
+      if (sets[k].fit.parameters.size() < sets.front().fit.parameters.size() &&
+          NearlyAsGood(sets[k], sets.front()) && SameLaw(sets[k], sets.front())) {
+        std::rotate(sets.begin(), sets.begin() + static_cast<std::ptrdiff_t>(k),
+                    sets.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+        return;
+      }
+  }
+
+  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
+    const double noise = EvidenceOf(best), removed = out_.base.held_out - best.held_out;
+    const auto [worse, t] = PairedGain(Energies(other.fit), Energies(best.fit));
+    const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
+    return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
+  }
+
+  /// Rivals of the set found: of the same size, and hardly worse.
+  std::vector<StateCandidate> Rivals() const {
+    std::vector<StateCandidate> rivals;
+    if (levels_.size() < 2) return rivals;
+    const StateCandidate& best = out_.final;
+    for (const StateCandidate& other : levels_.back())
+      if (other.added != best.added && NearlyAsGood(other, best) &&
+          !(other.fit.parameters.size() > best.fit.parameters.size() && SameLaw(best, other)))
+        rivals.push_back(other);
+    return rivals;
+  }
+
+  void Conclude() {
+    const auto readings = [](const StateCandidate& c) { return std::max(1, c.fit.readings()); };
+    out_.steps.emplace_back("", std::sqrt(out_.base.held_out / readings(out_.base)));
+    for (std::size_t k = 1; k < levels_.size(); ++k)
+      out_.steps.emplace_back(levels_[k].front().added.back(),
+                              std::sqrt(levels_[k].front().held_out / readings(levels_[k].front())));
+    const bool found = !out_.final.added.empty();
+    const double predictable = out_.base.held_out * out_.base_left.share,
+                 left = out_.final.held_out * out_.final_left.share;
+    const double removed = out_.base.held_out - out_.final.held_out;
+    if (found && out_.final_left.structured)
+      out_.unexplained = left / std::max({predictable, removed, 1e-300});
+    const bool complete = !out_.final_left.structured || (found && out_.unexplained <= options_.left_share);
+    if (!found) {
+      out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
+      return;
+    }
+    if (!complete) {
+      out_.verdict = Verdict::kUnknown;
+      out_.partial = true;
+      out_.nearest = out_.final.added;
+      return;
+    }
+    out_.partial = out_.final_left.structured;
+    if (out_.partial)
+      out_.warnings.push_back(fmt::format(
+          "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
+          "{:.2g} % of what they could predict before; a small law more is missing, or one of "
+          "these differs a little",
+          100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
+    out_.set = out_.final.added;
+    for (const std::string& id : out_.set) out_.groups.push_back({id});
+    out_.verdict = Verdict::kNamed;
+    for (const StateCandidate& rival : Rivals()) {
+      out_.verdict = Verdict::kAmbiguous;
+      for (const std::string& id : rival.added) {
+        if (std::find(out_.set.begin(), out_.set.end(), id) != out_.set.end()) continue;
+        out_.set.push_back(id);
+        for (std::size_t g = 0; g < out_.groups.size(); ++g)
+          if (std::find(rival.added.begin(), rival.added.end(), out_.groups[g].front()) ==
+              rival.added.end()) {
+            out_.groups[g].push_back(id);
+            break;
+          }
+      }
+    }
+  }
+
+  const Machine& machine_;
+  std::span<const Episode> episodes_;
+  const ExplainStatesOptions& options_;
+  Eigen::VectorXd noise_;
+  std::vector<std::vector<StateCandidate>> levels_;  ///< per number of effects, sets best first
+  StatesExplanation out_;
+};
+
+}  // namespace
+
+StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
+                                const ExplainStatesOptions& options) {
+  return StatesExplainer(machine, episodes, options).Run();
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/effect_starts.h"
+#include "diagnosis/explain.h"
+#include "diagnosis/states/remainder.h"
+
+namespace hydroscope {
+
+/// Thresholds, calibrated by `hydroscope benchmark state-machines` (docs/state_models.md).
+struct ExplainStatesOptions {
+  int max_effects = 3;  ///< hidden at once
+  int beam = 3;         ///< sets that are extended by a further effect
+  EffectStartsOptions effect_starts;
+  int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on
+  double screen_tolerance = 1e-3;
+  int candidate_iterations = 25;  ///< of the best start
+  double candidate_tolerance = 1e-5;
+  double few_t = 1;    ///< least t of any gain: an effect may act in a few pieces only
+  double min_t = 2.5;  ///< gain over its standard error by pieces of the log
+  double min_gain =
+      40;  ///< energy removed on pieces left out, in noise variances, where nothing structured is left
+  double sure_t = 4;  ///< ... and its t there
+  double min_removed =
+      0.2;  ///< of the energy that functions can predict: what a further effect must take away
+  double left_share = 0.02;  ///< of that energy: what a complete explanation may leave
+  double same_law = 0.1;     ///< terms of two effects that differ by no more than this share are one law
+  double rival_gain = 12;    ///< sets within this of the best, in noise variances, stay rivals ...
+  double rival_t = 2.5;      ///< ... and those that are not worse by so many standard errors
+  double rival_share =
+      0.02;  ///< ... if they leave no more than this share of what the best removed beyond it
+  StateFitOptions fit;
+  StateRemainderOptions remainder;
+};
+
+/// A model with some effects added to it, fitted.
+struct StateCandidate {
+  std::vector<std::string> added;
+  StateFit fit;
+  double held_out = 0;  ///< energy left out over the base's noise
+  double gain = 0;      ///< against the model as it is, in noise variances
+  double t = 0;         ///< ... over its standard error
+};
+
+struct StatesExplanation {
+  Verdict verdict = Verdict::kUnknown;
+  std::vector<std::string> set;                  ///< best first
+  std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it
+  bool partial = false;  ///< unknown: `nearest` explains part of it; named: a little is left
+  std::vector<std::string> nearest;
+  double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
+  std::vector<std::string> warnings;
+  StateCandidate base, final;
+  StateRemainder base_left, final_left;
+  std::vector<StateCandidate> ranking;  ///< single effects, best first
+  std::vector<std::pair<std::string, double>>
+      steps;  ///< effect added ("" = none), rms left out over the noise of `base`
+};
+
+/// Which effects of the machine file explain what its model leaves. Sets of effects are fitted and compared on pieces of the
+/// log left out; a further effect is taken as long as functions of states and inputs could predict what is left. `named` only
+/// if nothing of that is left (or next to nothing of it), else `unknown`.
+StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
+                                const ExplainStatesOptions& options = {});
+
+}  // namespace hydroscope

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+
+struct StateRemainderOptions {
+  int flips = 199;      ///< of the signs of the pieces: the share that chance reaches
+  double max_p = 0.02;  ///< beyond: what is left is noise for all that can be seen
+  double min_share =
+      0.03;  ///< of the error's energy: less is not worth a law (as in diagnosis/remainder/predictability.h)
+  int fourier = 12;  ///< random cosines of all states and inputs together
+  std::uint32_t seed = 7;
+};
+
+/// What functions of states and inputs could predict of what a fit leaves, on pieces of the log left out.
+struct StateRemainder {
+  double share = 0;       ///< of the error's energy
+  double null_share = 0;  ///< that chance reaches in one of twenty
+  double p_value = 1;
+  bool structured = false;  ///< a law is missing
+  int functions = 0;
+  std::string about;  ///< the equation in which they predict most: state or output
+};
+
+/// Adds some 200 functions (hinges, powers and products of states and inputs, random cosines) to each equation of the model,
+/// as terms whose effect on the outputs is simulated with the model's own tangent, and asks how much of the error they
+/// predict by ridge regression on pieces left out. Parameters and initial states stay free.
+StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episodes,
+                           const StateRemainderOptions& options = {});
+
+}  // namespace hydroscope

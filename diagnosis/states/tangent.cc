@@ -1,0 +1,41 @@
+#include "diagnosis/states/tangent.h"
+
+namespace hydroscope {
+
+RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_t index,
+                         const AddedTerms& added) {
+  const StateModel& model = *fit.model;
+  const int states = model.states(), outputs = model.output.rows, parameters = model.parameter_count();
+  StateSimulator simulator(fit.model);
+  simulator.SetParameters(fit.parameters);
+  std::vector<int> free;
+  for (int i = 0; i < states; ++i)
+    if (model.estimated[static_cast<std::size_t>(i)]) free.push_back(i);
+  RowMatrix start = RowMatrix::Zero(states, parameters + static_cast<int>(free.size())), by_parameter;
+  simulator.Initial(episode, fit.initial[index], &by_parameter);
+  start.leftCols(parameters) = by_parameter;
+  for (std::size_t k = 0; k < free.size(); ++k) start(free[k], parameters + static_cast<int>(k)) = 1;
+  StateRun run;
+  simulator.Run(episode, 0, episode.rows() - 1, fit.initial[index], &start, run, &added);
+  const Eigen::Index rows = run.slopes.rows();
+  RowMatrix columns(rows, parameters + added.columns + 1);
+  columns.leftCols(parameters) = run.slopes.leftCols(parameters);
+  columns.middleCols(parameters, added.columns) = run.slopes.rightCols(added.columns);
+  RowMatrix local = run.slopes.middleCols(parameters, start.cols() - parameters);
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const Eigen::Index j = r % outputs;
+    columns(r, columns.cols() - 1) = fit.residuals[index](r / outputs, j);
+    const bool good = columns.row(r).allFinite();
+    if (!good) columns.row(r).setZero();
+    columns.row(r) *= good ? 1 / fit.noise[j] : 0.0;
+    local.row(r) *= good ? 1 / fit.noise[j] : 0.0;
+  }
+  if (local.cols() > 0) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(local);
+    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, local.cols());
+    columns -= basis * (basis.transpose() * columns);
+  }
+  return columns;
+}
+
+}  // namespace hydroscope

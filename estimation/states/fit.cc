@@ -1,0 +1,388 @@
+#include "estimation/states/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "estimation/states/evidence.h"
+#include "estimation/states/shooting.h"
+
+namespace hydroscope {
+namespace {
+
+shooting::Point PointAt(const shooting::Task& task, const Eigen::VectorXd& parameters) {
+  shooting::Point point;
+  for (std::size_t p = 0; p < task.scale.size(); ++p)
+    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
+  return point;
+}
+
+/// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges.
+shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, const StateFitOptions& options) {
+  constexpr double kSoft = 0.1, kStiff = 0.01;
+  shooting::Point shot = PointAt(task, parameters);
+  const std::vector<shooting::Segment> segments =
+      shooting::ShortSegments(task.episodes, options.segment_rows);
+  shooting::GuessSegments(task, segments, shot);
+  for (const double joint : {kSoft, kStiff}) {
+    task.joint = joint;
+    if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
+                            shot))
+      return {};
+  }
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
+  shooting::Point point = shot;
+  shooting::GuessSegments(task, whole, point);
+  for (std::size_t s = 0, e = 0; s < segments.size(); ++s)  // the episodes begin as their first segments do
+    if (segments[s].first == 0) point.z[e++] = shot.z[s];
+  point.valid =
+      shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point);
+  return point;
+}
+
+/// A start fitted with short segments first; where that ends above `enough`, as one run alone too: the better.
+shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& parameters, double enough,
+                          const StateFitOptions& options) {
+  shooting::Point best = Shot(task, parameters, options);
+  if (best.valid && best.cost <= enough) return best;
+  shooting::Point alone = PointAt(task, parameters);
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
+  shooting::GuessSegments(task, whole, alone);
+  if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, alone) &&
+      (!best.valid || alone.cost < best.cost))
+    best = std::move(alone);
+  return best;
+}
+
+/// The first rows of the episodes, `rows` in all; whole episodes where they fit.
+std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows) {
+  std::vector<Episode> out;
+  for (const Episode& e : episodes) {
+    if (rows <= 1) break;
+    const int take = std::min(rows, e.rows());
+    out.push_back({e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take)});
+    rows -= take;
+  }
+  return out;
+}
+
+Eigen::VectorXd OutputScale(const StateModel& model, std::span<const Episode> episodes) {
+  Eigen::VectorXd scale(model.output.rows);
+  for (int j = 0; j < model.output.rows; ++j) {
+    double count = 0, sum = 0, squares = 0;
+    for (const Episode& e : episodes)
+      for (int row = 0; row < e.rows(); ++row) {
+        const double y = e.signal(row, model.outputs[static_cast<std::size_t>(j)]);
+        if (!std::isfinite(y)) continue;
+        const double step = y - sum / std::max(count, 1.0);
+        count += 1;
+        sum += y;
+        squares += step * (y - sum / count);
+      }
+    scale[j] = std::max(std::sqrt(squares / std::max(count, 1.0)), 1e-300);
+  }
+  return scale;
+}
+
+/// Largest size of each state, from data, limits and a run of the model.
+Eigen::VectorXd StateScale(const shooting::Task& task, const Eigen::VectorXd& theta) {
+  const int states = task.model->states();
+  StateSimulator simulator(task.model);
+  simulator.SetParameters(theta);
+  StateRun run;
+  shooting::Trial(task, theta, task.episodes.front(), run);
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(states);
+  for (int i = 0; i < states; ++i) {
+    const int output = task.model->measured_by[static_cast<std::size_t>(i)];
+    double largest = 0;
+    if (output >= 0) {
+      for (const Episode& e : task.episodes)
+        for (int row = 0; row < e.rows(); ++row) {
+          const double y = e.signal(row, task.model->outputs[static_cast<std::size_t>(output)]);
+          if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
+        }
+    } else if (!run.diverged) {
+      largest = run.states.col(i).cwiseAbs().maxCoeff();
+    }
+    for (const int limit : {i, states + i})
+      if (largest == 0 && std::isfinite(simulator.limits()[limit]))
+        largest = std::abs(simulator.limits()[limit]);
+    if (largest > 0 && std::isfinite(largest)) scale[i] = largest;
+  }
+  return scale;
+}
+
+shooting::Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes) {
+  constexpr double kFirstNoise = 0.05;  // of an output's variation; found anew once there is a fit
+  shooting::Task task{model, episodes, shooting::ParameterScale(*model), {}, {}, 0};
+  task.noise = kFirstNoise * OutputScale(*model, episodes);
+  Eigen::VectorXd start(model->parameter_count());
+  for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[static_cast<std::size_t>(p)].spec.start;
+  task.state_scale = StateScale(task, start);
+  return task;
+}
+
+/// Starts: that of the machine file, then draws from the ranges.
+std::vector<Eigen::VectorXd> StartsOf(const shooting::Task& task, const StateFitOptions& options) {
+  const auto count = static_cast<Eigen::Index>(task.scale.size());
+  Eigen::VectorXd first(count);
+  for (Eigen::Index p = 0; p < count; ++p)
+    first[p] = task.model->parameters[static_cast<std::size_t>(p)].spec.start;
+  std::vector<Eigen::VectorXd> starts = {first};
+  std::mt19937 random(options.seed);
+  std::uniform_real_distribution<double> uniform;
+  for (int k = 0; k < options.starts && count > 0; ++k) {
+    Eigen::VectorXd drawn = first;
+    for (Eigen::Index p = 0; p < count; ++p) {
+      const auto at = static_cast<std::size_t>(p);
+      const double share = uniform(random);
+      if (task.scale.ranged(at))
+        drawn[p] = task.scale.FromScaled(
+            at, task.scale.low(at) + share * (task.scale.high(at) - task.scale.low(at)));
+    }
+    starts.push_back(std::move(drawn));
+  }
+  return starts;
+}
+
+/// Where a model that diverges does so.
+std::string DivergedText(const shooting::Task& task, const Eigen::VectorXd& theta) {
+  for (const Episode& episode : task.episodes) {
+    StateRun run;
+    shooting::Trial(task, theta, episode, run);
+    if (!run.diverged) continue;
+    if (run.rows <= 1)
+      return "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
+             "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
+             "second; limit them with max(..., 0), or check start and initial";
+    Eigen::Index worst = 0;
+    run.states.row(run.rows - 1).cwiseAbs().cwiseQuotient(task.state_scale.transpose()).maxCoeff(&worst);
+    return fmt::format(
+        "the model diverges: from the starting values of the machine file {} runs away {:.4g} s after the "
+        "episode's beginning; narrow the ranges in [parameters] or check the signs of its equations",
+        task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
+        episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
+  }
+  return "the model diverges from every start; narrow the ranges in "
+         "[parameters] or check the signs of its equations";
+}
+
+/// Runs with sensitivities at a point, residuals, noise.
+bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit) {
+  const StateModel& model = *task.model;
+  const Eigen::VectorXd all = shooting::Unscaled(task, point.q);
+  const int parameters = model.parameter_count();
+  fit.parameters = all.head(parameters);
+  fit.gain = Eigen::Map<const RowMatrix>(all.data() + parameters, task.predicts ? model.states() : 0,
+                                         model.output.rows);
+  StateSimulator simulator(task.model);
+  task.Set(all, simulator);
+  fit.runs.clear();
+  fit.residuals.clear();
+  fit.initial.clear();
+  for (std::size_t e = 0; e < task.episodes.size(); ++e) {
+    const Episode& episode = task.episodes[e];
+    const std::vector<int> free = shooting::FreeStates(model, {static_cast<int>(e), 0, 0, false});
+    Eigen::VectorXd given(model.states());
+    for (int i = 0; i < model.states(); ++i)
+      given[i] = point.z[e][static_cast<std::size_t>(i)] * task.state_scale[i];
+    RowMatrix start, by_parameter;
+    const Eigen::VectorXd x0 = simulator.Initial(episode, given, &by_parameter);
+    start = RowMatrix::Zero(model.states(), all.size() + static_cast<Eigen::Index>(free.size()));
+    start.leftCols(parameters) = by_parameter;
+    for (std::size_t k = 0; k < free.size(); ++k)
+      start(free[k], all.size() + static_cast<Eigen::Index>(k)) = 1;
+    StateRun run;
+    simulator.Run(episode, 0, episode.rows() - 1, x0, &start, run);
+    if (run.diverged) return false;
+    RowMatrix residual(episode.rows(), model.output.rows);
+    for (int j = 0; j < model.output.rows; ++j)
+      residual.col(j) = episode.signal.col(model.outputs[static_cast<std::size_t>(j)]) - run.outputs.col(j);
+    fit.initial.push_back(x0);
+    fit.residuals.push_back(std::move(residual));
+    fit.runs.push_back(std::move(run));
+  }
+  return true;
+}
+
+/// Fits all rows from a point, twice where several outputs are weighted by their noise.
+StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bool fixed,
+                const StateFitOptions& options) {
+  constexpr double kQuiet = 1e-9;  // of an output's variation: simulated logs without noise
+  StateFit fit;
+  fit.model = task.model;
+  fit.scale = OutputScale(*task.model, task.episodes);
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
+  const int rounds = (task.model->output.rows > 1 || task.predicts) && !noise_known && !fixed ? 3 : 1;
+  for (int round = 0; round < rounds; ++round) {
+    if (!shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point) ||
+        !TakeRuns(task, point, fit)) {
+      fit.failed = DivergedText(task, shooting::Unscaled(task, point.q));
+      return fit;
+    }
+    fit.noise = RmsOf(fit.residuals, task.model->output.rows).cwiseMax(kQuiet * fit.scale);
+    if (!noise_known) task.noise = fit.noise;
+  }
+  TakePieces(task, options, fit);
+  TakeCovariance(task, fit);
+  for (std::size_t p = 0; p < static_cast<std::size_t>(task.model->parameter_count()); ++p) {
+    const double margin = 1e-6 * (1 + std::abs(point.q[p]));
+    fit.at_limit.push_back(point.q[p] <= task.scale.low(p) + margin ||
+                           point.q[p] >= task.scale.high(p) - margin);
+  }
+  return fit;
+}
+
+}  // namespace
+
+Eigen::VectorXd RmsOf(const std::vector<RowMatrix>& residuals, int outputs) {
+  Eigen::VectorXd energy = Eigen::VectorXd::Zero(outputs), count = energy;
+  for (const RowMatrix& residual : residuals)
+    for (Eigen::Index row = 0; row < residual.rows(); ++row)
+      for (int j = 0; j < outputs; ++j)
+        if (std::isfinite(residual(row, j))) {
+          energy[j] += residual(row, j) * residual(row, j);
+          count[j] += 1;
+        }
+  return energy.cwiseQuotient(count.cwiseMax(1.0)).cwiseSqrt();
+}
+
+StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                   const StateFitOptions& options) {
+  const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
+  const shooting::Task task = TaskOf(model, few);
+  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);
+  struct Candidate {
+    shooting::Point point;
+    int starts = 1;
+  };
+  std::vector<Candidate> found;
+  int diverged = 0;
+  double least = 0;
+  for (const Eigen::VectorXd& start : starts) {
+    shooting::Point point = FromStart(task, start, (1 + options.same_minimum) * least, options);
+    if (!point.valid) {
+      ++diverged;
+      continue;
+    }
+    least = found.empty() ? point.cost : std::min(least, point.cost);
+    const auto same = std::find_if(found.begin(), found.end(), [&](const Candidate& c) {
+      return std::abs(c.point.cost - point.cost) <=
+             options.same_minimum * std::min(c.point.cost, point.cost) + 1e-12;
+    });
+    if (same == found.end()) {
+      found.push_back({std::move(point)});
+      continue;
+    }
+    ++same->starts;
+    if (point.cost < same->point.cost) same->point = std::move(point);
+  }
+  if (found.empty()) {
+    StateFit none;
+    none.model = model;
+    none.failed = DivergedText(task, starts.front());
+    return none;
+  }
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
+
+  shooting::Task all = TaskOf(model, episodes);
+  all.noise = task.noise;
+  all.state_scale = task.state_scale;
+  StateFit best;
+  double best_energy = 0;
+  for (std::size_t k = 0; k < found.size() && k < static_cast<std::size_t>(options.polished); ++k) {
+    shooting::Point point = found[k].point;
+    const std::vector<std::vector<double>> begin = point.z;
+    shooting::GuessSegments(all, shooting::WholeEpisodes(episodes), point);
+    std::copy(begin.begin(), begin.end(), point.z.begin());
+    StateFit fit = Finish(all, std::move(point), false, false, options);
+    const double energy = fit.solved() ? fit.noise.cwiseQuotient(fit.scale).squaredNorm() : 0;
+    if (fit.solved() && (!best.model || !best.solved() || energy < best_energy)) {
+      best = std::move(fit);
+      best_energy = energy;
+    } else if (!best.model) {
+      best = std::move(fit);
+    }
+  }
+  for (const Candidate& c : found)
+    best.minima.push_back({shooting::Unscaled(task, c.point.q),
+                           std::sqrt(c.point.cost / std::max(found.front().point.cost, 1e-300)), c.starts});
+  best.starts_tried = static_cast<int>(starts.size());
+  best.starts_diverged = diverged;
+  return best;
+}
+
+StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                     std::span<const StateStart> starts, const Eigen::VectorXd& weights,
+                     const StateFitOptions& options) {
+  shooting::Task task = TaskOf(model, episodes);
+  if (weights.size() > 0) task.noise = weights;
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(episodes);
+  shooting::Point best;
+  for (const StateStart& start : starts) {
+    shooting::Point point = PointAt(task, start.parameters);
+    shooting::GuessSegments(task, whole, point);
+    for (std::size_t e = 0; e < start.initial.size(); ++e)
+      point.z[e] = shooting::Scaled(start.initial[e], task.state_scale);
+    if (starts.size() > 1 &&
+        !shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point))
+      continue;
+    if (best.z.empty() || point.cost < best.cost) best = std::move(point);
+  }
+  if (best.z.empty()) {
+    StateFit none;
+    none.model = model;
+    none.failed = DivergedText(task, starts.front().parameters);
+    return none;
+  }
+  return Finish(std::move(task), std::move(best), weights.size() > 0, false, options);
+}
+
+std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
+                                     std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
+                                     const StateFitOptions& options) {
+  const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
+  const shooting::Task task = TaskOf(model, few);
+  const shooting::Point point = Shot(task, parameters, options);
+  if (!point.valid) return std::nullopt;
+  StateStart start{shooting::Unscaled(task, point.q), {}};
+  for (const std::vector<double>& z : point.z)
+    start.initial.push_back(Eigen::Map<const Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()))
+                                .cwiseProduct(task.state_scale));
+  return start;
+}
+
+StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episodes,
+                       const StateFitOptions& options) {
+  constexpr double kFirstGain = 0.3;  // of a state that is measured itself
+  const StateModel& model = *free_run.model;
+  shooting::Task task = TaskOf(free_run.model, episodes);
+  task.noise = free_run.noise;
+  shooting::Point point = PointAt(task, free_run.parameters);
+  shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
+  for (std::size_t e = 0; e < free_run.initial.size(); ++e)
+    point.z[e] = shooting::Scaled(free_run.initial[e], task.state_scale);
+  task.predicts = true;
+  for (int i = 0; i < model.states(); ++i)
+    for (int j = 0; j < model.output.rows; ++j) {
+      const double size = task.state_scale[i] / free_run.scale[j];
+      task.scale.AddFree(size);
+      point.q.push_back(model.measured_by[static_cast<std::size_t>(i)] == j ? kFirstGain / size : 0.0);
+    }
+  return Finish(std::move(task), std::move(point), false, false, options);
+}
+
+StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                      const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights) {
+  shooting::Task task = TaskOf(model, episodes);
+  task.noise = weights;
+  shooting::Point point = PointAt(task, parameters);
+  shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
+  return Finish(std::move(task), std::move(point), true, true, {});
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/states/simulation.h"
+
+namespace hydroscope {
+
+struct StateFitOptions {
+  int starts = 8;          ///< drawn from the ranges of the parameters, beside that of the machine file
+  std::uint32_t seed = 1;  ///< of the draws
+  int start_rows = 1000;   ///< starts are tried on so many rows, the best minima are then fitted to all
+  int segment_rows = 50;   ///< of the shooting segments that a start is first fitted with
+  int polished = 2;        ///< minima that are fitted to all rows
+  int iterations = 60;     ///< of the last fit
+  int start_iterations = 25;
+  double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
+  double tolerance = 1e-7;        ///< ... and the last fit
+  double same_minimum = 0.02;     ///< costs that differ by less are one minimum
+  int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
+};
+
+/// A minimum that starts ended in.
+struct StateMinimum {
+  Eigen::VectorXd parameters;
+  double cost = 0;  ///< weighted rms error on the rows that starts are tried on, of the best one's
+  int starts = 0;   ///< that ended in it
+};
+
+/// A piece of the rows, as it enters the normal equations: outputs over their noise, initial states taken out.
+struct StatePiece {
+  int episode = 0, first = 0, last = 0;  ///< rows first ... last - 1 of the episode
+  Eigen::MatrixXd information;           ///< of the parameters, and of the gains if there are
+  Eigen::VectorXd gradient;              ///< J' r, r measured less modelled
+  double energy = 0;                     ///< r' r
+  int readings = 0;
+};
+
+/// A direction of the parameters that the data do not see.
+struct UnseenDirection {
+  std::vector<std::pair<std::string, double>> parts;  ///< parameter, relative change
+};
+
+struct StateFit {
+  std::shared_ptr<const StateModel> model;
+  std::string failed;  ///< why there is no fit, a sentence; "" = there is one
+  Eigen::VectorXd parameters;
+  RowMatrix gain;                        ///< of the innovations form, state x output; empty: a free run
+  Eigen::MatrixXd covariance;            ///< from the residuals as they are, pieces of the log as clusters
+  std::vector<Eigen::VectorXd> initial;  ///< estimated initial states, per episode (all states)
+  Eigen::VectorXd noise;                 ///< per output: rms of what is left
+  Eigen::VectorXd scale;                 ///< per output: its standard deviation in the data
+  std::vector<StateRun> runs;            ///< per episode
+  std::vector<RowMatrix> residuals;  ///< per episode: measured less modelled, NaN where nothing was measured
+  std::vector<StatePiece> pieces;
+  std::vector<StateMinimum> minima;  ///< best first; empty: fitted from one start only
+  std::vector<UnseenDirection> unseen;
+  std::vector<bool> at_limit;  ///< per parameter: stands at a limit of its range
+  int starts_tried = 0, starts_diverged = 0;
+
+  bool solved() const { return failed.empty(); }
+  int readings() const;
+  /// Energy of the error on pieces left out in turn, outputs over their noise: linearised about the fit.
+  double HeldOutEnergy() const;
+  /// The same per piece, for comparisons.
+  std::vector<double> HeldOutEnergies() const;
+};
+
+/// Fits by output error: free runs over whole episodes, outputs weighted by their noise, the squares of the errors minimised
+/// by Ceres within the ranges. Each start is first fitted with short segments whose joints are soft (multiple shooting, Bock
+/// 1981), since a free run from far off diverges or ends in a wrong minimum; then as a whole.
+StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                   const StateFitOptions& options = {});
+
+/// Where a fit begins; `initial` as StateFit::initial, empty: as the data say.
+struct StateStart {
+  Eigen::VectorXd parameters;
+  std::vector<Eigen::VectorXd> initial;
+};
+
+/// From known starts: each is fitted roughly (options.start_iterations) to all rows, the best of them to the end. `weights`:
+/// noise per output, empty: found.
+StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                     std::span<const StateStart> starts, const Eigen::VectorXd& weights,
+                     const StateFitOptions& options = {});
+
+/// A start for RefitStates from far off: what short segments of the first rows give. Nothing if the model diverges.
+std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
+                                     std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
+                                     const StateFitOptions& options = {});
+
+/// By prediction error in innovations form (Ljung 1999, 5.3 and 7.2) where noise acts on the process itself: the states are
+/// corrected after each row by a gain that is estimated with the parameters. Begins at a free-run fit and leaves
+/// the residuals of one step.
+StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episodes,
+                       const StateFitOptions& options = {});
+
+/// Initial states alone, on data that the parameters were not fitted to.
+StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
+                      const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights);
+
+/// Rms of the errors of each output over all episodes.
+Eigen::VectorXd RmsOf(const std::vector<RowMatrix>& residuals, int outputs);
+
+}  // namespace hydroscope

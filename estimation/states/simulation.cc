@@ -1,0 +1,277 @@
+#include "estimation/states/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimation/states/steps.h"
+
+namespace hydroscope {
+
+StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const SimulationOptions& options)
+    : model_(std::move(model)),
+      options_(options),
+      states_(model_->states()),
+      inputs_(model_->driving()),
+      parameters_(model_->parameter_count()),
+      linear_(model_->machine.log.hold == InputHold::kLinear),
+      values_registers_(model_->dynamics.values.Registers()),
+      slopes_registers_(model_->dynamics.slopes.Registers()),
+      output_registers_(model_->output.values.Registers()),
+      output_slopes_registers_(model_->output.slopes.Registers()),
+      held_(static_cast<std::size_t>(states_)) {
+  const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
+  for (auto* v : {&x_, &next_, &scale_}) v->assign(n, 0.0);
+  for (auto* v : {&u0_, &u1_, &u_}) v->assign(m, 0.0);
+  k_.assign(n * kStateStages, 0.0);
+  stage_entries_.assign(model_->dynamics.entries.size() * kStateStages, 0.0);
+  stage_held_.assign(n * kStateStages, 0);
+  stage_x_.assign(n * kStateStages, 0.0);
+  jacobian_.assign(n * n, 0.0);
+}
+
+void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
+  theta_ = parameters;
+  const auto first = static_cast<std::ptrdiff_t>(states_ + inputs_);
+  const auto fix = [&](const ExpressionProgram& program, std::vector<double>& registers) {
+    std::copy(theta_.begin(), theta_.end(), registers.begin() + first);
+    program.RunFixed(registers.data());
+  };
+  fix(model_->dynamics.values, values_registers_);
+  fix(model_->dynamics.slopes, slopes_registers_);
+  fix(model_->output.values, output_registers_);
+  fix(model_->output.slopes, output_slopes_registers_);
+
+  const ExpressionProgram& program = model_->limits.slopes;
+  std::vector<double> registers = program.Registers();
+  std::copy(theta_.begin(), theta_.end(), registers.begin());
+  program.RunFixed(registers.data());
+  program.Run(registers.data());
+  limits_.resize(2 * states_);
+  limit_slopes_ = RowMatrix::Zero(2 * states_, parameters_);
+  for (int r = 0; r < 2 * states_; ++r) limits_[r] = registers[program.output(static_cast<std::size_t>(r))];
+  for (std::size_t e = 0; e < model_->limits.entries.size(); ++e)
+    limit_slopes_(model_->limits.entries[e].row, model_->limits.entries[e].column) =
+        registers[program.output(static_cast<std::size_t>(2 * states_) + e)];
+}
+
+Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::VectorXd& estimated,
+                                        RowMatrix* slopes) {
+  const ExpressionProgram& program = model_->initial.slopes;
+  std::vector<double> registers = program.Registers();
+  const Eigen::Index signals = episode.signal.cols();
+  for (Eigen::Index s = 0; s < signals; ++s) registers[static_cast<std::size_t>(s)] = episode.signal(0, s);
+  std::copy(theta_.begin(), theta_.end(), registers.begin() + signals);
+  program.RunFixed(registers.data());
+  program.Run(registers.data());
+  Eigen::VectorXd x0(states_);
+  for (int i = 0; i < states_; ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    x0[i] = model_->estimated[s] ? estimated[i] : registers[program.output(s)];
+    x0[i] = std::clamp(x0[i], limits_[i], std::max(limits_[i], limits_[states_ + i]));
+  }
+  if (slopes == nullptr) return x0;
+  *slopes = RowMatrix::Zero(states_, parameters_);
+  for (std::size_t e = 0; e < model_->initial.entries.size(); ++e)
+    (*slopes)(model_->initial.entries[e].row, model_->initial.entries[e].column) =
+        registers[program.output(static_cast<std::size_t>(states_) + e)];
+  return x0;
+}
+
+/// What drives a state beyond its limit is stopped there.
+void StateSimulator::HoldAtLimits(const double* x, double* rate, bool slopes) {
+  for (int i = 0; i < states_; ++i) {
+    const bool held = (x[i] >= limits_[states_ + i] && rate[i] > 0) || (x[i] <= limits_[i] && rate[i] < 0);
+    if (held) rate[i] = 0;
+    if (slopes) held_[static_cast<std::size_t>(i)] = held;
+  }
+}
+
+void StateSimulator::Rate(const double* x, double fraction, double* rate) {
+  InputAt(fraction);
+  double* r = values_registers_.data();
+  CopyFew(x, states_, r);
+  CopyFew(u_.data(), inputs_, r + states_);
+  const ExpressionProgram& program = model_->dynamics.values;
+  program.Run(r);
+  for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
+  HoldAtLimits(x, rate, false);
+}
+
+void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rate) {
+  InputAt(fraction);
+  double* r = slopes_registers_.data();
+  CopyFew(x, states_, r);
+  CopyFew(u_.data(), inputs_, r + states_);
+  const ExpressionProgram& program = model_->dynamics.slopes;
+  program.Run(r);
+  for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
+  HoldAtLimits(x, rate, true);
+}
+
+/// States beyond a limit are put onto it; a state that is the rate of one that stops is 0.
+void StateSimulator::Clamp() {
+  for (int i = 0; i < states_; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool high = x_[at] > limits_[states_ + i], low = x_[at] < limits_[i];
+    if (!high && !low) continue;
+    const int limit = high ? states_ + i : i;
+    x_[at] = limits_[limit];
+    if (with_slopes_) {
+      double* row = s_.data() + i * columns_;
+      std::fill_n(row, columns_, 0.0);
+      for (int p = 0; p < parameters_; ++p) row[p] = limit_slopes_(limit, p);
+    }
+    const int rate = model_->rate_of[at];
+    if (rate < 0 ||
+        (high ? x_[static_cast<std::size_t>(rate)] <= 0 : x_[static_cast<std::size_t>(rate)] >= 0))
+      continue;
+    x_[static_cast<std::size_t>(rate)] = 0;
+    if (with_slopes_) std::fill_n(s_.data() + rate * columns_, columns_, 0.0);
+  }
+}
+
+/// From one row to the next.
+bool StateSimulator::Interval(double period) {
+  constexpr double kStableAgain = 2.5;  // what a step times the fastest rate is cut to where it is not stable
+  constexpr double kSafety = 0.9, kSmallest = 0.2, kLargest = 5, kWhole = 1 - 1e-9;
+  double done = 0;
+  int taken = 0;
+  begun_ = false;
+  while (done < kWhole) {
+    const double share = std::min(next_share_, 1 - done);
+    double error = 0;
+    const bool fine =
+        stiff_ ? ImplicitStep(done, share, period, error) : ExplicitStep(done, share, period, error);
+    ++steps_;
+    if (++taken > options_.max_steps) return false;
+    if (!stiff_ && taken > options_.stiff_steps) {
+      stiff_ = true;
+      next_share_ = 1;
+      continue;
+    }
+    const double order = stiff_ ? 4 : 5;
+    const double factor =
+        fine ? kSafety * std::pow(options_.tolerance / std::max(error, 1e-30), 1 / order) : kSmallest;
+    if (!fine || error > options_.tolerance) {
+      next_share_ = share * std::clamp(factor, kSmallest, 1.0);
+      if (next_share_ < 1e-9) return false;
+      continue;
+    }
+    if (with_slopes_ && stiff_) s_.swap(stage_s_);
+    if (with_slopes_ && !stiff_ && !ExplicitSlopes(share, period)) {
+      if (!std::isfinite(fastest_)) return false;
+      next_share_ = kStableAgain / (fastest_ * period);
+      continue;
+    }
+    x_.swap(next_);
+    begun_ = false;
+    Clamp();
+    for (int i = 0; i < states_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      scale_[at] = std::max(scale_[at], std::abs(x_[at]));
+      if (!(std::abs(x_[at]) < options_.divergence)) return false;
+    }
+    done += share;
+    // A step that was cut by the row says nothing of the next one.
+    if (share >= next_share_ || factor < 1) next_share_ = share * std::clamp(factor, kSmallest, kLargest);
+    next_share_ = std::min(next_share_, 1.0);
+  }
+  return true;
+}
+
+void StateSimulator::Output(int row, StateRun& run) {
+  const Equations& output = model_->output;
+  const ExpressionProgram& program = with_slopes_ ? output.slopes : output.values;
+  std::vector<double>& registers = with_slopes_ ? output_slopes_registers_ : output_registers_;
+  CopyFew(x_.data(), states_, registers.data());
+  CopyFew(u0_.data(), inputs_, registers.data() + states_);
+  program.Run(registers.data());
+  for (int j = 0; j < output.rows; ++j)
+    run.outputs(row, j) = registers[program.output(static_cast<std::size_t>(j))];
+  for (int i = 0; i < states_; ++i) run.states(row, i) = x_[static_cast<std::size_t>(i)];
+  if (!with_slopes_) return;
+  for (int j = 0; j < output.rows; ++j) run.slopes.row(row * output.rows + j).setZero();
+  for (std::size_t e = 0; e < output.entries.size(); ++e) {
+    const auto [j, column] = output.entries[e];
+    const double slope = registers[program.output(static_cast<std::size_t>(output.rows) + e)];
+    double* to = run.slopes.row(row * output.rows + j).data();
+    const double* from = s_.data() + column * columns_;
+    if (column >= states_)
+      to[column - states_] += slope;
+    else
+      for (int c = 0; c < wanted_; ++c) to[c] += slope * from[c];
+  }
+  if (added_ == nullptr || added_->to_outputs.empty()) return;
+  added_->evaluate(x_.data(), u0_.data(), added_values_.data());
+  for (const auto& [value, j, column] : added_->to_outputs)
+    run.slopes(row * output.rows + j, added_from_ + column) += added_values_[static_cast<std::size_t>(value)];
+}
+
+/// What the readings of a row, `run.outputs` of it being what was foreseen, say of the states.
+void StateSimulator::Correct(const Episode& episode, int row, const StateRun& run) {
+  const int outputs = model_->output.rows;
+  for (int j = 0; j < outputs; ++j) {
+    const Eigen::Index at = run.rows - 1;
+    const double error =
+        episode.signal(row, model_->outputs[static_cast<std::size_t>(j)]) - run.outputs(at, j);
+    if (!std::isfinite(error)) continue;
+    for (int i = 0; i < states_; ++i) {
+      x_[static_cast<std::size_t>(i)] += gain_(i, j) * error;
+      if (!with_slopes_) continue;
+      double* slopes = s_.data() + i * columns_;
+      for (int c = 0; c < wanted_; ++c) slopes[c] -= gain_(i, j) * run.slopes(at * outputs + j, c);
+      slopes[parameters_ + i * outputs + j] += error;
+    }
+  }
+  Clamp();
+}
+
+void StateSimulator::Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
+                         const RowMatrix* start_slopes, StateRun& run, const AddedTerms* added) {
+  const int rows = last - first + 1, outputs = model_->output.rows;
+  with_slopes_ = start_slopes != nullptr;
+  added_ = with_slopes_ ? added : nullptr;
+  columns_ = with_slopes_ ? static_cast<int>(start_slopes->cols()) : 0;
+  added_from_ = columns_;
+  if (added_ != nullptr) columns_ += added_->moving;
+  wanted_ = columns_;
+  columns_ = (columns_ + kSensitivityPadding - 1) / kSensitivityPadding * kSensitivityPadding;
+  run.diverged = false;
+  run.rows = 0;
+  run.outputs.resize(rows, outputs);
+  run.states.resize(rows, states_);
+  if (with_slopes_) {
+    const auto size = static_cast<std::size_t>(states_ * columns_);
+    s_.assign(size, 0.0);
+    stage_s_.assign(size, 0.0);
+    ks_.assign(size * kStateStages, 0.0);
+    for (int i = 0; i < states_; ++i)
+      std::copy_n(start_slopes->row(i).data(), start_slopes->cols(), s_.data() + i * columns_);
+    const std::size_t values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
+    added_values_.assign(values, 0.0);
+    stage_added_.assign(values * kStateStages, 0.0);
+    run.slopes.resize(rows * outputs, wanted_ + (added_ == nullptr ? 0 : added_->columns - added_->moving));
+  }
+  std::copy(x0.begin(), x0.end(), x_.begin());
+  for (int i = 0; i < states_; ++i) scale_[static_cast<std::size_t>(i)] = std::abs(x0[i]);
+  stiff_ = false;
+  next_share_ = 1;
+  first_ = first;
+  for (int row = first; row <= last; ++row) {
+    TakeInputs(episode, row);
+    if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
+    Output(row - first, run);
+    run.rows = row - first + 1;
+    if (row == last) break;
+    if (gain_.size() > 0) Correct(episode, row, run);
+    if (!Row(episode, row)) {
+      run.diverged = true;
+      break;
+    }
+  }
+  run.end = Eigen::Map<const Eigen::VectorXd>(x_.data(), states_);
+  if (with_slopes_)
+    run.end_slopes = Eigen::Map<const RowMatrix>(s_.data(), states_, columns_).leftCols(wanted_);
+}
+
+}  // namespace hydroscope

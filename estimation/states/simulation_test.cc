@@ -1,0 +1,263 @@
+#include "estimation/states/simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+namespace {
+
+Machine StatesFrom(const std::string& text) {
+  const auto machine = ParseMachine(text, "states.toml");
+  EXPECT_TRUE(machine) << (machine ? "" : machine.error().text);
+  return machine.value_or(Machine{});
+}
+
+const std::string kSignals = R"toml([signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+)toml";
+
+/// x' = -k x + u, held inputs.
+Machine Lag(const std::string& state = "initial = \"y\"") {
+  return StatesFrom("[log]\nhold = \"zero\"\n" + kSignals + "[states]\nx = { ddt = \"-k*x + u\", " + state +
+                    " }\n[outputs]\ny = \"x\"\n[parameters]\nk = { start = 2, min = 0.1, max = 1e7 }\n");
+}
+
+Episode Rows(int rows, double period, double input) {
+  Episode episode;
+  episode.signal = RowMatrix::Zero(rows, 2);
+  for (int row = 0; row < rows; ++row) {
+    episode.time.push_back(row * period);
+    episode.signal(row, 0) = input;
+  }
+  return episode;
+}
+
+StateRun RunOf(const Machine& machine, const Episode& episode, const Eigen::VectorXd& parameters, double x0,
+               const RowMatrix* slopes = nullptr) {
+  const auto model = BuildStateModel(machine, {});
+  EXPECT_TRUE(model) << (model ? "" : model.error().text);
+  StateSimulator simulator(*model);
+  simulator.SetParameters(parameters);
+  StateRun run;
+  simulator.Run(episode, 0, episode.rows() - 1, Eigen::VectorXd::Constant(1, x0), slopes, run);
+  return run;
+}
+
+TEST(StateSimulation, FollowsAnExponentialAndItsDerivatives) {
+  const Episode episode = Rows(50, 0.05, 3);
+  RowMatrix slopes(1, 2);
+  slopes << 0, 1;  // parameter, initial state
+  const double k = 2;
+  const StateRun run = RunOf(Lag(), episode, Eigen::VectorXd::Constant(1, k), 1, &slopes);
+  ASSERT_FALSE(run.diverged);
+  for (int row = 0; row < 50; row += 7) {
+    const double t = 0.05 * row, e = std::exp(-k * t);
+    EXPECT_NEAR(run.outputs(row, 0), e + 3 / k * (1 - e), 1e-5);
+    EXPECT_NEAR(run.slopes(row, 1), e, 1e-5);
+    EXPECT_NEAR(run.slopes(row, 0), -t * e - 3 / (k * k) * (1 - e) + 3 / k * t * e, 2e-5);
+  }
+}
+
+TEST(StateSimulation, AStiffModelIsLeftToTheImplicitMethodWithTheSameDerivatives) {
+  const Episode episode = Rows(20, 0.05, 3);
+  RowMatrix slopes(1, 2);
+  slopes << 0, 1;
+  const double k = 1e5;
+  const StateRun run = RunOf(Lag(), episode, Eigen::VectorXd::Constant(1, k), 1, &slopes);
+  ASSERT_FALSE(run.diverged);
+  EXPECT_NEAR(run.outputs(19, 0), 3 / k, 1e-8);
+  EXPECT_NEAR(run.slopes(19, 0), -3 / (k * k), 1e-13);
+  EXPECT_NEAR(run.slopes(19, 1), 0, 1e-8);
+}
+
+TEST(StateSimulation, SensitivitiesStayBoundedWhereAStiffStateRests) {
+  const Episode episode = Rows(40, 1, 3);
+  RowMatrix slopes(1, 2);
+  slopes << 0, 1;
+  const double k = 12;  // at rest, so that no step looks too long by its error
+  const StateRun run = RunOf(Lag(), episode, Eigen::VectorXd::Constant(1, k), 3 / k, &slopes);
+  EXPECT_NEAR(run.slopes(39, 0), -3 / (k * k), 1e-8);
+  EXPECT_NEAR(run.slopes(39, 1), 0, 1e-8);
+}
+
+TEST(StateSimulation, StopsAtALimitAndComesBack) {
+  Episode episode = Rows(60, 0.1, 5);
+  for (int row = 30; row < 60; ++row) episode.signal(row, 0) = 0;
+  const StateRun run = RunOf(Lag("max = 1.5"), episode, Eigen::VectorXd::Constant(1, 2.0), 0);
+  EXPECT_EQ(run.outputs(25, 0), 1.5);
+  EXPECT_NEAR(run.outputs(35, 0), 1.5 * std::exp(-1.0), 1e-4);
+}
+
+/// x' = -k x + u of `seconds` ago.
+Machine DelayedLag(const std::string& hold) {
+  return StatesFrom("[log]\nhold = \"" + hold + "\"\n" + kSignals +
+                    "[states]\nx = { ddt = \"-2*x + delay(u, dead)\", initial = 0 }\n[outputs]\ny = \"x\"\n"
+                    "[parameters]\ndead = { start = 0.1, min = 0, max = 1 }\n");
+}
+
+TEST(StateSimulation, ADelayedStepArrivesBetweenTwoRowsWithItsExactDerivative) {
+  Episode episode = Rows(60, 0.05, 0);
+  for (int row = 10; row < 60; ++row) episode.signal(row, 0) = 1;
+  const double dead = 0.123;
+  RowMatrix slopes(1, 1);
+  slopes << 0;
+  const StateRun run = RunOf(DelayedLag("zero"), episode, Eigen::VectorXd::Constant(1, dead), 0, &slopes);
+  ASSERT_FALSE(run.diverged);
+  for (int row = 0; row < 60; row += 3) {
+    const double since = 0.05 * row - 0.5 - dead, e = since > 0 ? std::exp(-2 * since) : 1;
+    EXPECT_NEAR(run.outputs(row, 0), (1 - e) / 2, 1e-6);
+    EXPECT_NEAR(run.slopes(row, 0), since > 0 ? -e : 0, 1e-5);
+  }
+}
+
+TEST(StateSimulation, ADelayOfAnInputThatMovesEvenlyHasTheDerivativeOfDifferences) {
+  Episode episode = Rows(80, 0.05, 0);
+  for (int row = 0; row < 80; ++row) episode.signal(row, 0) = std::sin(0.01 * row * row);
+  RowMatrix slopes(1, 1);
+  slopes << 0;
+  const double dead = 0.177, by = 1e-3;
+  const auto at = [&](double seconds) {
+    return RunOf(DelayedLag("linear"), episode, Eigen::VectorXd::Constant(1, seconds), 0, &slopes);
+  };
+  const StateRun run = at(dead), more = at(dead + by), less = at(dead - by);
+  for (int row = 5; row < 80; row += 5)
+    EXPECT_NEAR(run.slopes(row, 0), (more.outputs(row, 0) - less.outputs(row, 0)) / (2 * by), 2e-3);
+}
+
+TEST(StateSimulation, AModelThatRunsAwayIsSaidToDiverge) {
+  const Machine machine = StatesFrom(kSignals +
+                                     "[states]\nx = { ddt = \"a*x^2 + u\" }\n[outputs]\ny = \"x\"\n"
+                                     "[parameters]\na = { start = 5, min = 1, max = 10 }\n");
+  EXPECT_TRUE(RunOf(machine, Rows(100, 0.1, 1), Eigen::VectorXd::Constant(1, 5.0), 1).diverged);
+  const Episode episode = Rows(100, 0.1, 1);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  EXPECT_FALSE(fit.solved());
+  EXPECT_NE(fit.failed.find("diverges"), std::string::npos) << fit.failed;
+}
+
+TEST(StateFit, SaysThatRatesAreNotFiniteWhereAModelBegins) {
+  const Machine machine =
+      StatesFrom(kSignals +
+                 "[states]\nx = { ddt = \"u - a*sqrt(x - 5)\", initial = 0 }\n[outputs]\ny = \"x\"\n"
+                 "[parameters]\na = { start = 5, min = 1, max = 10 }\n");
+  const Episode episode = Rows(100, 0.1, 1);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  EXPECT_NE(fit.failed.find("not finite at the first row"), std::string::npos) << fit.failed;
+}
+
+TEST(StateFit, SaysWhichCombinationTheDataDoNotSee) {
+  const Machine machine = StatesFrom("[log]\nhold = \"zero\"\n" + kSignals +
+                                     "[states]\nx = { ddt = \"(b*u - x)/(b*c)\", initial = \"estimate\" }\n"
+                                     "[outputs]\ny = \"x/b\"\n[parameters]\nb = { start = 2, min = 0.1, max "
+                                     "= 10 }\nc = { start = 1, min = 0.1, max = 10 }\n");
+  // y' = (u - y)/(b c): only the product of b and c is seen.
+  Episode episode = Rows(300, 0.05, 0);
+  double y = 0;
+  for (int row = 0; row < 300; ++row) {
+    const double u = row / 40 % 2;
+    episode.signal(row, 0) = u;
+    episode.signal(row, 1) = y + 1e-3 * std::sin(17.0 * row * row);
+    y = u + (y - u) * std::exp(-0.05 / 1.2);
+  }
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_NEAR(fit.parameters[0] * fit.parameters[1], 1.2, 0.01);
+  ASSERT_EQ(fit.unseen.size(), 1u);
+  ASSERT_EQ(fit.unseen[0].parts.size(), 2u);
+  EXPECT_LT(fit.unseen[0].parts[0].second * fit.unseen[0].parts[1].second, 0) << "one up, the other down";
+}
+
+TEST(StateFit, FindsADeadTimeThatIsNoMultipleOfTheRows) {
+  const double dead = 0.213, period = 0.05;
+  Episode episode = Rows(400, period, 0);
+  double y = 0;
+  const auto input = [&](double t) {
+    return t < 0 ? 0.0 : static_cast<double>(static_cast<int>(t / 1.1) % 2);
+  };
+  for (int row = 0; row < 400; ++row) {
+    // Steps fall on rows: a converter holds them.
+    const auto held = [&](double t) { return input(period * std::floor(t / period + 1e-9)); };
+    episode.signal(row, 0) = held(row * period);
+    episode.signal(row, 1) = y + 1e-3 * std::sin(17.0 * row * row);
+    const double jump = (row + 1) * period - std::fmod((row + 1) * period - dead + 10 * period, period);
+    for (const auto& [from, to] : {std::pair(row * period, jump), std::pair(jump, (row + 1) * period)}) {
+      const double u = held(0.5 * (from + to) - dead);
+      y = u / 2 + (y - u / 2) * std::exp(-2 * (to - from));
+    }
+  }
+  const auto model = BuildStateModel(DelayedLag("zero"), {});
+  ASSERT_TRUE(model) << model.error().text;
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_NEAR(fit.parameters[0], dead, 2e-3);
+}
+
+TEST(StateFit, PredictionFindsParametersWhereNoiseActsOnTheProcess) {
+  // x' = -0.7 x + u with a disturbance held from row to row, large against the noise of the sensor.
+  constexpr double kTrue = 0.7, kPeriod = 0.05;
+  const double decay = std::exp(-kTrue * kPeriod), rise = (1 - decay) / kTrue;
+  const auto model = BuildStateModel(Lag("initial = \"estimate\""), {});
+  ASSERT_TRUE(model);
+  double free_spread = 0, spread = 0;
+  constexpr int kLogs = 20;
+  int inside = 0;
+  for (int log = 0; log < kLogs; ++log) {
+    std::mt19937 random(static_cast<unsigned>(log + 1));
+    std::normal_distribution<double> normal;
+    Episode episode = Rows(600, kPeriod, 0);
+    double x = 0;
+    for (int row = 0; row < 600; ++row) {
+      const double u = row / 40 % 2;
+      episode.signal(row, 0) = u;
+      episode.signal(row, 1) = x + 2e-3 * normal(random);
+      x = decay * x + rise * (u + 0.8 * normal(random));
+    }
+    StateFitOptions options;
+    options.starts = 0;
+    const StateFit free_run = FitStates(*model, std::span(&episode, 1), options);
+    ASSERT_TRUE(free_run.solved()) << free_run.failed;
+    const StateFit fit = PredictStates(free_run, std::span(&episode, 1), options);
+    ASSERT_TRUE(fit.solved()) << fit.failed;
+    EXPECT_LT(fit.noise[0], 0.5 * free_run.noise[0]);
+    EXPECT_NEAR(fit.gain(0, 0), 1, 0.1) << "the sensor is much better than the process";
+    inside += std::abs(fit.parameters[0] - kTrue) < 2 * std::sqrt(fit.covariance(0, 0));
+    spread += std::pow(fit.parameters[0] - kTrue, 2);
+    free_spread += std::pow(free_run.parameters[0] - kTrue, 2);
+  }
+  EXPECT_GE(inside, 16) << "of " << kLogs << " intervals of 95 %";
+  EXPECT_LT(std::sqrt(spread / kLogs), 0.06);
+  EXPECT_LT(spread, free_spread);
+}
+
+TEST(StateFit, FindsParametersFromAStartFarOff) {
+  Episode episode = Rows(300, 0.05, 0);
+  double y = 0.4;
+  for (int row = 0; row < 300; ++row) {
+    const double u = row / 40 % 2;
+    episode.signal(row, 0) = u;
+    episode.signal(row, 1) = y + 1e-3 * std::sin(17.0 * row * row);
+    y = u / 0.7 + (y - u / 0.7) * std::exp(-0.05 * 0.7);
+  }
+  const auto model = BuildStateModel(Lag("initial = \"estimate\""), {});
+  ASSERT_TRUE(model);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  const double std = std::sqrt(fit.covariance(0, 0));
+  EXPECT_NEAR(fit.parameters[0], 0.7, 3 * std + 1e-4);
+  EXPECT_LT(std, 0.01);
+  EXPECT_NEAR(fit.initial[0][0], 0.4, 2e-3);
+}
+
+}  // namespace
+}  // namespace hydroscope

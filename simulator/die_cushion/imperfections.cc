@@ -1,0 +1,414 @@
+#include "simulator/die_cushion/imperfections.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+#include "simulator/die_cushion/sensors.h"
+
+namespace hydroscope {
+namespace {
+
+using enum ImperfectionKind;
+
+std::vector<ImperfectionInfo> MachineKinds() {
+  return {
+      {kReturnLineResistance,
+       "return_line_resistance",
+       "Pa/(m3/s)",
+       4e8,
+       0,
+       1e11,
+       "laminar return line: drops size Q behind the edge to the tank",
+       {},
+       ""},
+      {kTankPressure,
+       "tank_pressure",
+       "Pa",
+       5e5,
+       -0.9e5,
+       5e6,
+       "the tank line stands at p_t + size, the machine file says p_t",
+       {},
+       ""},
+      {kCheckValve,
+       "check_valve",
+       "Pa",
+       3e5,
+       0,
+       5e6,
+       "pre-loaded check valve in the tank line: opens at size, lets nothing back, drops slope Q more",
+       {{"slope", 1e8, "Pa/(m3/s)"}},
+       ""},
+      {kLaminarEdge,
+       "laminar_edge",
+       "Pa",
+       8e5,
+       0,
+       5e7,
+       "flow over an edge ~ dp / (dp^2 + size^2)^(1/4): proportional to dp well below size",
+       {},
+       ""},
+      {kBulkModulusSlope,
+       "pressure_dependent_bulk_modulus",
+       "1",
+       11,
+       -20,
+       100,
+       "K + size p_A: oil stiffens under pressure",
+       {},
+       ""},
+      {kLeakageTemperature,
+       "leakage_temperature",
+       "m3/(s Pa)",
+       4e-12,
+       0,
+       1e-9,
+       "Q += size exp(rate (T_oil - reference)) (p_A - p_B)",
+       {{"rate", 0.035, "1/K"}, {"reference", 313.15, "K"}},
+       ""},
+      {kFlowRipple,
+       "periodic_disturbance",
+       "m3/s",
+       2e-5,
+       0,
+       1e-2,
+       "Q += size sin(2 pi frequency t + phase): ripple of a pump",
+       {{"frequency", 7.3, "Hz"}, {"phase", 0.4, "rad"}},
+       ""},
+      {kBulkModulusDrift, "K_drift", "1", -0.10, -0.9, 5, "K (1 + size t / length of the log)", {}, ""},
+      {kVolumeDrift, "V0_drift", "1", 0.10, -0.9, 5, "V0 (1 + size t / length of the log)", {}, ""},
+      {kFlowGainDrift, "Q_vn_drift", "1", 0.02, -0.9, 5, "Q_vn (1 + size t / length of the log)", {}, ""},
+      {kSpoolZeroDrift, "y_0_drift", "1", 0.002, -0.2, 0.2, "y_0 + size t / length of the log", {}, ""},
+      {kIntermittentLeakage,
+       "intermittent_leakage",
+       "m3/(s Pa)",
+       8e-12,
+       0,
+       1e-9,
+       "Q += size (p_A - p_B) in a share of the strokes, drawn anew in every ten",
+       {{"share", 0.2, "1"}},
+       ""},
+      {kIntermittentEffects,
+       "intermittent_effects",
+       "1",
+       0.2,
+       0,
+       1,
+       "the effects asked for act in this share of the strokes only, delays excepted",
+       {},
+       ""},
+      {kLeakyStretch,
+       "leaky_stretch",
+       "m3/(s Pa)",
+       8e-12,
+       0,
+       1e-9,
+       "Q += size (p_A - p_B) in one stretch of the log, begin and length as shares of it",
+       {{"begin", 0.4, "1"}, {"length", 0.2, "1"}},
+       ""},
+      {kQuadraticRelief,
+       "quadratic_relief",
+       "m3/(s Pa2)",
+       1e-17,
+       0,
+       1e-13,
+       "Q += size (p_A - crack)^2 above crack",
+       {{"crack", 170e5, "Pa"}},
+       ""},
+      {kRectangularZone,
+       "rectangular_zone",
+       "m3/(s Pa)",
+       1.5e-11,
+       0,
+       1e-9,
+       "Q += size (p_A - p_B) where |z - centre| < width: worn zone with sharp edges",
+       {{"centre", 0.11, "m"}, {"width", 0.02, "m"}},
+       ""},
+      {kExponentialViscosity,
+       "exponential_viscosity",
+       "1",
+       0.10,
+       -0.9,
+       5,
+       "flow gain 1 + size (1 - exp(-rate (T_oil - reference))): viscosity falls exponentially",
+       {{"rate", 0.06, "1/K"}, {"reference", 313.15, "K"}},
+       ""},
+      {kTwoGainSpool,
+       "two_gain_spool",
+       "1",
+       0.4,
+       -0.9,
+       10,
+       "the metering edge's gain is 1 + size beyond the knee",
+       {{"knee", 0.15, "1"}},
+       ""},
+      {kWrongArea, "wrong_area", "1", 0.02, -0.5, 0.5, "the true piston area is A_A (1 + size)", {}, ""},
+  };
+}
+
+std::vector<ImperfectionInfo> SignalKinds() {
+  return {
+      {kPressureLag,
+       "pressure_signal_lag",
+       "s",
+       0.005,
+       0,
+       1,
+       "p_A through a first-order lag, noise after it",
+       {},
+       ""},
+      {kSpoolLag,
+       "spool_signal_lag",
+       "s",
+       0.005,
+       0,
+       1,
+       "y_v through a first-order lag, noise after it",
+       {},
+       ""},
+      {kPositionLag,
+       "position_signal_lag",
+       "s",
+       0.005,
+       0,
+       1,
+       "z through a first-order lag, noise after it",
+       {},
+       ""},
+      {kSignalLag,
+       "signal_lag",
+       "s",
+       0.005,
+       0,
+       1,
+       "p_A, y_v and z through the same first-order lag, noise after it",
+       {},
+       ""},
+      {kOneSignalEarly,
+       "one_signal_early",
+       "s",
+       0.002,
+       0,
+       1,
+       "p_A, y_v and z are late by size, but for the channel named",
+       {},
+       "z"},
+      {kPressureZero, "pressure_zero", "Pa", 4e5, -1e7, 1e7, "p_A reads size too high", {}, ""},
+      {kPressureGain, "pressure_gain", "1", 0.02, -0.9, 5, "p_A reads (1 + size) times the pressure", {}, ""},
+      {kPressureZeroDrift,
+       "pressure_offset_drift",
+       "Pa",
+       4e5,
+       -1e7,
+       1e7,
+       "p_A reads size t / length of the log too high",
+       {},
+       ""},
+      {kSensorHum,
+       "sensor_hum",
+       "Pa",
+       1.5e5,
+       0,
+       1e7,
+       "p_A reads size sin(2 pi frequency t + phase) too high",
+       {{"frequency", 11.7, "Hz"}, {"phase", 0.4, "rad"}},
+       ""},
+      {kBadStretch,
+       "bad_stretch",
+       "Pa",
+       10e5,
+       -1e8,
+       1e8,
+       "p_A reads size too high in one stretch, begin and length as shares of the log",
+       {{"begin", 0.45, "1"}, {"length", 0.12, "1"}},
+       ""},
+      {kFrozen,
+       "frozen",
+       "s",
+       4,
+       0,
+       1e8,
+       "the signal stands still for size after begin, its noise goes on",
+       {{"begin", 20, "s"}},
+       "p_A"},
+      {kColouredNoise,
+       "coloured_noise",
+       "1",
+       0.1,
+       0,
+       100,
+       "AR(1) noise of size times the white variance, correlated by phi after 2 ms, beside `white` times the "
+       "white variance",
+       {{"phi", 0.8, "1"}, {"white", 0, "1"}},
+       "all"},
+      {kHeavyTails,
+       "heavy_tails",
+       "1",
+       0.05,
+       0,
+       1,
+       "noise times factor in this share of the readings",
+       {{"factor", 5, "1"}},
+       "all"},
+      {kPlcFilter,
+       "plc_filter",
+       "s",
+       0.005,
+       0,
+       1,
+       "first-order filter over the readings, noise and all",
+       {},
+       "all"},
+      {kSpikes,
+       "spikes",
+       "1",
+       40,
+       0,
+       1e9,
+       "single readings off by +- size times the noise, at random, rate a second",
+       {{"rate", 0.5, "1/s"}},
+       "p_A"},
+      {kSaturation,
+       "saturation",
+       "1",
+       160e5,
+       0,
+       1e12,
+       "readings beyond +- size stop there; SI of the channel",
+       {},
+       "p_A"},
+      {kQuantisation, "quantisation", "1", 4, 0, 1e9, "readings in steps of size times the noise", {}, "all"},
+      {kStuck,
+       "stuck",
+       "s",
+       4,
+       0,
+       1e8,
+       "the reading repeats bit for bit for size after begin",
+       {{"begin", 20, "s"}},
+       "y_v"},
+      {kWrongUnit,
+       "wrong_unit",
+       "1",
+       1e-5,
+       1e-12,
+       1e12,
+       "readings times size: their unit is not the one the machine file says",
+       {},
+       "p_A"},
+      {kTimeJitter,
+       "time_jitter",
+       "1",
+       0.15,
+       0,
+       0.45,
+       "time stamps off at random, size times the sample period at most",
+       {},
+       ""},
+      {kDroppedRows,
+       "dropped_rows",
+       "1",
+       0.01,
+       0,
+       0.9,
+       "this share of the rows is missing, at random",
+       {},
+       ""},
+      {kSlowSampling,
+       "slow_sampling",
+       "s",
+       0.010,
+       1e-4,
+       0.1,
+       "rows every size, whatever the sample period",
+       {},
+       ""},
+  };
+}
+
+/// Names the nearest of `known` to `given`, or all of them.
+std::string Suggestion(const std::string& given, const std::vector<std::string>& known) {
+  const std::string nearest = Nearest(given, known);
+  return nearest.empty() ? fmt::format("it knows {}", fmt::join(known, ", "))
+                         : fmt::format("did you mean '{}'?", nearest);
+}
+
+Result<const ImperfectionInfo*> FindKind(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ImperfectionInfo& info : PressImperfections()) {
+    if (info.name == name) return &info;
+    names.push_back(info.name);
+  }
+  return UsageError("the simulator knows no imperfection '{}'; {}", name, Suggestion(name, names));
+}
+
+Status TakeExtra(const ImperfectionInfo& info, const std::string& name, double value, Imperfection& one) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < info.extras.size(); ++k) {
+    names.push_back(info.extras[k].name);
+    if (names.back() != name) continue;
+    if (!std::isfinite(value) || value < 0)
+      return UsageError("imperfection {}: {} is {}; it must be 0 {} or more", info.name, name, value,
+                        info.extras[k].unit);
+    one.extras[k] = value;
+    return {};
+  }
+  if (names.empty()) return UsageError("imperfection {} has no further number; found '{}'", info.name, name);
+  return UsageError("imperfection {} knows no '{}'; {}", info.name, name, Suggestion(name, names));
+}
+
+Status TakeChannel(const ImperfectionInfo& info, const std::string& given, Imperfection& one) {
+  if (info.channel.empty()) {
+    if (given.empty()) return {};
+    return UsageError("imperfection {} acts on no channel; found '{}'", info.name, given);
+  }
+  const std::string& name = given.empty() ? info.channel : given;
+  if (name == "all") return {};
+  one.channel = ChannelIndex(name);
+  if (one.channel) return {};
+  std::vector<std::string> names(kPressChannels.begin(), kPressChannels.end());
+  names.emplace_back("all");
+  return UsageError("imperfection {} on unknown channel '{}'; {}", info.name, name, Suggestion(name, names));
+}
+
+}  // namespace
+
+const std::vector<ImperfectionInfo>& PressImperfections() {
+  static const std::vector<ImperfectionInfo> all = [] {
+    std::vector<ImperfectionInfo> list = MachineKinds();
+    for (ImperfectionInfo& info : SignalKinds()) list.push_back(std::move(info));
+    return list;
+  }();
+  return all;
+}
+
+Result<std::vector<Imperfection>> ResolveImperfections(const std::vector<ImperfectionSetting>& settings) {
+  std::vector<Imperfection> list;
+  for (const ImperfectionSetting& setting : settings) {
+    const auto info = FindKind(setting.kind);
+    if (!info) return tl::unexpected(info.error());
+    Imperfection one;
+    one.kind = (*info)->kind;
+    one.size = setting.size;
+    for (const EffectExtra& extra : (*info)->extras) one.extras.push_back(extra.value);
+    if (!(setting.size >= (*info)->low && setting.size <= (*info)->high))
+      return UsageError("imperfection {} is {} {}; it must lie between {} and {} {}", setting.kind,
+                        setting.size, (*info)->unit, (*info)->low, (*info)->high, (*info)->unit);
+    if (const Status s = TakeChannel(**info, setting.channel, one); !s) return tl::unexpected(s.error());
+    for (const auto& [name, value] : setting.extra)
+      if (const Status s = TakeExtra(**info, name, value, one); !s) return tl::unexpected(s.error());
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+const Imperfection* FindImperfection(const std::vector<Imperfection>& list, ImperfectionKind kind) {
+  const auto found =
+      std::find_if(list.begin(), list.end(), [&](const Imperfection& one) { return one.kind == kind; });
+  return found == list.end() ? nullptr : &*found;
+}
+
+}  // namespace hydroscope

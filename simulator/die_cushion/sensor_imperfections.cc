@@ -1,0 +1,165 @@
+#include "simulator/die_cushion/sensor_imperfections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hydroscope {
+namespace {
+
+using enum ImperfectionKind;
+
+constexpr double kColourTime = 0.002;  // s, after which coloured noise is correlated by phi
+constexpr int kChannels = static_cast<int>(kPressChannels.size());
+
+bool ActsOn(const Imperfection& one, int channel) { return !one.channel || *one.channel == channel; }
+
+}  // namespace
+
+FirstOrderLag::FirstOrderLag(double time, double step) : keep_(time > 0 ? std::exp(-step / time) : 0) {}
+
+double FirstOrderLag::Step(double input) {
+  value_ = begun_ ? input + keep_ * (value_ - input) : input;
+  begun_ = true;
+  return value_;
+}
+
+SensorImperfections::SensorImperfections(const std::vector<Imperfection>& list, const PressOptions& o)
+    : std_{o.noise.p_A, o.noise.p_B, o.noise.p_0, o.noise.z, o.noise.y_v, o.noise.U_v, o.noise.T_oil},
+      period_(o.sample_period),
+      seconds_(o.seconds) {
+  for (const Imperfection& one : list) {
+    const std::string purpose = fmt::format("imperfection {}", active_.size());
+    active_.push_back({one, RandomStream(StreamSeed(o.noise_seed, purpose))});
+  }
+}
+
+template <typename Change>
+void SensorImperfections::ForChannels(Active& active, PressRow& row, const Change& change) {
+  for (int k = 0; k < kChannels; ++k)
+    if (ActsOn(active.one, k)) change(k, ChannelOf(row, k));
+}
+
+void SensorImperfections::Distort(PressRow& row) {
+  const double part = row.t / seconds_;
+  for (Active& active : active_) {
+    const Imperfection& one = active.one;
+    switch (one.kind) {
+      case kPressureGain:
+        row.p_A *= 1 + one.size;
+        break;
+      case kPressureZero:
+        row.p_A += one.size;
+        break;
+      case kPressureZeroDrift:
+        row.p_A += one.size * part;
+        break;
+      case kSensorHum:
+        row.p_A += one.size * std::sin(2 * std::numbers::pi * one.extras[0] * row.t + one.extras[1]);
+        break;
+      case kBadStretch:
+        if (part >= one.extras[0] && part < one.extras[0] + one.extras[1]) row.p_A += one.size;
+        break;
+      case kFrozen:
+        Hold(active, row);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+std::array<double, 7> SensorImperfections::Noise(const std::array<double, 7>& white) {
+  std::array<double, 7> noise = white;
+  for (Active& active : active_) {
+    const Imperfection& one = active.one;
+    for (int k = 0; k < kChannels; ++k) {
+      if (!ActsOn(one, k)) continue;
+      if (one.kind == kColouredNoise) {
+        const double phi = std::pow(one.extras[0], period_ / kColourTime);
+        double& state = active.held[k];
+        const double innovation = std_[k] * active.random.Normal();
+        // The first value is drawn from the process at rest, so that the noise is stationary from the first
+        // row on.
+        state = active.begun[k] ? phi * state + std::sqrt(1 - phi * phi) * innovation : innovation;
+        active.begun[k] = true;
+        noise[k] = std::sqrt(one.extras[1]) * noise[k] + std::sqrt(one.size) * state;
+      } else if (one.kind == kHeavyTails && active.random.Uniform() < one.size) {
+        noise[k] *= one.extras[0];
+      }
+    }
+  }
+  return noise;
+}
+
+void SensorImperfections::Filter(Active& active, PressRow& row) {
+  const double keep = active.one.size > 0 ? std::exp(-period_ / active.one.size) : 0;
+  ForChannels(active, row, [&](int k, double& value) {
+    double& state = active.held[k];
+    state = active.begun[k] ? value + keep * (state - value) : value;
+    active.begun[k] = true;
+    value = state;
+  });
+}
+
+void SensorImperfections::Hold(Active& active, PressRow& row) {
+  constexpr double kRounding = 1e-9;  // s, so that a row at `begin` is held
+  const double since = row.t + kRounding - active.one.extras[0];
+  if (since < 0 || since >= active.one.size) return;
+  ForChannels(active, row, [&](int k, double& value) {
+    if (!active.begun[k]) active.held[k] = value;
+    active.begun[k] = true;
+    value = active.held[k];
+  });
+}
+
+void SensorImperfections::Spike(Active& active, PressRow& row) {
+  ForChannels(active, row, [&](int k, double& value) {
+    const bool now = active.random.Uniform() < active.one.extras[0] * period_;
+    const double sign = active.random.Uniform() < 0.5 ? -1 : 1;
+    if (now) value += sign * active.one.size * std_[k];
+  });
+}
+
+bool SensorImperfections::Transport(PressRow& row) {
+  bool present = true;
+  for (Active& active : active_) {
+    const Imperfection& one = active.one;
+    switch (one.kind) {
+      case kPlcFilter:
+        Filter(active, row);
+        break;
+      case kSpikes:
+        Spike(active, row);
+        break;
+      case kSaturation:
+        ForChannels(active, row, [&](int, double& value) { value = std::clamp(value, -one.size, one.size); });
+        break;
+      case kQuantisation:
+        ForChannels(active, row, [&](int k, double& value) {
+          const double step = one.size * std_[k];
+          if (step > 0) value = std::round(value / step) * step;
+        });
+        break;
+      case kStuck:
+        Hold(active, row);
+        break;
+      case kWrongUnit:
+        ForChannels(active, row, [&](int, double& value) { value *= one.size; });
+        break;
+      case kTimeJitter:
+        row.t += one.size * period_ * active.random.Uniform(-1, 1);
+        break;
+      case kDroppedRows:
+        present = active.random.Uniform() >= one.size && present;
+        break;
+      default:
+        break;
+    }
+  }
+  return present;
+}
+
+}  // namespace hydroscope

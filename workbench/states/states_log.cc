@@ -1,0 +1,229 @@
+#include "workbench/states/states_log.h"
+
+#include <fmt/os.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "models/machine_kind.h"
+#include "models/output_unit.h"
+#include "workbench/held_out_log.h"
+#include "workbench/model/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+/// Several outputs as a share of their variation.
+double Overall(const StateFit& fit, const Eigen::VectorXd& rms) {
+  if (rms.size() == 1) return rms[0];
+  return std::sqrt(rms.cwiseQuotient(fit.scale).squaredNorm() / static_cast<double>(rms.size()));
+}
+
+/// Rms of an output's error where a regression on the last few errors may be used: innovations of an autoregressive noise
+/// model (Box and Jenkins 1970).
+double OneStepError(const StateFit& fit, int output) {
+  constexpr int kOrder = 4;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kOrder + 1, kOrder + 1);
+  double count = 0;
+  for (const RowMatrix& residual : fit.residuals)
+    for (Eigen::Index row = kOrder; row < residual.rows(); ++row) {
+      const Eigen::VectorXd past = residual.col(output).segment(row - kOrder, kOrder + 1);
+      if (!past.allFinite()) continue;
+      information += past * past.transpose();
+      count += 1;
+    }
+  if (!(count > 2 * kOrder)) return fit.noise[output];
+  Eigen::MatrixXd own = information.topLeftCorner(kOrder, kOrder);
+  own.diagonal().array() *= 1 + 1e-9;
+  const Eigen::VectorXd cross = information.col(kOrder).head(kOrder);
+  return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(own.ldlt().solve(cross))) / count);
+}
+
+/// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
+std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<Episode>& episodes) {
+  const StateModel& model = *fit.model;
+  StateSimulator simulator(fit.model);
+  simulator.SetParameters(fit.parameters);
+  std::vector<double> registers = model.initial.values.Registers();
+  std::vector<int> outside(static_cast<std::size_t>(model.states()), 0);
+  for (const Episode& episode : episodes) {
+    const Eigen::Index signals = episode.signal.cols();
+    for (Eigen::Index s = 0; s < signals; ++s) registers[static_cast<std::size_t>(s)] = episode.signal(0, s);
+    std::copy(fit.parameters.begin(), fit.parameters.end(), registers.begin() + signals);
+    model.initial.values.RunFixed(registers.data());
+    model.initial.values.Run(registers.data());
+    for (int i = 0; i < model.states(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double x = registers[model.initial.values.output(at)];
+      outside[at] +=
+          !model.estimated[at] && (x < simulator.limits()[i] || x > simulator.limits()[model.states() + i]);
+    }
+  }
+  std::vector<std::string> warnings;
+  for (int i = 0; i < model.states(); ++i)
+    if (const int count = outside[static_cast<std::size_t>(i)]; count > 0) {
+      const StateSpec& state = model.machine.states.states[static_cast<std::size_t>(i)];
+      warnings.push_back(fmt::format(
+          "initial = \"{}\" of {} is outside of its limits in {} of {} episodes, which begin at the limit; check unit, "
+          "zero and limits",
+          state.initial, state.name, count, episodes.size()));
+    }
+  return warnings;
+}
+
+}  // namespace
+
+bool HasStates(const std::string& machine_file) {
+  if (machine_file.empty()) return false;
+  const auto machine = LoadMachine(machine_file);
+  return machine && KindOf(*machine).has_states;
+}
+
+std::vector<Estimate> EstimatesOf(const StateFit& fit) {
+  std::vector<Estimate> out;
+  for (int p = 0; p < fit.model->parameter_count(); ++p) {
+    const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
+    Estimate e;
+    e.parameter = parameter.name;
+    e.value = fit.parameters[p];
+    e.std = std::sqrt(std::max(0.0, fit.covariance(p, p)));
+    e.unit = parameter.spec.unit.empty() ? "1" : parameter.spec.unit;
+    e.reason = EstimateReason::kUpdated;
+    e.excitation = 1;
+    for (const UnseenDirection& unseen : fit.unseen)
+      for (const auto& [name, share] : unseen.parts) {
+        if (name != parameter.name) continue;
+        e.reason = unseen.parts.size() == 1 ? EstimateReason::kNotExcited : EstimateReason::kConfounded;
+        e.excitation = 0;
+      }
+    if (fit.at_limit[static_cast<std::size_t>(p)] && e.reason == EstimateReason::kUpdated)
+      e.reason = EstimateReason::kOutsidePhysics;
+    out.push_back(std::move(e));
+  }
+  return out;
+}
+
+StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
+  StatesError out;
+  out.unit = OutputUnit(fit.model->machine);
+  out.rms = Overall(fit, fit.noise) * out.unit.factor;
+  const double readings = std::max(1, fit.readings());
+  double energy = 0;
+  for (const StatePiece& piece : fit.pieces) energy += piece.energy;
+  out.rms_holdout = out.rms * std::sqrt(fit.HeldOutEnergy() / std::max(energy, 1e-300 * readings));
+  out.noise_floor = out.rms * std::sqrt(1 - (left.structured ? std::clamp(left.share, 0.0, 1.0) : 0.0));
+  Eigen::VectorXd steps(fit.noise.size());
+  for (int j = 0; j < steps.size(); ++j) steps[j] = OneStepError(fit, j);
+  out.one_step = Overall(fit, steps) * out.unit.factor;
+  return out;
+}
+
+Result<StatesFit> FitEpisodes(EpisodeLog log) {
+  const auto model = BuildStateModel(log.machine, log.machine.added_effects);
+  if (!model) return tl::unexpected(model.error());
+  StatesFit out;
+  out.fit = FitStates(*model, log.episodes);
+  if (!out.fit.solved()) return BadInput("machine '{}': {}", log.machine.name, out.fit.failed);
+  out.left = RemainderOf(out.fit, log.episodes);
+  out.error = ErrorOf(out.fit, out.left);
+  if (!out.left.structured && out.error.one_step < kSlowError * out.error.rms) {
+    StateFit prediction = PredictStates(out.fit, log.episodes);
+    if (prediction.solved() &&
+        Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)
+      out.prediction = std::move(prediction);
+  }
+  out.parameters = EstimatesOf(out.prediction ? *out.prediction : out.fit);
+  for (int j = 0; j < out.fit.noise.size(); ++j) out.one_step.push_back(OneStepError(out.fit, j));
+  for (std::string& warning : InitialWarnings(out.fit, log.episodes))
+    log.warnings.push_back(std::move(warning));
+  out.log = std::move(log);
+  return out;
+}
+
+Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                const std::string& hold_out) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto chosen = ChooseLogs(logs, hold_out);
+  if (!chosen) return tl::unexpected(chosen.error());
+  auto log = ReadEpisodes(chosen->fitted, *machine);
+  if (!log) return tl::unexpected(log.error());
+  auto out = FitEpisodes(std::move(*log));
+  if (!out || chosen->held_out.empty()) return out;
+  const auto other = ReadEpisodes({chosen->held_out}, *machine);
+  if (!other) return tl::unexpected(other.error());
+  const StateFit& fitted = out->prediction ? *out->prediction : out->fit;
+  const StateFit followed = FollowStates(fitted.model, other->episodes, fitted.parameters, out->fit.noise);
+  if (!followed.solved()) return BadInput("{}: {}", chosen->held_out, followed.failed);
+  out->held_out =
+      Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;
+  out->held_out_log = chosen->held_out;
+  out->held_out_episodes = static_cast<int>(other->episodes.size());
+  return out;
+}
+
+Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
+                                          const std::string& machine_file) {
+  const auto machine = LoadMachine(machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  auto log = ReadEpisodes(logs, *machine);
+  if (!log) return tl::unexpected(log.error());
+  StatesExplained out;
+  out.target = "--machine " + machine_file;
+  out.explanation = ExplainStates(*machine, log->episodes);
+  if (out.explanation.base.fit.solved())
+    for (std::string& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
+      log->warnings.push_back(std::move(warning));
+  out.log = std::move(*log);
+  const StatesExplanation& x = out.explanation;
+  if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);
+  out.base = ErrorOf(x.base.fit, x.base_left);
+  out.final = ErrorOf(x.final.fit, x.final_left);
+  out.base_parameters = EstimatesOf(x.base.fit);
+  out.final_parameters = EstimatesOf(x.final.fit);
+  return out;
+}
+
+ModelRecord RecordOf(const StatesFit& fit, const std::string& source) {
+  const Machine& machine = fit.fit.model->machine;
+  ModelRecord record;
+  record.version = machine.model_version;
+  record.name = ModelName(machine);
+  record.effects = fit.fit.model->effects;
+  record.source = source;
+  record.strokes = static_cast<int>(fit.log.episodes.size());
+  record.rms_holdout = fit.error.rms_holdout / fit.error.unit.factor;
+  record.noise_floor = fit.error.noise_floor / fit.error.unit.factor;
+  record.unit = OutputSi(machine);
+  for (const Estimate& e : fit.parameters) record.parameters.push_back({e.parameter, e.value, e.std, e.unit});
+  return record;
+}
+
+Status WriteStatesCsv(const StatesFit& fit, const std::string& path) {
+  std::ofstream file(path);
+  const StateModel& model = *fit.fit.model;
+  file << "log,episode,t";
+  for (const OutputSpec& o : model.machine.states.outputs)
+    file << "," << o.signal << "," << o.signal << "_simulated";
+  for (const StateSpec& s : model.machine.states.states) file << "," << s.name;
+  file << "\n";
+  for (std::size_t e = 0; e < fit.log.episodes.size(); ++e) {
+    const Episode& episode = fit.log.episodes[e];
+    const StateRun& run = fit.fit.runs[e];
+    for (int row = 0; row < episode.rows(); ++row) {
+      file << fmt::format("{},{},{:.9g}", episode.log, e, episode.time[static_cast<std::size_t>(row)]);
+      for (int j = 0; j < model.output.rows; ++j)
+        file << fmt::format(",{:.9g},{:.9g}", episode.signal(row, model.outputs[static_cast<std::size_t>(j)]),
+                            run.outputs(row, j));
+      for (int i = 0; i < model.states(); ++i) file << fmt::format(",{:.9g}", run.states(row, i));
+      file << "\n";
+    }
+  }
+  file.flush();
+  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
+  return {};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "core/units.h"
+#include "diagnosis/states/explain_states.h"
+#include "models/model_history.h"
+#include "pipeline/episodes.h"
+
+namespace hydroscope {
+
+/// Whether a machine file describes states, and so goes the way of this file. False if it cannot be read: the command's own
+/// way says why.
+bool HasStates(const std::string& machine_file);
+
+/// How large errors of a model with states are, as shown. Of one output in its unit; of several as a share of each output's
+/// variation, root of the mean of squares.
+struct StatesError {
+  double rms = 0;          ///< free run, on the rows of the fit
+  double rms_holdout = 0;  ///< on pieces of the log left out
+  double noise_floor = 0;  ///< what no function of states and inputs could predict
+  double one_step =
+      0;  ///< what is left where past errors may be used: large against noise, small here = the process is noisy
+  DisplayUnit unit;
+};
+
+/// Error of one step over that of the free run, below which a log that no function of states and inputs explains any better
+/// is taken for one whose process itself is noisy.
+inline constexpr double kSlowError = 0.5;
+
+/// A model with states fitted to logs.
+struct StatesFit {
+  EpisodeLog log;
+  StateFit fit;
+  StateRemainder left;
+  StatesError error;
+  /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
+  std::optional<StateFit> prediction;
+  std::vector<Estimate> parameters;
+  std::vector<double> one_step;  ///< per output, SI
+  std::optional<double>
+      held_out;  ///< shown unit, free run on the log held out; initial states are estimated there
+  std::string held_out_log;
+  int held_out_episodes = 0;
+};
+
+/// `fit` and `compare`. Errors: logs, machine file, a model that diverges from every start.
+Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                const std::string& hold_out);
+/// The same on episodes that were read.
+Result<StatesFit> FitEpisodes(EpisodeLog log);
+
+/// `explain`.
+struct StatesExplained {
+  std::string target;  ///< how the command line names the machine
+  EpisodeLog log;
+  StatesExplanation explanation;
+  StatesError base, final;
+  std::vector<Estimate> base_parameters, final_parameters;
+};
+Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
+                                          const std::string& machine_file);
+
+/// What a model achieves, for its history.
+ModelRecord RecordOf(const StatesFit& fit, const std::string& source);
+
+std::vector<Estimate> EstimatesOf(const StateFit& fit);
+StatesError ErrorOf(const StateFit& fit, const StateRemainder& left);
+
+/// "t, measured, simulated" of every row of the fit as CSV. Error: the file cannot be written.
+Status WriteStatesCsv(const StatesFit& fit, const std::string& path);
+
+}  // namespace hydroscope

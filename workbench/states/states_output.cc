@@ -1,0 +1,354 @@
+#include "workbench/states/states_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/constants.h"
+#include "core/effect_units.h"
+#include "workbench/fit_output.h"
+#include "workbench/model/model_record.h"
+
+namespace hydroscope {
+namespace {
+
+/// "k1 up by 1 % with A1 up by 1 %".
+std::string UnseenText(const UnseenDirection& unseen) {
+  if (unseen.parts.size() == 1)
+    return fmt::format("nothing in these data depends on {}", unseen.parts.front().first);
+  std::vector<std::string> parts;
+  const double sign = unseen.parts.front().second < 0 ? -1 : 1;
+  for (const auto& [name, share] : unseen.parts)
+    parts.push_back(
+        fmt::format("{} {} by {:.2g} %", name, sign * share > 0 ? "up" : "down", std::abs(share)));
+  return fmt::format("the data do not see {}: nothing that is measured changes", fmt::join(parts, " with "));
+}
+
+std::vector<std::string> FitWarnings(const StatesFit& fit) {
+  std::vector<std::string> warnings = fit.log.warnings;
+  for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
+  for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
+    if (fit.fit.at_limit[p])
+      warnings.push_back(
+          fmt::format("{} stands at a limit of its range; widen it in the machine file if physics allows",
+                      fit.parameters[p].parameter));
+  if (fit.left.structured)
+    warnings.push_back(
+        fmt::format("functions of states and inputs predict {:.0f} % of the error, most of it in the "
+                    "equation of {}: the model misses "
+                    "something, and its parameters absorb part of it; 'hydroscope explain' says what",
+                    100 * fit.left.share, fit.left.about));
+  if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
+    warnings.push_back(
+        std::string(
+            "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
+            "itself (or a disturbance that is not measured)") +
+        (fit.prediction ? "; the parameters are those that predict one row ahead best"
+                        : ", and the intervals hold it"));
+  return warnings;
+}
+
+std::string ParameterLines(const std::vector<Estimate>& parameters) {
+  std::size_t width = 6;
+  for (const Estimate& e : parameters) width = std::max(width, e.parameter.size());
+  std::string text = fmt::format("{:<{}} {:>12} {:>26}  {}\n", "", width, "value", "95 % interval", "unit");
+  for (const Estimate& e : parameters) {
+    const EffectUnit unit = EffectUnitFor(e.unit);
+    const auto shown = [&](double si) { return si * unit.factor; };
+    text +=
+        fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6}{}\n", e.parameter, width, shown(e.value),
+                    shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
+                    e.reason == EstimateReason::kUpdated          ? ""
+                    : e.reason == EstimateReason::kOutsidePhysics ? " AT A LIMIT of its range"
+                                                                  : " NOT IDENTIFIABLE with these data");
+  }
+  return text;
+}
+
+std::string StartsText(const StateFit& fit) {
+  if (fit.starts_tried < 2) return "";
+  std::string text = fmt::format("{} starts, {} of them in the best minimum", fit.starts_tried,
+                                 fit.minima.empty() ? 0 : fit.minima.front().starts);
+  if (fit.minima.size() > 1)
+    text += fmt::format(", {} other minima (the next with {:.3g} times the error, {} starts)",
+                        fit.minima.size() - 1, fit.minima[1].cost, fit.minima[1].starts);
+  if (fit.starts_diverged > 0) text += fmt::format(", from {} the model diverges", fit.starts_diverged);
+  return text + "\n";
+}
+
+std::string WarningLines(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += fmt::format("WARNING: {}\n", warning);
+  return text;
+}
+
+std::string RowsText(const EpisodeLog& log) {
+  return fmt::format("{} episodes, {} of {} rows used\n", log.episodes.size(), log.used, log.rows);
+}
+
+std::string HeldOutLine(const StatesFit& fit) {
+  if (!fit.held_out) return "";
+  return fmt::format("free-run error on {}, held out: {:.3g} {}, {} episodes\n", fit.held_out_log,
+                     *fit.held_out, fit.error.unit.name, fit.held_out_episodes);
+}
+
+nlohmann::json OutputsJson(const StateFit& fit) {
+  nlohmann::json out = nlohmann::json::object();
+  for (int j = 0; j < fit.model->output.rows; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    const SignalSpec& signal = fit.model->machine.signals[static_cast<std::size_t>(fit.model->outputs[at])];
+    const auto unit = FindUnit(signal.unit);
+    out[signal.name] = {{"rms_residual", fit.noise[j]},
+                        {"rms_signal", fit.scale[j]},
+                        {"unit", unit ? std::string(unit->si) : "1"}};
+  }
+  return out;
+}
+
+nlohmann::json MinimaJson(const StateFit& fit) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const StateMinimum& minimum : fit.minima) {
+    nlohmann::json values = nlohmann::json::object();
+    for (Eigen::Index p = 0; p < minimum.parameters.size(); ++p)
+      values[fit.model->parameters[static_cast<std::size_t>(p)].name] = minimum.parameters[p];
+    out.push_back({{"error_ratio", minimum.cost}, {"starts", minimum.starts}, {"parameters", values}});
+  }
+  return out;
+}
+
+nlohmann::json LeftJson(const StateRemainder& left) {
+  return {{"share", left.share},
+          {"p_value", left.p_value},
+          {"null_share", left.null_share},
+          {"functions", left.functions},
+          {"about", left.about}};
+}
+
+nlohmann::json InitialJson(const StatesFit& fit) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const Eigen::VectorXd& x0 : fit.fit.initial) {
+    nlohmann::json states = nlohmann::json::object();
+    for (int i = 0; i < fit.fit.model->states(); ++i)
+      states[fit.fit.model->machine.states.states[static_cast<std::size_t>(i)].name] = x0[i];
+    out.push_back(states);
+  }
+  return out;
+}
+
+nlohmann::json HeldOutObject(const StatesFit& fit) {
+  if (!fit.held_out) return nullptr;
+  return {{"log", fit.held_out_log},
+          {"strokes", fit.held_out_episodes},
+          {"rms", *fit.held_out},
+          {"unit", fit.error.unit.name}};
+}
+
+/// Rms of measured less modelled per episode, first output's unit or share of the variation.
+nlohmann::json EpisodesJson(const StatesFit& fit) {
+  nlohmann::json out = nlohmann::json::array();
+  for (std::size_t e = 0; e < fit.log.episodes.size(); ++e) {
+    const Eigen::VectorXd rms = RmsOf({fit.fit.residuals[e]}, fit.fit.model->output.rows);
+    const double overall =
+        rms.size() == 1
+            ? rms[0]
+            : std::sqrt(rms.cwiseQuotient(fit.fit.scale).squaredNorm() / static_cast<double>(rms.size()));
+    out.push_back({{"stroke", e},
+                   {"begin", fit.log.episodes[e].time.front()},
+                   {"rows", fit.log.episodes[e].rows()},
+                   {"rms_residual", overall * fit.error.unit.factor}});
+  }
+  return out;
+}
+
+std::string Named(const Machine& machine, const std::string& id) {
+  for (const UserEffectSpec& effect : machine.user_effects)
+    if (effect.id == id && !effect.description.empty()) return fmt::format("{} ({})", effect.description, id);
+  return id;
+}
+
+std::string VerdictText(const StatesExplained& e) {
+  const StatesExplanation& x = e.explanation;
+  std::string text = fmt::format("Verdict: {}{}\n", VerdictName(x.verdict), x.partial ? ", partial" : "");
+  switch (x.verdict) {
+    case Verdict::kAdequate:
+      return text +
+             "The model describes these episodes: no function of states and inputs predicts what is left.\n";
+    case Verdict::kNamed:
+      for (const std::string& id : x.set) text += "  " + Named(e.log.machine, id) + "\n";
+      return text;
+    case Verdict::kAmbiguous:
+      for (const auto& group : x.groups) {
+        std::vector<std::string> names;
+        for (const std::string& id : group) names.push_back(Named(e.log.machine, id));
+        text += fmt::format("  {}\n", fmt::join(names, " or "));
+      }
+      return text + "  These episodes do not tell them apart.\n";
+    case Verdict::kUnknown:
+      break;
+  }
+  text += "An error is there, and no effect of the machine file explains it.\n";
+  if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
+  return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n",
+                            x.final_left.about.empty() ? x.base_left.about : x.final_left.about);
+}
+
+nlohmann::json EffectParametersJson(const std::vector<Estimate>& estimates, const std::string& id) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const Estimate& estimate : estimates)
+    if (estimate.parameter.starts_with(id + "."))
+      out[estimate.parameter.substr(id.size() + 1)] = {
+          {"value", estimate.value}, {"std", estimate.std}, {"unit", estimate.unit}};
+  return out;
+}
+
+std::vector<Estimate> BaseOnly(const std::vector<Estimate>& estimates) {
+  std::vector<Estimate> out;
+  for (const Estimate& estimate : estimates)
+    if (estimate.parameter.find('.') == std::string::npos) out.push_back(estimate);
+  return out;
+}
+
+/// Error left out as shown, of a candidate on the base's scale.
+double Shown(const StatesExplained& e, double held_out) {
+  return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
+}
+
+}  // namespace
+
+std::string FitText(const StatesFit& fit) {
+  const Machine& machine = fit.log.machine;
+  std::string text = machine.model_version > 1 || !machine.added_effects.empty()
+                         ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
+                                       ModelName(machine))
+                         : "";
+  text += ParameterLines(fit.parameters);
+  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, noise alone would cause {:.3g} {}\n",
+                      fit.error.rms_holdout, fit.error.unit.name, fit.error.noise_floor, fit.error.unit.name);
+  return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
+}
+
+nlohmann::json FitJson(const StatesFit& fit) {
+  return {{"parameters", ParametersJson(fit.parameters)},
+          {"strokes", fit.log.episodes.size()},
+          {"samples", fit.log.used},
+          {"rows", fit.log.rows},
+          {"rms_holdout", fit.error.rms_holdout},
+          {"noise_floor", fit.error.noise_floor},
+          {"unit", fit.error.unit.name},
+          {"model_version", fit.log.machine.model_version},
+          {"effects", fit.log.machine.added_effects},
+          {"outputs", OutputsJson(fit.fit)},
+          {"initial", InitialJson(fit)},
+          {"minima", MinimaJson(fit.fit)},
+          {"starts", fit.fit.starts_tried},
+          {"starts_diverged", fit.fit.starts_diverged},
+          {"predictable", LeftJson(fit.left)},
+          {"method", fit.prediction ? "prediction" : "free_run"},
+          {"held_out", HeldOutObject(fit)},
+          {"warnings", FitWarnings(fit)}};
+}
+
+std::string CompareText(const StatesFit& fit) {
+  std::string text =
+      fit.left.structured
+          ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
+          : "The model describes these episodes; noise alone is left.\n";
+  text += fmt::format(
+      "free run {:.3g} {}, on pieces left out {:.3g}, noise alone {:.3g}; one step ahead, from past errors, "
+      "{:.3g}\n",
+      fit.error.rms, fit.error.unit.name, fit.error.rms_holdout, fit.error.noise_floor, fit.error.one_step);
+  for (int j = 0; j < fit.fit.noise.size(); ++j)
+    text += fmt::format("  {:<12} error {:.1f} % of its variation\n",
+                        fit.log.machine.states.outputs[static_cast<std::size_t>(j)].signal,
+                        100 * fit.fit.noise[j] / fit.fit.scale[j]);
+  text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
+  if (fit.left.structured)
+    text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
+  return text;
+}
+
+nlohmann::json CompareJson(const StatesFit& fit) {
+  nlohmann::json out = FitJson(fit);
+  out["rms_residual"] = fit.error.rms;
+  out["free_run"] = fit.error.rms;
+  out["one_step"] = fit.error.one_step;
+  out["model_error_seen"] = fit.left.structured;
+  out["per_stroke"] = EpisodesJson(fit);
+  return out;
+}
+
+std::string ExplainText(const StatesExplained& e) {
+  const StatesExplanation& x = e.explanation;
+  std::string text = VerdictText(e);
+  text += fmt::format("Free-run error on pieces left out {:.3g} {}, noise alone {:.3g} {}.\n",
+                      e.final.rms_holdout, e.final.unit.name, e.final.noise_floor, e.final.unit.name);
+  text += RowsText(e.log);
+  std::vector<std::string> warnings = e.log.warnings;
+  warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
+  text += WarningLines(warnings) + "\nHow the error falls\n";
+  for (const auto& [added, relative] : x.steps)
+    text += fmt::format("  {:<28} {:.3g} {}\n", added.empty() ? "as it is" : "+ " + added,
+                        e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300),
+                        e.base.unit.name);
+  text += "\nParameters\n" + ParameterLines(e.final_parameters);
+  if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
+  for (const StateCandidate& candidate : x.ranking)
+    text += fmt::format("  {:<28} {:.3g} {}\n", candidate.added.front(), Shown(e, candidate.held_out),
+                        e.base.unit.name);
+  if (x.verdict == Verdict::kNamed) {
+    text += "\nNext\n";
+    for (const std::string& id : x.set)
+      text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, e.target);
+  }
+  return text;
+}
+
+nlohmann::json ExplainJson(const StatesExplained& e) {
+  const StatesExplanation& x = e.explanation;
+  nlohmann::json ranking = nlohmann::json::array(), steps = nlohmann::json::array(),
+                 effects = nlohmann::json::object();
+  for (const StateCandidate& c : x.ranking)
+    ranking.push_back({{"effect", c.added.front()},
+                       {"rms_holdout", Shown(e, c.held_out)},
+                       {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
+                       {"testable", true},
+                       {"parameters", EffectParametersJson(EstimatesOf(c.fit), c.added.front())},
+                       {"gain", c.gain}});
+  for (const auto& [added, relative] : x.steps)
+    steps.push_back(
+        {{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
+         {"rms_holdout", e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)}});
+  for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
+  std::vector<std::string> warnings = e.log.warnings;
+  warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
+  return {{"schema", 2},
+          {"verdict", VerdictName(x.verdict)},
+          {"set", x.set},
+          {"groups", x.groups},
+          {"partial", x.partial},
+          {"nearest", x.nearest},
+          {"warnings", warnings},
+          {"noise_floor", e.final.noise_floor},
+          {"strokes", e.log.episodes.size()},
+          {"unit", e.base.unit.name},
+          {"base",
+           {{"rms_holdout", e.base.rms_holdout},
+            {"noise_floor", e.base.noise_floor},
+            {"parameters", ParametersJson(e.base_parameters)}}},
+          {"ranking", ranking},
+          {"steps", steps},
+          {"predictable", {{"base", LeftJson(x.base_left)}, {"final", LeftJson(x.final_left)}}},
+          {"final",
+           {{"rms_holdout", e.final.rms_holdout},
+            {"noise_floor", e.final.noise_floor},
+            {"parameters", ParametersJson(BaseOnly(e.final_parameters))},
+            {"effects", effects}}},
+          {"odd_strokes", nlohmann::json::array()},
+          {"located", nlohmann::json::array()},
+          {"experiment", nullptr}};
+}
+
+}  // namespace hydroscope
