@@ -307,6 +307,9 @@ void AddStateMachines(CLI::App& benchmark, int& exit_code) {
   command->add_option("--cases", o->cases, "Simulated machines")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_option("--first", o->first, "Number of the first of them")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the machines")->capture_default_str();
   command->add_option("--threads", o->threads, "Cases worked on at once, 0: one per core")
       ->check(CLI::NonNegativeNumber)

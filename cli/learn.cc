@@ -11,6 +11,7 @@
 #include "host/real_clock.h"
 #include "monitor/axis_monitor.h"
 #include "monitor/learning_check.h"
+#include "monitor/rules_for.h"
 #include "storage/journal_pairing.h"
 #include "workbench/history/history_options.h"
 

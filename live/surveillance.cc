@@ -22,8 +22,9 @@ std::string Surveillance::press() const {
 
 void Surveillance::Begin() {
   auto press_monitor = MakePressMonitor();  // pairs journal and database
-  if (press_monitor && !press_monitor->notice().empty())
-    LogWarning("journal_set_aside", {{"why", press_monitor->notice()}});
+  if (press_monitor)
+    for (const PressMonitor::Notice& notice : press_monitor->notices())
+      LogWarning(notice.event, {{"why", notice.text}});
   const std::string journal = AlarmJournal::PathFor(options_.database);
   std::lock_guard lock(mutex_);
   journal_ = FileIdentity::Of(journal);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "core/constants.h"
 #include "monitor/axis_alarms.h"
@@ -45,14 +44,6 @@ std::int64_t FirstChanged(const drift::DriftFinding& finding) {
 }
 
 }  // namespace
-
-Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
-  const std::filesystem::path path(machine_file);
-  const auto rules = path.parent_path() / (path.stem().string() + "_rules.toml");
-  std::error_code ignored;
-  if (!std::filesystem::exists(rules, ignored)) return drift::DefaultRules();
-  return drift::LoadRules(rules.string());
-}
 
 AxisMonitor::AxisMonitor(const Machine& machine, std::shared_ptr<const ModelStructure> model,
                          const drift::RuleBook& rules, const Database& database, std::string path,

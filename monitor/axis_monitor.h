@@ -18,9 +18,6 @@
 
 namespace hydroscope {
 
-/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the built-in rules.
-Result<drift::RuleBook> RulesFor(const std::string& machine_file);
-
 /// Judges the stored strokes of one axis in their order and keeps its alarms: the consumer of the trend
 /// database that replay and live service share. Strokes, alarms, monitor and journal advance together, chunk
 /// by chunk in one transaction, so that a killed process neither loses nor repeats a judgement.

@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "host/real_clock.h"
+#include "monitor/rules_for.h"
 #include "storage/journal_pairing.h"
 
 namespace hydroscope {
@@ -57,7 +58,7 @@ Result<std::unique_ptr<PressMonitor>> PressMonitor::Create(const std::string& ma
   if (!journal) return tl::unexpected(journal.error());
   std::unique_ptr<PressMonitor> press(
       new PressMonitor(name, std::move(*rules), std::move(axes), std::move(*opened), std::move(*journal)));
-  if (*set_aside) press->notice_ = SetAsideText(**set_aside);
+  if (*set_aside) press->notices_.push_back({"journal_set_aside", SetAsideText(**set_aside)});
   if (const Status ready = press->OpenAxes(database); !ready) return tl::unexpected(ready.error());
   return press;
 }
@@ -68,6 +69,9 @@ Status PressMonitor::OpenAxes(const std::string& database) {
     if (!model) return tl::unexpected(model.error());
     const auto id = database_.MachineId(machine.name);
     if (!id) return tl::unexpected(id.error());
+    if (axes_.empty())
+      for (std::string& remark : RuleRemarks(rules_, **model))
+        notices_.push_back({"rules_do_not_fit", std::move(remark)});
     axes_.push_back(
         std::make_unique<AxisMonitor>(machine, *model, rules_, database_, database, *id, journal_));
   }

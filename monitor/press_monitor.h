@@ -40,8 +40,12 @@ class PressMonitor {
   /// Alarms of the press itself.
   const std::vector<AlarmState>& alarms() const { return alarms_; }
   const std::string& name() const { return name_; }
-  /// What those who opened it should know: that a journal of another database was set aside; "" if nothing.
-  const std::string& notice() const { return notice_; }
+  struct Notice {
+    const char* event;  ///< for logs
+    std::string text;
+  };
+  /// What those who opened it should know: that a journal of another database was set aside, that rules and machine differ.
+  const std::vector<Notice>& notices() const { return notices_; }
 
  private:
   PressMonitor(std::string name, drift::RuleBook rules, std::vector<Machine> machines, Database database,
@@ -56,7 +60,8 @@ class PressMonitor {
   Status TellPress(const drift::Rule& rule, const std::vector<CommonCause>& causes, double wall);
   AlarmCondition ConditionOf(const drift::Rule& rule, const CommonCause& cause) const;
 
-  std::string name_, notice_;
+  std::string name_;
+  std::vector<Notice> notices_;
   drift::RuleBook rules_;
   Database database_;
   AlarmJournal journal_;

@@ -47,7 +47,8 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   watch.problem = axis.why_not_learned();
   watch.health = axis.Health();
   watch.health_text = axis.JudgedHealth().text;
-  watch.notice = press.notice();
+  for (const PressMonitor::Notice& notice : press.notices())
+    watch.notice += (watch.notice.empty() ? "" : "; ") + notice.text;
   for (const AlarmState& alarm : axis.alarms())
     if (!AtRest(alarm)) watch.alarms.push_back(alarm);
   if (!for_report) return {};

@@ -49,7 +49,7 @@ struct WatchOutcome {
   std::int64_t commissioning_strokes = 0, commissioning_needed = 0;
   char health = '-';        ///< NAMUR NE 107
   std::string health_text;  ///< what it comes from
-  std::string notice;       ///< what else should be known of the journal; "" if nothing
+  std::string notice;       ///< what else should be known of journal and rules; "" if nothing
   std::vector<AlarmState> alarms;
   std::string verdict_html, section_html;  ///< for the report; "" without one
 };

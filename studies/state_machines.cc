@@ -249,7 +249,7 @@ int RunStateMachines(const StateMachinesOptions& options) {
       options.cases, progress,
       [&](int number) {
         StateMachineOutcome& outcome = outcomes[static_cast<std::size_t>(number)];
-        outcome = RunCase(number, options);
+        outcome = RunCase(options.first + number, options);
         const std::lock_guard lock(mutex);
         fmt::print("{}", outcome.line);
         std::fflush(stdout);

@@ -12,6 +12,7 @@ namespace hydroscope {
 
 struct StateMachinesOptions {
   int cases = 36;
+  int first = 0;  ///< number of the first case
   std::uint64_t seed = 1;
   int rows = 2000;  ///< of ideal logs; measured ones have 1000 to 8000
   int threads = 0;  ///< 0: as many as the computer has cores

@@ -42,6 +42,16 @@ TEST(StateMachines, AMeasuredLogNamesWhatIsHiddenAndItsSensorsEndIsLeftOut) {
   EXPECT_EQ(x.set, std::vector<std::string>{"root_flow"});
 }
 
+/// Healthy, with small laws that no file has and that drag or leak take a part of; an overflow that is not in the file.
+TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
+  StateMachinesOptions options;
+  options.seed = 53;
+  for (const int number : {19, 165}) {
+    const StateMachineOutcome outcome = RunCase(number, options);
+    EXPECT_EQ(outcome.score.wrong, 0) << outcome.line;
+  }
+}
+
 TEST(StateMachines, ALongerLogOfTheSameSeedBeginsWithTheShorter) {
   for (const auto kind :
        {StateMachineKind::kOscillator, StateMachineKind::kTanks, StateMachineKind::kActuator}) {

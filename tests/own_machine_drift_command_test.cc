@@ -53,17 +53,30 @@ class OwnMachineDrift : public CommandLine {
     WriteText(File("seal.csv"), text);
     return File("seal.csv");
   }
+  /// What `replay` says under these rules.
+  std::string Replayed(double more, const std::string& watched) {
+    WriteText(File("seal.toml"), kSeal);
+    WriteText(File("seal_rules.toml"), "[monitor]\ncommissioning = 120\n[watch]\n" + watched);
+    const Ran replayed = Run({"replay", Log(more), "-m", File("seal.toml"), "--db", File("seal.db")});
+    EXPECT_EQ(replayed.exit_code, 0);
+    return replayed.out;
+  }
   /// What stands after the log, by rules that name none of the machine's quantities.
   std::string Standing(double more) {
-    WriteText(File("seal.toml"), kSeal);
-    WriteText(File("seal_rules.toml"), "[monitor]\ncommissioning = 120\n[watch]\nK = { change = 0.05 }\n");
-    EXPECT_EQ(Run({"replay", Log(more), "-m", File("seal.toml"), "--db", File("seal.db")}).exit_code, 0);
+    Replayed(more, "K = { change = 0.05 }\n");
     return Run({"alarms", "--db", File("seal.db"), "list"}).out;
   }
 };
 
 TEST_F(OwnMachineDrift, IsSeenThoughTheRulesKnowNothingOfTheMachine) {
   EXPECT_THAT(Standing(0.25), HasSubstr("unnamed_change_b"));
+}
+
+TEST_F(OwnMachineDrift, ARulesFileThatDoesNotFitIsToldAbout) {
+  const std::string said = Replayed(0, "A = { change = 0.05 }\nbb = { change = 0.05 }\n");
+  EXPECT_THAT(
+      said, HasSubstr("watches bb, which this machine has not: did you mean \"b\"? parameters are A, b, c"));
+  EXPECT_THAT(said, HasSubstr("leaves b, c unwatched"));
 }
 
 TEST_F(OwnMachineDrift, IsNotSeenInWhatFollowsTheOil) {

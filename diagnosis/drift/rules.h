@@ -48,6 +48,7 @@ struct Rule {
 };
 
 struct RuleBook {
+  std::string file;                      ///< that it was read from; "" = built in
   int commissioning = 1500;              ///< strokes the reference is learned from
   bool automatic = true;                 ///< freeze the reference by itself after `commissioning` strokes
   double minimum_temperature = 298.15;   ///< K, oil colder is not judged

@@ -138,7 +138,9 @@ Result<RuleBook> LoadRules(const std::string& path) {
   if (!file) return BadInput("cannot read the rules file {}", path);
   std::stringstream text;
   text << file.rdbuf();
-  return ParseRules(text.str(), path);
+  Result<RuleBook> book = ParseRules(text.str(), path);
+  if (book) book->file = path;
+  return book;
 }
 
 const RuleBook& DefaultRules() {

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
-#include "diagnosis/added_effect.h"
+#include "diagnosis/states/added_effect.h"
 
 namespace hydroscope {
 namespace {
@@ -22,6 +23,12 @@ std::pair<double, double> PairedGain(const std::vector<double>& before, const st
   }
   const double error = std::sqrt(squares * n / std::max(n - 1, 1.0));
   return {sum, error > 0 ? sum / error : 0.0};
+}
+
+double Sum(const std::vector<double>& energies) {
+  double sum = 0;
+  for (const double energy : energies) sum += energy;
+  return sum;
 }
 
 /// Readings over which the errors of a fit are correlated: 1 + 2 sum of their autocorrelation until it first vanishes.
@@ -274,11 +281,54 @@ class StatesExplainer {
       }
   }
 
-  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
-    const double noise = EvidenceOf(best), removed = out_.base.held_out - best.held_out;
-    const auto [worse, t] = PairedGain(Energies(other.fit), Energies(best.fit));
+  /// Whether energies are hardly worse than the best, which removed `removed`; `noise` is one piece of evidence.
+  bool HardlyWorse(const std::vector<double>& other, const std::vector<double>& best, double removed,
+                   double noise) const {
+    const auto [worse, t] = PairedGain(other, best);
     const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
     return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
+  }
+
+  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
+    return HardlyWorse(Energies(other.fit), Energies(best.fit), out_.base.held_out - best.held_out,
+                       EvidenceOf(best));
+  }
+
+  /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
+  /// place: that function.
+  std::optional<LikeFunction> FunctionFor(const std::string& id) {
+    std::vector<std::string> rest = out_.final.added;
+    rest.erase(std::find(rest.begin(), rest.end(), id));
+    const StateCandidate without = rest.empty() ? out_.base : Fit(rest, {StartFrom(out_.final.fit, rest)});
+    if (!without.fit.solved()) return {};
+    const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
+    const double noise = EvidenceOf(out_.final);
+    const Specificity::Function* best = nullptr;
+    for (const Specificity::Function& function : specificity.functions())
+      if (best == nullptr || Sum(function.energies) < Sum(best->energies)) best = &function;
+    if (best == nullptr || !HardlyWorse(best->energies, specificity.with_effect(),
+                                        without.held_out - Sum(specificity.with_effect()), noise))
+      return {};
+    return best->named;
+  }
+
+  /// Takes from the set found what is too weak to be told from laws that nobody has named.
+  void LeaveOutUnspecific() {
+    std::vector<std::string> named;
+    for (const std::string& id : out_.final.added) {
+      const std::optional<LikeFunction> like = FunctionFor(id);
+      if (!like) {
+        named.push_back(id);
+        continue;
+      }
+      out_.nearest.push_back(id);
+      out_.warnings.push_back(fmt::format(
+          "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} "
+          "that is no effect of the machine file explains as much. To tell them apart, excite the machine more strongly "
+          "or record for longer",
+          id, like->about, like->equation));
+    }
+    out_.set = std::move(named);
   }
 
   /// Rivals of the set found: of the same size, and hardly worse.
@@ -293,28 +343,46 @@ class StatesExplainer {
     return rivals;
   }
 
+  /// Whether nothing that functions can predict is left, or next to nothing of what they could before. `unexplained` is told.
+  bool Complete() {
+    const double predictable = out_.base.held_out * out_.base_left.share,
+                 left = out_.final.held_out * out_.final_left.share;
+    out_.unexplained = out_.final_left.structured
+                           ? left / std::max({predictable, out_.base.held_out - out_.final.held_out, 1e-300})
+                           : 0;
+    const auto effects = static_cast<double>(out_.final.added.size());
+    return out_.unexplained <= options_.left_share / (effects * effects);
+  }
+
   void Conclude() {
     const auto readings = [](const StateCandidate& c) { return std::max(1, c.fit.readings()); };
     out_.steps.emplace_back("", std::sqrt(out_.base.held_out / readings(out_.base)));
     for (std::size_t k = 1; k < levels_.size(); ++k)
       out_.steps.emplace_back(levels_[k].front().added.back(),
                               std::sqrt(levels_[k].front().held_out / readings(levels_[k].front())));
-    const bool found = !out_.final.added.empty();
-    const double predictable = out_.base.held_out * out_.base_left.share,
-                 left = out_.final.held_out * out_.final_left.share;
-    const double removed = out_.base.held_out - out_.final.held_out;
-    if (found && out_.final_left.structured)
-      out_.unexplained = left / std::max({predictable, removed, 1e-300});
-    const bool complete = !out_.final_left.structured || (found && out_.unexplained <= options_.left_share);
-    if (!found) {
+    if (out_.final.added.empty()) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
-    if (!complete) {
-      out_.verdict = Verdict::kUnknown;
-      out_.partial = true;
-      out_.nearest = out_.final.added;
-      return;
+    if (!Complete()) {
+      const std::vector<std::string> nearest = out_.final.added;
+      // Several effects imitate more than one does: what is not explained by all of them may be by the first.
+      StateCandidate all = out_.final;
+      StateRemainder left_by_all = out_.final_left;
+      while (levels_.size() > 2 && !Complete()) {
+        levels_.pop_back();
+        out_.final = levels_.back().front();
+        out_.final_left = Left(out_.final.fit);
+      }
+      if (!Complete()) {
+        out_.final = std::move(all);
+        out_.final_left = std::move(left_by_all);
+        Complete();
+        out_.verdict = Verdict::kUnknown;
+        out_.partial = true;
+        out_.nearest = nearest;
+        return;
+      }
     }
     out_.partial = out_.final_left.structured;
     if (out_.partial)
@@ -323,20 +391,24 @@ class StatesExplainer {
           "{:.2g} % of what they could predict before; a small law more is missing, or one of "
           "these differs a little",
           100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
-    out_.set = out_.final.added;
+    LeaveOutUnspecific();
+    if (out_.set.empty()) {
+      out_.verdict = Verdict::kUnknown;
+      out_.partial = true;
+      return;
+    }
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;
     for (const StateCandidate& rival : Rivals()) {
-      out_.verdict = Verdict::kAmbiguous;
       for (const std::string& id : rival.added) {
         if (std::find(out_.set.begin(), out_.set.end(), id) != out_.set.end()) continue;
+        const auto group = std::find_if(out_.groups.begin(), out_.groups.end(), [&](const auto& g) {
+          return std::find(rival.added.begin(), rival.added.end(), g.front()) == rival.added.end();
+        });
+        if (group == out_.groups.end()) continue;
         out_.set.push_back(id);
-        for (std::size_t g = 0; g < out_.groups.size(); ++g)
-          if (std::find(rival.added.begin(), rival.added.end(), out_.groups[g].front()) ==
-              rival.added.end()) {
-            out_.groups[g].push_back(id);
-            break;
-          }
+        group->push_back(id);
+        out_.verdict = Verdict::kAmbiguous;
       }
     }
   }

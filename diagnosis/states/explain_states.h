@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/effect_starts.h"
 #include "diagnosis/explain.h"
+#include "diagnosis/states/effect_starts.h"
 #include "diagnosis/states/remainder.h"
+#include "diagnosis/states/specificity.h"
 
 namespace hydroscope {
 
@@ -25,14 +26,16 @@ struct ExplainStatesOptions {
   double sure_t = 4;  ///< ... and its t there
   double min_removed =
       0.2;  ///< of the energy that functions can predict: what a further effect must take away
-  double left_share = 0.02;  ///< of that energy: what a complete explanation may leave
-  double same_law = 0.1;     ///< terms of two effects that differ by no more than this share are one law
-  double rival_gain = 12;    ///< sets within this of the best, in noise variances, stay rivals ...
-  double rival_t = 2.5;      ///< ... and those that are not worse by so many standard errors
+  double left_share =
+      0.02;               ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
+  double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
+  double rival_gain = 12;  ///< sets within this of the best, in noise variances, stay rivals ...
+  double rival_t = 2.5;    ///< ... and those that are not worse by so many standard errors
   double rival_share =
       0.02;  ///< ... if they leave no more than this share of what the best removed beyond it
   StateFitOptions fit;
   StateRemainderOptions remainder;
+  SpecificityOptions specificity;
 };
 
 /// A model with some effects added to it, fitted.
@@ -49,7 +52,8 @@ struct StatesExplanation {
   std::vector<std::string> set;                  ///< best first
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it
   bool partial = false;  ///< unknown: `nearest` explains part of it; named: a little is left
-  std::vector<std::string> nearest;
+  std::vector<std::string>
+      nearest;             ///< effects that explain a part, but may stand for a law nobody has named
   double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
   std::vector<std::string> warnings;
   StateCandidate base, final;

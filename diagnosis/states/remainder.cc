@@ -1,104 +1,14 @@
 #include "diagnosis/states/remainder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 
-#include "core/limits.h"
+#include "diagnosis/states/function_bank.h"
 #include "diagnosis/states/tangent.h"
 
 namespace hydroscope {
 namespace {
-
-/// Functions of the states and inputs of a model, each variable over its spread in the run.
-class FunctionBank {
- public:
-  FunctionBank(const StateFit& fit, std::span<const Episode> episodes, const StateRemainderOptions& options) {
-    const StateModel& model = *fit.model;
-    states_ = model.states();
-    const auto inputs = model.inputs.size();
-    for (int v = 0; v < states_ + static_cast<int>(inputs); ++v) {
-      std::vector<double> values;
-      for (std::size_t e = 0; e < episodes.size(); ++e)
-        for (int row = 0; row < episodes[e].rows(); ++row)
-          values.push_back(
-              v < states_ ? fit.runs[e].states(row, v)
-                          : episodes[e].signal(row, model.inputs[static_cast<std::size_t>(v - states_)]));
-      AddVariable(std::move(values));
-    }
-    std::mt19937 random(options.seed);
-    std::normal_distribution<double> normal;
-    std::uniform_real_distribution<double> phase(0, 2 * std::numbers::pi);
-    for (int k = 0; k < options.fourier; ++k) {
-      for (std::size_t v = 0; v < middle_.size(); ++v) frequency_.push_back(normal(random));
-      phase_.push_back(phase(random));
-    }
-    const int variables = static_cast<int>(middle_.size());
-    pairs_ = variables <= kMostPaired;
-    count_ =
-        1 + variables * kOfOne + (pairs_ ? variables * (variables - 1) : 0) + static_cast<int>(phase_.size());
-  }
-  int count() const { return count_; }
-
-  void Values(const double* state, const double* input, double* out) const {
-    std::array<double, 2 * kMaxStates + 64> v{};
-    const std::size_t n = std::min(middle_.size(), v.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      const double x = static_cast<int>(i) < states_ ? state[i] : input[static_cast<int>(i) - states_];
-      v[i] = std::clamp((x - middle_[i]) / spread_[i], -kFar, kFar);
-    }
-    *out++ = 1;
-    for (std::size_t i = 0; i < n; ++i) {
-      *out++ = v[i];
-      *out++ = v[i] * v[i];
-      *out++ = v[i] * v[i] * v[i];
-      *out++ = std::tanh(kSteep * (v[i] - zero_[i]));
-      for (const double knot : knots_[i]) *out++ = std::max(v[i] - knot, 0.0);
-    }
-    for (std::size_t i = 0; pairs_ && i < n; ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        *out++ = v[i] * v[j];
-        *out++ = v[i] * std::abs(v[j]);
-      }
-    const double* frequency = frequency_.data();
-    for (const double phase : phase_) {
-      double angle = phase;
-      for (std::size_t i = 0; i < n; ++i) angle += *frequency++ * v[i];
-      *out++ = std::cos(angle);
-    }
-  }
-
- private:
-  static constexpr int kKnots = 6, kOfOne = 4 + kKnots;
-  static constexpr double kFar = 10;    ///< a run that leaves what was seen counts no further
-  static constexpr double kSteep = 10;  ///< of the smooth sign
-
-  void AddVariable(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-    };
-    const double middle = at(0.5);
-    const double spread =
-        std::max({at(0.95) - at(0.05), 1e-3 * (values.back() - values.front()), 1e-300}) / 2;
-    middle_.push_back(middle);
-    spread_.push_back(spread);
-    zero_.push_back(values.front() < 0 && values.back() > 0 ? -middle / spread : 0);
-    std::vector<double> knots;
-    for (int k = 0; k < kKnots; ++k) knots.push_back((at((k + 0.5) / kKnots) - middle) / spread);
-    knots.back() = (at(0.97) - middle) / spread;
-    knots_.push_back(std::move(knots));
-  }
-
-  static constexpr int kMostPaired = 5;  ///< variables; of more, products would be too many to tell apart
-
-  int states_ = 0, count_ = 0;
-  bool pairs_ = true;
-  std::vector<double> middle_, spread_, zero_, frequency_, phase_;
-  std::vector<std::vector<double>> knots_;
-};
 
 /// Columns: parameters, then functions per equation (kinematic ones left out), then the error. Per piece of the log the sums
 /// of their products.
@@ -108,33 +18,15 @@ struct RemainderColumns {
   std::vector<int> equation;  ///< per function: state, or states + output
 };
 
-/// Every function in every equation but those that only say that a state is the rate of another.
-AddedTerms TermsOf(const StateModel& model, const FunctionBank& bank, std::vector<int>& equation) {
-  AddedTerms added;
-  added.values = bank.count();
-  added.evaluate = [&bank](const double* x, const double* u, double* v) { bank.Values(x, u, v); };
-  for (int e = 0; e < model.states() + model.output.rows; ++e) {
-    const bool of_state = e < model.states();
-    if (of_state && model.rate_of[static_cast<std::size_t>(e)] >= 0) continue;
-    for (int k = 0; k < bank.count(); ++k) {
-      (of_state ? added.to_states : added.to_outputs)
-          .push_back({k, of_state ? e : e - model.states(), added.columns++});
-      equation.push_back(e);
-    }
-    if (of_state) added.moving = added.columns;
-  }
-  return added;
-}
-
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
   const StateModel& model = *fit.model;
   const int outputs = model.output.rows;
   RemainderColumns out;
   out.parameters = model.parameter_count();
-  const AddedTerms added = TermsOf(model, bank, out.equation);
+  const AddedTerms added = bank.Terms(out.equation);
   out.functions = added.columns;
   for (std::size_t e = 0; e < episodes.size(); ++e) {
-    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added);
+    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]});
     for (const StatePiece& piece : fit.pieces) {
       if (piece.episode != static_cast<int>(e)) continue;
       const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
@@ -259,9 +151,7 @@ std::string MostIn(const StateFit& fit, const RemainderColumns& columns) {
         ShareOf(FormsOf(some), Eigen::VectorXd::Ones(static_cast<Eigen::Index>(some.pieces.size())));
     if (share <= most) continue;
     most = share;
-    about = e < model.states()
-                ? model.machine.states.states[static_cast<std::size_t>(e)].name
-                : model.machine.states.outputs[static_cast<std::size_t>(e - model.states())].signal;
+    about = EquationName(model, e);
   }
   return about;
 }
@@ -270,7 +160,7 @@ std::string MostIn(const StateFit& fit, const RemainderColumns& columns) {
 
 StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episodes,
                            const StateRemainderOptions& options) {
-  const FunctionBank bank(fit, episodes, options);
+  const FunctionBank bank(fit, episodes, options.fourier, options.seed);
   const RemainderColumns columns = ColumnsOf(fit, episodes, bank);
   StateRemainder out;
   out.functions = columns.functions;

@@ -3,7 +3,7 @@
 namespace hydroscope {
 
 RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_t index,
-                         const AddedTerms& added) {
+                         const AddedTerms& added, const std::vector<const RowMatrix*>& errors) {
   const StateModel& model = *fit.model;
   const int states = model.states(), outputs = model.output.rows, parameters = model.parameter_count();
   StateSimulator simulator(fit.model);
@@ -18,13 +18,15 @@ RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_
   StateRun run;
   simulator.Run(episode, 0, episode.rows() - 1, fit.initial[index], &start, run, &added);
   const Eigen::Index rows = run.slopes.rows();
-  RowMatrix columns(rows, parameters + added.columns + 1);
+  const auto last = static_cast<Eigen::Index>(errors.size());
+  RowMatrix columns(rows, parameters + added.columns + last);
   columns.leftCols(parameters) = run.slopes.leftCols(parameters);
   columns.middleCols(parameters, added.columns) = run.slopes.rightCols(added.columns);
   RowMatrix local = run.slopes.middleCols(parameters, start.cols() - parameters);
   for (Eigen::Index r = 0; r < rows; ++r) {
     const Eigen::Index j = r % outputs;
-    columns(r, columns.cols() - 1) = fit.residuals[index](r / outputs, j);
+    for (Eigen::Index k = 0; k < last; ++k)
+      columns(r, columns.cols() - last + k) = (*errors[static_cast<std::size_t>(k)])(r / outputs, j);
     const bool good = columns.row(r).allFinite();
     if (!good) columns.row(r).setZero();
     columns.row(r) *= good ? 1 / fit.noise[j] : 0.0;

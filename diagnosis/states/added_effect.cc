@@ -1,4 +1,4 @@
-#include "diagnosis/added_effect.h"
+#include "diagnosis/states/added_effect.h"
 
 #include <algorithm>
 

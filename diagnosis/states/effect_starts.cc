@@ -1,10 +1,10 @@
-#include "diagnosis/effect_starts.h"
+#include "diagnosis/states/effect_starts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "diagnosis/added_effect.h"
+#include "diagnosis/states/added_effect.h"
 #include "diagnosis/states/tangent.h"
 
 namespace hydroscope {
@@ -142,7 +142,7 @@ class StartSearch {
     const int all = parameters + columns + 1;
     Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(all, all);
     for (std::size_t e = 0; e < episodes_.size(); ++e) {
-      const RowMatrix tangent = TangentColumns(near_, episodes_[e], e, added);
+      const RowMatrix tangent = TangentColumns(near_, episodes_[e], e, added, {&near_.residuals[e]});
       sums += tangent.transpose() * tangent;
     }
     std::vector<Score> scores(draws_.size());

@@ -1,0 +1,47 @@
+#include "monitor/rules_for.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "diagnosis/drift/valve_check_monitor.h"
+#include "models/effect.h"
+#include "models/machine_file/table.h"
+
+namespace hydroscope {
+
+Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
+  const std::filesystem::path path(machine_file);
+  const auto rules = path.parent_path() / (path.stem().string() + "_rules.toml");
+  std::error_code ignored;
+  if (!std::filesystem::exists(rules, ignored)) return drift::DefaultRules();
+  return drift::LoadRules(rules.string());
+}
+
+std::vector<std::string> RuleRemarks(const drift::RuleBook& rules, const ModelStructure& model) {
+  if (rules.file.empty()) return {};
+  std::vector<std::string> remarks, parameters, known;
+  for (const DerivedParameter& p : model.derive(Eigen::VectorXd::Ones(model.base_count)))
+    parameters.push_back(p.name);
+  known = parameters;
+  for (const auto& effect : model.effects) known.push_back(effect->id);
+  known.insert(known.end(), drift::ValveCheckMonitor::kFigureNames.begin(),
+               drift::ValveCheckMonitor::kFigureNames.end());
+  for (const drift::WatchSpec& watch : rules.watches)
+    if (std::find(known.begin(), known.end(), watch.quantity) == known.end())
+      remarks.push_back(fmt::format("{} watches {}, which this machine has not: {}parameters are {}",
+                                    rules.file, watch.quantity, DidYouMean(watch.quantity, known),
+                                    Listed(parameters)));
+  std::vector<std::string> unwatched;
+  for (const std::string& name : parameters)
+    if (rules.Find(name) == nullptr) unwatched.push_back(name);
+  // Of which it watches none, all are watched.
+  if (!unwatched.empty() && unwatched.size() < parameters.size())
+    remarks.push_back(fmt::format(
+        "{} leaves {} unwatched: a drift of it is not seen. To watch it: [watch] {} = {{ change = 0.05 }}",
+        rules.file, Listed(unwatched), unwatched.front()));
+  return remarks;
+}
+
+}  // namespace hydroscope
