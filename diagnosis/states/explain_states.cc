@@ -7,6 +7,7 @@
 #include <set>
 
 #include "diagnosis/added_effect.h"
+#include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
@@ -144,7 +145,7 @@ class StatesExplainer {
 
   void Search() {
     std::vector<std::string> ids;
-    for (const UserEffectSpec& effect : machine_.user_effects)
+    for (const Effect& effect : StateEffectsOf(machine_))
       if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
           machine_.added_effects.end())
         ids.push_back(effect.id);
