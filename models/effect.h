@@ -37,7 +37,8 @@ struct EffectVariant {
 /// The common case: one column with weight 1.
 EffectVariant PlainVariant(Column::Fill column);
 
-/// A physical effect that the base model may be missing. One law, one file in machines/die_cushion/effects/.
+/// A physical effect that the base model may be missing. One law, one file in machines/<kind>/effects/. Of a balance it is
+/// columns (`variant`), of a model with states texts that are added to its equations (`adds`).
 struct Effect {
   std::string id;           ///< fixed, see docs/effects.md
   std::string title;        ///< "Internal leakage past the piston seal"
@@ -91,6 +92,10 @@ struct Effect {
   std::string drifting, drifts_by;
   std::vector<int> channels;  ///< DieCushionChannel needed beyond the base model's
   bool walks = false;         ///< Column::walks of its columns
+  /// Of a model with states: a state or an output (TermSpec::parameter) and what is added to its equation, over what the
+  /// model's equations may name and `parameters`, which are sought within their ranges. SI.
+  std::vector<TermSpec> adds;
+  std::vector<ParameterSpec> parameters;
   /// The effect at values of `nonlinear`, in their order.
   std::function<EffectVariant(const std::vector<double>& nonlinear)> variant;
   /// Values whose columns every stroke's Gram carries; one empty vector if nothing is nonlinear.

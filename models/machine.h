@@ -148,7 +148,7 @@ struct ExperimentSpec {
 struct TermSpec {
   std::string parameter;
   std::string expression;
-  std::string unit;  ///< optional
+  std::string unit = {};  ///< optional
 
   bool operator==(const TermSpec&) const = default;
 };
@@ -205,7 +205,7 @@ struct Machine {
   ValveSpec valve;
   ExperimentSpec experiment;
   BalanceSpec balance;
-  StatesSpec states;
+  StatesSpec states;  ///< of the file, or those of its kind with the file's [parameters]
   std::vector<UserEffectSpec> user_effects;
   std::vector<std::string> added_effects;  ///< effects that are part of the model, in order of adding
   /// Nonlinear parameters (thresholds, widths, ...) of added effects, by effect and name, SI; those not given

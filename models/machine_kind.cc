@@ -29,10 +29,18 @@ const MachineKind& OwnKind() {
   return *MachineKinds().front();
 }
 
-const MachineKind& StatesKind() {
+const MachineKind& OwnStatesKind() {
   for (const MachineKind* kind : MachineKinds())
-    if (kind->has_states) return *kind;
+    if (kind->has_states && kind->states == nullptr) return *kind;
   return *MachineKinds().front();
+}
+
+StatesSpec BuiltInStates(const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  if (kind.states == nullptr) return {};
+  StatesSpec spec = kind.states(machine);
+  std::erase_if(spec.outputs, [&](const OutputSpec& o) { return machine.SignalIndex(o.signal) < 0; });
+  return spec;
 }
 
 std::vector<std::string> KindNames() {

@@ -57,8 +57,11 @@ struct MachineKind {
   std::span<const MachineParameter> parameters;
   std::string_view output_unit;  ///< SI; "": [balance] of the machine file says
   bool own_library = false;      ///< balance and effects are those of the machine file
-  bool has_states =
-      false;  ///< described by states (models/state_model.h), fitted by simulation; `build` is nullptr
+  /// Described by states (models/state_model.h), fitted by simulation; `build` is nullptr.
+  bool has_states = false;
+  /// The equations of a built-in machine with states, of one whose required signals and geometry are there. Outputs whose
+  /// signal it does not measure are left out. nullptr: the machine file says. `effects` are texts then (Effect::adds).
+  StatesSpec (*states)(const Machine&) = nullptr;
   MachineWords (*words)(const Machine&) = nullptr;
   /// Signal of the temperature, K, that parameters are compensated for; "" = none.
   std::string_view temperature = "";
@@ -84,8 +87,10 @@ const MachineKind& KindOf(const Machine& machine);
 
 /// The kind of machines with a balance of their own (MachineKind::own_library).
 const MachineKind& OwnKind();
-/// The kind of machines that are described by states (MachineKind::has_states).
-const MachineKind& StatesKind();
+/// The kind of machines whose file describes their states.
+const MachineKind& OwnStatesKind();
+/// What a built-in kind says of the states of a machine; nothing if it says nothing.
+StatesSpec BuiltInStates(const Machine& machine);
 std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);

@@ -11,6 +11,7 @@
 #include "core/limits.h"
 #include "core/units.h"
 #include "models/machine_file/table.h"
+#include "models/state_effects.h"
 #include "models/state_names.h"
 
 namespace hydroscope {
@@ -24,12 +25,6 @@ using InputNumbers = std::map<std::string, int>;
 Expression Parsed(const std::string& text, const Machine& machine) {
   const auto tree = ParseExpression(text);
   return tree ? WithValues(*tree, ExpressionNamesOf(machine).constants) : NumberNode(0);
-}
-
-const UserEffectSpec* EffectNamed(const Machine& machine, const std::string& id) {
-  for (const UserEffectSpec& effect : machine.user_effects)
-    if (effect.id == id) return &effect;
-  return nullptr;
 }
 
 /// Puts the rows of equations together and differentiates them.
@@ -68,7 +63,8 @@ class EquationBuilder {
 /// One model on the way to be built.
 class Builder {
  public:
-  Builder(const Machine& machine, const std::vector<std::string>& effects) : spec_(machine.states) {
+  Builder(const Machine& machine, const std::vector<std::string>& effects)
+      : spec_(machine.states), library_(StateEffectsOf(machine)) {
     model_.machine = machine;
     model_.effects = effects;
   }
@@ -92,11 +88,11 @@ class Builder {
   Status TakeParameters() {
     for (const ParameterSpec& p : spec_.parameters) model_.parameters.push_back({p.name, "", p});
     for (const std::string& id : model_.effects) {
-      const UserEffectSpec* effect = EffectNamed(machine(), id);
+      const Effect* effect = FindStateEffect(library_, id);
       if (effect == nullptr) {
         std::vector<std::string> known;
-        for (const UserEffectSpec& other : machine().user_effects) known.push_back(other.id);
-        return BadInput("machine '{}': unknown effect '{}'; {}effects of the file: {}", machine().name, id,
+        for (const Effect& other : library_) known.push_back(other.id);
+        return BadInput("machine '{}': unknown effect '{}'; {}its effects: {}", machine().name, id,
                         DidYouMean(id, known), fmt::join(known, ", "));
       }
       for (const ParameterSpec& p : effect->parameters)
@@ -116,7 +112,7 @@ class Builder {
     };
     for (const StateSpec& s : spec_.states) read(s.ddt);
     for (const OutputSpec& o : spec_.outputs) read(o.expression);
-    for (const UserEffectSpec& effect : machine().user_effects)
+    for (const Effect& effect : library_)
       for (const TermSpec& term : effect.adds) read(term.expression);
     for (std::size_t s = 0; s < machine().signals.size(); ++s)
       if (names.contains(machine().signals[s].name)) model_.inputs.push_back(static_cast<int>(s));
@@ -129,7 +125,7 @@ class Builder {
     for (const StateSpec& s : spec_.states) take(s.ddt, "");
     for (const OutputSpec& o : spec_.outputs) take(o.expression, "");
     for (const std::string& id : model_.effects)
-      for (const TermSpec& term : EffectNamed(machine(), id)->adds) take(term.expression, id);
+      for (const TermSpec& term : FindStateEffect(library_, id)->adds) take(term.expression, id);
   }
 
   /// What a call of delay(...) in an equation of the model or an effect asks for.
@@ -213,7 +209,7 @@ class Builder {
       output.Add(j, Equation(spec_.outputs[static_cast<std::size_t>(j)].expression, ""), base);
     for (const std::string& id : model_.effects) {
       const InputNumbers numbers = NumbersFor(id, numbers_, first_fixed_);
-      for (const TermSpec& term : EffectNamed(machine(), id)->adds) {
+      for (const TermSpec& term : FindStateEffect(library_, id)->adds) {
         const Expression added = Equation(term.expression, id);
         const int state = StateIndex(machine(), term.parameter);
         if (state >= 0)
@@ -275,6 +271,7 @@ class Builder {
   }
 
   const StatesSpec spec_;
+  const std::vector<Effect> library_;
   StateModel model_;
   InputNumbers numbers_;
   int first_fixed_ = 0;

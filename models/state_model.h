@@ -10,7 +10,7 @@
 
 namespace hydroscope {
 
-/// A parameter of a model with states: of the machine file's [parameters], or of an effect.
+/// A parameter of a model with states: of the model itself, or of an effect.
 struct StateParameter {
   std::string name;    ///< "k1", or "overflow.k3" of an effect
   std::string effect;  ///< id, "" = of the model itself
@@ -67,8 +67,8 @@ struct StateModel {
   int parameter_count() const { return static_cast<int>(parameters.size()); }
 };
 
-/// The model with the effects of these ids, which the machine file must have. Its texts were checked when the file was
-/// read. Errors: an unknown id (suggests the nearest), more than kMaxParameters
+/// The model with the effects of these ids (StateEffectsOf). Its texts were checked when the file was read, those of built-in
+/// machines by their conformance test. Errors: an unknown id (suggests the nearest), more than kMaxParameters
 /// parameters, a parameter that no equation reads.
 Result<std::shared_ptr<const StateModel>> BuildStateModel(const Machine& machine,
                                                           const std::vector<std::string>& effects);

@@ -19,7 +19,7 @@ void AddDelayTimes(const std::vector<ParameterSpec>& parameters, ExpressionNames
 
 }  // namespace
 
-ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effect) {
+ExpressionNames StateNamesOf(const Machine& machine, const std::vector<ParameterSpec>& of_effect) {
   ExpressionNames names = ExpressionNamesOf(machine);
   for (const OutputSpec& output : machine.states.outputs) names.units.erase(output.signal);
   for (const SignalSpec& signal : machine.signals)
@@ -27,9 +27,8 @@ ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effec
   for (const StateSpec& state : machine.states.states) AddName(state.name, state.unit, names);
   AddParameters(machine.states.parameters, names);
   AddDelayTimes(machine.states.parameters, names);
-  if (effect == nullptr) return names;
-  AddParameters(effect->parameters, names);
-  AddDelayTimes(effect->parameters, names);
+  AddParameters(of_effect, names);
+  AddDelayTimes(of_effect, names);
   return names;
 }
 

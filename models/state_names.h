@@ -5,8 +5,8 @@
 namespace hydroscope {
 
 /// What equations of states and outputs may name: states, parameters, [geometry], pi, and the signals that are no
-/// outputs (inputs). `effect`: with the parameters of one.
-ExpressionNames StateNamesOf(const Machine& machine, const UserEffectSpec* effect = nullptr);
+/// outputs (inputs). `of_effect`: parameters of an effect, beside them.
+ExpressionNames StateNamesOf(const Machine& machine, const std::vector<ParameterSpec>& of_effect = {});
 /// What limits may name: parameters and [geometry].
 ExpressionNames LimitNamesOf(const Machine& machine);
 /// What initial values may name: all signals, parameters and [geometry].

@@ -7,14 +7,15 @@
 
 namespace hydroscope {
 
-/// A state of a machine of the user's own: d state / dt = ddt, within its limits.
+/// A state of a machine: d state / dt = ddt, within its limits.
 struct StateSpec {
   std::string name;
   std::string ddt;  ///< expression over states, inputs, parameters and [geometry], SI
-  std::string
-      initial;  ///< "estimate", or an expression over signals (at the first row), parameters and [geometry], SI
-  std::string min, max;  ///< where it stops: expressions over parameters and [geometry], SI; "" = nowhere
-  std::string unit;      ///< SI, "" = not known
+  /// "estimate", or an expression over signals (at the first row), parameters and [geometry], SI.
+  std::string initial = "estimate";
+  /// Where it stops: expressions over parameters and [geometry], SI; "" = nowhere.
+  std::string min = {}, max = {};
+  std::string unit = {};  ///< SI, "" = not known
 
   bool operator==(const StateSpec&) const = default;
 };
@@ -32,12 +33,12 @@ struct ParameterSpec {
   double start = 0;  ///< SI
   double min = -std::numeric_limits<double>::infinity(),
          max = std::numeric_limits<double>::infinity();  ///< SI
-  std::string unit;                                      ///< SI, "" = not known
+  std::string unit = {};                                 ///< SI, "" = not known
 
   bool operator==(const ParameterSpec&) const = default;
 };
 
-/// A machine of the user's own that is described by states: dx/dt = f(x, u, p), y = g(x, u, p).
+/// A machine that is described by states: dx/dt = f(x, u, p), y = g(x, u, p). Of its file, or of its kind.
 struct StatesSpec {
   std::vector<StateSpec> states;
   std::vector<OutputSpec> outputs;

@@ -100,6 +100,7 @@ nlohmann::json UnitsJson(const Machine& machine) {
   for (const auto* inputs : {&kind.signals, &kind.geometry})
     for (const MachineInput& input : *inputs) plain.emplace(input.si);
   for (const MachineParameter& parameter : kind.parameters) plain.emplace(parameter.si);
+  for (const ParameterSpec& parameter : machine.states.parameters) plain.insert(parameter.unit);
   for (const SignalSpec& signal : machine.signals)
     if (const auto unit = FindUnit(signal.unit)) plain.emplace(unit->si);
   for (const TermSpec& term : machine.balance.terms) plain.insert(term.unit);

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "models/state_effects.h"
 #include "models/state_names.h"
 
 namespace hydroscope {
 
 AddedEffect::AddedEffect(const StateModel& near, const StateModel& with, const Eigen::VectorXd& own)
     : near_(near), with_(with), own_(RegistersOf(near, own)) {
-  for (const UserEffectSpec& effect : with.machine.user_effects) {
+  for (const Effect& effect : StateEffectsOf(with.machine)) {
     const auto has = [&](const StateModel& model) {
       return std::find(model.effects.begin(), model.effects.end(), effect.id) != model.effects.end();
     };

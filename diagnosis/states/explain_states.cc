@@ -8,6 +8,7 @@
 #include <set>
 
 #include "diagnosis/states/added_effect.h"
+#include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
@@ -151,7 +152,7 @@ class StatesExplainer {
 
   void Search() {
     std::vector<std::string> ids;
-    for (const UserEffectSpec& effect : machine_.user_effects)
+    for (const Effect& effect : StateEffectsOf(machine_))
       if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
           machine_.added_effects.end())
         ids.push_back(effect.id);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "models/state_effects.h"
+
 namespace hydroscope {
 namespace {
 
@@ -24,22 +26,6 @@ std::vector<std::vector<double>> GridOf(const std::vector<ShapeSpec>& shape) {
     grid = std::move(finer);
   }
   return grid;
-}
-
-/// An effect of a model with states.
-Effect DescribeStateEffect(const UserEffectSpec& spec) {
-  Effect e;
-  e.id = spec.id;
-  e.title = spec.description.empty() ? spec.id : spec.description;
-  for (const TermSpec& term : spec.adds)
-    e.law += fmt::format("{}{} + ({})", e.law.empty() ? "" : ", ", term.parameter, term.expression);
-  for (const ParameterSpec& p : spec.parameters) e.parameter += (e.parameter.empty() ? "" : ", ") + p.name;
-  e.source = "machine file";
-  e.min = -kInfinity;
-  e.max = e.typical = kInfinity;
-  e.hidden_in = "-";
-  e.plain = "An effect of the machine file.";
-  return e;
 }
 
 /// The parts with the constants' values put in.

@@ -296,9 +296,25 @@ Pairs ParameterPairs(const std::vector<ParameterSpec>& parameters) {
   return pairs;
 }
 
+std::string ParametersSection(const std::vector<ParameterSpec>& parameters, const MachineNotes& notes) {
+  return parameters.empty() ? ""
+                            : Section("[parameters]", "What is identified, within its range.",
+                                      ParameterPairs(parameters), notes, "parameters");
+}
+
+/// Of a built-in machine: what its file says otherwise.
+std::vector<ParameterSpec> OtherThanBuiltIn(const Machine& machine) {
+  const std::vector<ParameterSpec> known = BuiltInStates(machine).parameters;
+  std::vector<ParameterSpec> other = machine.states.parameters;
+  std::erase_if(
+      other, [&](const ParameterSpec& p) { return std::find(known.begin(), known.end(), p) != known.end(); });
+  return other;
+}
+
 std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
   const StatesSpec& spec = machine.states;
   if (spec.states.empty()) return "";
+  if (KindOf(machine).states != nullptr) return ParametersSection(OtherThanBuiltIn(machine), notes);
   Pairs states, outputs;
   for (const StateSpec& s : spec.states) {
     Pairs about = {{"ddt", Quoted(s.ddt)}, {"initial", Quoted(s.initial)}};
@@ -308,13 +324,9 @@ std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
     states.emplace_back(s.name, Inline(about));
   }
   for (const OutputSpec& o : spec.outputs) outputs.emplace_back(o.signal, Quoted(o.expression));
-  std::string text =
-      Section("[states]", "d state / dt = ddt, in SI.", states, notes, "states") +
-      Section("[outputs]", "Measured signals as the model gives them.", outputs, notes, "outputs");
-  if (!spec.parameters.empty())
-    text += Section("[parameters]", "What is identified, within its range.", ParameterPairs(spec.parameters),
-                    notes, "parameters");
-  return text;
+  return Section("[states]", "d state / dt = ddt, in SI.", states, notes, "states") +
+         Section("[outputs]", "Measured signals as the model gives them.", outputs, notes, "outputs") +
+         ParametersSection(spec.parameters, notes);
 }
 
 std::string EpisodeSection(const Machine& machine, const MachineNotes& notes) {

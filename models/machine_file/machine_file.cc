@@ -44,9 +44,8 @@ Result<toml::table> ParseToml(const std::string& text, const std::string& origin
   }
 }
 
-/// Defaults that depend on what the file says.
-void FillDefaults(const std::string& origin, Machine& machine) {
-  if (machine.name.empty()) machine.name = std::filesystem::path(origin).stem().string();
+/// What its kind takes a value to be that the file does not state.
+void FillGeometry(Machine& machine) {
   for (const MachineInput& input : KindOf(machine).geometry)
     if (input.otherwise)
       machine.geometry.try_emplace(std::string(input.name), KnownValue{*input.otherwise, 0.0});
@@ -79,6 +78,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadLogSection(file, machine);
   ReadSignals(file, machine);
   ReadGeometry(file, machine);
+  FillGeometry(machine);
   ReadGate(file, machine);
   ReadConditions(file, machine);
   ReadWindow(file, machine);
@@ -95,7 +95,7 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadModelHistory(file, machine);
   if (!problems.any()) CheckMachine(file, machine);
   if (problems.any()) return tl::unexpected(problems.ToError());
-  FillDefaults(origin, machine);
+  if (machine.name.empty()) machine.name = std::filesystem::path(origin).stem().string();
   return machine;
 }
 

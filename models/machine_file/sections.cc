@@ -115,7 +115,7 @@ bool IsIdentifier(const std::string& name) {
 }  // namespace
 
 void ReadMachineSection(TableReader& file, Machine& machine) {
-  const std::string own(OwnKind().id), states(StatesKind().id);
+  const std::string own(OwnKind().id), states(OwnStatesKind().id);
   machine.model = KindNames().front();
   if (file.Has("balance")) machine.model = own;
   if (file.Has("states")) machine.model = states;

@@ -61,8 +61,9 @@ void ExpressionProblem(TableReader& reader, const toml::node& node, const std::s
 void CheckTermUnits(TableReader& section, const std::string& key, const std::vector<TermSpec>& terms,
                     const std::vector<ExpressionUnit>& units, const std::string& output_unit);
 
-/// What concerns several sections: the model's signals and known values are there and of the right quantity,
-/// limits and windows fit each other.
+/// The signals and known values that the machine's kind requires are there and of the right quantity.
+void CheckModelInputs(TableReader& file, const Machine& machine);
+/// What concerns several sections: what the model requires is there, limits and windows fit each other.
 void CheckMachine(TableReader& file, const Machine& machine);
 /// Every live signal has one origin that its section describes, within the registers there are.
 void CheckLive(TableReader& file, const Machine& machine);

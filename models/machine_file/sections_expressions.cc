@@ -106,7 +106,9 @@ void ReadEffect(TableReader& section, std::set<std::string>& ids, Machine& machi
   CheckId(section, machine, effect, ids);
   section.Text("description", effect.description);
   if (KindOf(machine).has_states) {
-    ReadStateEffect(section, machine, effect);
+    // Without the equations, whose problem is known, everything in it would seem wrong.
+    if (!machine.states.states.empty() || KindOf(machine).states == nullptr)
+      ReadStateEffect(section, machine, effect);
     machine.user_effects.push_back(std::move(effect));
     return;
   }

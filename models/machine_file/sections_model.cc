@@ -129,10 +129,14 @@ void ReadValve(TableReader& file, Machine& machine) {
   section.Number("full_scale", machine.valve.full_scale, {.si = si, .low = 0, .above_low = true});
 }
 
-void CheckMachine(TableReader& file, const Machine& machine) {
+void CheckModelInputs(TableReader& file, const Machine& machine) {
   const MachineKind& model = KindOf(machine);
   CheckModelSignals(file, machine, model);
   CheckModelGeometry(file, machine, model);
+}
+
+void CheckMachine(TableReader& file, const Machine& machine) {
+  if (KindOf(machine).states == nullptr) CheckModelInputs(file, machine);  // else ReadStates has asked
   CheckValveSignals(file, machine);
   CheckLive(file, machine);
 }

@@ -69,6 +69,32 @@ void CheckName(TableReader& reader, const TableReader::Entry& entry, const Machi
                                           entry.key, what));
 }
 
+/// Start and range as the file says, `p` where it says nothing; `p.start` is known if `known`.
+void ReadParameter(TableReader& reader, bool known, ParameterSpec& p) {
+  reader.AllowOnly(MachineFileKeys("parameters.<name>"));
+  FileUnit unit = ReadAnyUnit(reader);
+  if (!known) p.unit = unit.si;
+  if (known && reader.Has("unit") && !p.unit.empty() && ParseSiUnit(unit.si) != ParseSiUnit(p.unit))
+    reader.Wrong("unit", fmt::format("{} or a unit of the same quantity", p.unit));
+  std::optional<double> start, min, max;
+  reader.Number("start", start, {.si = ""});
+  reader.Number("min", min, {.si = ""});
+  reader.Number("max", max, {.si = ""});
+  const auto si = [&](double value) { return value * unit.scale + unit.offset; };
+  if (min) p.min = si(*min);
+  if (max) p.max = si(*max);
+  if ((min || max) && !(p.min < p.max)) reader.Wrong(min ? "min" : "max", "a limit below max");
+  if (start)
+    p.start = si(*start);
+  else if (known && p.start >= p.min && p.start <= p.max)
+    return;
+  else if (std::isfinite(p.min) && std::isfinite(p.max))
+    p.start = p.min > 0 ? std::sqrt(p.min * p.max) : 0.5 * (p.min + p.max);
+  else
+    reader.Problem("start is missing; write e.g. { start = 0.1, min = 0.01, max = 1 }");
+  if (p.start < p.min || p.start > p.max) reader.Wrong("start", "a value between min and max");
+}
+
 std::vector<ParameterSpec> ReadParameters(TableReader& section, const std::string& key,
                                           const Machine& machine) {
   std::vector<ParameterSpec> parameters;
@@ -81,29 +107,27 @@ std::vector<ParameterSpec> ReadParameters(TableReader& section, const std::strin
     const toml::table* about = reader.Table(entry.key);
     if (about == nullptr) continue;
     TableReader inner(*about, reader.path() + "." + entry.key, section.problems());
-    inner.AllowOnly(MachineFileKeys("parameters.<name>"));
-    const FileUnit unit = ReadAnyUnit(inner);
     ParameterSpec p;
     p.name = entry.key;
-    p.unit = unit.si;
-    std::optional<double> start, min, max;
-    inner.Number("start", start, {.si = ""});
-    inner.Number("min", min, {.si = ""});
-    inner.Number("max", max, {.si = ""});
-    const auto si = [&](double value) { return value * unit.scale + unit.offset; };
-    if (min) p.min = si(*min);
-    if (max) p.max = si(*max);
-    if (min && max && !(*min < *max)) inner.Wrong("min", "a limit below max");
-    if (start)
-      p.start = si(*start);
-    else if (min && max)
-      p.start = p.min > 0 ? std::sqrt(p.min * p.max) : 0.5 * (p.min + p.max);
-    else
-      inner.Problem("start is missing; write e.g. { start = 0.1, min = 0.01, max = 1 }");
-    if (p.start < p.min || p.start > p.max) inner.Wrong("start", "a value between min and max");
+    ReadParameter(inner, false, p);
     parameters.push_back(std::move(p));
   }
   return parameters;
+}
+
+/// Start and range of parameters of a built-in machine, where the file says them.
+void ReadKnownParameters(TableReader& file, std::vector<ParameterSpec>& parameters) {
+  const toml::table* table = file.Table("parameters");
+  if (table == nullptr) return;
+  TableReader reader(*table, "parameters", file.problems());
+  std::vector<std::string> names;
+  for (const ParameterSpec& p : parameters) names.push_back(p.name);
+  reader.AllowOnly(names);
+  for (ParameterSpec& p : parameters)
+    if (const toml::table* about = reader.Has(p.name) ? reader.Table(p.name) : nullptr) {
+      TableReader inner(*about, "parameters." + p.name, file.problems());
+      ReadParameter(inner, true, p);
+    }
 }
 
 /// The number that a text is, if it is no expression.
@@ -182,9 +206,22 @@ void CheckStates(TableReader& file, const Machine& machine) {
   }
 }
 
+/// The equations of a built-in machine. They may name all that its kind requires: that is asked for first.
+void ReadBuiltInStates(TableReader& file, Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  if (file.Has("outputs")) file.Wrong("outputs", fmt::format("no such section: \"{}\" has its own", kind.id));
+  if (!file.problems().any()) CheckModelInputs(file, machine);
+  if (file.problems().any()) return;
+  machine.states = BuiltInStates(machine);
+  if (machine.states.outputs.empty())
+    file.Problem(fmt::format("model \"{}\" needs a signal in [signals] that it gives", kind.id));
+  ReadKnownParameters(file, machine.states.parameters);
+}
+
 }  // namespace
 
 void ReadStates(TableReader& file, Machine& machine) {
+  if (KindOf(machine).states != nullptr) return ReadBuiltInStates(file, machine);
   if (!KindOf(machine).has_states) {
     for (const char* key : {"states", "outputs", "parameters"})
       if (file.Has(key)) file.Wrong(key, "no such section without [states]");
@@ -248,7 +285,7 @@ void ReadStateEffect(TableReader& section, const Machine& machine, UserEffectSpe
     section.Problem("adds is missing; write e.g. adds = { h_1 = \"-k3*max(h_1 - h_max, 0)\" }");
     return;
   }
-  const ExpressionNames names = StateNamesOf(machine, &effect);
+  const ExpressionNames names = StateNamesOf(machine, effect.parameters);
   TableReader reader(*table, section.path() + ".adds", section.problems());
   for (const TableReader::Entry& entry : reader.Entries()) {
     TermSpec term{entry.key, "", ""};

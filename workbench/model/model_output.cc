@@ -13,6 +13,7 @@
 #include "models/expressions/user_effect.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
+#include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
@@ -41,8 +42,9 @@ const MachineKind& KindOfAny(const Machine* machine) {
 
 /// The library of the machine's balance, then its own effects.
 std::vector<Effect> EffectsOf(const Machine* machine) {
-  std::vector<Effect> effects;
   const MachineKind& kind = KindOfAny(machine);
+  if (machine != nullptr && kind.has_states) return StateEffectsOf(*machine);
+  std::vector<Effect> effects;
   if (kind.effects != nullptr)
     for (const auto& effect : kind.effects({})) effects.push_back(*effect);
   if (machine != nullptr)

@@ -9,6 +9,8 @@
 
 #include "core/constants.h"
 #include "core/effect_units.h"
+#include "models/machine_kind.h"
+#include "models/state_effects.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 
@@ -51,19 +53,35 @@ std::vector<std::string> FitWarnings(const StatesFit& fit) {
   return warnings;
 }
 
-std::string ParameterLines(const std::vector<Estimate>& parameters) {
+/// What a parameter of a built-in machine is.
+std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
+                    const std::string& parameter) {
+  if (const MachineParameter* known = FindParameter(KindOf(machine), parameter))
+    return std::string(known->meaning);
+  const Effect* effect = FindStateEffect(effects, parameter.substr(0, parameter.find('.')));
+  return effect == nullptr ? "" : effect->title;
+}
+
+EffectUnit ShownUnit(const Machine& machine, const Estimate& e) {
+  const MachineParameter* known = FindParameter(KindOf(machine), e.parameter);
+  if (known == nullptr || known->shown.empty()) return EffectUnitFor(e.unit);
+  return {known->factor, std::string(known->shown)};
+}
+
+std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& parameters) {
+  const std::vector<Effect> effects = StateEffectsOf(machine);
   std::size_t width = 6;
   for (const Estimate& e : parameters) width = std::max(width, e.parameter.size());
   std::string text = fmt::format("{:<{}} {:>12} {:>26}  {}\n", "", width, "value", "95 % interval", "unit");
   for (const Estimate& e : parameters) {
-    const EffectUnit unit = EffectUnitFor(e.unit);
+    const EffectUnit unit = ShownUnit(machine, e);
     const auto shown = [&](double si) { return si * unit.factor; };
-    text +=
-        fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6}{}\n", e.parameter, width, shown(e.value),
-                    shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
-                    e.reason == EstimateReason::kUpdated          ? ""
-                    : e.reason == EstimateReason::kOutsidePhysics ? " AT A LIMIT of its range"
-                                                                  : " NOT IDENTIFIABLE with these data");
+    text += fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
+                        shown(e.value), shown(e.value - kNormal95 * e.std),
+                        shown(e.value + kNormal95 * e.std), unit.name, Meaning(machine, effects, e.parameter),
+                        e.reason == EstimateReason::kUpdated          ? ""
+                        : e.reason == EstimateReason::kOutsidePhysics ? " AT A LIMIT of its range"
+                                                                      : " NOT IDENTIFIABLE with these data");
   }
   return text;
 }
@@ -163,26 +181,37 @@ nlohmann::json EpisodesJson(const StatesFit& fit) {
   return out;
 }
 
-std::string Named(const Machine& machine, const std::string& id) {
-  for (const UserEffectSpec& effect : machine.user_effects)
-    if (effect.id == id && !effect.description.empty()) return fmt::format("{} ({})", effect.description, id);
-  return id;
+std::string Named(const std::vector<Effect>& effects, const std::string& id) {
+  const Effect* effect = FindStateEffect(effects, id);
+  return effect == nullptr || effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
+}
+
+/// What an effect of a built-in machine means for the plant.
+std::string PlainLine(const Machine& machine, const std::vector<Effect>& effects, const std::string& id) {
+  for (const UserEffectSpec& own : machine.user_effects)
+    if (own.id == id) return "";
+  const Effect* effect = FindStateEffect(effects, id);
+  return effect == nullptr ? "" : fmt::format("    {}\n", effect->plain);
 }
 
 std::string VerdictText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
+  const std::vector<Effect> effects = StateEffectsOf(e.log.machine);
   std::string text = fmt::format("Verdict: {}{}\n", VerdictName(x.verdict), x.partial ? ", partial" : "");
   switch (x.verdict) {
     case Verdict::kAdequate:
       return text +
              "The model describes these episodes: no function of states and inputs predicts what is left.\n";
     case Verdict::kNamed:
-      for (const std::string& id : x.set) text += "  " + Named(e.log.machine, id) + "\n";
+      for (const std::string& id : x.set) {
+        text += "  " + Named(effects, id) + "\n";
+        text += PlainLine(e.log.machine, effects, id);
+      }
       return text;
     case Verdict::kAmbiguous:
       for (const auto& group : x.groups) {
         std::vector<std::string> names;
-        for (const std::string& id : group) names.push_back(Named(e.log.machine, id));
+        for (const std::string& id : group) names.push_back(Named(effects, id));
         text += fmt::format("  {}\n", fmt::join(names, " or "));
       }
       return text + "  These episodes do not tell them apart.\n";
@@ -224,7 +253,7 @@ std::string FitText(const StatesFit& fit) {
                          ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
                                        ModelName(machine))
                          : "";
-  text += ParameterLines(fit.parameters);
+  text += ParameterLines(machine, fit.parameters);
   text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, noise alone would cause {:.3g} {}\n",
                       fit.error.rms_holdout, fit.error.unit.name, fit.error.noise_floor, fit.error.unit.name);
   return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
@@ -293,7 +322,7 @@ std::string ExplainText(const StatesExplained& e) {
     text += fmt::format("  {:<28} {:.3g} {}\n", added.empty() ? "as it is" : "+ " + added,
                         e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300),
                         e.base.unit.name);
-  text += "\nParameters\n" + ParameterLines(e.final_parameters);
+  text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
   for (const StateCandidate& candidate : x.ranking)
     text += fmt::format("  {:<28} {:.3g} {}\n", candidate.added.front(), Shown(e, candidate.held_out),
