@@ -16,6 +16,7 @@
 #include "workbench/model/machine_model.h"
 #include "workbench/plausibility.h"
 #include "workbench/states/states_log.h"
+#include "workbench/states/states_output.h"
 
 namespace hydroscope {
 namespace {
@@ -103,7 +104,11 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
   }
   Driving pieces = check.driving;  // intervals come from pieces of the episodes
   pieces.strokes = static_cast<int>(fit->fit.pieces.size());
+  pieces.of_one_log = true;
   check.parameters = JudgeParameters(fit->parameters, pieces);
+  check.suspicion.warnings = FitWarnings(*fit);
+  check.suspicion.suspected = fit->left.structured;
+  SendToExplain(check);
   const double factor = fit->error.unit.factor;
   check.figures.rms_holdout = fit->error.rms_holdout / factor;
   check.figures.noise_floor = fit->error.noise_floor / factor;

@@ -37,6 +37,7 @@ std::string MoreStrokes(const Estimate& estimate, const Driving& d) {
   const double ratio = HalfWidth(estimate) / Goal(estimate);
   const double strokes = std::ceil(d.strokes * ratio * ratio / 10) * 10;
   if (!(strokes < kMostStrokesAdvised)) return DriveBetter(d);
+  if (d.of_one_log) return fmt::format("record {:.0f} times as long", std::ceil(ratio * ratio));
   return fmt::format("record at least {:.0f} strokes like these {}", strokes, d.strokes);
 }
 

@@ -422,11 +422,75 @@ class StatesExplainer {
   StatesExplanation out_;
 };
 
+/// Whether an equation or effect reads what an input was before, which a piece of an episode does not know.
+bool ReadsThePast(const Machine& machine) {
+  const auto delays = [&](const std::vector<std::string>& effects) {
+    const auto model = BuildStateModel(machine, effects);
+    return model && !(*model)->delays.empty();
+  };
+  const std::vector<Effect> effects = StateEffectsOf(machine);
+  return delays(machine.added_effects) ||
+         std::any_of(effects.begin(), effects.end(),
+                     [&](const Effect& effect) { return delays({effect.id}); });
+}
+
+/// Pieces spread over episodes that are too long to try everything on all of their rows; empty: they are not.
+std::vector<Episode> SpreadPieces(std::span<const Episode> episodes, const ExplainStatesOptions& options) {
+  std::int64_t rows = 0;
+  for (const Episode& episode : episodes) rows += episode.rows();
+  std::vector<Episode> pieces;
+  if (rows <= options.most_rows) return pieces;
+  const auto step = static_cast<std::int64_t>(
+      std::ceil(static_cast<double>(rows) * options.piece_rows / options.most_rows));
+  for (const Episode& episode : episodes)
+    for (std::int64_t first = 0; first < episode.rows(); first += step) {
+      const std::int64_t count = std::min<std::int64_t>(options.piece_rows, episode.rows() - first);
+      if (count < options.piece_rows && first > 0) break;
+      pieces.push_back({episode.log,
+                        episode.first_row + first,
+                        {episode.time.begin() + first, episode.time.begin() + first + count},
+                        episode.signal.middleRows(first, count)});
+    }
+  return pieces;
+}
+
+/// The model as it is and that with the set found, fitted on from `out` to all episodes.
+void FitToAll(const Machine& machine, std::span<const Episode> episodes, const ExplainStatesOptions& options,
+              StatesExplanation& out) {
+  const double before = out.base.held_out;
+  const Eigen::VectorXd noise = out.base.fit.noise;
+  const auto fit = [&](StateCandidate& candidate, StateRemainder& left) {
+    const StateStart start{candidate.fit.parameters, {}};
+    StateFit all = RefitStates(candidate.fit.model, episodes, std::span(&start, 1), noise, options.fit);
+    if (!all.solved()) return;
+    candidate.fit = std::move(all);
+    candidate.held_out = candidate.fit.HeldOutEnergy();
+    left = RemainderOf(candidate.fit, episodes, options.remainder);
+  };
+  fit(out.base, out.base_left);
+  if (out.final.added.empty()) {
+    out.final = out.base;
+    out.final_left = out.base_left;
+  } else {
+    fit(out.final, out.final_left);
+  }
+  for (StateCandidate& candidate : out.ranking) candidate.held_out *= out.base.held_out / before;
+}
+
 }  // namespace
 
 StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
                                 const ExplainStatesOptions& options) {
-  return StatesExplainer(machine, episodes, options).Run();
+  const std::vector<Episode> pieces =
+      ReadsThePast(machine) ? std::vector<Episode>{} : SpreadPieces(episodes, options);
+  if (pieces.empty()) return StatesExplainer(machine, episodes, options).Run();
+  StatesExplanation out = StatesExplainer(machine, pieces, options).Run();
+  if (!out.base.fit.solved()) return out;
+  FitToAll(machine, episodes, options, out);
+  out.warnings.push_back(fmt::format(
+      "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
+      pieces.size(), options.piece_rows));
+  return out;
 }
 
 }  // namespace hydroscope

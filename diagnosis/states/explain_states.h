@@ -12,8 +12,10 @@ namespace hydroscope {
 
 /// Thresholds, calibrated by `hydroscope benchmark state-machines` (docs/state_models.md).
 struct ExplainStatesOptions {
-  int max_effects = 3;  ///< hidden at once
-  int beam = 3;         ///< sets that are extended by a further effect
+  int max_effects = 3;    ///< hidden at once
+  int beam = 3;           ///< sets that are extended by a further effect
+  int most_rows = 20000;  ///< that effects are tried on; of more, pieces spread over the log ...
+  int piece_rows = 2500;  ///< ... of so many rows each
   EffectStartsOptions effect_starts;
   int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on
   double screen_tolerance = 1e-3;

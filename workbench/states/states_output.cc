@@ -29,30 +29,6 @@ std::string UnseenText(const UnseenDirection& unseen) {
   return fmt::format("the data do not see {}: nothing that is measured changes", fmt::join(parts, " with "));
 }
 
-std::vector<std::string> FitWarnings(const StatesFit& fit) {
-  std::vector<std::string> warnings = fit.log.warnings;
-  for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
-  for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
-    if (fit.fit.at_limit[p])
-      warnings.push_back(
-          fmt::format("{} stands at a limit of its range; widen it in the machine file if physics allows",
-                      fit.parameters[p].parameter));
-  if (fit.left.structured)
-    warnings.push_back(
-        fmt::format("functions of states and inputs predict {:.0f} % of the error, most of it in the "
-                    "equation of {}: the model misses "
-                    "something, and its parameters absorb part of it; 'hydroscope explain' says what",
-                    100 * fit.left.share, fit.left.about));
-  if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
-    warnings.push_back(
-        std::string(
-            "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-            "itself (or a disturbance that is not measured)") +
-        (fit.prediction ? "; the parameters are those that predict one row ahead best"
-                        : ", and the intervals hold it"));
-  return warnings;
-}
-
 /// What a parameter of a built-in machine is.
 std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
                     const std::string& parameter) {
@@ -245,7 +221,36 @@ double Shown(const StatesExplained& e, double held_out) {
   return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
 }
 
+/// What functions of states and inputs do not predict need not be noise as long as they predict something.
+const char* NoiseWords(const StateRemainder& left) {
+  return left.structured ? "noise at most" : "noise alone";
+}
+
 }  // namespace
+
+std::vector<std::string> FitWarnings(const StatesFit& fit) {
+  std::vector<std::string> warnings = fit.log.warnings;
+  for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
+  for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
+    if (fit.fit.at_limit[p])
+      warnings.push_back(
+          fmt::format("{} stands at a limit of its range; widen it in the machine file if physics allows",
+                      fit.parameters[p].parameter));
+  if (fit.left.structured)
+    warnings.push_back(
+        fmt::format("functions of states and inputs predict {:.0f} % of the error, most of it in the "
+                    "equation of {}: the model misses "
+                    "something, and its parameters absorb part of it; 'hydroscope explain' says what",
+                    100 * fit.left.share, fit.left.about));
+  if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
+    warnings.push_back(
+        std::string(
+            "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
+            "itself (or a disturbance that is not measured)") +
+        (fit.prediction ? "; the parameters are those that predict one row ahead best"
+                        : ", and the intervals hold it"));
+  return warnings;
+}
 
 std::string FitText(const StatesFit& fit) {
   const Machine& machine = fit.log.machine;
@@ -254,8 +259,8 @@ std::string FitText(const StatesFit& fit) {
                                        ModelName(machine))
                          : "";
   text += ParameterLines(machine, fit.parameters);
-  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, noise alone would cause {:.3g} {}\n",
-                      fit.error.rms_holdout, fit.error.unit.name, fit.error.noise_floor, fit.error.unit.name);
+  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
+                      fit.error.unit.name, NoiseWords(fit.left), fit.error.noise_floor, fit.error.unit.name);
   return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
 }
 
@@ -286,9 +291,10 @@ std::string CompareText(const StatesFit& fit) {
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
           : "The model describes these episodes; noise alone is left.\n";
   text += fmt::format(
-      "free run {:.3g} {}, on pieces left out {:.3g}, noise alone {:.3g}; one step ahead, from past errors, "
+      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, "
       "{:.3g}\n",
-      fit.error.rms, fit.error.unit.name, fit.error.rms_holdout, fit.error.noise_floor, fit.error.one_step);
+      fit.error.rms, fit.error.unit.name, fit.error.rms_holdout, NoiseWords(fit.left), fit.error.noise_floor,
+      fit.error.one_step);
   for (int j = 0; j < fit.fit.noise.size(); ++j)
     text += fmt::format("  {:<12} error {:.1f} % of its variation\n",
                         fit.log.machine.states.outputs[static_cast<std::size_t>(j)].signal,
@@ -312,8 +318,8 @@ nlohmann::json CompareJson(const StatesFit& fit) {
 std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
-  text += fmt::format("Free-run error on pieces left out {:.3g} {}, noise alone {:.3g} {}.\n",
-                      e.final.rms_holdout, e.final.unit.name, e.final.noise_floor, e.final.unit.name);
+  text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
+                      e.final.unit.name, NoiseWords(x.final_left), e.final.noise_floor, e.final.unit.name);
   text += RowsText(e.log);
   std::vector<std::string> warnings = e.log.warnings;
   warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
