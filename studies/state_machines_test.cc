@@ -42,6 +42,19 @@ TEST(StateMachines, AMeasuredLogNamesWhatIsHiddenAndItsSensorsEndIsLeftOut) {
   EXPECT_EQ(x.set, std::vector<std::string>{"root_flow"});
 }
 
+TEST(StateMachines, ALongLogIsSearchedInPieces) {
+  const Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
+  const Episode episode =
+      EpisodeOf(SimulateStates({StateMachineKind::kOscillator, "cubic", 6, 6000}), machine);
+  ExplainStatesOptions options;
+  options.most_rows = 2000;
+  options.piece_rows = 500;
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1), options);
+  EXPECT_EQ(x.set, std::vector<std::string>{"cubic"});
+  EXPECT_EQ(x.final.fit.readings(), 6000);
+  EXPECT_LT(x.final.held_out, 0.05 * x.base.held_out);
+}
+
 /// Healthy, with small laws that no file has and that drag or leak take a part of; an overflow that is not in the file.
 TEST(StateMachines, WhatIsTooSmallOrOnlyImitatedIsNotNamed) {
   StateMachinesOptions options;

@@ -39,11 +39,11 @@ struct CheckedParameter {
 /// How the machine was driven inside the gate.
 struct Driving {
   int strokes = 0;
-  bool of_one_log = false;  ///< `strokes` are pieces that the log was cut into
   std::int64_t too_short = 0;
   std::vector<ConditionRange> ranges;  ///< of the machine's conditions, all zero without strokes
   double oil_min = 0, oil_max = 0;     ///< K, NaN if not measured
   MachineWords words = WordsOf({});
+  bool of_one_log = false;  ///< `strokes` are pieces that the log was cut into
 };
 
 struct CheckResult {

@@ -142,10 +142,12 @@ std::string Identification(const CheckResult& check) {
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = OutputUnit(check.machine);
-    text +=
-        fmt::format("  model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n",
-                    check.figures.rms_holdout * unit.factor, unit.name,
-                    check.figures.noise_floor * unit.factor, unit.name);
+    text += fmt::format(
+        "  model error on strokes left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
+        check.figures.rms_holdout * unit.factor, unit.name,
+        // Where a model with states misses something, noise is what functions of its states do not predict.
+        KindOf(check.machine).has_states && check.suspicion.suspected ? "at most" : "alone would cause",
+        check.figures.noise_floor * unit.factor, unit.name);
     if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
       text += fmt::format("  {}\n", impossible);
   }
@@ -161,6 +163,7 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
   const MachineKind& kind = KindOf(check.machine);
   const char* next = kind.build == nullptr && !kind.has_states ? "frf"
+                     : check.suspicion.suspected               ? "explain"
                      : check.driving.strokes > 0               ? "fit"
                                                                : nullptr;
   if (next != nullptr)

@@ -455,7 +455,7 @@ std::vector<Episode> SpreadPieces(std::span<const Episode> episodes, const Expla
 }
 
 /// The model as it is and that with the set found, fitted on from `out` to all episodes.
-void FitToAll(const Machine& machine, std::span<const Episode> episodes, const ExplainStatesOptions& options,
+void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& options,
               StatesExplanation& out) {
   const double before = out.base.held_out;
   const Eigen::VectorXd noise = out.base.fit.noise;
@@ -486,7 +486,7 @@ StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode>
   if (pieces.empty()) return StatesExplainer(machine, episodes, options).Run();
   StatesExplanation out = StatesExplainer(machine, pieces, options).Run();
   if (!out.base.fit.solved()) return out;
-  FitToAll(machine, episodes, options, out);
+  FitToAll(episodes, options, out);
   out.warnings.push_back(fmt::format(
       "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
       pieces.size(), options.piece_rows));

@@ -43,9 +43,10 @@ RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episode
 struct LeftOutForms {
   Eigen::MatrixXd own, all;
 
+  double Energy(const Eigen::VectorXd& signs) const { return signs.dot(all * signs); }
   double Share(const Eigen::VectorXd& signs) const {
     const double alone = signs.dot(own * signs);
-    return alone > 0 ? 1 - signs.dot(all * signs) / alone : 0.0;
+    return alone > 0 ? 1 - Energy(signs) / alone : 0.0;
   }
 };
 
@@ -168,6 +169,7 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   const std::vector<LeftOutForms> forms = FormsOf(columns);
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(columns.pieces.size()));
   out.share = ShareOf(forms, signs);
+  for (const LeftOutForms& form : forms) out.energy = std::min(out.energy, form.Energy(signs));
   std::mt19937 random(options.seed);
   std::vector<double> null;
   for (int k = 0; k < options.flips; ++k) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,7 +20,9 @@ struct StateRemainderOptions {
 
 /// What functions of states and inputs could predict of what a fit leaves, on pieces of the log left out.
 struct StateRemainder {
-  double share = 0;       ///< of the error's energy
+  double share = 0;       ///< of the error's energy on pieces left out
+  /// Of the error on pieces left out with the functions, outputs over their noise: noise has no more.
+  double energy = std::numeric_limits<double>::infinity();
   double null_share = 0;  ///< that chance reaches in one of twenty
   double p_value = 1;
   bool structured = false;  ///< a law is missing

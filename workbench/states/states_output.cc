@@ -237,11 +237,10 @@ std::vector<std::string> FitWarnings(const StatesFit& fit) {
           fmt::format("{} stands at a limit of its range; widen it in the machine file if physics allows",
                       fit.parameters[p].parameter));
   if (fit.left.structured)
-    warnings.push_back(
-        fmt::format("functions of states and inputs predict {:.0f} % of the error, most of it in the "
-                    "equation of {}: the model misses "
-                    "something, and its parameters absorb part of it; 'hydroscope explain' says what",
-                    100 * fit.left.share, fit.left.about));
+    warnings.push_back(fmt::format(
+        "functions of states and inputs predict {:.0f} % of the error left out, most of it in the "
+        "equation of {}: the model misses something, and its parameters absorb part of it",
+        100 * fit.left.share, fit.left.about));
   if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
     warnings.push_back(
         std::string(
@@ -261,7 +260,8 @@ std::string FitText(const StatesFit& fit) {
   text += ParameterLines(machine, fit.parameters);
   text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
                       fit.error.unit.name, NoiseWords(fit.left), fit.error.noise_floor, fit.error.unit.name);
-  return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
+  return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit)) +
+         (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
 
 nlohmann::json FitJson(const StatesFit& fit) {
