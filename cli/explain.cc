@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/loop_explain.h"
 #include "host/output.h"
 #include "report/explain_report.h"
 #include "workbench/explain/explain_output.h"
@@ -155,6 +156,13 @@ Status RunExplain(const ExplainArguments& a) {
     return UsageError("explain needs either a LOG with --machine, or --db DATABASE");
   if (a.history.db.empty() && a.machine.empty()) return UsageError("explain LOG needs --machine M.toml");
   if (!a.measured.empty() && a.logs.empty()) return UsageError("--measured needs a LOG");
+  if (a.history.db.empty() && IsClosedLoop(a.machine)) {
+    if (a.logs.size() > 1 || !a.report.empty() || !a.measured.empty())
+      return UsageError(
+          "explain of a machine in closed loop takes one LOG, and --since OLD for what changed; no --report, no "
+          "--measured");
+    return ExplainClosedLoop(a.logs.front(), a.since, a.machine, a.json);
+  }
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");
   if (a.history.db.empty() && HasStates(a.machine)) {
     if (!a.measured.empty())
@@ -179,8 +187,10 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
   command->add_option("--machine,-m", a->machine,
                       "Machine file (TOML); with --db the model stored there if it is not given");
   AddHistoryOptions(*command, a->history);
-  command->add_option("--since", a->since,
-                      "What changed at this stroke number, log (run:3), time (81.5s) or date; with --db");
+  command->add_option(
+      "--since", a->since,
+      "What changed at this stroke number, log (run:3), time (81.5s) or date; with --db. Of a machine in "
+      "closed loop: against this log");
   command->add_flag("--whole", a->whole,
                     "With --db: all strokes as one, also where they hold a change that stands out");
   command->add_option(
@@ -197,7 +207,8 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
       "  hydroscope explain X-ring257_*bar.csv --machine machines/seal_friction.toml\n"
       "  hydroscope explain --db press.db --from run:3\n"
       "  hydroscope explain --db press.db --since 1200 --json -\n"
-      "  hydroscope explain --db works.db --fleet");
+      "  hydroscope explain --db works.db --fleet\n"
+      "  hydroscope explain today.csv -m machines/test_cylinder.toml --since march.csv");
   command->callback([a, &exit_code] {
     if (const Status done = RunExplain(*a); !done) exit_code = ReportError(done.error());
   });

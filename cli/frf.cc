@@ -7,7 +7,9 @@
 #include "cli/commands.h"
 #include "cli/frf_record.h"
 #include "cli/frf_report.h"
+#include "cli/loop_report.h"
 #include "host/output.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -42,14 +44,35 @@ bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
   return true;
 }
 
+/// A machine that is measured in closed loop.
+Result<int> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
+  if (a.method == "sine" || a.settle >= 0)
+    return UsageError(
+        "{}: a machine in closed loop is measured with noise on its set point; --method sine and --settle are "
+        "for valves",
+        a.machine);
+  LoopOptions options{a.options.segment_length, a.options.min_coherence, a.options.lowest, a.options.highest};
+  const auto measured = MeasureLoopLog(a.log, machine, options);
+  if (!measured) return tl::unexpected(measured.error());
+  if (a.json != "-") Say(LoopText(*measured, machine));
+  if (!a.json.empty())
+    if (const Status s = WriteJson(a.json, LoopJson(*measured, machine)); !s)
+      return tl::unexpected(s.error());
+  if (!a.svg.empty())
+    if (const Status s = WriteText(a.svg, LoopBodePlot(*measured, machine.name)); !s)
+      return tl::unexpected(s.error());
+  return measured->response.fit && measured->log.left_out == 0 ? kDone : kPartlyDone;
+}
+
 Result<int> RunFrf(const FrfArguments& a) {
+  const auto machine = LoadMachine(a.machine);
+  if (!machine) return tl::unexpected(machine.error());
+  if (ClosedLoopOf(*machine) != nullptr) return RunClosedLoop(a, *machine);
   FrequencyResponseOptions options = a.options;
   options.method = MethodOf(a.method);
   if (a.settle >= 0) options.settle_time = a.settle;
   if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
-  const auto machine = LoadMachine(a.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto log = ReadFrfRecord(a.log, *machine);
+  const auto log = ReadValveRecord(a.log, *machine);
   if (!log) return tl::unexpected(log.error());
   const auto response = MeasureFrequencyResponse(log->record, options);
   if (!response) {
@@ -79,13 +102,14 @@ Result<int> RunFrf(const FrfArguments& a) {
 
 void AddFrfCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<FrfArguments>();
-  CLI::App* command = app.add_subcommand("frf",
-                                         "Frequency response of the valve from a sweep, chirp or noise, and "
-                                         "its second-order model with dead time");
+  CLI::App* command =
+      app.add_subcommand("frf",
+                         "Frequency response of the valve from a sweep, chirp or noise and its "
+                         "second-order model, or of a test cylinder in closed loop");
   command->add_option("log", a->log, "Log with command and response (CSV, CSV.gz or MAT)")->required();
   command
       ->add_option("--machine,-m", a->machine,
-                   "Machine file (TOML); its [valve] table names command and response")
+                   "Machine file (TOML); of a valve its [valve] table names command and response")
       ->required();
   command->add_option("--json", a->json, "Write the result as JSON to this file; - is stdout");
   command->add_option("--svg", a->svg, "Write a Bode plot to this file");
@@ -117,6 +141,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       "  hydroscope frf sweep.csv --machine machines/valve_sweep.toml\n"
       "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --json valve.json --svg bode.svg\n"
       "  hydroscope frf sweep.csv -m machines/valve_sweep.toml --from 20 --to 120\n"
+      "  hydroscope frf cylinder.csv -m machines/test_cylinder.toml --json cylinder.json --svg bode.svg\n"
       "  hydroscope frf chirp_0A.txt -m machines/servo_press_chirp.toml --method welch --segment 4096");
   command->callback([a, &exit_code] {
     const auto code = RunFrf(*a);

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "cli/bode_plot.h"
 #include "cli/frf_report.h"
 #include "core/constants.h"
 #include "report/svg_text.h"
@@ -125,24 +126,19 @@ std::string Draw(const Panel& panel, const std::vector<Mark>& marks, const std::
 
 }  // namespace
 
-std::string FrfBodePlot(const FrequencyResponse& response, const std::string& title) {
+std::string BodePlot(const BodePicture& picture) {
   std::vector<Mark> gain, phase, model_gain, model_phase;
-  for (const FrequencyPoint& p : response.points) {
-    if (p.reason != PointReason::kUsed) continue;
-    gain.push_back({p.frequency, 20 * std::log10(p.gain()),
-                    kNormal95 * p.GainStd() / p.gain() * 20 / std::numbers::ln10});
-    phase.push_back({p.frequency, p.phase * kDegrees, kNormal95 * p.PhaseStd() * kDegrees});
+  for (const FrequencyPoint* p : picture.points) {
+    gain.push_back({p->frequency, 20 * std::log10(p->gain()),
+                    kNormal95 * p->GainStd() / p->gain() * 20 / std::numbers::ln10});
+    phase.push_back({p->frequency, p->phase * kDegrees, kNormal95 * p->PhaseStd() * kDegrees});
   }
   Panel top{64, 300, 0, 0, gain.front().frequency / 1.15, gain.back().frequency * 1.15};
   Panel bottom{324, 546, 0, 0, top.f_low, top.f_high};
-  double level = gain.front().value - 3.0103;
-  if (response.model) {
-    level = 20 * std::log10(std::abs(response.model->gain.value)) - 3.0103;
-    for (int i = 0; i <= 200; ++i) {
-      const double f = top.f_low * std::pow(top.f_high / top.f_low, i / 200.0);
-      model_gain.push_back({f, 20 * std::log10(std::abs(response.model->Response(f))), 0});
-      model_phase.push_back({f, response.model->Phase(f) * kDegrees, 0});
-    }
+  for (int i = 0; picture.response && i <= 200; ++i) {
+    const double f = top.f_low * std::pow(top.f_high / top.f_low, i / 200.0);
+    model_gain.push_back({f, 20 * std::log10(std::abs(picture.response(f))), 0});
+    model_phase.push_back({f, picture.phase(f) * kDegrees, 0});
   }
   FitRange(top, gain, model_gain, 0.5);
   FitRange(bottom, phase, model_phase, 15);
@@ -150,24 +146,36 @@ std::string FrfBodePlot(const FrequencyResponse& response, const std::string& ti
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
       "role=\"img\" "
       "aria-label=\"{2}\">\n<title>{2}</title>\n",
-      kWidth, kHeight, EscapeText(title));
+      kWidth, kHeight, EscapeText(picture.title));
   svg += kStyle;
   svg += fmt::format(
       "<rect class=\"paper\" width=\"{}\" height=\"{}\"/>\n<text class=\"head\" x=\"{}\" "
       "y=\"26\">{}</text>\n",
-      kWidth, kHeight, kLeft, EscapeText(title));
-  std::string legend = "points: measured with 95 % bars";
-  if (response.model) {
-    legend += fmt::format(" — curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3f} ms",
-                          response.model->natural_frequency.value, response.model->damping.value,
-                          1e3 * response.model->dead_time.value + 0.0);
-  }
-  svg += fmt::format("<text class=\"soft\" x=\"{}\" y=\"48\">{}</text>\n", kLeft, legend);
-  svg += Draw(top, gain, model_gain, level, "gain (dB)", 0.5, false);
+      kWidth, kHeight, kLeft, EscapeText(picture.title));
+  svg += fmt::format("<text class=\"soft\" x=\"{}\" y=\"48\">points: measured with 95 % bars{}</text>\n",
+                     kLeft, picture.legend);
+  svg += Draw(top, gain, model_gain, picture.gain_level.value_or(gain.front().value - 3.0103),
+              picture.gain_label, 0.5, false);
   svg += Draw(bottom, phase, model_phase, -90, "phase (°)", 15, true);
   svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">frequency (Hz)</text>\n</svg>\n",
                      (kLeft + kRight) / 2, kHeight - 14);
   return svg;
+}
+
+std::string FrfBodePlot(const FrequencyResponse& response, const std::string& title) {
+  BodePicture picture{.title = title};
+  for (const FrequencyPoint& p : response.points)
+    if (p.reason == PointReason::kUsed) picture.points.push_back(&p);
+  if (response.model) {
+    const ValveModel& model = *response.model;
+    picture.response = [&model](double f) { return model.Response(f); };
+    picture.phase = [&model](double f) { return model.Phase(f); };
+    picture.gain_level = 20 * std::log10(std::abs(model.gain.value)) - 3.0103;
+    picture.legend =
+        fmt::format(" — curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3f} ms", model.natural_frequency.value,
+                    model.damping.value, 1e3 * model.dead_time.value + 0.0);
+  }
+  return BodePlot(picture);
 }
 
 }  // namespace hydroscope

@@ -40,12 +40,17 @@ class Mean {
 /// Cuts rows into runs without a gap.
 class RunBuilder {
  public:
-  RunBuilder(int input, int output, double full_scale, FrfRecord& result)
-      : input_(input), output_(output), full_scale_(full_scale), result_(result) {}
+  RunBuilder(const Machine& machine, const FrfSignals& signals, FrfRecord& result)
+      : input_(machine.SignalIndex(signals.input)),
+        output_(machine.SignalIndex(signals.output)),
+        set_point_(machine.SignalIndex(signals.set_point)),
+        full_scale_(signals.full_scale),
+        result_(result) {}
 
   void Add(const SampleBlock& block) {
     for (std::size_t n = 0; n < block.rows(); ++n) {
-      const Quality flags = block.quality[input_][n] | block.quality[output_][n];
+      Quality flags = block.quality[input_][n] | block.quality[output_][n];
+      if (set_point_ >= 0) flags |= block.quality[set_point_][n];
       if (flags & kNewRun) open_ = false;
       if (flags & kUnusable) {
         Count(flags);
@@ -53,11 +58,12 @@ class RunBuilder {
         if (!(flags & quality::kDuplicate)) open_ = false;
         continue;
       }
-      if (!open_) result_.record.runs.push_back({block.time[n], {}, {}});
+      if (!open_) result_.record.runs.push_back({block.time[n], {}, {}, {}});
       open_ = true;
       SignalRun& run = result_.record.runs.back();
       run.input.push_back(block.signal[input_][n] / full_scale_);
       run.output.push_back(block.signal[output_][n]);
+      if (set_point_ >= 0) run.set_point.push_back(block.signal[set_point_][n]);
     }
     result_.rows += static_cast<std::int64_t>(block.rows());
   }
@@ -78,7 +84,7 @@ class RunBuilder {
     }
   }
 
-  int input_, output_;
+  int input_, output_, set_point_;  // set_point_ < 0: none
   double full_scale_;
   FrfRecord& result_;
   bool open_ = false;
@@ -101,10 +107,11 @@ Status CheckValveSignals(const Machine& machine) {
   return {};
 }
 
-/// The machine reduced to what a valve check needs: other signals are optional, standing still is allowed.
-Machine ForValveCheck(Machine machine) {
+/// The machine reduced to what the check needs: other signals are optional, standing still is allowed.
+Machine ForFrequencyResponse(Machine machine, const FrfSignals& signals) {
   for (SignalSpec& signal : machine.signals) {
-    signal.required = signal.name == machine.valve.input || signal.name == machine.valve.output;
+    signal.required =
+        signal.name == signals.input || signal.name == signals.output || signal.name == signals.set_point;
     if (signal.required) signal.stuck_time = 0;
   }
   return machine;
@@ -112,14 +119,17 @@ Machine ForValveCheck(Machine machine) {
 
 }  // namespace
 
-Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine) {
+Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machine) {
   if (const Status ok = CheckValveSignals(machine); !ok) return tl::unexpected(ok.error());
-  auto reader = OpenRecording(path, ForValveCheck(machine));
+  return ReadFrfRecord(path, machine, {machine.valve.input, machine.valve.output, machine.valve.full_scale});
+}
+
+Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine, const FrfSignals& signals) {
+  auto reader = OpenRecording(path, ForFrequencyResponse(machine, signals));
   if (!reader) return tl::unexpected(reader.error());
   FrfRecord result;
   result.record.sample_period = (*reader)->SamplePeriod();
-  RunBuilder runs(machine.SignalIndex(machine.valve.input), machine.SignalIndex(machine.valve.output),
-                  machine.valve.full_scale, result);
+  RunBuilder runs(machine, signals, result);
   Mean pressure(machine.SignalIndex(KindOf(machine).supply)),
       oil(machine.SignalIndex(KindOf(machine).temperature));
   ProgressBar progress("reading", "rows");

@@ -20,10 +20,19 @@ struct FrfRecord {
   double oil_temperature = std::numeric_limits<double>::quiet_NaN();  ///< K, mean of T_oil; NaN if not logged
 };
 
-/// Reads the machine's valve input and output from `path`; the machine's other signals need not be in the
+/// Signals of a frequency response, by name.
+struct FrfSignals {
+  std::string input, output;
+  double full_scale = 1;       ///< SI of the input; the record holds input / full_scale
+  std::string set_point = "";  ///< of a closed loop
+};
+
+/// Reads input and output (in closed loop the set point too) from `path`; the machine's other signals need not be in the
 /// log. The record is cut at gaps, clock jumps and values that are missing or out of range; nothing is
 /// interpolated. Flags for standing still and spikes are not heeded: a command may pause, a fast sine jumps
 /// by nature.
-Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine);
+Result<FrfRecord> ReadFrfRecord(const std::string& path, const Machine& machine, const FrfSignals& signals);
+/// Of the signals that [valve] names.
+Result<FrfRecord> ReadValveRecord(const std::string& path, const Machine& machine);
 
 }  // namespace hydroscope

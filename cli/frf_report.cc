@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "cli/bode_plot.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/units.h"
@@ -28,17 +29,7 @@ std::vector<const FrequencyPoint*> RowsToShow(const FrequencyResponse& response)
     if (response.method == FrequencyResponseMethod::kSine || p.reason == PointReason::kUsed)
       rows.push_back(&p);
   }
-  if (rows.size() <= kMostRows) return rows;
-  std::vector<const FrequencyPoint*> chosen;
-  const double first = std::log(rows.front()->frequency), last = std::log(rows.back()->frequency);
-  double next = first;
-  for (const FrequencyPoint* p : rows) {
-    if (std::log(p->frequency) < next - 1e-9) continue;
-    chosen.push_back(p);
-    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / kMostRows;
-  }
-  if (chosen.back() != rows.back()) chosen.push_back(rows.back());
-  return chosen;
+  return ThinnedPoints(std::move(rows), kMostRows);
 }
 
 std::string Percent(double share) { return std::isnan(share) ? "-" : fmt::format("{:.2f}", 100 * share); }
@@ -152,6 +143,21 @@ double MedianAmplitude(const FrequencyResponse& response) {
 }
 
 }  // namespace
+
+std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points,
+                                                 std::size_t most) {
+  if (points.size() <= most) return points;
+  std::vector<const FrequencyPoint*> chosen;
+  const double first = std::log(points.front()->frequency), last = std::log(points.back()->frequency);
+  double next = first;
+  for (const FrequencyPoint* p : points) {
+    if (std::log(p->frequency) < next - 1e-9) continue;
+    chosen.push_back(p);
+    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / static_cast<double>(most);
+  }
+  if (chosen.back() != points.back()) chosen.push_back(points.back());
+  return chosen;
+}
 
 std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, const Machine& machine,
                     const std::string& log_name) {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "estimation/states/fit.h"
+#include "models/closed_loop.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
 #include "models/state_names.h"
@@ -209,5 +210,6 @@ std::span<const MachineKind* const> MachineKinds() {
   static constexpr const MachineKind* kKinds[] = {&kTanks};
   return kKinds;
 }
+const ClosedLoopPlant* ClosedLoopOf(const Machine&) { return nullptr; }
 
 }  // namespace hydroscope

@@ -94,6 +94,7 @@ const std::map<std::string, std::string> kNameThings = {
     {"models/machine.h", "signals that [valve] means where it names none"},
     {"cli/open.cc", "simulated presses that the page offers as examples"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
+    {"cli/machines/test_cylinder.cc", "the command that simulates a test cylinder"},
 };
 
 /// Names of signals, geometry, parameters and effects of all kinds of machines; of one letter none, which are units too.

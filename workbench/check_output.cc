@@ -116,7 +116,8 @@ std::string Identification(const CheckResult& check) {
   if (KindOf(check.machine).has_states && check.parameters.empty())
     return fmt::format("\nno fit: {}\n", check.no_fit);
   if (KindOf(check.machine).build == nullptr && !KindOf(check.machine).has_states)
-    return "\nvalve: command and response only; measure it with 'hydroscope frf'\n";
+    return fmt::format("\n{}: command and response only; measure it with 'hydroscope frf'\n",
+                       KindOf(check.machine).title);
   std::string text = "\nwhat this log can tell";
   if (!check.machine.added_effects.empty())
     text +=

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "core/units.h"
+#include "models/closed_loop.h"
 #include "models/machine_file/section_text.h"
 #include "models/machine_file/sections.h"
 #include "models/machine_file/table.h"
@@ -231,7 +232,8 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
 
 std::string ValveSection(const Machine& machine, const MachineNotes& notes) {
   const MachineKind& kind = KindOf(machine);
-  if (machine.valve == ValveSpec{} && (kind.build != nullptr || kind.has_states)) return "";
+  const bool needs_none = kind.build != nullptr || kind.has_states || ClosedLoopOf(machine) != nullptr;
+  if (machine.valve == ValveSpec{} && needs_none) return "";
   // A file with this section must have both signals; a built-in default may lack them.
   return Section("[valve]", "Frequency response: gain = output / (input / full_scale), full_scale in SI.",
                  {{"input", Quoted(machine.valve.input)},

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "models/closed_loop.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_file/sections.h"
 #include "models/machine_kind.h"
@@ -73,7 +74,8 @@ void CheckModelGeometry(TableReader& file, const Machine& machine, const Machine
 
 void CheckValveSignals(TableReader& file, const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
-  if ((kind.build != nullptr || kind.has_states) && !file.Has("valve")) return;
+  const bool needs_none = kind.build != nullptr || kind.has_states || ClosedLoopOf(machine) != nullptr;
+  if (needs_none && !file.Has("valve")) return;
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) >= 0) continue;
     file.Problem(fmt::format("[valve] signal {} is not in [signals]; {}signals: {}", name,

@@ -1,0 +1,157 @@
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/loop_report.h"
+#include "core/constants.h"
+#include "core/interval_text.h"
+#include "models/closed_loop.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+bool MovesDelay(const LoopChange& change) { return change.direction.back() != 0; }
+
+/// Times a factor, or by some ms.
+std::string SizeText(const SizedChange& sized) {
+  if (MovesDelay(*sized.change))
+    return WithInterval(1e3 * sized.size, kNormal95 * 1e3 * sized.std) + " ms longer";
+  const double factor = std::exp(sized.size);
+  return WithInterval(factor, kNormal95 * factor * sized.std) + " times";
+}
+
+std::vector<std::string_view> IdsOf(const LoopComparison& comparison) {
+  std::vector<std::string_view> ids;
+  if (comparison.verdict != LoopComparison::Verdict::kUnknown)
+    for (const SizedChange& sized : comparison.set.changes) ids.push_back(sized.change->id);
+  if (comparison.limit_appeared) ids.push_back(comparison.plant->limit.id);
+  return ids;
+}
+
+std::string ParameterTable(const LoopComparison& comparison, const MachineKind& kind) {
+  std::string text = fmt::format("  {:<8} {:>22} {:>22} {:>10}\n", "", "before", "now", "change");
+  for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
+    const LoopParameter& parameter = comparison.plant->parameters[i];
+    const bool delay = parameter.kind == LoopParameter::Kind::kDelay;
+    const auto shown = [&](const LoopState& state) {
+      const auto at = static_cast<std::ptrdiff_t>(i);
+      const double value = state.parameters[i] * parameter.factor;
+      const double std = std::sqrt(state.covariance(at, at)) * (delay ? parameter.factor : std::abs(value));
+      return std > 0 ? WithInterval(value, kNormal95 * std) : fmt::format("{:.4g}", value);
+    };
+    const double change =
+        delay ? (comparison.after.parameters[i] - comparison.before.parameters[i]) * parameter.factor
+              : 100 * (comparison.after.parameters[i] / comparison.before.parameters[i] - 1);
+    text += fmt::format("  {:<8} {:>22} {:>22} {:>+8.2f} {} {}\n", parameter.name, shown(comparison.before),
+                        shown(comparison.after), change, delay ? parameter.unit : "%",
+                        delay || parameter.unit.empty() ? "" : fmt::format("  {}", parameter.unit));
+  }
+  return text;
+}
+
+std::string SetText(const LoopChangeSet& set) {
+  std::vector<std::string> members;
+  for (const SizedChange& sized : set.changes)
+    members.push_back(fmt::format("{} ({} {})", sized.change->id, sized.change->quantity, SizeText(sized)));
+  return fmt::format("{}", fmt::join(members, ", "));
+}
+
+std::string VerdictText(const LoopComparison& comparison) {
+  const LoopChangeSet& set = comparison.set;
+  std::string text;
+  switch (comparison.verdict) {
+    case LoopComparison::Verdict::kAdequate:
+      return fmt::format(
+          "adequate: nothing changed beyond the errors of the records and what {:g} % of repeatability explains\n",
+          100 * comparison.plant->repeatability);
+    case LoopComparison::Verdict::kNamed:
+    case LoopComparison::Verdict::kAmbiguous:
+      for (const SizedChange& sized : set.changes)
+        text += fmt::format("named: {}\n  {}: {}\n  {}\n", sized.change->id, sized.change->quantity,
+                            SizeText(sized), sized.change->sentence);
+      if (!set.changes.empty())
+        text += fmt::format(
+            "Nothing else changed: what is left is within the errors (chi^2 {:.1f} at {} degrees of freedom).\n",
+            set.chi_squared, set.degrees_of_freedom);
+      if (comparison.verdict == LoopComparison::Verdict::kAmbiguous) {
+        text = "ambiguous: these records do not tell apart\n  " + SetText(set) + "\n";
+        for (const LoopChangeSet& other : comparison.others) text += "  " + SetText(other) + "\n";
+        text += "Record longer, or look at what tells them apart.\n";
+      }
+      return text;
+    case LoopComparison::Verdict::kUnknown:
+      return fmt::format("unknown: no set of changes that are known leads there; nearest: {}\n",
+                         set.changes.empty() ? "none" : SetText(set));
+  }
+  return text;
+}
+
+nlohmann::json SetJson(const LoopChangeSet& set) {
+  nlohmann::json sizes = nlohmann::json::object();
+  std::vector<std::string_view> ids;
+  for (const SizedChange& sized : set.changes) {
+    ids.push_back(sized.change->id);
+    const bool delay = MovesDelay(*sized.change);
+    const double factor = std::exp(sized.size);
+    sizes[std::string(sized.change->id)] = {{"value", delay ? sized.size : factor},
+                                            {"std", delay ? sized.std : factor * sized.std},
+                                            {"unit", delay ? "s" : "1"}};
+  }
+  return {{"set", ids}, {"chi_squared", set.chi_squared}, {"p_value", set.p_value}, {"parameters", sizes}};
+}
+
+}  // namespace
+
+std::string LoopChangeText(const LoopComparison& comparison, const LoopLog& after, const Machine& machine,
+                           const std::string& before) {
+  std::string text = fmt::format("What changed from {} to {}\n",
+                                 before.empty() ? "the references of the machine file" : before, after.name);
+  text += ParameterTable(comparison, KindOf(machine)) + "\n";
+  const LoopChange& limit = comparison.plant->limit;
+  if (comparison.limit_appeared)
+    text += fmt::format("named: {}\n  {}: up to {:.3g} A\n  {}\n", limit.id, limit.quantity,
+                        *comparison.after.input_limit, limit.sentence);
+  if (comparison.limit_went) text += fmt::format("{}: no longer limited\n", limit.quantity);
+  const bool only_limit = comparison.limit_appeared && comparison.nothing.p_value >= 0.01;
+  text += only_limit ? "Nothing else changed.\n" : VerdictText(comparison);
+  for (const std::string& warning : after.response.warnings) text += fmt::format("Note: {}\n", warning);
+  return text;
+}
+
+nlohmann::json LoopChangeJson(const LoopComparison& comparison, const LoopLog& after, const Machine& machine,
+                              const std::string& before) {
+  const MachineKind& kind = KindOf(machine);
+  nlohmann::json json = {{"verdict", VerdictName(comparison.verdict)},
+                         {"set", IdsOf(comparison)},
+                         {"since", before},
+                         {"log", after.name},
+                         {"changes", SetJson(comparison.set)["parameters"]},
+                         {"ranking", nlohmann::json::array()},
+                         {"others", nlohmann::json::array()},
+                         {"parameters", nlohmann::json::object()},
+                         {"input_limit", nullptr},
+                         {"warnings", after.response.warnings}};
+  if (comparison.after.input_limit) json["input_limit"] = *comparison.after.input_limit;
+  for (const LoopChangeSet& single : comparison.singles) {
+    nlohmann::json one = SetJson(single);
+    one["effect"] = one["set"].front();
+    one.erase("set");
+    json["ranking"].push_back(std::move(one));
+  }
+  for (const LoopChangeSet& other : comparison.others) json["others"].push_back(SetJson(other));
+  for (std::size_t i = 0; i < kind.parameters.size(); ++i) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    const bool delay = comparison.plant->parameters[i].kind == LoopParameter::Kind::kDelay;
+    const auto of = [&](const LoopState& state) -> nlohmann::json {
+      const double scale = delay ? 1 : std::abs(state.parameters[i]);
+      return {{"value", state.parameters[i]}, {"std", scale * std::sqrt(state.covariance(at, at))}};
+    };
+    json["parameters"][std::string(kind.parameters[i].name)] = {
+        {"before", of(comparison.before)}, {"after", of(comparison.after)}, {"unit", kind.parameters[i].si}};
+  }
+  return json;
+}
+
+}  // namespace hydroscope

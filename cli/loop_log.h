@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "cli/frf_record.h"
+#include "core/result.h"
+#include "estimation/closed_loop/closed_loop.h"
+#include "models/machine.h"
+
+namespace hydroscope {
+
+/// A log of a machine in closed loop and what was measured of it.
+struct LoopLog {
+  std::string name;
+  FrfRecord log;
+  TransferModel model;
+  LoopResponse response;
+};
+
+/// Reads `path` and measures the response of a machine whose kind is measured in closed loop (MachineKind::closed_loop).
+Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine,
+                               const LoopOptions& options = {});
+
+/// What the machine file's [monitor] limits say of the parameters found, a sentence each.
+std::vector<std::string> OutsideLimits(const Machine& machine, const LoopResponse& response);
+
+}  // namespace hydroscope

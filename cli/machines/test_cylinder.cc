@@ -1,0 +1,129 @@
+#include "simulator/test_cylinder/test_cylinder.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/machines/machines.h"
+#include "host/output.h"
+#include "report/text_sink.h"
+#include "studies/test_cylinder_benchmark.h"
+
+namespace hydroscope {
+namespace {
+
+struct TestCylinderArguments {
+  std::string out, truth, valve = "19";
+  double noise_factor = 1;
+  TestCylinderOptions options;
+};
+
+nlohmann::json TestCylinderTruthJson(const TestCylinderOptions& o) {
+  const TestCylinderTruth truth = TruthOf(o);
+  return {{"parameters",
+           {{"f_h", truth.f_h},
+            {"zeta_h", truth.zeta_h},
+            {"f_sv", truth.f_sv},
+            {"K_sv", truth.K_sv},
+            {"T_d", truth.T_d}}},
+          {"excitation", o.excitation},
+          {"noise", {{"z", o.noise}, {"disturbance", o.disturbance}}},
+          {"effects",
+           {{"coulomb", o.coulomb},
+            {"sensor_delay", o.sensor_delay},
+            {"saturation", o.saturation},
+            {"trapped_air", o.trapped_air},
+            {"specimen", o.specimen},
+            {"square_root_valve", o.square_root_valve},
+            {"leak_share", o.leak_share}}},
+          {"seed", o.seed},
+          {"seconds", o.seconds},
+          {"sample_period", o.sample_period}};
+}
+
+Status WriteTestCylinder(const TestCylinderArguments& a, const CLI::App& app) {
+  TestCylinderOptions o = a.options;
+  if (a.valve == "38") {
+    if (app.count("--K-sv") == 0) o.K_sv = kGainOf38;
+    if (app.count("--zeta-h") == 0) o.zeta_h = kZetaWith38;
+  }
+  o.noise *= a.noise_factor;
+  o.disturbance *= a.noise_factor;
+  if (const Status valid = Validate(o); !valid) return valid;
+  auto sink = TextSink::Open(a.out);
+  if (!sink) return tl::unexpected(sink.error());
+  sink->Write(FormatTestCylinder(SimulateTestCylinder(o)));
+  if (const Status written = sink->Close(); !written) return written;
+  return a.truth.empty() ? Status() : WriteJson(a.truth, TestCylinderTruthJson(o));
+}
+
+}  // namespace
+
+void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
+  CLI::App* app = simulate.add_subcommand(
+      "test-cylinder", "A servo-hydraulic test cylinder in closed position control: a log as CSV");
+  auto a = std::make_shared<TestCylinderArguments>();
+  TestCylinderOptions& o = a->options;
+  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
+  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
+  app->add_option("--seed", o.seed, "Seed of excitation, disturbance and noise")->capture_default_str();
+  app->add_option("--valve", a->valve, "Published valve: 19 or 38 l/min")
+      ->check(CLI::IsMember({"19", "38"}))
+      ->capture_default_str();
+  app->add_option("--f-h", o.f_h, "Natural frequency of the oil column, Hz")->capture_default_str();
+  app->add_option("--zeta-h", o.zeta_h, "Its damping (38 l/min: 1.0012)")->capture_default_str();
+  app->add_option("--f-sv", o.f_sv, "Corner frequency of the valve, Hz")->capture_default_str();
+  app->add_option("--K-sv", o.K_sv, "Flow gain of the valve, m3/(s A) (38 l/min: 0.023)")
+      ->capture_default_str();
+  app->add_option("--leak-share", o.leak_share, "Share of the damping that leakage causes")
+      ->capture_default_str();
+  app->add_option("--excitation", o.excitation, "Standard deviation of the current, A")
+      ->capture_default_str();
+  app->add_option("--noise", a->noise_factor,
+                  "Noise of the reading (2 um) and disturbance of the valve (0.5 mA), times")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_option("--trapped-air", o.trapped_air, "Share of the chambers' volume")->capture_default_str();
+  app->add_option("--specimen", o.specimen, "Stiffness of the specimen, N/m")->capture_default_str();
+  app->add_option("--sensor-delay", o.sensor_delay, "Delay of the position's reading, s")
+      ->capture_default_str();
+  app->add_option("--saturation", o.saturation, "Current above which the valve does not follow, A; 0 = none")
+      ->capture_default_str();
+  app->add_option("--coulomb", o.coulomb, "Coulomb friction, N")->capture_default_str();
+  app->add_flag("--square-root-valve", o.square_root_valve,
+                "Flow with the root of the pressure left over the edges");
+  app->add_option("--sample-period", o.sample_period, "Of log and controller, s")->capture_default_str();
+  app->footer(
+      "Examples:\n"
+      "  hydroscope simulate test-cylinder --out cylinder.csv --truth cylinder.json\n"
+      "  hydroscope simulate test-cylinder --out exchanged.csv --valve 38 --seed 2\n"
+      "  hydroscope simulate test-cylinder --out air.csv --trapped-air 0.003 --seed 3");
+  app->callback([a, app, &exit_code] {
+    const Status status = WriteTestCylinder(*a, *app);
+    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
+  });
+}
+
+void AddBenchmarkTestCylinder(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<TestCylinderBenchmarkOptions>();
+  CLI::App* app = benchmark.add_subcommand(
+      "test-cylinder",
+      "Test cylinder in closed loop: our figures beside the published ones, and what changed between two records");
+  app->add_option("--seeds", o->seeds, "Records of each valve")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--changes", o->changes, "Pairs of records of each change")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app->add_option("--threads", o->threads, "Records worked on at once, 0: one per core")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_option("--seed", o->seed, "Seed of the first record")->capture_default_str();
+  app->footer("Example:\n  hydroscope benchmark test-cylinder --seeds 10 --changes 3");
+  app->callback([o, &exit_code] { exit_code = RunTestCylinderBenchmark(*o); });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,198 @@
+#include "diagnosis/closed_loop/change.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/non_negative.h"
+
+namespace hydroscope {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kMoreThanAnySet = 100;
+/// Parameters that are not known vary by this much: a factor of e^30.
+constexpr double kUnknownStd = 30;
+/// Reciprocal condition of scaled normal equations below which directions are one: those that are differ by rounding alone.
+constexpr double kIndependentDirections = 1e-9;
+
+double ChanceOfMore(double chi_squared, int dof) {
+  if (dof <= 0) return chi_squared > 0 ? 0 : 1;
+  if (!std::isfinite(chi_squared)) return 0;
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), std::max(0.0, chi_squared)));
+}
+
+bool IsDelay(const LoopParameter& parameter) { return parameter.kind == LoopParameter::Kind::kDelay; }
+
+/// What the parameters moved by, and the covariance of that.
+struct Movement {
+  VectorXd by;
+  MatrixXd weight;  // inverse covariance
+};
+
+Movement MovementOf(const ClosedLoopPlant& plant, const LoopState& before, const LoopState& after) {
+  const auto count = static_cast<std::ptrdiff_t>(plant.parameters.size());
+  Movement movement{VectorXd(count), MatrixXd()};
+  MatrixXd covariance = before.covariance + after.covariance;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (IsDelay(plant.parameters[k])) {
+      movement.by(i) = after.parameters[k] - before.parameters[k];
+    } else {
+      movement.by(i) = std::log(std::abs(after.parameters[k] / before.parameters[k]));
+      covariance(i, i) += 2 * plant.repeatability * plant.repeatability;
+    }
+    if (!std::isfinite(movement.by(i))) {
+      movement.by(i) = 0;
+      covariance(i, i) += kUnknownStd * kUnknownStd;
+    }
+  }
+  const VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  movement.weight = scale.asDiagonal() * (scale.asDiagonal() * covariance * scale.asDiagonal()).inverse() *
+                    scale.asDiagonal();
+  return movement;
+}
+
+/// NaN where the directions are not independent: the same movement can be shared out among them in many ways.
+MatrixXd InverseOf(const MatrixXd& normal) {
+  const VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::FullPivLU<MatrixXd> scaled(scale.asDiagonal() * normal * scale.asDiagonal());
+  if (scaled.rcond() < kIndependentDirections) return MatrixXd::Constant(normal.rows(), normal.cols(), kNaN);
+  return scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
+}
+
+LoopChangeSet FitChanges(const Movement& movement, const std::vector<const LoopChange*>& changes) {
+  LoopChangeSet set;
+  set.degrees_of_freedom = static_cast<int>(movement.by.size()) - static_cast<int>(changes.size());
+  VectorXd left = movement.by;
+  if (!changes.empty()) {
+    MatrixXd directions(movement.by.size(), static_cast<std::ptrdiff_t>(changes.size()));
+    for (std::size_t k = 0; k < changes.size(); ++k)
+      directions.col(static_cast<std::ptrdiff_t>(k)) =
+          Eigen::Map<const VectorXd>(changes[k]->direction.data(), movement.by.size());
+    const MatrixXd normal = directions.transpose() * movement.weight * directions;
+    const MatrixXd covariance = InverseOf(normal);
+    const VectorXd sizes = covariance * (directions.transpose() * movement.weight * movement.by);
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      const auto at = static_cast<std::ptrdiff_t>(k);
+      set.changes.push_back({changes[k], sizes(at), std::sqrt(NonNegative(covariance(at, at)))});
+    }
+    left -= directions * sizes;
+  }
+  set.chi_squared = left.dot(movement.weight * left);
+  set.p_value = ChanceOfMore(set.chi_squared, set.degrees_of_freedom);
+  return set;
+}
+
+/// Every member has an effect, and the sign that it can have.
+bool Possible(const LoopChangeSet& set, double least_p) {
+  return std::all_of(set.changes.begin(), set.changes.end(), [&](const SizedChange& c) {
+    const double squared = c.size * c.size / (c.std * c.std);
+    return std::isfinite(c.size) && c.std > 0 && c.size * c.change->sign >= 0 &&
+           ChanceOfMore(squared, 1) < least_p;
+  });
+}
+
+/// All sets of `size` changes that are possible, best first.
+std::vector<LoopChangeSet> SetsOf(const ClosedLoopPlant& plant, const Movement& movement, std::size_t size,
+                                  double least_p) {
+  std::vector<LoopChangeSet> sets;
+  std::vector<bool> taken(plant.changes.size(), false);
+  std::fill_n(taken.begin(), std::min(size, taken.size()), true);
+  do {
+    std::vector<const LoopChange*> changes;
+    for (std::size_t k = 0; k < taken.size(); ++k)
+      if (taken[k]) changes.push_back(&plant.changes[k]);
+    LoopChangeSet set = FitChanges(movement, changes);
+    if (Possible(set, least_p)) sets.push_back(std::move(set));
+  } while (std::prev_permutation(taken.begin(), taken.end()));
+  std::sort(sets.begin(), sets.end(),
+            [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
+  return sets;
+}
+
+/// The smallest set that suffices, and those that do as well.
+void FindSet(const Movement& movement, const LoopComparisonOptions& options, LoopComparison& comparison) {
+  if (comparison.nothing.p_value >= options.least_p) {
+    comparison.verdict = LoopComparison::Verdict::kAdequate;
+    comparison.set = comparison.nothing;
+    return;
+  }
+  for (std::size_t size = 1; size <= options.most; ++size) {
+    std::vector<LoopChangeSet> sets = SetsOf(*comparison.plant, movement, size, options.least_p);
+    if (!sets.empty() &&
+        (comparison.set.changes.empty() || sets.front().chi_squared < comparison.set.chi_squared))
+      comparison.set = sets.front();
+    if (sets.empty() || sets.front().p_value < options.least_p) continue;
+    for (std::size_t k = 1; k < sets.size(); ++k)
+      if (sets[k].p_value >= options.least_p &&
+          sets[k].chi_squared < sets.front().chi_squared + options.as_good)
+        comparison.others.push_back(sets[k]);
+    comparison.verdict =
+        comparison.others.empty() ? LoopComparison::Verdict::kNamed : LoopComparison::Verdict::kAmbiguous;
+    return;
+  }
+  comparison.verdict = LoopComparison::Verdict::kUnknown;
+}
+
+LoopComparison CompareOneWay(const ClosedLoopPlant& plant, const LoopState& before, const LoopState& after,
+                             const LoopComparisonOptions& options) {
+  LoopComparison comparison;
+  comparison.plant = &plant;
+  comparison.before = before;
+  comparison.after = after;
+  const Movement movement = MovementOf(plant, before, after);
+  comparison.nothing = FitChanges(movement, {});
+  for (const LoopChange& change : plant.changes)
+    comparison.singles.push_back(FitChanges(movement, {&change}));
+  std::sort(comparison.singles.begin(), comparison.singles.end(),
+            [](const auto& a, const auto& b) { return a.chi_squared < b.chi_squared; });
+  FindSet(movement, options, comparison);
+  return comparison;
+}
+
+/// Fewer changes are better, then a smaller remainder.
+bool Simpler(const LoopComparison& a, const LoopComparison& b) {
+  const auto rank = [](const LoopComparison& c) {
+    return c.verdict == LoopComparison::Verdict::kUnknown ? kMoreThanAnySet : c.set.changes.size();
+  };
+  return rank(a) != rank(b) ? rank(a) < rank(b) : a.set.chi_squared < b.set.chi_squared;
+}
+
+}  // namespace
+
+const char* VerdictName(LoopComparison::Verdict verdict) {
+  switch (verdict) {
+    case LoopComparison::Verdict::kAdequate:
+      return "adequate";
+    case LoopComparison::Verdict::kNamed:
+      return "named";
+    case LoopComparison::Verdict::kAmbiguous:
+      return "ambiguous";
+    case LoopComparison::Verdict::kUnknown:
+      return "unknown";
+  }
+  return "";
+}
+
+LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& before,
+                                 const LoopState& after, const LoopComparisonOptions& options) {
+  LoopComparison comparison = CompareOneWay(plant, before, after, options);
+  for (int way = 0; way < plant.ways; ++way) {
+    const auto other = SharedOut(plant, after, way);
+    if (!other) continue;
+    LoopComparison compared = CompareOneWay(plant, before, {*other, after.input_limit}, options);
+    if (Simpler(compared, comparison)) comparison = std::move(compared);
+  }
+  comparison.limit_appeared = after.input_limit && !before.input_limit;
+  comparison.limit_went = before.input_limit && !after.input_limit;
+  if ((comparison.limit_appeared || comparison.limit_went) &&
+      comparison.verdict == LoopComparison::Verdict::kAdequate)
+    comparison.verdict = LoopComparison::Verdict::kNamed;
+  return comparison;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/closed_loop/transfer_fit.h"
+#include "models/closed_loop.h"
+
+namespace hydroscope {
+
+/// A plant in closed loop as one record gives it.
+struct LoopState : LoopEstimate {
+  std::optional<double> input_limit;  ///< SI, beyond which the input does not reach the plant
+};
+
+/// A change and its size.
+struct SizedChange {
+  const LoopChange* change = nullptr;
+  double size = 0;  ///< logarithm of the factor of its quantity; a delay: s
+  double std = 0;
+};
+
+/// Changes that together lead from one state to the other.
+struct LoopChangeSet {
+  std::vector<SizedChange> changes;
+  double chi_squared = 0;  ///< of what they leave, errors of both records and repeatability taken
+  int degrees_of_freedom = 0;
+  double p_value = 1;
+};
+
+struct LoopComparison {
+  enum class Verdict {
+    kAdequate,   ///< nothing changed
+    kNamed,      ///< `set` did
+    kAmbiguous,  ///< another set of the same size does as well: `others`
+    kUnknown,    ///< no set of up to three changes leads there
+  };
+  const ClosedLoopPlant* plant = nullptr;
+  Verdict verdict = Verdict::kAdequate;
+  LoopChangeSet set;                   ///< best of those that suffice; unknown: the nearest
+  std::vector<LoopChangeSet> others;   ///< as good, as large
+  LoopChangeSet nothing;               ///< no change at all
+  std::vector<LoopChangeSet> singles;  ///< every change alone, best first
+  bool limit_appeared = false, limit_went = false;
+  LoopState before, after;
+};
+/// "adequate", "named", "ambiguous", "unknown".
+const char* VerdictName(LoopComparison::Verdict verdict);
+
+struct LoopComparisonOptions {
+  double least_p = 0.01;  ///< chance from which what is left counts as error of the records
+  double as_good = 6;     ///< difference of chi^2 below which two sets are as good: a likelihood ratio of 20
+  std::size_t most = 3;   ///< changes at once
+};
+
+/// Which of the plant's changes lead from `before` to `after`: the smallest set of them after which the rest is within the
+/// errors of both records and the repeatability of the plant (generalised least squares over the logarithms). No member of a set
+/// may be without effect, or of the sign that its quantity cannot have. Poles of `after` that can be shared out in several ways
+/// are taken in the way that needs the fewest changes: a pole that became real need not be the valve's.
+LoopComparison CompareLoopStates(const ClosedLoopPlant& plant, const LoopState& before,
+                                 const LoopState& after, const LoopComparisonOptions& options = {});
+
+}  // namespace hydroscope

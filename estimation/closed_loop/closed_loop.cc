@@ -1,0 +1,198 @@
+#include "estimation/closed_loop/closed_loop.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "core/constants.h"
+#include "estimation/closed_loop/input_limit.h"
+#include "estimation/frequency_response/model.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kFirstBin = 2;       // those of mean and trend are left out
+constexpr double kHighestOfNyquist = 0.8;  // beyond, filters of converters act
+constexpr double kLeastOfInput =
+    0.5;  // coherence of set point and input: below, most of the input is not ours
+constexpr double kLeastOfLimit =
+    0.3;  // coherence of set point and output at the bins that a limit is sought in
+constexpr std::size_t kFewestBins = 20;
+constexpr double kNormal99 = 2.5758293035489004;
+constexpr std::size_t kFewestOfOctave = 4;
+
+double LargestMagnitude(const FrequencyRecord& record, std::vector<double> SignalRun::*signal) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const SignalRun& run : record.runs)
+    for (const double value : run.*signal) low = std::min(low, value), high = std::max(high, value);
+  return high > low ? high - low : 0;
+}
+
+Status CheckThatItMoves(const FrequencyRecord& record, const ClosedLoopPlant& plant) {
+  for (const auto& [name, signal] : {std::pair(plant.set_point, &SignalRun::set_point),
+                                     {plant.input, &SignalRun::input},
+                                     {plant.output, &SignalRun::output}})
+    if (!(LargestMagnitude(record, signal) > 0))
+      return BadInput(
+          "{} does not move in this record; excite the set point with noise while it is recorded, and check "
+          "that the right column is mapped",
+          name);
+  return {};
+}
+
+std::vector<std::size_t> UsedBins(const LoopSpectra& spectra, const LoopOptions& options) {
+  std::vector<std::size_t> used;
+  const double highest = std::min(options.highest, kHighestOfNyquist / (2 * spectra.sample_period));
+  for (std::size_t bin = kFirstBin; bin < spectra.bins.size() && spectra.Frequency(bin) <= highest; ++bin)
+    if (spectra.Frequency(bin) >= options.lowest && spectra.bins[bin].CoherenceOfInput() >= kLeastOfInput)
+      used.push_back(bin);
+  return used;
+}
+
+/// One bin as people see it.
+FrequencyPoint PointOf(const LoopSpectra& spectra, std::size_t bin, const LoopOptions& options) {
+  const LoopSums& sums = spectra.bins[bin];
+  const double segments = spectra.segments, independent = segments * kIndependentShareOfSegment;
+  const double length = static_cast<double>(spectra.segment_length);
+  FrequencyPoint point;
+  point.frequency = spectra.Frequency(bin);
+  const std::complex<double> difference = spectra.Difference(point.frequency), ratio = sums.Ratio();
+  point.response = ratio / difference;
+  const double noise = sums.Residual(ratio) / segments;
+  point.variance = noise * sums.rr / segments / (2 * std::norm(sums.ru / segments) * (independent - 1)) /
+                   std::norm(difference);
+  point.dof = 2 * (independent - 1);
+  point.coherence = sums.CoherenceOfOutput();
+  point.periods = independent;
+  const double scale = 2 / (length * length / 4) / segments;  // mean square in the window's noise bandwidth
+  point.amplitude = std::sqrt(sums.uu * scale);
+  point.output_amplitude = std::sqrt(sums.yy * scale) / std::abs(difference);
+  if (point.coherence < options.min_coherence) point.reason = PointReason::kLowCoherence;
+  return point;
+}
+
+/// Mean of direct over ratio less one in the octave where it is largest.
+std::optional<DirectBias> LargestDirectBias(const LoopResponse& response) {
+  std::optional<DirectBias> largest;
+  DirectBias octave;
+  std::size_t count = 0;
+  const auto close = [&] {
+    if (count >= kFewestOfOctave) {
+      octave.gain /= static_cast<double>(count);
+      if (!largest || std::abs(octave.gain) > std::abs(largest->gain)) largest = octave;
+    }
+    count = 0;
+  };
+  for (std::size_t i = 0; i < response.points.size(); ++i) {
+    const FrequencyPoint& p = response.points[i];
+    if (p.reason != PointReason::kUsed) continue;
+    if (count > 0 && p.frequency > 2 * octave.lowest) close();
+    if (count == 0) octave = {p.frequency, p.frequency, 0};
+    octave.highest = p.frequency;
+    octave.gain += (response.direct[i] / p.response).real() - 1;
+    ++count;
+  }
+  close();
+  return largest;
+}
+
+/// Length of such a record that brings every parameter to its wanted precision.
+void TakeNeededSeconds(const ClosedLoopPlant& plant, LoopResponse& response) {
+  for (std::size_t i = 0; i < plant.parameters.size(); ++i) {
+    const LoopParameter& parameter = plant.parameters[i];
+    if (parameter.wanted <= 0) continue;
+    const double half = kNormal99 * response.fit->Std(parameter, i) / std::abs(response.fit->parameters[i]);
+    const double needed = response.seconds * half * half / (parameter.wanted * parameter.wanted);
+    if (needed <= response.seconds_needed) continue;
+    response.seconds_needed = needed;
+    response.needed_for = parameter.name;
+  }
+}
+
+/// What people see of the fit.
+void TakeParameters(const ClosedLoopPlant& plant, LoopResponse& response) {
+  const double dof = std::max(1.0, response.fit->blocks - static_cast<double>(plant.parameters.size()));
+  const double wider = boost::math::quantile(boost::math::students_t(dof), 0.975) / kNormal95;
+  for (std::size_t i = 0; i < plant.parameters.size(); ++i)
+    response.parameters.push_back(
+        {response.fit->parameters[i], wider * response.fit->Std(plant.parameters[i], i)});
+  TakeNeededSeconds(plant, response);
+}
+
+void TakeFit(const LoopSpectra& spectra, const std::vector<std::size_t>& used, const TransferModel& model,
+             const std::vector<double>& known, LoopResponse& response) {
+  auto fit = FitTransfer(spectra, used, model);
+  if (!fit) {
+    response.no_fit = fit.error().text;
+    return;
+  }
+  response.fit = std::move(*fit);
+  if (!known.empty())
+    static_cast<LoopEstimate&>(*response.fit) = NearestWay(*model.plant, *response.fit, known);
+  TakeParameters(*model.plant, response);
+  if (response.fit->inflation > 1)
+    response.warnings.push_back(fmt::format(
+        "the transfer function does not describe the response within its noise: misfit is {:.3g} times the noise, intervals "
+        "are widened by that; friction that does not grow with speed, or movements too large for a linear valve",
+        response.fit->inflation));
+  if (response.seconds_needed > response.seconds)
+    response.warnings.push_back(fmt::format(
+        "{:.0f} s are too short for the precision wanted: {} needs {:.0f} s of such a record (or more excitation)",
+        response.seconds, response.needed_for, response.seconds_needed));
+}
+
+}  // namespace
+
+Status LoopOptions::Validate() const {
+  if (segment_length != 0 && (segment_length < 64 || segment_length % 2 != 0))
+    return UsageError("segment length {} samples: an even number of at least 64 is needed (0 chooses it)",
+                      segment_length);
+  if (!(min_coherence > 0 && min_coherence < 1))
+    return UsageError("minimum coherence {}: a number between 0 and 1 is needed", min_coherence);
+  if (!(lowest >= 0 && highest > lowest))
+    return UsageError("frequencies from {:g} to {:g} Hz: the second must be the larger one, both positive",
+                      lowest, highest);
+  return {};
+}
+
+Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const TransferModel& model,
+                                       const LoopOptions& options) {
+  if (const Status valid = options.Validate(); !valid) return tl::unexpected(valid.error());
+  if (const Status moves = CheckThatItMoves(record, *model.plant); !moves)
+    return tl::unexpected(moves.error());
+  LoopSpectraOptions averaging{.segment_length = options.segment_length};
+  auto spectra = AverageLoopSpectra(record, averaging);
+  if (!spectra) return tl::unexpected(spectra.error());
+  std::vector<std::size_t> used = UsedBins(*spectra, options);
+  if (used.size() < kFewestBins)
+    return BadInput(
+        "{} and {} are not related: the input follows the set point at {} frequencies, at least {} are needed; check that the "
+        "right columns are mapped, that the loop is closed and that the set point is excited",
+        model.plant->set_point, model.plant->input, used.size(), kFewestBins);
+
+  LoopResponse response;
+  std::vector<std::size_t> loud;
+  for (const std::size_t bin : used)
+    if (spectra->bins[bin].CoherenceOfOutput() >= kLeastOfLimit) loud.push_back(bin);
+  response.input_limit = loud.empty() ? std::nullopt : FindInputLimit(record, averaging, *spectra, loud);
+  if (response.input_limit) {
+    averaging.limit = *response.input_limit;
+    spectra = AverageLoopSpectra(record, averaging);
+    if (!spectra) return tl::unexpected(spectra.error());
+    used = UsedBins(*spectra, options);
+  }
+  response.segment_length = spectra->segment_length;
+  response.segments = spectra->segments;
+  for (const SignalRun& run : record.runs)
+    response.seconds += static_cast<double>(run.input.size()) * record.sample_period;
+  for (const std::size_t bin : used) {
+    response.points.push_back(PointOf(*spectra, bin, options));
+    response.direct.push_back(spectra->bins[bin].Direct() / spectra->Difference(spectra->Frequency(bin)));
+  }
+  UnwrapPhases(response.points);
+  response.direct_bias = LargestDirectBias(response);
+  TakeFit(*spectra, used, model, options.known, response);
+  return response;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,138 @@
+#include "estimation/closed_loop/cross_spectra.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <unsupported/Eigen/FFT>
+
+#include "core/constants.h"
+
+namespace hydroscope {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kFewestLoopSegments = 8;
+constexpr int kMostLoopBlocks = 32;  // a variance from as many is known to a quarter
+constexpr std::size_t kShortestLoopSegment = 64;
+
+/// Windowed half spectra of one signal after the other.
+class SegmentTransform {
+ public:
+  explicit SegmentTransform(std::size_t length)
+      : window_(length), windowed_(length), spectrum_(length / 2 + 1) {
+    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    for (std::size_t n = 0; n < length; ++n)
+      window_[n] = 0.5 - 0.5 * std::cos(kTwoPi * static_cast<double>(n) / static_cast<double>(length));
+  }
+
+  template <typename Value>
+  const std::vector<Complex>& operator()(Value value) {
+    double mean = 0;
+    for (std::size_t n = 0; n < window_.size(); ++n) mean += windowed_[n] = value(n);
+    mean /= static_cast<double>(window_.size());
+    for (std::size_t n = 0; n < window_.size(); ++n) windowed_[n] = (windowed_[n] - mean) * window_[n];
+    fft_.fwd(spectrum_.data(), windowed_.data(), static_cast<std::ptrdiff_t>(windowed_.size()));
+    return spectrum_;
+  }
+
+ private:
+  Eigen::FFT<double> fft_;
+  std::vector<double> window_, windowed_;
+  std::vector<Complex> spectrum_;
+};
+
+/// Rows of a run that have a difference to the row before.
+std::size_t UsableRows(const SignalRun& run) { return run.input.empty() ? 0 : run.input.size() - 1; }
+
+int SegmentsOf(const FrequencyRecord& record, std::size_t length) {
+  int segments = 0;
+  for (const SignalRun& run : record.runs)
+    if (UsableRows(run) >= length)
+      segments += 1 + static_cast<int>((UsableRows(run) - length) / (length / 2));
+  return segments;
+}
+
+/// Adds every segment of the record to its block.
+void SumSegments(const FrequencyRecord& record, double limit, LoopSpectra& spectra) {
+  const std::size_t length = spectra.segment_length;
+  SegmentTransform transform(length);
+  int segment = 0;
+  for (const SignalRun& run : record.runs) {
+    for (std::size_t start = 1; start + length <= run.input.size(); start += length / 2) {
+      const auto block = static_cast<std::size_t>(segment++) * spectra.blocks.size() /
+                         static_cast<std::size_t>(spectra.segments);
+      const std::vector<Complex> r = transform([&](std::size_t n) { return run.set_point[start + n]; });
+      const std::vector<Complex> u =
+          transform([&](std::size_t n) { return std::clamp(run.input[start + n], -limit, limit); });
+      const std::vector<Complex>& y =
+          transform([&](std::size_t n) { return run.output[start + n] - run.output[start + n - 1]; });
+      for (std::size_t bin = 0; bin < y.size(); ++bin) {
+        spectra.blocks[block][bin] +=
+            {std::norm(r[bin]),          std::norm(u[bin]),          std::norm(y[bin]),
+             std::conj(r[bin]) * u[bin], std::conj(r[bin]) * y[bin], std::conj(u[bin]) * y[bin]};
+      }
+    }
+  }
+}
+
+}  // namespace
+
+LoopSums& LoopSums::operator+=(const LoopSums& other) {
+  rr += other.rr;
+  uu += other.uu;
+  yy += other.yy;
+  ru += other.ru;
+  ry += other.ry;
+  uy += other.uy;
+  return *this;
+}
+
+double LoopSums::Residual(Complex g) const {
+  return std::max(0.0, yy - 2 * (std::conj(g) * uy).real() + std::norm(g) * uu);
+}
+double LoopSums::CoherenceOfInput() const { return rr > 0 && uu > 0 ? std::norm(ru) / (rr * uu) : 0; }
+double LoopSums::CoherenceOfOutput() const { return rr > 0 && yy > 0 ? std::norm(ry) / (rr * yy) : 0; }
+
+double LoopSpectra::Frequency(std::size_t bin) const {
+  return static_cast<double>(bin) / (static_cast<double>(segment_length) * sample_period);
+}
+Complex LoopSpectra::Difference(double frequency) const {
+  return 1.0 - std::polar(1.0, -kTwoPi * frequency * sample_period);
+}
+
+Result<LoopSpectra> AverageLoopSpectra(const FrequencyRecord& record, const LoopSpectraOptions& options) {
+  std::size_t longest = 0;
+  for (const SignalRun& run : record.runs) {
+    if (run.set_point.size() != run.input.size() || run.output.size() != run.input.size())
+      return InternalError("set point, input and output differ in length");
+    longest = std::max(longest, UsableRows(run));
+  }
+  LoopSpectra spectra;
+  spectra.sample_period = record.sample_period;
+  const auto within = static_cast<std::size_t>(options.segment / record.sample_period);
+  const std::size_t most = std::max(kShortestLoopSegment, 2 * longest / (kFewestLoopSegments + 1));
+  spectra.segment_length = options.segment_length > 0
+                               ? options.segment_length
+                               : std::bit_floor(std::min(std::max<std::size_t>(within, 1), most));
+  spectra.segments = SegmentsOf(record, spectra.segment_length);
+  if (spectra.segments < kFewestLoopSegments || spectra.segment_length < kShortestLoopSegment) {
+    return BadInput(
+        "the record is too short for averaged spectra: {} segments of {} samples without a gap, at least {} of {} are "
+        "needed; record longer{}",
+        spectra.segments, spectra.segment_length, kFewestLoopSegments, kShortestLoopSegment,
+        options.segment_length > 0 ? " or give a shorter --segment" : "");
+  }
+  const auto blocks = static_cast<std::size_t>(std::min(kMostLoopBlocks, spectra.segments / 2));
+  const std::size_t bins = spectra.segment_length / 2 + 1;
+  spectra.blocks.assign(blocks, std::vector<LoopSums>(bins));
+  SumSegments(record, options.limit, spectra);
+  spectra.bins.resize(bins);
+  for (const std::vector<LoopSums>& block : spectra.blocks)
+    for (std::size_t bin = 0; bin < bins; ++bin) spectra.bins[bin] += block[bin];
+  return spectra;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "core/result.h"
+#include "estimation/closed_loop/cross_spectra.h"
+#include "models/closed_loop.h"
+
+namespace hydroscope {
+
+/// A transfer function and the conditions it is fitted under.
+struct TransferModel {
+  const ClosedLoopPlant* plant = nullptr;
+  std::vector<double> geometry;  ///< as MachineKind::geometry lists it, SI
+  double hold = 0;               ///< s the input is held between rows; 0: it moves evenly
+
+  /// Output over input at a frequency (Hz) at the instants of the rows.
+  std::complex<double> Response(double frequency, const std::vector<double>& parameters) const;
+};
+
+/// Parameters with what is known of their errors.
+struct LoopEstimate {
+  std::vector<double> parameters;  ///< SI, as ClosedLoopPlant::parameters
+  /// Of the logarithms of positive parameters and of the gain's magnitude, of a delay itself.
+  Eigen::MatrixXd covariance;
+
+  /// Of a parameter, SI.
+  double Std(const LoopParameter& parameter, std::size_t index) const;
+};
+
+/// The same response with its poles shared out in another way (ClosedLoopPlant::share_out); nothing if there is no such way, or
+/// poles lie so close together that they are not known one by one.
+std::optional<LoopEstimate> SharedOut(const ClosedLoopPlant& plant, const LoopEstimate& estimate, int way);
+/// Of all ways the one nearest to `known` (SI; NaN: not known), in logarithms.
+LoopEstimate NearestWay(const ClosedLoopPlant& plant, const LoopEstimate& estimate,
+                        const std::vector<double>& known);
+
+/// A valley that the search ended in.
+struct TransferMinimum {
+  std::vector<double> parameters;  ///< SI
+  double chi_squared = 0;          ///< over the points of the search
+  int starts = 0;                  ///< that ended there
+};
+
+struct TransferFit : LoopEstimate {
+  double chi_squared = 0;  ///< of real and imaginary part of every point over its variance
+  int degrees_of_freedom = 0;
+  double inflation = 1;  ///< factor on the standard deviations, because the misfit exceeds the noise
+  double blocks = 0;     ///< behind the covariance: degrees of freedom of its variances, and one
+  std::vector<TransferMinimum> minima;  ///< of the search, best first
+  double lowest = 0, highest = 0;       ///< Hz
+};
+
+struct TransferFitOptions {
+  bool free_delay = true;
+  const TransferFit* near = nullptr;  ///< search from there and not from the starts
+};
+
+/// Fits the plant's transfer function to cross spectra with the set point by maximum likelihood: squares of
+///
+///   e(f) = (P_ry - G(f) P_ru) / sqrt(P_rr P_vv / 2),   v = y - G u
+///
+/// over the bins of `used`. P_ry - G P_ru has zero mean at the true G whatever circulates in the loop, since the set point comes
+/// from outside (Soederstroem and Stoica, System Identification, 1989, ch. 10), also where coherence is low; P_vv is taken
+/// from the measured ratio first, then from the model. Levenberg-Marquardt (Ceres) from the best of all combinations of starts.
+///
+/// Standard deviations come from how much the parts of the record pull at the parameters (sandwich, clustered by blocks of
+/// segments; Liang and Zeger 1986): overlapping segments, neighbouring bins and noise of any colour are in it. Those from the
+/// Jacobian would be too small.
+Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
+                                const TransferModel& model, const TransferFitOptions& options = {});
+
+}  // namespace hydroscope

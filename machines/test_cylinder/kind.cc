@@ -1,0 +1,77 @@
+#include "machines/test_cylinder/kind.h"
+
+#include <array>
+
+#include "machines/test_cylinder/changes.h"
+#include "machines/test_cylinder/response.h"
+#include "models/closed_loop.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr MachineInput kSignals[] = {
+    {.name = "z_set",
+     .si = "m",
+     .required = true,
+     .meaning = "set point of the position, excited from outside"},
+    {.name = "I_v",
+     .si = "A",
+     .required = true,
+     .meaning = "current of the valve, as the controller gives it out"},
+    {.name = "z", .si = "m", .required = true, .meaning = "position of the rod"},
+};
+constexpr MachineInput kGeometry[] = {
+    {.name = "A",
+     .si = "m2",
+     .required = true,
+     .meaning = "piston area, the same on both sides",
+     .positive = true},
+};
+constexpr MachineParameter kParameters[] = {
+    {"f_h", "Hz", "natural frequency of the oil column", "f_h",
+     "Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise."},
+    {"zeta_h", "1", "damping of the oil column", "\\zeta_h", "Friction of guides and seals, and leakage."},
+    {"f_sv", "Hz", "corner frequency of the valve", "f_{sv}", "A clogged pilot makes it fall."},
+    {"K_sv", "m3/(s A)", "flow gain of the valve", "K_{sv}", "Size of the valve and supply pressure."},
+    {"T_d", "s", "delay from current to reading, beside the hold", "T_d", "Filters and buses.", "ms", 1e3,
+     false},
+};
+
+// Poles of test cylinders and of their valves lie between 30 Hz and 1 kHz; combinations within a factor of two of the truth
+// lead to its minimum, and those with the poles swapped are looked at too, since that is a second minimum.
+constexpr double kFrequencies[] = {60, 120, 240, 480, 960};
+constexpr double kDampings[] = {0.15, 0.5, 1.2};
+constexpr LoopParameter kSearched[] = {
+    {.name = "f_h", .starts = kFrequencies, .wanted = 0.01, .unit = "Hz"},
+    {.name = "zeta_h", .starts = kDampings, .wanted = 0.03},
+    {.name = "f_sv", .starts = kFrequencies, .unit = "Hz"},
+    {.name = "K_sv", .kind = LoopParameter::Kind::kGain, .wanted = 0.005, .unit = "m3/(s A)"},
+    {.name = "T_d", .kind = LoopParameter::Kind::kDelay, .unit = "ms", .factor = 1e3},
+};
+
+MachineWords TestCylinderWords(const Machine&) { return {"position", "record", "set point", "", true}; }
+
+}  // namespace
+
+const ClosedLoopPlant kTestCylinderPlant = {
+    .set_point = "z_set",
+    .input = "I_v",
+    .output = "z",
+    .response = TestCylinderResponse,
+    .share_out = ShareOutPoles,
+    .ways = 3,
+    .parameters = kSearched,
+    // The published cylinder, set up again with another valve: 2.5 % in zeta_h, 1.8 standard deviations of such a difference.
+    .repeatability = 0.01,
+    .changes = TestCylinderChanges(),
+    .limit = kValveSaturation};
+
+const MachineKind kTestCylinder = {.id = "test_cylinder",
+                                   .title = "test cylinder",
+                                   .signals = kSignals,
+                                   .geometry = kGeometry,
+                                   .parameters = kParameters,
+                                   .output_unit = "m",
+                                   .words = TestCylinderWords};
+
+}  // namespace hydroscope

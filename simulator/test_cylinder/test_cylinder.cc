@@ -1,0 +1,165 @@
+#include "simulator/test_cylinder/test_cylinder.h"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "core/constants.h"
+#include "simulator/delay_line.h"
+#include "simulator/random.h"
+#include "simulator/test_cylinder/coloured_noise.h"
+#include "simulator/test_cylinder/plant.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLowCorner = 10, kBandLow = 150, kBandHigh = 450;  // Hz, the paper's sec. 3.2.1
+constexpr double kSettled = 2;   // s of the loop before the log begins, and before amplitudes are measured
+constexpr double kMeasured = 8;  // s over which they are
+
+/// PID on the position.
+class PositionController {
+ public:
+  explicit PositionController(const TestCylinderOptions& o)
+      : o_(o), gain_(kTwoPi * o.crossover * o.area / o.K_sv) {}
+  double Current(double set_point, double position) {
+    const double error = set_point - position;
+    if (o_.integral_time > 0) sum_ += error * o_.sample_period / o_.integral_time;
+    const double slope = first_ ? 0 : (error - before_) / o_.sample_period;
+    first_ = false;
+    before_ = error;
+    return gain_ * (error + sum_ + o_.derivative_time * slope);
+  }
+
+ private:
+  const TestCylinderOptions& o_;
+  double gain_, sum_ = 0, before_ = 0;
+  bool first_ = true;
+};
+
+/// The closed loop, row by row.
+class TestCylinderLoop {
+ public:
+  TestCylinderLoop(const TestCylinderOptions& o, double low, double high)
+      : o_(o),
+        low_(low),
+        high_(high),
+        plant_(o),
+        controller_(o),
+        delay_(o.sensor_delay, o.sample_period / kDelaySteps),
+        low_noise_(ColouredNoise::LowPass(kLowCorner, o.sample_period, StreamSeed(o.seed, "low set point"))),
+        high_noise_(ColouredNoise::BandPass(kBandLow, kBandHigh, o.sample_period,
+                                            StreamSeed(o.seed, "high set point"))),
+        disturbance_(
+            ColouredNoise::LowPass(kLowCorner, o.sample_period, StreamSeed(o.seed, "valve disturbance"))),
+        reading_(StreamSeed(o.seed, "position noise")) {
+    const double pole = std::exp(-kTwoPi * kLowCorner * o.sample_period);
+    disturbance_scale_ = o.disturbance * std::sqrt((1 + pole) / (1 - pole));
+    delay_.Push(0);
+  }
+
+  void Next(double& set_point, double& current, double& position) {
+    set_point = low_ * low_noise_.Next() + high_ * high_noise_.Next();
+    position = (o_.sensor_delay > 0 ? delay_.Read() : plant_.position()) + o_.noise * reading_.Normal();
+    current = controller_.Current(set_point, position);
+    const double disturbed = current + disturbance_scale_ * disturbance_.Next();
+    for (int k = 0; k < kDelaySteps; ++k) {
+      plant_.Advance(disturbed, o_.sample_period / kDelaySteps);
+      delay_.Push(plant_.position());
+    }
+  }
+
+ private:
+  static constexpr int kDelaySteps = 8;  // per row: a delay is interpolated between them
+
+  const TestCylinderOptions& o_;
+  double low_, high_, disturbance_scale_ = 0;
+  TestCylinderPlant plant_;
+  PositionController controller_;
+  DelayLine delay_;
+  ColouredNoise low_noise_, high_noise_, disturbance_;
+  RandomStream reading_;
+};
+
+/// Standard deviation of the current with set points of these amplitudes and nothing else.
+double CurrentOf(TestCylinderOptions o, double low, double high) {
+  o.noise = o.disturbance = o.coulomb = o.saturation = 0;
+  TestCylinderLoop loop(o, low, high);
+  double squares = 0, set_point = 0, current = 0, position = 0;
+  const auto settled = static_cast<std::int64_t>(kSettled / o.sample_period);
+  const auto rows = settled + static_cast<std::int64_t>(kMeasured / o.sample_period);
+  for (std::int64_t row = 0; row < rows; ++row) {
+    loop.Next(set_point, current, position);
+    if (row >= settled) squares += current * current;
+  }
+  return std::sqrt(squares / static_cast<double>(rows - settled));
+}
+
+}  // namespace
+
+Status Validate(const TestCylinderOptions& o) {
+  const auto check = [](const char* name, double value, double low, double high, const char* unit) -> Status {
+    if (value >= low && value <= high) return {};
+    return UsageError("{} is {} {}; it must lie between {} and {} {}", name, value, unit, low, high, unit);
+  };
+  for (const Status& s :
+       {check("f_h", o.f_h, 20, 1000, "Hz"), check("zeta_h", o.zeta_h, 0.02, 3, "1"),
+        check("f_sv", o.f_sv, 10, 1000, "Hz"), check("K_sv", o.K_sv, 1e-4, 1, "m3/(s A)"),
+        check("leak share", o.leak_share, 0, 1, "1"), check("seconds", o.seconds, 1, 1e5, "s"),
+        check("sample period", o.sample_period, 5e-5, 1e-3, "s"),
+        check("excitation", o.excitation, 0, 1, "A"), check("low share", o.low_share, 0, 1, "1"),
+        check("noise", o.noise, 0, 1, "m"), check("disturbance", o.disturbance, 0, 1, "A"),
+        check("crossover", o.crossover, 0.1, 30, "Hz"), check("integral time", o.integral_time, 0, 1e4, "s"),
+        check("derivative time", o.derivative_time, 0, 0.01, "s"),
+        check("Coulomb friction", o.coulomb, 0, 1e4, "N"),
+        check("sensor delay", o.sensor_delay, 0, 5e-3, "s"), check("saturation", o.saturation, 0, 1, "A"),
+        check("trapped air", o.trapped_air, 0, 0.5, "1"), check("specimen", o.specimen, 0, 1e9, "N/m")})
+    if (!s) return s;
+  return {};
+}
+
+TestCylinderLog SimulateTestCylinder(const TestCylinderOptions& o) {
+  const double low = o.low_share * o.excitation,
+               high = std::sqrt(1 - o.low_share * o.low_share) * o.excitation;
+  const double unit = 1e-3;  // m, an amplitude that the loop answers in proportion
+  TestCylinderLoop loop(o, low > 0 ? unit * low / CurrentOf(o, unit, 0) : 0,
+                        high > 0 ? unit * high / CurrentOf(o, 0, unit) : 0);
+  TestCylinderLog log;
+  double set_point = 0, current = 0, position = 0;
+  const auto settled = static_cast<std::int64_t>(kSettled / o.sample_period);
+  const auto rows = static_cast<std::int64_t>(std::llround(o.seconds / o.sample_period));
+  for (auto* column : {&log.t, &log.z_set, &log.I_v, &log.z}) column->reserve(static_cast<std::size_t>(rows));
+  for (std::int64_t row = -settled; row < rows; ++row) {
+    loop.Next(set_point, current, position);
+    if (row < 0) continue;
+    log.t.push_back(static_cast<double>(row) * o.sample_period);
+    log.z_set.push_back(set_point);
+    log.I_v.push_back(current);
+    log.z.push_back(position);
+  }
+  return log;
+}
+
+TestCylinderTruth TruthOf(const TestCylinderOptions& o) {
+  const TestCylinderPlant plant(o);
+  const double K = 1 / (1 / plant.bulk_modulus() + o.trapped_air / (o.supply / 2));
+  const double spring = o.volume / (4 * K * o.area * o.area);  // 1/(stiffness of the oil)
+  // Denominator s (a s^2 + b s + c); a specimen with leakage would also move the pole from 0, which is left out.
+  const double a = o.mass * spring;
+  const double b = plant.friction() * spring + o.mass * plant.leakage() / (o.area * o.area);
+  const double c = 1 + plant.friction() * plant.leakage() / (o.area * o.area) + o.specimen * spring;
+  return {std::sqrt(c / a) / kTwoPi, b / (2 * std::sqrt(a * c)), o.f_sv, o.K_sv / c, o.sensor_delay};
+}
+
+std::string FormatTestCylinder(const TestCylinderLog& log) {
+  std::string text = "t,z_set,I_v,z\n";
+  const auto end = std::back_inserter(text);
+  for (std::size_t k = 0; k < log.t.size(); ++k)
+    fmt::format_to(end, FMT_COMPILE("{:.6f},{:.6f},{:.5f},{:.6f}\n"), log.t[k], 1e3 * log.z_set[k],
+                   1e3 * log.I_v[k], 1e3 * log.z[k]);
+  return text;
+}
+
+}  // namespace hydroscope
