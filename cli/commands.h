@@ -13,6 +13,7 @@ namespace hydroscope {
 #define HYDROSCOPE_COMMANDS(_) \
   _(Init)                      \
   _(Check)                     \
+  _(Design)                    \
   _(Simulate)                  \
   _(Fit)                       \
   _(Compare)                   \

@@ -12,7 +12,7 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 63> kUnits = {{
+constexpr std::array<Named, 65> kUnits = {{
     {"1", {1, 0, "1"}},           {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},           {"ms", {1e-3, 0, "s"}},
     {"us", {1e-6, 0, "s"}},       {"ns", {1e-9, 0, "s"}},
@@ -39,6 +39,7 @@ constexpr std::array<Named, 63> kUnits = {{
     {"W", {1, 0, "W"}},           {"kW", {1e3, 0, "W"}},
     {"Nm", {1, 0, "N m"}},        {"rpm", {kTwoPi / 60, 0, "rad/s"}},
     {"m/s2", {1, 0, "m/s2"}},     {"kg", {1, 0, "kg"}},
+    {"kg m", {1, 0, "kg m"}},     {"kg m2", {1, 0, "kg m2"}},
     {"1/K", {1, 0, "1/K"}},       {"%/K", {0.01, 0, "1/K"}},
     {"mm/s2", {1e-3, 0, "m/s2"}}, {"rad/s2", {1, 0, "rad/s2"}},
     {"J", {1, 0, "J"}},           {"kJ", {1e3, 0, "J"}},

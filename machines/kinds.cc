@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "machines/die_cushion/kind.h"
+#include "machines/manipulator/kind.h"
 #include "machines/own_balance/kind.h"
 #include "machines/own_states/kind.h"
 #include "machines/test_cylinder/kind.h"
@@ -10,7 +11,7 @@ namespace hydroscope {
 
 std::span<const MachineKind* const> MachineKinds() {
   static constexpr const MachineKind* kKinds[] = {
-      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder,
+      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator,
   };
   return kKinds;
 }

@@ -103,6 +103,8 @@ TEST_F(CommandLine, EveryCommandAndOptionIsDocumented) {
                                                           {"check"},
                                                           {"simulate", "press"},
                                                           {"simulate", "valve"},
+                                                          {"simulate", "manipulator"},
+                                                          {"design"},
                                                           {"fit"},
                                                           {"frf"},
                                                           {"replay"},

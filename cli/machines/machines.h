@@ -8,7 +8,9 @@ namespace hydroscope {
 
 /// The simulated machines beside press and valve. Each lives in cli/machines/<name>.cc and adds `simulate <name>`, a log
 /// whose truth is known, and `benchmark <name>`, our figures beside published ones: one line here.
-#define HYDROSCOPE_SIMULATED_MACHINES(_) _(TestCylinder)
+#define HYDROSCOPE_SIMULATED_MACHINES(_) \
+  _(TestCylinder)                        \
+  _(Manipulator)
 
 #define HYDROSCOPE_DECLARE_MACHINE(Name)                      \
   void AddSimulate##Name(CLI::App& simulate, int& exit_code); \

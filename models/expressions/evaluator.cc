@@ -3,6 +3,7 @@
 #include <array>
 
 #include "models/expressions/check.h"
+#include "models/expressions/limits.h"
 
 namespace hydroscope {
 namespace {
@@ -32,7 +33,7 @@ ExpressionEvaluator::ExpressionEvaluator(const ExpressionNode& expression,
 
 void ExpressionEvaluator::Values(const std::vector<std::vector<double>>& channels, int first,
                                  std::span<double> values) const {
-  std::array<const double*, kMaxExpressionParts + 1> inputs{};
+  std::array<const double*, kMaxExpressionOperators + 1> inputs{};
   for (std::size_t i = 0; i < channels_.size(); ++i)
     inputs[i] = channels[static_cast<std::size_t>(channels_[i])].data() + first;
   program_.RunColumns(inputs.data(), values.size(), values.data());

@@ -79,14 +79,14 @@ TEST(Expression, AMistakeIsFoundAtItsCharacter) {
 }
 
 TEST(Expression, DeepOrLongOnesAreRefusedBeforeTheyHurt) {
-  EXPECT_THAT(ErrorOf(std::string(1000, '(')).text, HasSubstr("200 operators"));
+  EXPECT_THAT(ErrorOf(std::string(1000, '(')).text, HasSubstr("200 brackets"));
   std::string sum = "x";
-  for (int k = 0; k < 500; ++k) sum += "+x";
-  EXPECT_THAT(ErrorOf(sum).text, HasSubstr("200 operators"));
+  for (int k = 0; k < 1000; ++k) sum += "+x";
+  EXPECT_THAT(ErrorOf(sum).text, HasSubstr("500 operators"));
   EXPECT_THAT(ErrorOf(std::string(3000, ' ') + "x").text, HasSubstr("longer than 2000"));
   std::string power = "x";
-  for (int k = 0; k < 300; ++k) power += "^x";
-  EXPECT_THAT(ErrorOf(power).text, HasSubstr("200 operators"));
+  for (int k = 0; k < 600; ++k) power += "^x";
+  EXPECT_THAT(ErrorOf(power).text, HasSubstr("500 operators"));
 }
 
 TEST(Expression, UnitsThatCannotFitAreFound) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "models/expressions/limits.h"
 
 namespace hydroscope {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using Kind = ExpressionNode::Kind;
 
 constexpr std::size_t kMaxLength = 2000;
-constexpr int kMaxParts = kMaxExpressionParts;
+constexpr int kMaxParts = kMaxExpressionOperators;
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -72,6 +73,8 @@ class Parser {
   }
 
   Parsed Conditional() {
+    if (++brackets_ > kMaxExpressionParts)
+      return Fail(at_, fmt::format("more than {} brackets", kMaxExpressionParts));
     if (++parts_ > kMaxParts) return TooLong(at_);
     auto condition = Binary(0);
     SkipSpace();
@@ -190,7 +193,7 @@ class Parser {
 
   const std::string& text_;
   std::size_t at_ = 0;
-  int parts_ = 0;
+  int parts_ = 0, brackets_ = 0;
 };
 
 }  // namespace

@@ -37,12 +37,12 @@ struct ExpressionFunction {
 /// All of them, ddt included.
 const std::vector<ExpressionFunction>& ExpressionFunctions();
 
-/// Operators and brackets of an expression; bounds the depth of its tree, its names and the time it takes as well.
+/// Brackets of an expression, which bound the depth of its tree; its operators are bounded by models/expressions/limits.h.
 inline constexpr int kMaxExpressionParts = 200;
 
 /// Parses `condition ? a : b`, `|| && < <= > >= == != + - * / ! ^` (right associative, before a sign: -x^2 =
 /// -(x^2)), numbers, names and function calls. Names are not looked up. Errors: text longer than 2000
-/// characters, more than 200 operators and brackets, unknown function (suggests the nearest), wrong number of
+/// characters, more than 200 brackets or 500 operators, unknown function (suggests the nearest), wrong number of
 /// arguments, anything unexpected.
 ExpressionResult<Expression> ParseExpression(const std::string& text);
 

@@ -121,10 +121,12 @@ StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
 }
 
 Result<StatesFit> FitEpisodes(EpisodeLog log) {
-  const auto model = BuildStateModel(log.machine, log.machine.added_effects);
+  LinearStart start = StartOf(log.machine, log.episodes);
+  const auto model = BuildStateModel(start.machine, log.machine.added_effects);
   if (!model) return tl::unexpected(model.error());
   StatesFit out;
-  out.fit = FitStates(*model, log.episodes);
+  out.linear = std::move(start.fit);
+  out.fit = FitStates(*model, log.episodes, start.options);
   if (!out.fit.solved()) return BadInput("machine '{}': {}", log.machine.name, out.fit.failed);
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
@@ -172,7 +174,10 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   if (!log) return tl::unexpected(log.error());
   StatesExplained out;
   out.target = "--machine " + machine_file;
-  out.explanation = ExplainStates(*machine, log->episodes);
+  const LinearStart start = StartOf(*machine, log->episodes);
+  ExplainStatesOptions options;
+  options.fit = start.options;
+  out.explanation = ExplainStates(start.machine, log->episodes, options);
   if (out.explanation.base.fit.solved())
     for (std::string& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
       log->warnings.push_back(std::move(warning));

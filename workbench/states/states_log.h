@@ -7,6 +7,7 @@
 #include "core/records.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
+#include "estimation/linear_form/starts.h"
 #include "models/model_history.h"
 #include "pipeline/episodes.h"
 
@@ -35,6 +36,7 @@ inline constexpr double kSlowError = 0.5;
 struct StatesFit {
   EpisodeLog log;
   StateFit fit;
+  std::optional<LinearFit> linear;  ///< where the fit began, of kinds with a linear form
   StateRemainder left;
   StatesError error;
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.

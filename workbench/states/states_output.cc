@@ -226,6 +226,45 @@ const char* NoiseWords(const StateRemainder& left) {
   return left.structured ? "noise at most" : "noise alone";
 }
 
+/// What the linear form of the kind tells of the record: sums of parameters that it shows, what it does not.
+std::vector<std::string> BaseParameterTexts(const StatesFit& fit) {
+  std::vector<std::string> texts;
+  const LinearForm form = LinearFormOf(fit.log.machine);
+  for (std::size_t k = 0; k < fit.linear->base.kept.size(); ++k)
+    texts.push_back(BaseParameterText(form, fit.linear->base, k));
+  return texts;
+}
+
+std::vector<std::string> UnseenTexts(const StatesFit& fit) {
+  std::vector<std::string> texts;
+  const LinearForm form = LinearFormOf(fit.log.machine);
+  for (const int column : fit.linear->base.unseen)
+    texts.push_back(form.parameters[static_cast<std::size_t>(column)]);
+  return texts;
+}
+
+std::string LinearText(const StatesFit& fit) {
+  if (!fit.linear) return "";
+  if (!fit.linear->solved()) return fmt::format("base parameters: {}\n", fit.linear->failed);
+  const auto unseen = UnseenTexts(fit);
+  return fmt::format("base parameters: {}{}; condition of the record {:.1f}\n",
+                     fmt::join(BaseParameterTexts(fit), ", "),
+                     unseen.empty() ? "" : fmt::format("; not seen: {}", fmt::join(unseen, ", ")),
+                     fit.linear->base.condition);
+}
+
+nlohmann::json LinearJson(const StatesFit& fit) {
+  if (!fit.linear || !fit.linear->solved()) return nullptr;
+  nlohmann::json parameters;
+  for (std::size_t k = 0; k < fit.linear->parameters.size(); ++k)
+    parameters[fit.linear->parameters[k]] = {{"value", fit.linear->value[static_cast<Eigen::Index>(k)]},
+                                             {"std", fit.linear->std[static_cast<Eigen::Index>(k)]}};
+  return {{"base", BaseParameterTexts(fit)},
+          {"not_seen", UnseenTexts(fit)},
+          {"condition", fit.linear->base.condition},
+          {"parameters", parameters}};
+}
+
 }  // namespace
 
 std::vector<std::string> FitWarnings(const StatesFit& fit) {
@@ -260,8 +299,8 @@ std::string FitText(const StatesFit& fit) {
   text += ParameterLines(machine, fit.parameters);
   text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
                       fit.error.unit.name, NoiseWords(fit.left), fit.error.noise_floor, fit.error.unit.name);
-  return text + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) + WarningLines(FitWarnings(fit)) +
-         (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
+  return text + LinearText(fit) + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) +
+         WarningLines(FitWarnings(fit)) + (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
 
 nlohmann::json FitJson(const StatesFit& fit) {
@@ -282,6 +321,7 @@ nlohmann::json FitJson(const StatesFit& fit) {
           {"predictable", LeftJson(fit.left)},
           {"method", fit.prediction ? "prediction" : "free_run"},
           {"held_out", HeldOutObject(fit)},
+          {"linear", LinearJson(fit)},
           {"warnings", FitWarnings(fit)}};
 }
 

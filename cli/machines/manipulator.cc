@@ -1,0 +1,139 @@
+#include "simulator/manipulator/manipulator.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/machines/machines.h"
+#include "host/output.h"
+#include "report/text_sink.h"
+#include "studies/manipulator/benchmark.h"
+
+namespace hydroscope {
+namespace {
+
+struct ManipulatorArguments {
+  std::string out, truth, motion = "series", control = "datasheet";
+  std::vector<std::string> effects;
+  ManipulatorOptions options;
+  std::uint64_t random_machine = 0, motion_seed = 1;
+  double noise_factor = 1;
+  bool list_effects = false;
+};
+
+std::string EffectLines() {
+  std::string text = "effect                unit  typical  law\n";
+  for (const ManipulatorEffectInfo& e : ManipulatorEffects())
+    text += fmt::format("{:<21} {:<5} {:<8g} {}\n", e.id, e.unit, e.typical_size, e.law);
+  return text;
+}
+
+Result<ManipulatorOptions> ManipulatorOptionsOf(const ManipulatorArguments& a) {
+  ManipulatorOptions o = a.options;
+  if (a.random_machine != 0) o.truth = DrawnManipulator(a.random_machine);
+  o.motion = a.motion == "series" ? DrawnMotion(a.motion_seed) : ParallelogramMotion();
+  for (const std::string& effect : a.effects)
+    if (const Status s = HideEffect(effect, o.truth); !s) return tl::unexpected(s.error());
+  o.model = a.control == "true" ? TrueModel(o.truth) : DatasheetModel(o.truth);
+  for (double* std : {&o.noise.q, &o.noise.p, &o.noise.spool}) *std *= a.noise_factor;
+  if (const Status s = Validate(o); !s) return tl::unexpected(s.error());
+  return o;
+}
+
+nlohmann::json ManipulatorTruthOf(const ManipulatorOptions& o, const std::vector<std::string>& effects,
+                                  const TrackingError& tracking) {
+  nlohmann::json parameters;
+  for (const auto& [name, value] : TrueParameters(o.truth)) parameters[name] = value;
+  return {
+      {"machine", "manipulator"},
+      {"parameters", parameters},
+      {"effects", effects},
+      {"tracking",
+       {{"rms_m", tracking.rms}, {"max_m", tracking.largest}, {"max_speed_m_s", tracking.largest_speed}}}};
+}
+
+Status RunSimulation(const ManipulatorArguments& a) {
+  if (a.list_effects) {
+    Say(EffectLines());
+    return {};
+  }
+  if (a.out.empty()) return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
+  const auto options = ManipulatorOptionsOf(a);
+  if (!options) return tl::unexpected(options.error());
+  auto sink = TextSink::Open(a.out);
+  if (!sink) return tl::unexpected(sink.error());
+  const ManipulatorLog log = SimulateManipulator(*options);
+  std::string text = kManipulatorLogHeader;
+  for (const ManipulatorRow& row : log.rows) AppendManipulatorLine(row, text);
+  sink->Write(text);
+  if (const Status s = sink->Close(); !s || a.truth.empty()) return s;
+  return WriteJson(a.truth, ManipulatorTruthOf(*options, a.effects, log.tracking));
+}
+
+}  // namespace
+
+void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
+  CLI::App* app = simulate.add_subcommand(
+      "manipulator", "An arm of two joints, driven by cylinders with four-edge valves: a log as CSV");
+  auto a = std::make_shared<ManipulatorArguments>();
+  ManipulatorOptions& o = a->options;
+  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")->type_name("FILE");
+  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
+  app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+  app->add_option("--motion", a->motion,
+                  "series: both joints through their ranges; parallelogram: the paper's path")
+      ->check(CLI::IsMember({"series", "parallelogram"}))
+      ->capture_default_str();
+  app->add_option("--motion-seed", a->motion_seed, "Seed of the series")->capture_default_str();
+  app->add_option("--control", a->control, "What the controller believes: datasheet and CAD, or the truth")
+      ->check(CLI::IsMember({"datasheet", "true"}))
+      ->capture_default_str();
+  app->add_option("--effect", a->effects, "Hidden effect ID[=SIZE] in SI, repeatable")
+      ->type_name("EFFECT")
+      ->allow_extra_args(false);
+  app->add_flag("--list-effects", a->list_effects, "Print the effects with units and typical sizes");
+  app->add_option("--random-machine", a->random_machine, "Draw a machine with this seed (above 0)")
+      ->type_name("SEED");
+  app->add_option("--noise", a->noise_factor, "Sensor noise relative to the usual; 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app->add_option("--sample-period", o.sample_period, "s")->capture_default_str();
+  app->add_option("--truth", a->truth, "Write the true parameters and how well the arm followed as JSON")
+      ->type_name("FILE");
+  app->footer(
+      "Examples:\n"
+      "  hydroscope simulate manipulator --out arm.csv --truth arm.json\n"
+      "  hydroscope simulate manipulator --out heavy.csv --effect payload=80\n"
+      "  hydroscope simulate manipulator --out path.csv --motion parallelogram --control true --seconds 27");
+  app->callback([a, &exit_code] {
+    const Status status = RunSimulation(*a);
+    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
+  });
+}
+
+void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<ManipulatorBenchmarkOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "manipulator",
+      "Parameters of simulated manipulators against their truth; how well the arm follows the paper's path with them");
+  command->add_option("--cases", o->cases, "Drawn machines that are identified")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seconds", o->seconds, "Length of each record, s")
+      ->check(CLI::Range(20.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--effects", o->effects, "Logs with a hidden effect to explain, 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--jobs", o->threads, "Threads, 0 = one per core")->check(CLI::Range(0, 256));
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark manipulator\n"
+      "  hydroscope benchmark manipulator --cases 1 --effects 26");
+  command->callback([o, &exit_code] { exit_code = RunManipulatorBenchmark(*o); });
+}
+
+}  // namespace hydroscope

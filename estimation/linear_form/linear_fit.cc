@@ -1,0 +1,130 @@
+#include "estimation/linear_form/linear_fit.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+/// Information and gradient of the windows of a piece, weighted.
+struct PieceSums {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+class LinearFitter {
+ public:
+  LinearFitter(const WindowEquations& windows, const std::vector<int>& kept)
+      : known_(windows.known), noise_(windows.known.size(), 1.0) {
+    for (const Eigen::MatrixXd& whole : windows.regressor) {
+      Eigen::MatrixXd columns(whole.rows(), static_cast<Eigen::Index>(kept.size()));
+      for (std::size_t k = 0; k < kept.size(); ++k)
+        columns.col(static_cast<Eigen::Index>(k)) = whole.col(kept[k]);
+      regressor_.push_back(std::move(columns));
+    }
+    for (std::size_t e = 0; e < known_.size(); ++e) noise_[e] = std::max(Rms(known_[e]), 1e-300);
+  }
+
+  Eigen::VectorXd Solve(int rounds) {
+    Eigen::VectorXd theta;
+    for (int round = 0; round < rounds; ++round) {
+      const PieceSums all = Sums(0, known_.front().size());
+      theta = Solved(all);
+      for (std::size_t e = 0; e < known_.size(); ++e)
+        noise_[e] = std::max(Rms(known_[e] - regressor_[e] * theta), 1e-12 * Rms(known_[e]) + 1e-300);
+    }
+    return theta;
+  }
+
+  /// Standard deviations from the fits with each piece left out.
+  Eigen::VectorXd Jackknife(const Eigen::VectorXd& theta, int pieces) const {
+    const Eigen::Index windows = known_.front().size();
+    const PieceSums all = Sums(0, windows);
+    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size());
+    for (int p = 0; p < pieces; ++p) {
+      const PieceSums out = Sums(windows * p / pieces, windows * (p + 1) / pieces);
+      const PieceSums rest{all.information - out.information, all.gradient - out.gradient};
+      squares += (Solved(rest) - theta).cwiseAbs2();
+    }
+    return (squares * (pieces - 1.0) / pieces).cwiseSqrt();
+  }
+
+  const std::vector<double>& noise() const { return noise_; }
+
+ private:
+  static double Rms(const Eigen::VectorXd& values) {
+    return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
+  }
+  static Eigen::VectorXd Solved(const PieceSums& sums) {
+    const Eigen::VectorXd scale = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.information * scale.asDiagonal();
+    return scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(sums.gradient)));
+  }
+  PieceSums Sums(Eigen::Index first, Eigen::Index last) const {
+    const Eigen::Index count = regressor_.front().cols();
+    PieceSums sums{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+    for (std::size_t e = 0; e < known_.size(); ++e) {
+      const auto rows = regressor_[e].middleRows(first, last - first);
+      const double weight = 1 / (noise_[e] * noise_[e]);
+      sums.information += weight * rows.transpose() * rows;
+      sums.gradient += weight * rows.transpose() * known_[e].segment(first, last - first);
+    }
+    return sums;
+  }
+
+  std::vector<Eigen::MatrixXd> regressor_;
+  std::vector<Eigen::VectorXd> known_;
+  std::vector<double> noise_;
+};
+
+/// All equations one under the other, each over the size of what is known of it.
+Eigen::MatrixXd Stacked(const WindowEquations& windows) {
+  const auto equations = static_cast<Eigen::Index>(windows.regressor.size());
+  const Eigen::Index rows = windows.regressor.front().rows();
+  Eigen::MatrixXd all(rows * equations, windows.regressor.front().cols());
+  for (Eigen::Index e = 0; e < equations; ++e) {
+    const auto at = static_cast<std::size_t>(e);
+    all.middleRows(e * rows, rows) = windows.regressor[at] / std::max(windows.known[at].norm(), 1e-300);
+  }
+  return all;
+}
+
+}  // namespace
+
+LinearFit FitLinearForm(const LinearForm& form, const Machine& machine, std::span<const Episode> episodes,
+                        const LinearFitOptions& options) {
+  LinearFit fit;
+  const WindowEquations windows = WindowsOf(form, machine, episodes, options.windows);
+  fit.windows = static_cast<int>(windows.time.size());
+  const int needed = static_cast<int>(form.parameters.size()) + 2 * options.pieces;
+  if (fit.windows < needed) {
+    fit.failed = fmt::format("{} windows of {} s without a gap, at least {} are needed: record longer",
+                             fit.windows, 4 * options.windows.box, needed);
+    return fit;
+  }
+  fit.base = FindBaseParameters(Stacked(windows));
+  for (const int column : fit.base.kept)
+    fit.parameters.push_back(form.parameters[static_cast<std::size_t>(column)]);
+  LinearFitter fitter(windows, fit.base.kept);
+  fit.value = fitter.Solve(options.rounds);
+  fit.std = fitter.Jackknife(fit.value, options.pieces);
+  fit.noise = fitter.noise();
+  if (!fit.value.allFinite() || !fit.std.allFinite())
+    fit.failed = "the record does not move the machine enough to tell its parameters apart";
+  return fit;
+}
+
+std::string BaseParameterText(const LinearForm& form, const BaseParameterSet& base, std::size_t kept) {
+  const int own = base.kept[kept];
+  std::string text = form.parameters[static_cast<std::size_t>(own)];
+  for (Eigen::Index j = 0; j < base.combination.cols(); ++j) {
+    const double share = base.combination(static_cast<Eigen::Index>(kept), j);
+    if (j == own || share == 0) continue;
+    text += fmt::format(" {} {:.4g} {}", share < 0 ? "-" : "+", std::abs(share),
+                        form.parameters[static_cast<std::size_t>(j)]);
+  }
+  return text;
+}
+
+}  // namespace hydroscope
