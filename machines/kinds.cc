@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "machines/die_cushion/kind.h"
+#include "machines/flexible_axis/kind.h"
 #include "machines/manipulator/kind.h"
 #include "machines/own_balance/kind.h"
 #include "machines/own_states/kind.h"
@@ -11,7 +12,7 @@ namespace hydroscope {
 
 std::span<const MachineKind* const> MachineKinds() {
   static constexpr const MachineKind* kKinds[] = {
-      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator,
+      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator, &kFlexibleAxis,
   };
   return kKinds;
 }

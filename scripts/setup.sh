@@ -18,7 +18,7 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
+    --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev libpagmo-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
     --style) packages+=(clang-format) ;;
     --fuzz) packages+=(clang libclang-rt-14-dev) ;;
     *) echo "setup.sh: unknown option '$option', expected --bench, --fuzz or --style" >&2; exit 2 ;;

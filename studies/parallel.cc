@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <ctime>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -24,6 +25,12 @@ void ForEachCase(int count, ProgressBar& progress, const std::function<void(int)
   std::vector<std::jthread> others;
   for (int t = 1; t < std::min(most, count); ++t) others.emplace_back(run);
   run();
+}
+
+double ThreadSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace hydroscope

@@ -11,4 +11,7 @@ namespace hydroscope {
 /// index.
 void ForEachCase(int count, ProgressBar& progress, const std::function<void(int)>& work, int threads = 0);
 
+/// CPU time of this thread, s.
+double ThreadSeconds();
+
 }  // namespace hydroscope

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <mutex>
 #include <random>
 
@@ -118,13 +117,6 @@ b = { start = 2, min = 0.5, max = 50 }
 }
 
 constexpr std::array<const char*, 3> kKindNames = {"oscillator", "tanks", "actuator"};
-
-/// CPU time of this thread.
-double ThreadSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Error of the machine's next log, free run with its initial states estimated, over its noise.
 double NextLogError(const StateMachineCase& one, const Machine& machine, const StateFit& fit) {

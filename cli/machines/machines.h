@@ -10,7 +10,8 @@ namespace hydroscope {
 /// whose truth is known, and `benchmark <name>`, our figures beside published ones: one line here.
 #define HYDROSCOPE_SIMULATED_MACHINES(_) \
   _(TestCylinder)                        \
-  _(Manipulator)
+  _(Manipulator)                         \
+  _(FlexibleAxis)
 
 #define HYDROSCOPE_DECLARE_MACHINE(Name)                      \
   void AddSimulate##Name(CLI::App& simulate, int& exit_code); \

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
 #include "estimation/states/evidence.h"
+#include "estimation/states/growing.h"
 #include "estimation/states/shooting.h"
 
 namespace hydroscope {
@@ -211,7 +213,8 @@ bool TakeRuns(shooting::Task& task, const shooting::Point& point, StateFit& fit)
 /// Fits all rows from a point, twice where several outputs are weighted by their noise.
 StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bool fixed,
                 const StateFitOptions& options) {
-  constexpr double kQuiet = 1e-9;  // of an output's variation: simulated logs without noise
+  constexpr double kQuiet = 1e-9;      // of an output's variation: simulated logs without noise
+  constexpr double kSameNoise = 0.02;  // weights that differ by less give the same fit
   StateFit fit;
   fit.model = task.model;
   fit.scale = OutputScale(*task.model, task.episodes);
@@ -224,7 +227,9 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
       return fit;
     }
     fit.noise = RmsOf(fit.residuals, task.model->output.rows).cwiseMax(kQuiet * fit.scale);
+    const bool same = (fit.noise - task.noise).cwiseQuotient(task.noise).cwiseAbs().maxCoeff() < kSameNoise;
     if (!noise_known) task.noise = fit.noise;
+    if (same) break;
   }
   TakePieces(task, options, fit);
   TakeCovariance(task, fit);
@@ -250,8 +255,59 @@ Eigen::VectorXd RmsOf(const std::vector<RowMatrix>& residuals, int outputs) {
   return energy.cwiseQuotient(count.cwiseMax(1.0)).cwiseSqrt();
 }
 
+namespace {
+
+/// Starts one after the other over a growing horizon, until one leaves no more than white noise or ends where the best did.
+StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
+  task.noise = WhiteNoise(*task.model, task.episodes, OutputScale(*task.model, task.episodes));
+  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);
+  double readings = 0;
+  for (const Episode& e : task.episodes) readings += static_cast<double>(e.rows() * task.model->output.rows);
+  std::vector<StateMinimum> minima;
+  shooting::Point best;
+  int tried = 0, diverged = 0;
+  for (const Eigen::VectorXd& start : starts) {
+    ++tried;
+    shooting::Point point = FitGrowing(task, start, options);
+    if (!point.valid) {
+      ++diverged;
+      continue;
+    }
+    const auto same = std::find_if(minima.begin(), minima.end(), [&](const StateMinimum& m) {
+      return std::abs(m.cost - point.cost) <= options.same_minimum * std::min(m.cost, point.cost);
+    });
+    const bool again = same != minima.end();
+    if (again)
+      ++same->starts;
+    else
+      minima.push_back({shooting::Unscaled(task, point.q), point.cost, 1});
+    const double least = best.valid ? best.cost : std::numeric_limits<double>::infinity();
+    if (point.cost < least) best = std::move(point);
+    // The best minimum again: there is hardly a better one.
+    if (again && same->cost <= (1 + options.same_minimum) * best.cost) break;
+    if (2 * best.cost <= options.at_noise * readings) break;
+  }
+  if (!best.valid) {
+    StateFit none;
+    none.model = task.model;
+    none.failed = DivergedText(task, starts.front());
+    return none;
+  }
+  std::sort(minima.begin(), minima.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  const double lowest = std::max(minima.front().cost, 1e-300);
+  for (StateMinimum& m : minima) m.cost = std::sqrt(m.cost / lowest);
+  StateFit fit = Finish(std::move(task), std::move(best), false, false, options);
+  fit.minima = std::move(minima);
+  fit.starts_tried = tried;
+  fit.starts_diverged = diverged;
+  return fit;
+}
+
+}  // namespace
+
 StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                    const StateFitOptions& options) {
+  if (GrowsHorizon(*model)) return FitStarts(TaskOf(model, episodes), options);
   const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
   const shooting::Task task = TaskOf(model, few);
   const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);

@@ -10,12 +10,16 @@
 namespace hydroscope {
 
 struct StateFitOptions {
-  int starts = 8;          ///< drawn from the ranges of the parameters, beside that of the machine file
-  std::uint32_t seed = 1;  ///< of the draws
-  int start_rows = 1000;   ///< starts are tried on so many rows, the best minima are then fitted to all
-  int segment_rows = 50;   ///< of the shooting segments that a start is first fitted with
-  int polished = 2;        ///< minima that are fitted to all rows
-  int iterations = 60;     ///< of the last fit
+  int starts = 8;           ///< drawn from the ranges of the parameters, beside that of the machine file
+  std::uint32_t seed = 1;   ///< of the draws
+  int start_rows = 1000;    ///< starts are tried on so many rows, the best minima are then fitted to all
+  int segment_rows = 50;    ///< of the shooting segments that a start is first fitted with
+  int first_horizon = 200;  ///< rows that a start is first fitted to where the horizon grows (growing.h)
+  double horizon_tolerance = 3e-3;  ///< relative change of the cost at which it grows
+  double at_noise =
+      1.1;  ///< energy of the error over that of white noise at which no further start is tried there
+  int polished = 2;     ///< minima that are fitted to all rows
+  int iterations = 60;  ///< of the last fit
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit
@@ -71,7 +75,8 @@ struct StateFit {
 
 /// Fits by output error: free runs over whole episodes, outputs weighted by their noise, the squares of the errors minimised
 /// by Ceres within the ranges. Each start is first fitted with short segments whose joints are soft (multiple shooting, Bock
-/// 1981), since a free run from far off diverges or ends in a wrong minimum; then as a whole.
+/// 1981), since a free run from far off diverges or ends in a wrong minimum; then as a whole. Models with several outputs are
+/// fitted over a growing horizon instead (growing.h).
 StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                    const StateFitOptions& options = {});
 

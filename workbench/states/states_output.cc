@@ -270,6 +270,8 @@ nlohmann::json LinearJson(const StatesFit& fit) {
 std::vector<std::string> FitWarnings(const StatesFit& fit) {
   std::vector<std::string> warnings = fit.log.warnings;
   for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
+  if (!fit.fit.unseen.empty())
+    warnings.push_back("to see what these data do not, vary " + WordsOf(fit.log.machine).vary);
   for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
     if (fit.fit.at_limit[p])
       warnings.push_back(

@@ -1,0 +1,134 @@
+#include "studies/flexible_axis.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/finite_number.h"
+#include "cli/machines/machines.h"
+#include "host/output.h"
+#include "report/text_sink.h"
+#include "simulator/flexible_axis/log.h"
+
+namespace hydroscope {
+namespace {
+
+struct FlexibleAxisArguments {
+  std::string out, manoeuvre = "step", truth;
+  std::vector<std::string> effects;
+  std::uint64_t random_machine = 0;
+  FlexibleAxisOptions options;
+};
+
+Status TakeFault(const std::string& text, FlexibleAxisFaults& faults) {
+  const auto equals = text.find('=');
+  const std::string id = text.substr(0, equals);
+  std::vector<std::string> known;
+  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults()) {
+    known.emplace_back(fault.id);
+    if (id != fault.id) continue;
+    if (equals == std::string::npos) {
+      faults.*fault.size = fault.typical;
+      return {};
+    }
+    const auto size = FiniteNumber(text.substr(equals + 1));
+    if (!size)
+      return UsageError("--effect {}: expected NAME or NAME=NUMBER, e.g. {}={:g}", text, id, fault.typical);
+    faults.*fault.size = *size;
+    return {};
+  }
+  return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
+}
+
+nlohmann::json FlexibleAxisTruth(const FlexibleAxisOptions& o) {
+  nlohmann::json parameters, noise, faults = nlohmann::json::array();
+  for (const auto& [name, size] : TrueParameters(o.machine)) parameters[name] = size;
+  for (const auto& [name, size] : NoiseOf(o.sensors)) noise[name] = size;
+  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults())
+    if (o.faults.*fault.size != 0) faults.push_back({{"id", fault.id}, {"size", o.faults.*fault.size}});
+  return {{"parameters", parameters}, {"noise", noise}, {"effects", faults}, {"seed", o.seed}};
+}
+
+Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
+  if (a.random_machine != 0) a.options.machine = RandomFlexibleAxis(a.random_machine);
+  for (const AxisManoeuvreInfo& info : AllAxisManoeuvres())
+    if (a.manoeuvre == info.name) a.options.manoeuvre = info.manoeuvre;
+  for (const std::string& text : a.effects)
+    if (const Status s = TakeFault(text, a.options.faults); !s) return s;
+  if (const Status s = Validate(a.options); !s) return s;
+  auto sink = TextSink::Open(a.out);
+  if (!sink) return tl::unexpected(sink.error());
+  sink->Write(FormatFlexibleAxis(SimulateFlexibleAxis(a.options)));
+  if (const Status s = sink->Close(); !s) return s;
+  return a.truth.empty() ? Status() : WriteJson(a.truth, FlexibleAxisTruth(a.options));
+}
+
+}  // namespace
+
+void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
+  CLI::App* app = simulate.add_subcommand("flexible-axis", "A servo axis with a flexible load: a log as CSV");
+  auto a = std::make_shared<FlexibleAxisArguments>();
+  std::vector<std::string> names;
+  std::string manoeuvres, effects;
+  for (const AxisManoeuvreInfo& info : AllAxisManoeuvres()) {
+    names.emplace_back(info.name);
+    manoeuvres += fmt::format("  {:<22}{}\n", info.name, info.meaning);
+  }
+  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults())
+    effects += fmt::format("  {:<22}{} ({:g} {})\n", fault.id, fault.meaning, fault.typical, fault.unit);
+  FlexibleAxisOptions& o = a->options;
+  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app->add_option("--effect", a->effects, "What is wrong with it, NAME or NAME=SIZE; repeatable");
+  app->add_option("--random-machine", a->random_machine,
+                  "Draw its parameters with this seed; 0: the published ones");
+  app->add_option("--rows", o.rows, "Samples")->capture_default_str();
+  app->add_option("--sample-period", o.period, "s")->capture_default_str();
+  app->add_option("--filter", o.sensors.filter, "Hz, low-pass of first order in every sensor; 0 = none")
+      ->capture_default_str();
+  app->add_option("--bits", o.sensors.bits, "Resolution of the converters; 0 = no steps")
+      ->capture_default_str();
+  app->add_option("--coloured", o.sensors.coloured,
+                  "How much of the noise remembers itself from row to row, 0 ... 1")
+      ->capture_default_str();
+  app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
+  app->footer(
+      "Manoeuvres:\n" + manoeuvres + "Effects, with sizes that are clearly visible:\n" + effects +
+      "Examples:\n"
+      "  hydroscope simulate flexible-axis --out axis.csv --manoeuvre staircase --truth axis.json\n"
+      "  hydroscope simulate flexible-axis --out air.csv --manoeuvre staircase --effect free_air=0.01");
+  app->callback([a, &exit_code] {
+    const Status status = RunFlexibleAxisSimulation(*a);
+    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
+  });
+}
+
+void AddBenchmarkFlexibleAxis(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<FlexibleAxisStudyOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "flexible-axis",
+      "Servo axis with a flexible load: random machines fitted from starts within a factor of ten");
+  command->add_option("--machines", o->machines, "Random machines")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the first")->capture_default_str();
+  command->add_option("--starts", o->starts, "At most so many starts each")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--effects", o->effects, "Hide each effect of the library in turn instead, and explain");
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark flexible-axis\n"
+      "  hydroscope benchmark flexible-axis --effects --machines 2");
+  command->callback([o, &exit_code] { exit_code = RunFlexibleAxisStudy(*o); });
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,225 @@
+#include "estimation/states/growing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace hydroscope {
+namespace {
+
+constexpr int kOutputsThatGrow = 3;
+
+/// Normal equations of free runs over the first rows of all episodes: parameters, then free initial states by episode.
+struct HorizonSums {
+  double cost = std::numeric_limits<double>::infinity();  ///< half the sum of squares
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd gradient;
+};
+
+class GrowingFit {
+ public:
+  GrowingFit(const shooting::Task& task, const Eigen::VectorXd& start, const StateFitOptions& options)
+      : task_(task),
+        options_(options),
+        simulator_(task.model),
+        segments_(shooting::WholeEpisodes(task.episodes)),
+        free_(shooting::FreeStates(*task.model, {0, 0, 0, false})) {
+    for (std::size_t p = 0; p < task.scale.size(); ++p)
+      point_.q.push_back(task.scale.ToScaled(p, start[static_cast<Eigen::Index>(p)]));
+    shooting::GuessSegments(task, segments_, point_);
+  }
+
+  shooting::Point Run() {
+    constexpr double kAstray = 3;   // the cost of a reading grew by so much: the longer run lost its way
+    constexpr double kLeast = 1.1;  // growth from which on that is the model's fault
+    constexpr double kGrowth = 2;
+    constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
+    int longest = 0;
+    for (const Episode& e : task_.episodes) longest = std::max(longest, e.rows());
+    shooting::Point before = point_;
+    int reached = std::min(options_.first_horizon, longest), rows = reached;
+    double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
+    while (true) {
+      const bool last = rows >= longest;
+      if (!Minimise(rows, last ? options_.iterations : options_.start_iterations,
+                    last ? options_.start_tolerance : options_.horizon_tolerance))
+        point_.cost = std::numeric_limits<double>::infinity();
+      const double cost = point_.cost / rows;
+      if (!(cost < kAstray * least) && growth > kLeast && rows > reached) {
+        growth = std::sqrt(growth);
+        point_ = before;
+      } else {
+        if (!std::isfinite(point_.cost)) return {};
+        if (last) break;
+        before = point_;
+        least = cost;
+        reached = rows;
+        growth = std::min(growth * growth, kGrowth);
+      }
+      rows = std::max(reached + 1, static_cast<int>(growth * reached));
+      if (rows > longest - reached / kRest) rows = longest;
+    }
+    point_.valid = true;
+    return point_;
+  }
+
+ private:
+  int parameters() const { return static_cast<int>(point_.q.size()); }
+  int unknowns() const { return parameters() + static_cast<int>(free_.size() * segments_.size()); }
+
+  /// False if the model diverges at the point it begins at.
+  bool Minimise(int rows, int iterations, double tolerance) {
+    constexpr double kFirst = 1e-3, kLess = 0.1, kMore = 4, kLargest = 1e12;
+    HorizonSums here = Evaluate(point_, rows);
+    if (!std::isfinite(here.cost)) return false;
+    double damping = kFirst * here.hessian.diagonal().head(parameters()).maxCoeff();
+    const double least = 1e-12 * damping;
+    for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
+      const auto next = Stepped(here, damping);
+      if (!next) {
+        damping *= kMore;
+        continue;
+      }
+      ++k;
+      HorizonSums there = Evaluate(*next, rows);
+      if (!(there.cost < here.cost)) {
+        if (std::isfinite(there.cost) && there.cost - here.cost < tolerance * here.cost) break;
+        damping *= kMore * kMore;
+        continue;
+      }
+      const double gain = here.cost - there.cost;
+      point_ = *next;
+      here = std::move(there);
+      damping = std::max(damping * kLess, least);
+      if (gain < tolerance * here.cost) break;
+    }
+    point_.cost = here.cost;
+    return true;
+  }
+
+  /// The damped step, within the ranges; nothing if it is too long to be trusted.
+  std::optional<shooting::Point> Stepped(const HorizonSums& at, double damping) const {
+    constexpr double kLongest = 1;        // of a parameter on its scale
+    constexpr double kStateShare = 1e-9;  // initial states are damped by their own curvature alone
+    const int n = parameters();
+    Eigen::MatrixXd matrix = at.hessian;
+    Eigen::VectorXd gradient = at.gradient;
+    for (int i = 0; i < unknowns(); ++i)
+      matrix(i, i) += i < n ? damping : kStateShare * matrix(i, i) + 1e-300;
+    for (int p = 0; p < n; ++p) {  // what would leave its range stays
+      const auto i = static_cast<std::size_t>(p);
+      if (!((point_.q[i] <= task_.scale.low(i) && gradient[p] > 0) ||
+            (point_.q[i] >= task_.scale.high(i) && gradient[p] < 0)))
+        continue;
+      matrix.row(p).setZero();
+      matrix.col(p).setZero();
+      matrix(p, p) = 1;
+      gradient[p] = 0;
+    }
+    const Eigen::VectorXd step = -matrix.ldlt().solve(gradient);
+    if (!step.allFinite() || (n > 0 && step.head(n).cwiseAbs().maxCoeff() > kLongest)) return std::nullopt;
+    shooting::Point next = point_;
+    for (int p = 0; p < n; ++p) {
+      const auto i = static_cast<std::size_t>(p);
+      next.q[i] = std::clamp(next.q[i] + step[p], task_.scale.low(i), task_.scale.high(i));
+    }
+    int column = n;
+    for (auto& z : next.z)
+      for (const int i : free_) z[static_cast<std::size_t>(i)] += step[column++];
+    return next;
+  }
+
+  HorizonSums Evaluate(const shooting::Point& point, int rows) {
+    const StateModel& model = *task_.model;
+    const int n = parameters(), states = model.states(), outputs = model.output.rows,
+              free = static_cast<int>(free_.size());
+    HorizonSums sum{0, Eigen::MatrixXd::Zero(unknowns(), unknowns()), Eigen::VectorXd::Zero(unknowns())};
+    task_.Set(shooting::Unscaled(task_, point.q), simulator_);
+    Eigen::VectorXd factor(n + free);
+    for (int p = 0; p < n; ++p)
+      factor[p] = task_.scale.Slope(static_cast<std::size_t>(p), point.q[static_cast<std::size_t>(p)]);
+    factor.tail(free).setOnes();
+    for (std::size_t e = 0; e < task_.episodes.size(); ++e) {
+      const Episode& episode = task_.episodes[e];
+      Eigen::VectorXd given(states);
+      for (int i = 0; i < states; ++i)
+        given[i] = point.z[e][static_cast<std::size_t>(i)] * task_.state_scale[i];
+      RowMatrix by_parameter;
+      const Eigen::VectorXd x0 = simulator_.Initial(episode, given, &by_parameter);
+      RowMatrix start = RowMatrix::Zero(states, n + free);
+      start.leftCols(by_parameter.cols()) = by_parameter;
+      for (int k = 0; k < free; ++k)
+        start(free_[static_cast<std::size_t>(k)], n + k) =
+            task_.state_scale[free_[static_cast<std::size_t>(k)]];
+      const int last = std::min(rows, episode.rows()) - 1;
+      simulator_.Run(episode, 0, last, x0, &start, run_);
+      if (run_.diverged) return {};
+      error_.resize((last + 1) * outputs);
+      for (int row = 0; row <= last; ++row)
+        for (int j = 0; j < outputs; ++j) {
+          const double measured = episode.signal(row, model.outputs[static_cast<std::size_t>(j)]);
+          const bool good = std::isfinite(measured);
+          const int at = row * outputs + j;
+          error_[at] = good ? (run_.outputs(row, j) - measured) / task_.noise[j] : 0.0;
+          run_.slopes.row(at) *= good ? 1 / task_.noise[j] : 0.0;
+        }
+      sum.cost += 0.5 * error_.squaredNorm();
+      const Eigen::MatrixXd square =
+          factor.asDiagonal() * (run_.slopes.transpose() * run_.slopes) * factor.asDiagonal();
+      const Eigen::VectorXd slope = factor.cwiseProduct(run_.slopes.transpose() * error_);
+      const int at = n + static_cast<int>(e) * free;
+      sum.hessian.topLeftCorner(n, n) += square.topLeftCorner(n, n);
+      sum.hessian.block(at, at, free, free) += square.bottomRightCorner(free, free);
+      sum.hessian.block(0, at, n, free) += square.topRightCorner(n, free);
+      sum.hessian.block(at, 0, free, n) += square.bottomLeftCorner(free, n);
+      sum.gradient.head(n) += slope.head(n);
+      sum.gradient.segment(at, free) += slope.tail(free);
+    }
+    if (!std::isfinite(sum.cost) || !sum.hessian.allFinite()) return {};
+    return sum;
+  }
+
+  const shooting::Task& task_;
+  const StateFitOptions& options_;
+  StateSimulator simulator_;
+  std::vector<shooting::Segment> segments_;
+  std::vector<int> free_;
+  shooting::Point point_;
+  StateRun run_;
+  Eigen::VectorXd error_;
+};
+
+}  // namespace
+
+bool GrowsHorizon(const StateModel& model) {
+  return model.output.rows >= kOutputsThatGrow && model.parameter_count() > 0;
+}
+
+Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,
+                           const Eigen::VectorXd& largest) {
+  constexpr double kEnergy = 20;  // 1 + 9 + 9 + 1, of the third difference of white noise
+  Eigen::VectorXd noise = largest;
+  for (int j = 0; j < noise.size(); ++j) {
+    double energy = 0, count = 0;
+    for (const Episode& e : episodes)
+      for (int row = 3; row < e.rows(); ++row) {
+        const auto y = [&](int back) {
+          return e.signal(row - back, model.outputs[static_cast<std::size_t>(j)]);
+        };
+        const double third = y(0) - 3 * y(1) + 3 * y(2) - y(3);
+        if (!std::isfinite(third)) continue;
+        energy += third * third;
+        count += 1;
+      }
+    if (count > 0 && energy > 0) noise[j] = std::min(noise[j], std::sqrt(energy / (kEnergy * count)));
+  }
+  return noise;
+}
+
+shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
+                           const StateFitOptions& options) {
+  return GrowingFit(task, start, options).Run();
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "estimation/states/fit.h"
+#include "estimation/states/shooting.h"
+
+namespace hydroscope {
+
+/// Whether a model is fitted over a growing horizon: several outputs tell the states from a few rows on.
+bool GrowsHorizon(const StateModel& model);
+
+/// Standard deviation of the white noise of each output from its third differences, at most `largest` of it: what moves evenly
+/// over four rows leaves nothing in them.
+Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,
+                           const Eigen::VectorXd& largest);
+
+/// Output error over a growing horizon: free runs over the first rows of each episode, then twice as many, and so on to the
+/// end, by Levenberg and Marquardt's method on normal equations, no step longer than e of a parameter (1 on its scale). Free
+/// runs from far off go astray over a whole record, but not over its first rows. Not valid where the model diverges.
+shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
+                           const StateFitOptions& options);
+
+}  // namespace hydroscope

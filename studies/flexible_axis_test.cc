@@ -1,0 +1,85 @@
+#include "studies/flexible_axis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hydroscope {
+namespace {
+
+StateFit FitOf(AxisManoeuvre manoeuvre, const FlexibleAxisMachine& machine, std::uint64_t start, int starts) {
+  FlexibleAxisOptions o;
+  o.machine = machine;
+  o.manoeuvre = manoeuvre;
+  const Episode episode = FlexibleAxisEpisode(SimulateFlexibleAxis(o));
+  const auto model = BuildStateModel(FlexibleAxisFile(), {});
+  StateFit none;
+  if (!model) none.failed = model.error().text;
+  if (!model) return none;
+  StateFitOptions options;
+  options.starts = starts;
+  return FitStates(StartedWithinTen(**model, FlexibleAxisParameters(machine), start), std::span(&episode, 1),
+                   options);
+}
+
+TEST(FlexibleAxisStudy, TheStaircaseTellsAllFifteenParameters) {
+  const FlexibleAxisMachine machine;
+  const StateFit fit = FitOf(AxisManoeuvre::kStaircase, machine, 7, 4);
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  const Eigen::VectorXd truth = FlexibleAxisParameters(machine);
+  for (Eigen::Index p = 0; p < truth.size(); ++p) {
+    const double deviation = std::sqrt(fit.covariance(p, p));
+    EXPECT_LT(deviation, 0.1 * truth[p]) << fit.model->parameters[static_cast<std::size_t>(p)].name;
+    EXPECT_NEAR(fit.parameters[p], truth[p], 4.5 * deviation + 1e-4 * truth[p])
+        << fit.model->parameters[static_cast<std::size_t>(p)].name;
+  }
+  EXPECT_TRUE(fit.unseen.empty());
+}
+
+TEST(FlexibleAxisStudy, AStepLeavesParametersUnseenAndSaysWhich) {
+  const FlexibleAxisMachine machine;
+  const StateFit fit = FitOf(AxisManoeuvre::kStep, machine, 7, 4);
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_FALSE(fit.unseen.empty());
+  bool bends = false;
+  for (const UnseenDirection& unseen : fit.unseen)
+    for (const auto& [name, share] : unseen.parts) bends = bends || name == "p_0";
+  EXPECT_TRUE(bends) << "how the bulk modulus bends over pressure";
+}
+
+TEST(FlexibleAxisStudy, EachEffectIsFoundAtItsSize) {
+  const FlexibleAxisMachine machine;
+  const Eigen::VectorXd truth = FlexibleAxisParameters(machine);
+  const AxisSensors noise;
+  const Eigen::VectorXd weights{
+      {noise.position, noise.position, noise.acceleration, noise.pressure, noise.pressure}};
+  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults()) {
+    FlexibleAxisOptions o;
+    o.manoeuvre = AxisManoeuvre::kStaircase;
+    o.faults.*fault.size = fault.typical;
+    const Episode episode = FlexibleAxisEpisode(SimulateFlexibleAxis(o));
+    const auto fitted = [&](const std::vector<std::string>& effects) {
+      const auto model = BuildStateModel(FlexibleAxisFile(), effects);
+      StateStart start;
+      start.parameters = truth;
+      start.parameters.conservativeResize((*model)->parameter_count());
+      for (Eigen::Index p = truth.size(); p < start.parameters.size(); ++p)
+        start.parameters[p] = (*model)->parameters[static_cast<std::size_t>(p)].spec.start;
+      return RefitStates(*model, std::span(&episode, 1), std::span(&start, 1), weights);
+    };
+    const StateFit without = fitted({}), with = fitted({fault.id});
+    ASSERT_TRUE(with.solved()) << fault.id << ": " << with.failed;
+    const double readings = 5.0 * episode.rows();
+    EXPECT_LT(ChiSquare(with, noise), 1.05 * readings) << fault.id;
+    ASSERT_TRUE(without.solved()) << fault.id << ": " << without.failed;
+    EXPECT_GT(ChiSquare(without, noise), ChiSquare(with, noise) + 100) << fault.id;
+    const Eigen::Index effect = truth.size();
+    EXPECT_NEAR(with.parameters[effect], fault.typical,
+                4.5 * std::sqrt(with.covariance(effect, effect)) + 0.01 * fault.typical)
+        << fault.id;
+  }
+}
+
+}  // namespace
+}  // namespace hydroscope
