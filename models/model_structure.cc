@@ -6,6 +6,7 @@
 #include "core/limits.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
+#include "models/state_structure.h"
 
 namespace hydroscope {
 
@@ -42,8 +43,8 @@ namespace {
 
 Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
-  if (kind.build != nullptr) {
-    auto model = kind.build(machine);
+  if (kind.build != nullptr || kind.has_states) {
+    auto model = kind.has_states ? BuildStateStructure(machine) : kind.build(machine);
     if (!model) return model;
     (*model)->name = kind.id;
     (*model)->kind = &kind;
@@ -52,14 +53,9 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
     (*model)->temperature_channel = (*model)->MeasuredChannel(kind.temperature);
     return model;
   }
-  if (kind.has_states)
-    return BadInput(
-        "machine '{}': a model with states leaves no stored strokes yet, so nothing can follow it in a "
-        "database or live; use check, fit, compare, explain and model with its logs",
-        machine.name);
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
-    if (other->build != nullptr) known.push_back(other->id);
+    if (other->build != nullptr || other->has_states) known.push_back(other->id);
   return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
                   machine.name, machine.model, fmt::join(known, ", "));
 }
@@ -74,7 +70,8 @@ Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine)
         "machine '{}': nothing was published of model {} that equation = \"published\" "
         "in [estimator] could mean; leave it out",
         machine.name, (*model)->name);
-  const std::size_t effects = machine.added_effects.size();
+  // The parameters of a model with states hold those of its effects.
+  const std::size_t effects = KindOf(machine).has_states ? 0 : machine.added_effects.size();
   if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
     return BadInput(
         "machine '{}': {} parameters and {} added effects, at most {} can be fitted at once: take an effect "

@@ -1,5 +1,8 @@
 #include "models/state_names.h"
 
+#include "models/machine_kind.h"
+#include "models/state_effects.h"
+
 namespace hydroscope {
 namespace {
 
@@ -43,6 +46,15 @@ ExpressionNames InitialNamesOf(const Machine& machine) {
   ExpressionNames names = ExpressionNamesOf(machine);
   AddParameters(machine.states.parameters, names);
   return names;
+}
+
+std::string StateParameterUnit(const Machine& machine, const std::string& parameter) {
+  for (const ParameterSpec& p : machine.states.parameters)
+    if (p.name == parameter) return p.unit;
+  for (const Effect& effect : StateEffectsOf(machine))
+    for (const ParameterSpec& p : effect.parameters)
+      if (effect.id + "." + p.name == parameter) return p.unit;
+  return "";
 }
 
 int StateIndex(const Machine& machine, const std::string& name) {

@@ -12,6 +12,9 @@ ExpressionNames LimitNamesOf(const Machine& machine);
 /// What initial values may name: all signals, parameters and [geometry].
 ExpressionNames InitialNamesOf(const Machine& machine);
 
+/// SI unit of a parameter of the machine's states, or of its effects' ("leak.l"); "" if it has none, or none is known.
+std::string StateParameterUnit(const Machine& machine, const std::string& parameter);
+
 /// Index of a state; -1 if there is none of that name.
 int StateIndex(const Machine& machine, const std::string& name);
 /// Index of the output that is this signal, -1 if none is.

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/interval_text.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/explain/explain_change.h"
 
@@ -44,7 +45,18 @@ std::string ErrorText(const ChangeResult& result) {
                      after.final.rms_holdout * unit.factor, unit.name);
 }
 
+/// Of a machine with states, whose effects are simulated, and tried on logs alone.
+std::string SentenceOfStates(const ChangeResult& result) {
+  const auto moved = Moved(result);
+  std::string text =
+      result.after.explanation.verdict == Verdict::kAdequate ? "" : "the model errs more than before; ";
+  text += moved.empty() ? "no parameter moved beyond its interval"
+                        : fmt::format("moved: {}", fmt::join(moved, ", "));
+  return text + "; which effect it is, `hydroscope explain` with the logs says";
+}
+
 std::string Sentence(const ChangeResult& result) {
+  if (result.after.log.model->kind->has_states) return SentenceOfStates(result);
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
   const std::string also = moved.empty() ? "" : fmt::format("; moved: {}", fmt::join(moved, ", "));

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/effect.h"
 #include "models/machine_file/table.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 
@@ -15,8 +17,12 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
   const std::filesystem::path path(machine_file);
   const auto rules = path.parent_path() / (path.stem().string() + "_rules.toml");
   std::error_code ignored;
-  if (!std::filesystem::exists(rules, ignored)) return drift::DefaultRules();
-  return drift::LoadRules(rules.string());
+  if (std::filesystem::exists(rules, ignored)) return drift::LoadRules(rules.string());
+  drift::RuleBook built_in = drift::DefaultRules();
+  // Episodes are longer than strokes, and there are fewer of them.
+  if (const auto machine = LoadMachine(machine_file); machine && KindOf(*machine).has_states)
+    built_in.commissioning = drift::kDriftThresholds.least_strokes;
+  return built_in;
 }
 
 std::vector<std::string> RuleRemarks(const drift::RuleBook& rules, const ModelStructure& model) {

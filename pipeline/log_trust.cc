@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 
 namespace hydroscope {
@@ -30,6 +31,7 @@ void FirstStrokes::AddStroke(const StrokeRecord& record) {
 }
 
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
+  if (KindOf(machine).has_states) return LogTrust{};  // whose episodes are simulated, not filtered
   FirstStrokes first(machine);
   const auto pipeline = Pipeline::Create(machine, reader.SamplePeriod(),
                                          [&](StrokeRecord&& record) { first.AddStroke(record); });
@@ -57,7 +59,9 @@ std::vector<std::string> LogTrust::Warnings() const {
 
 LogTrust JudgeLog(const LogStrokes& log, const Eigen::VectorXd& theta, double noise_floor) {
   LogTrust trust;
-  if (log.stretches.empty()) return trust;
+  // A machine with states leaves no stretches.
+  if (std::all_of(log.stretches.begin(), log.stretches.end(), [](const auto& s) { return s.empty(); }))
+    return trust;
   trust.floor = JudgeFloor(*log.model, log.stretches, log.window, theta, log.machine);
   trust.rate = JudgeSamplingRate(*log.model, log.stretches, log.window, theta, trust.floor, noise_floor);
   return trust;

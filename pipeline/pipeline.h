@@ -7,18 +7,15 @@
 #include "core/result.h"
 #include "core/sample_block.h"
 #include "core/stroke_record.h"
-#include "estimation/recursive/stroke_estimator.h"
-#include "estimation/stroke_accumulator.h"
-#include "estimation/stroke_segmenter.h"
+#include "estimation/span_equations.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
-#include "pipeline/added_effects_estimator.h"
 
 namespace hydroscope {
 
-/// The way of one sample, for live service and replay alike: samples -> strokes -> equations -> recursive estimator
-/// and Gram -> StrokeRecord. Effects that the machine file adds to the model are identified with it. Pure: no clock, no files; the same rows give the same bytes however they are cut into
-/// blocks. Blocks come in with their quality flags set (acquisition/quality_monitor.h).
+/// The way of one sample, for live service and replay alike: samples -> strokes -> StrokeRecord. Of a balance: BalancePipeline;
+/// of a machine with states: EpisodePipeline. Pure: no clock, no files; the same rows give the same bytes however they are cut
+/// into blocks. Blocks come in with their quality flags set (acquisition/quality_monitor.h).
 class Pipeline {
  public:
   using RecordSink = std::function<void(StrokeRecord&&)>;
@@ -27,48 +24,38 @@ class Pipeline {
 
   static Result<std::unique_ptr<Pipeline>> Create(const Machine& machine, double sample_period,
                                                   RecordSink sink);
+  virtual ~Pipeline() = default;
 
-  /// The tap runs before the equations are forgotten and sees them with all columns, those of added effects behind.
+  /// The tap runs before the equations are forgotten and sees them with all columns, those of added effects behind. A machine
+  /// with states has no stretches.
   void set_tap(EquationTap tap) { tap_ = std::move(tap); }
-  void Process(const SampleBlock& block) { segmenter_.Process(block); }
-  void Finish() { segmenter_.Finish(); }
+  virtual void Process(const SampleBlock& block) = 0;
+  virtual void Finish() = 0;
 
   /// State between logs: what the estimator learned. Restore refuses a state of another model or version.
-  std::vector<std::uint8_t> SaveState() const;
-  Status RestoreState(const std::vector<std::uint8_t>& state);
+  virtual std::vector<std::uint8_t> SaveState() const = 0;
+  virtual Status RestoreState(const std::vector<std::uint8_t>& state) = 0;
 
   const ModelStructure& model() const { return *model_; }
   std::shared_ptr<const ModelStructure> shared_model() const { return model_; }
   const WindowSamples& window() const { return window_; }
-  const StrokeCounters& totals() const { return segmenter_.totals(); }
+  virtual const StrokeCounters& totals() const = 0;
   /// The model after the stroke handed over last: modelled output = weights . first rows of SpanEquations::flow. Empty
   /// before the first estimate.
-  const Eigen::VectorXd& column_weights() const { return column_weights_; }
+  virtual const Eigen::VectorXd& column_weights() const = 0;
   /// s for which the stroke under way has been outside the gate; it is over after GateSpec::stroke_gap.
-  double stroke_closed_for() const { return segmenter_.closed_for(); }
-  std::int64_t discarded_strokes() const { return segmenter_.discarded_strokes(); }
+  virtual double stroke_closed_for() const = 0;
+  virtual std::int64_t discarded_strokes() const = 0;
+
+ protected:
+  Pipeline(std::shared_ptr<const ModelStructure> model, WindowSamples window)
+      : model_(std::move(model)), window_(window) {}
+  const EquationTap& tap() const { return tap_; }
 
  private:
-  /// `wide` has the columns of added effects behind those of `model`, which are the ones a record's Gram keeps.
-  Pipeline(const Machine& machine, std::shared_ptr<const ModelStructure> model,
-           std::shared_ptr<const ModelStructure> wide, WindowSamples window, RecordSink sink);
-  std::unique_ptr<StrokeEstimator> Estimator(const Machine& machine);
-  int Regressors() const { return added_ != nullptr ? added_->regressors() : model_->base_count; }
-  void Judge(const StrokeGram& gram, StrokeSummary& summary);
-  void OnStretch(Stretch& stretch, double begin);
-  void OnStroke(const StrokeSummary& summary);
-
-  std::shared_ptr<const ModelStructure> model_, wide_;
+  std::shared_ptr<const ModelStructure> model_;
   WindowSamples window_;
-  RecordSink sink_;
   EquationTap tap_;
-  SpanEquationBuilder equations_;
-  StrokeAccumulator accumulator_;
-  AddedEffectsEstimator* added_ = nullptr;  ///< the estimator, if the model has added effects
-  std::unique_ptr<StrokeEstimator> estimator_;
-  Eigen::VectorXd theta_before_;  ///< regression parameters when the present stroke began
-  Eigen::VectorXd column_weights_;
-  StrokeSegmenter segmenter_;
 };
 
 }  // namespace hydroscope

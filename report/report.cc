@@ -10,6 +10,7 @@
 
 #include "core/constants.h"
 #include "core/time_text.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "report/report_page.h"
 #include "report/report_plots.h"
@@ -303,6 +304,11 @@ std::string Skipped(const Report& report) {
 
 std::string MethodText(const Machine& machine) {
   const EstimatorSpec& estimator = machine.estimator;
+  if (KindOf(machine).has_states)
+    return fmt::format(
+        "each episode simulated with its sensitivities about the parameters as they are; directional forgetting "
+        "with {} s of excited data, over five episodes at least",
+        FormatShort(estimator.time_constant));
   std::string out = estimator.equation == EquationForm::kPublished
                         ? "recursive least squares on filtered derivatives, as published"
                         : "recursive least squares on the volume balance integrated over blocks";

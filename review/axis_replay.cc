@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include "models/machine_kind.h"
 #include "pipeline/log_fingerprint.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/log_trust.h"
@@ -237,7 +238,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   });
   if (!created) return tl::unexpected(created.error());
   Pipeline& pipeline = **created;
-  if (!report_.empty()) collector.emplace(pipeline, machine_);
+  if (!report_.empty() && ShowsStretches()) collector.emplace(pipeline, machine_);
   pipeline.set_tap([&](const Stretch& stretch, const SpanEquations& equations) {
     first.AddStretch(stretch, equations);
     if (collector) collector->AddStretch(stretch, equations);
@@ -282,8 +283,12 @@ void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
   overlay_run_ = run.id;
 }
 
+/// A machine with states is simulated from episode to episode: it has no flows to lay over each other.
+bool AxisReplay::ShowsStretches() const { return !KindOf(machine_).has_states; }
+
 /// If the last log had been replayed before, it is read again for its overlays; nothing is stored.
 Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
+  if (!ShowsStretches()) return {};
   const LogReplay* last = nullptr;
   for (const LogReplay& replay : outcome.logs)
     if (replay.status != ReplayStatus::kFailed && replay.run.strokes > 0) last = &replay;

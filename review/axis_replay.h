@@ -48,6 +48,7 @@ class AxisReplay {
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
+  bool ShowsStretches() const;
   Status CollectOverlays(const ReplayOutcome& outcome);
   void Take(ReportCollector& collector, const RunInfo& run);
 

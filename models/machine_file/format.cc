@@ -12,6 +12,7 @@
 #include "models/machine_file/table.h"
 #include "models/machine_file/toml_text.h"
 #include "models/machine_kind.h"
+#include "models/state_names.h"
 
 namespace hydroscope {
 namespace {
@@ -219,7 +220,11 @@ std::string MonitorSections(const Machine& machine, const MachineNotes& notes) {
     std::vector<std::pair<double, bool>> values;
     for (const auto& [key, value] : limits)
       if (value) values.emplace_back(*value, false);
-    const std::string unit = ReadableUnit(SiOfInput(KindOf(machine).parameters, monitor.parameter), values);
+    const bool known = FindParameter(KindOf(machine), monitor.parameter) != nullptr;
+    const std::string si = known || !KindOf(machine).has_states
+                               ? SiOfInput(KindOf(machine).parameters, monitor.parameter)
+                               : StateParameterUnit(machine, monitor.parameter);
+    const std::string unit = ReadableUnit(si, values);
     Pairs pairs;
     if (!unit.empty()) pairs.emplace_back("unit", Quoted(unit));
     for (const auto& [key, value] : limits)

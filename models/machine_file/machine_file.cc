@@ -83,13 +83,13 @@ Result<Machine> ParseMachine(const std::string& text, const std::string& origin)
   ReadConditions(file, machine);
   ReadWindow(file, machine);
   ReadEstimator(file, machine);
-  ReadMonitors(file, machine);
   ReadValve(file, machine);
   ReadExperiment(file, machine);
   ReadBalance(file, machine);
   ReadStates(file, machine);
   ReadEpisodeSection(file, machine);
   ReadEffects(file, machine);
+  ReadMonitors(file, machine);
   ReadLive(file, machine);
   ReadFeeds(file, machine);
   ReadModelHistory(file, machine);

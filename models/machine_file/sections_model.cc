@@ -4,6 +4,7 @@
 #include "models/machine_file/keys.h"
 #include "models/machine_file/sections.h"
 #include "models/machine_kind.h"
+#include "models/state_names.h"
 
 namespace hydroscope {
 namespace {
@@ -96,7 +97,9 @@ void ReadMonitors(TableReader& file, Machine& machine) {
     TableReader reader(*limits, "monitor." + entry.key, file.problems());
     reader.AllowOnly(MachineFileKeys("monitor.<parameter>"));
     const MachineParameter* parameter = FindParameter(model, entry.key);
-    const std::string si(parameter == nullptr ? "" : parameter->si);
+    const std::string si = parameter != nullptr ? std::string(parameter->si)
+                           : model.has_states   ? StateParameterUnit(machine, entry.key)
+                                                : "";
     std::string unit = si;
     reader.UnitName("unit", unit, si);
     const Quantity quantity{.si = si, .default_unit = unit};

@@ -55,6 +55,22 @@ TEST(StatesFile, IsReadInSiAndReadsBackEqual) {
   EXPECT_EQ((*model)->parameters.back().name, "leak.l");
 }
 
+TEST(StatesFile, LimitsOfParametersStandInTheirUnits) {
+  const auto machine = ParseMachine(kHead +
+                                        "w = { value = 1, unit = \"m/s\" }\n[states]\n"
+                                        "h_2 = { ddt = \"(q_in - k_1*w)/A\", unit = \"cm\" }\n"
+                                        "[outputs]\nlevel_2 = \"h_2\"\n[parameters]\n"
+                                        "k_1 = { start = 1, max = 9, min = 0.1, unit = \"cm2\" }\n"
+                                        "[monitor.k_1]\nunit = \"cm2\"\nalarm_high = 5\n",
+                                    "tanks.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  ASSERT_EQ(machine->monitors.size(), 1u);
+  EXPECT_DOUBLE_EQ(machine->monitors[0].alarm_high.value(), 5e-4);
+  const auto again = ParseMachine(FormatMachine(*machine), "tanks.toml");
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(*again, *machine);
+}
+
 TEST(StatesFile, AMarkerOfEpisodesIsASignal) {
   const std::string rest = kRest + "marker = \"q_in\"\n";
   const auto machine = ParseMachine(kHead + kStates + rest, "tanks.toml");

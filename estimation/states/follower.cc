@@ -1,0 +1,312 @@
+#include "estimation/states/follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+/// Relative standard error beyond which a parameter is not told from others (as TrustOf has it).
+constexpr double kUseful = 0.3;
+
+void PutNumbers(ByteWriter& out, const Eigen::MatrixXd& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) out.Put(values.data()[i]);
+}
+
+Eigen::MatrixXd GetNumbers(ByteReader& in, int rows, int columns) {
+  Eigen::MatrixXd values(rows, columns);
+  for (Eigen::Index i = 0; i < values.size(); ++i) values.data()[i] = in.Get<double>();
+  return values;
+}
+
+Eigen::MatrixXd Symmetric(const Eigen::MatrixXd& m) { return 0.5 * (m + m.transpose()); }
+
+/// The inverse where it is one, nothing is known of other directions.
+Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
+  constexpr double kRounding = 1e-12;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Symmetric(m));
+  const double floor = kRounding * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
+  const Eigen::VectorXd weights =
+      solver.eigenvalues().unaryExpr([floor](double value) { return value > floor ? 1 / value : 0.0; });
+  return solver.eigenvectors() * weights.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+/// Sum of squared errors at other parameters.
+double EnergyAt(const EpisodeEvidence& e, const Eigen::VectorXd& parameters) {
+  const Eigen::VectorXd change = parameters - e.at;
+  return std::max(0.0, e.energy - 2 * e.gradient.dot(change) + change.dot(e.information * change));
+}
+
+}  // namespace
+
+double EpisodeEvidence::ErrorAt(const Eigen::VectorXd& parameters) const {
+  return std::sqrt(EnergyAt(*this, parameters) / std::max(1, readings));
+}
+
+StateFollower::StateFollower(std::shared_ptr<const StateModel> model, const StateFollowerOptions& options)
+    : model_(std::move(model)), options_(options) {}
+
+Eigen::VectorXd StateFollower::parameters() const {
+  return filter_ ? Admissible(size_.cwiseProduct(Eigen::VectorXd(filter_->Theta()))) : Eigen::VectorXd();
+}
+
+Eigen::VectorXd StateFollower::Admissible(const Eigen::VectorXd& parameters) const {
+  Eigen::VectorXd out = parameters;
+  for (int p = 0; p < count(); ++p) {
+    const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
+    out[p] = std::clamp(out[p], spec.min, spec.max);
+  }
+  return out;
+}
+
+/// The first fit, from all starts.
+bool StateFollower::Begin(const Episode& episode) {
+  const StateFit fit = FitStates(model_, {&episode, 1});
+  if (!fit.solved()) return false;
+  noise_ = fit.noise;
+  shown_noise_ =
+      noise_.size() == 1
+          ? noise_[0]
+          : std::sqrt(noise_.cwiseQuotient(fit.scale).squaredNorm() / static_cast<double>(noise_.size()));
+  size_ = Eigen::VectorXd::Ones(count());
+  for (int p = 0; p < count(); ++p) {
+    const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
+    constexpr double kShareOfRange = 1e-3;
+    const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
+    if (const double size = std::max(std::abs(fit.parameters[p]), kShareOfRange * range); size > 0)
+      size_[p] = size;
+  }
+  const Eigen::VectorXd start = fit.parameters.cwiseQuotient(size_);
+  filter_.emplace(InformationFilter::Vector(start), options_.covariance, options_.covariance);
+  information_ = of_pieces_ = expected_ = of_episodes_ = Eigen::MatrixXd::Zero(count(), count());
+  errors_ = 0;
+  last_excited_ = Eigen::VectorXd::Constant(count(), kUnknown);
+  return true;
+}
+
+/// One simulation with sensitivities at `at`; nothing where the model cannot be run there.
+std::optional<EpisodeEvidence> StateFollower::Linearise(const Episode& episode,
+                                                        const Eigen::VectorXd& at) const {
+  const StateFit fit = FollowStates(model_, {&episode, 1}, at, noise_);
+  if (!fit.solved()) return std::nullopt;
+  EpisodeEvidence e;
+  e.at = at;
+  e.information = e.scatter = Eigen::MatrixXd::Zero(count(), count());
+  e.gradient = Eigen::VectorXd::Zero(count());
+  for (const StatePiece& piece : fit.pieces) {
+    e.information += piece.information;
+    e.gradient += piece.gradient;
+    e.energy += piece.energy;
+    e.readings += piece.readings;
+  }
+  if (!e.information.allFinite() || !std::isfinite(e.energy) || e.readings == 0) return std::nullopt;
+  // About what fits the episode best: how far that lies from `at` is no scatter of its pieces.
+  const Eigen::VectorXd change = Best(e) - at;
+  for (const StatePiece& piece : fit.pieces) {
+    const Eigen::VectorXd gradient = piece.gradient - piece.information * change;
+    e.scatter += gradient * gradient.transpose();
+  }
+  return e;
+}
+
+/// Parameters that fit an episode alone best, to first order; those it does not see as they are.
+Eigen::VectorXd StateFollower::Best(const EpisodeEvidence& e) const {
+  return e.at + size_.cwiseProduct(FlooredInverse(size_.asDiagonal() * e.information * size_.asDiagonal()) *
+                                   size_.cwiseProduct(e.gradient));
+}
+
+/// The filter with the episode in it. Errors larger than the noise count less.
+InformationFilter StateFollower::Updated(const EpisodeEvidence& e, double seconds) const {
+  InformationFilter filter = *filter_;
+  const double weight = 1 / std::max(1.0, e.energy / e.readings);
+  const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
+  const Eigen::MatrixXd known = filter.information();
+  const Eigen::LLT<Eigen::MatrixXd> root(known);
+  const Eigen::MatrixXd half = root.matrixL().solve(added);
+  const Eigen::MatrixXd relative = root.matrixL().solve(half.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Symmetric(relative));
+  const auto excited = (solver.eigenvalues().array() > options_.excited).count();
+  if (excited > 0) {
+    const Eigen::MatrixXd directions =
+        root.matrixU().solve(solver.eigenvectors().rightCols(excited));  // eigenvalues increase
+    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(directions).householderQ() *
+                                  Eigen::MatrixXd::Identity(count(), excited);
+    filter.Forget(basis, std::exp(-1 / Memory(seconds)));
+  }
+  const Eigen::VectorXd cross = weight * size_.cwiseProduct(e.information * e.at + e.gradient);
+  filter.Add(added, cross, kUnknown);
+  return filter;
+}
+
+/// Linearised again until the parameters that follow lie close to where that was done.
+EpisodeEvidence StateFollower::Settle(const Episode& episode, EpisodeEvidence evidence,
+                                      double seconds) const {
+  for (int step = 1; step < options_.linearisations; ++step) {
+    const InformationFilter filter = Updated(evidence, seconds);
+    const Eigen::VectorXd next = Admissible(size_.cwiseProduct(Eigen::VectorXd(filter.Theta())));
+    const Eigen::VectorXd error =
+        size_.cwiseProduct(Eigen::MatrixXd(filter.Covariance()).diagonal().cwiseMax(0).cwiseSqrt());
+    if (((next - evidence.at).array().abs() <= options_.close * error.array()).all()) break;
+    const auto again = Linearise(episode, next);
+    if (!again || again->energy > evidence.energy) break;  // too far: what was linearised before stands
+    evidence = *again;
+  }
+  return evidence;
+}
+
+/// Takes what gradients scatter by into account.
+void StateFollower::Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged) {
+  const double keep = std::exp(-1 / options_.errors_remembered);
+  const auto scaled = [&](const Eigen::MatrixXd& m, const EpisodeEvidence& e) -> Eigen::MatrixXd {
+    return (size_.asDiagonal() * m * size_.asDiagonal()) / std::max(1.0, e.energy / e.readings);
+  };
+  information_ = keep * information_ + scaled(settled.information, settled);
+  of_pieces_ =
+      keep * of_pieces_ + scaled(settled.scatter, settled) / std::max(1.0, settled.energy / settled.readings);
+  expected_ *= keep;
+  of_episodes_ *= keep;
+  errors_ *= keep;
+  if (!judged) return;
+  const Eigen::MatrixXd h = scaled(before.information, settled);
+  const Eigen::VectorXd g =
+      size_.cwiseProduct(before.gradient) / std::max(1.0, settled.energy / settled.readings);
+  expected_ += h + h * Eigen::MatrixXd(filter_->Covariance()) * h;
+  of_episodes_ += g * g.transpose();
+  errors_ += 1;
+}
+
+/// Per parameter, in the direction that it is estimated by.
+std::vector<StateFollower::Scatter> StateFollower::Scatters() const {
+  const Eigen::MatrixXd inverse = FlooredInverse(information_);
+  std::vector<Scatter> out(static_cast<std::size_t>(count()));
+  for (int p = 0; p < count(); ++p) {
+    const Eigen::VectorXd d = inverse.col(p);
+    const double white = d.dot(information_ * d), expected = d.dot(expected_ * d);
+    Scatter& s = out[static_cast<std::size_t>(p)];
+    if (white > 0) s.pieces = std::max(1.0, d.dot(of_pieces_ * d) / white);
+    const double episodes = expected > 0 ? d.dot(of_episodes_ * d) / expected : s.pieces;
+    s.episodes =
+        (errors_ * episodes + options_.white_episodes * s.pieces) / (errors_ + options_.white_episodes);
+  }
+  return out;
+}
+
+/// Episodes that the past weighs as much as. Where episodes scatter by more than their pieces say, the parameters move.
+double StateFollower::Memory(double seconds) const {
+  double moves = 1;
+  for (const Scatter& s : Scatters()) moves = std::max(moves, s.episodes / (options_.still * s.pieces));
+  return std::max(options_.least_memory, options_.time_constant / std::max(seconds, 1e-9)) / moves;
+}
+
+std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const Eigen::MatrixXd& before,
+                                               double end) {
+  const Eigen::VectorXd theta = size_.cwiseProduct(Eigen::VectorXd(filter_->Theta())),
+                        inside = Admissible(theta);
+  const Eigen::MatrixXd covariance = filter_->Covariance();
+  const std::vector<Scatter> scatters = Scatters();
+  const double weight = 1 / std::max(1.0, e.energy / e.readings);
+  const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
+  const Eigen::MatrixXd with = (before.inverse() + added).inverse();
+  const Eigen::MatrixXd own = FlooredInverse(added);
+  std::vector<Estimate> out;
+  for (int p = 0; p < count(); ++p) {
+    const StateParameter& parameter = model_->parameters[static_cast<std::size_t>(p)];
+    const double share = 1 - with(p, p) / before(p, p);
+    const bool excited = share > options_.excited;
+    if (excited) last_excited_[p] = end;
+    Estimate estimate;
+    estimate.parameter = parameter.name;
+    estimate.value = inside[p];
+    estimate.std = size_[p] * std::sqrt(std::max(0.0, covariance(p, p)) *
+                                        scatters[static_cast<std::size_t>(p)].Widening());
+    estimate.unit = parameter.spec.unit.empty() ? "1" : parameter.spec.unit;
+    estimate.excitation = added(p, p) * own(p, p) > 0 ? std::min(1.0, 1 / (added(p, p) * own(p, p))) : 0;
+    estimate.last_excited = last_excited_[p];
+    const bool seen_alone = added(p, p) * before(p, p) > options_.excited;
+    estimate.reason = theta[p] != inside[p]     ? EstimateReason::kOutsidePhysics
+                      : !excited && !seen_alone ? EstimateReason::kNotExcited
+                      : !excited || estimate.std > kUseful * std::abs(estimate.value)
+                          ? EstimateReason::kConfounded
+                          : EstimateReason::kUpdated;
+    out.push_back(std::move(estimate));
+  }
+  return out;
+}
+
+FollowedEpisode StateFollower::Add(const Episode& episode) {
+  FollowedEpisode out;
+  out.error_before = out.error_least = kUnknown;
+  const bool first = !begun();
+  if (first && !Begin(episode)) return out;
+  const double seconds = episode.time.back() - episode.time.front();
+  auto before = Linearise(episode, parameters());
+  if (!before) return out;
+  EpisodeEvidence settled = Settle(episode, *before, seconds);
+  bool anew = false;
+  if (const bool young = episodes_ > 0 && episodes_ < options_.young && refits_ < options_.refits;
+      young && settled.energy > options_.lost * options_.lost * settled.readings) {
+    ++refits_;
+    const StateFollower kept = *this;
+    anew = Begin(episode);
+    if (anew) before = Linearise(episode, parameters());
+    if (!anew || !before) {
+      *this = kept;
+      return out;
+    }
+    settled = *before;
+  }
+  const Eigen::MatrixXd covariance = filter_->Covariance();
+  Widen(*before, settled, !first && !anew);
+  out.error_before = first ? kUnknown : before->ErrorAt(before->at);
+  filter_ = Updated(settled, seconds);
+  ++episodes_;
+  out.estimates = Estimates(settled, covariance, episode.time.back());
+  out.error_least = settled.ErrorAt(Best(settled));
+  out.evidence = std::move(settled);
+  return out;
+}
+
+void StateFollower::Save(ByteWriter& out) const {
+  out.Put<std::int32_t>(count());
+  out.Put<std::int32_t>(model_->output.rows);
+  out.Put<std::uint8_t>(begun());
+  out.Put<std::int32_t>(episodes_);
+  out.Put<std::int32_t>(refits_);
+  if (!begun()) return;
+  PutNumbers(out, noise_);
+  PutNumbers(out, size_);
+  out.Put(shown_noise_);
+  PutNumbers(out, filter_->information());
+  PutNumbers(out, filter_->state());
+  for (const Eigen::MatrixXd* m : {&information_, &of_pieces_, &expected_, &of_episodes_})
+    PutNumbers(out, *m);
+  out.Put(errors_);
+  PutNumbers(out, last_excited_);
+}
+
+bool StateFollower::Restore(ByteReader& in) {
+  if (in.Get<std::int32_t>() != count() || in.Get<std::int32_t>() != model_->output.rows) return false;
+  const bool begun = in.Get<std::uint8_t>() != 0;
+  episodes_ = in.Get<std::int32_t>();
+  refits_ = in.Get<std::int32_t>();
+  filter_.reset();
+  if (!begun) return in.ok();
+  noise_ = GetNumbers(in, model_->output.rows, 1);
+  size_ = GetNumbers(in, count(), 1);
+  shown_noise_ = in.Get<double>();
+  const Eigen::MatrixXd information = GetNumbers(in, count(), count());
+  const Eigen::VectorXd state = GetNumbers(in, count(), 1);
+  for (Eigen::MatrixXd* m : {&information_, &of_pieces_, &expected_, &of_episodes_})
+    *m = GetNumbers(in, count(), count());
+  errors_ = in.Get<double>();
+  last_excited_ = GetNumbers(in, count(), 1);
+  if (!in.ok() || !(noise_.array() > 0).all() || !(size_.array() > 0).all()) return false;
+  filter_.emplace(InformationFilter::Matrix(information), InformationFilter::Vector(state),
+                  InformationFilter::Matrix(Eigen::MatrixXd::Constant(count(), count(), kUnknown)),
+                  1 / options_.covariance);
+  return true;
+}
+
+}  // namespace hydroscope

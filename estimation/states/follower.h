@@ -1,0 +1,113 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/bytes.h"
+#include "core/records.h"
+#include "estimation/recursive/information_filter.h"
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+
+struct StateFollowerOptions {
+  double time_constant = 60;  ///< s of excited data over which the past is forgotten, ...
+  double least_memory = 5;    ///< ... but no less than so many episodes, ...
+  double still =
+      1.5;  ///< ... less where episodes scatter by more than this many times what their pieces say: they move
+  double covariance =
+      1;  ///< of parameters over their size, before anything is known of them, and the most ever
+  double excited = 0.02;   ///< share of the information so far that an episode must add to a direction
+  int linearisations = 3;  ///< of one episode at most
+  double close = 0.3;  ///< standard errors that the parameters may lie from where an episode was linearised
+  double lost = 2;     ///< rms error over the noise beyond which a young follower is fitted anew
+  int young = 10;      ///< episodes
+  int refits = 3;      ///< fits from all starts at most, after the first
+  double errors_remembered = 20;  ///< episodes from whose errors the intervals are widened
+  double white_episodes =
+      5;  ///< episodes that the pieces of episodes count as beside the episodes themselves
+};
+
+/// What one episode says of the parameters, linearised about `at`: errors of a free run over the noise of their output, initial
+/// states taken out. To first order the errors of other parameters p are those at `at` less slopes * (p - at).
+struct EpisodeEvidence {
+  Eigen::VectorXd at;           ///< SI
+  Eigen::MatrixXd information;  ///< sum of slopes' slopes
+  Eigen::VectorXd gradient;     ///< sum of slopes' errors
+  Eigen::MatrixXd scatter;      ///< sum of gradient gradient' over its pieces, about what fits it best
+  double energy = 0;            ///< sum of squared errors
+  int readings = 0;
+
+  /// rms error that other parameters would leave, over the noise.
+  double ErrorAt(const Eigen::VectorXd& parameters) const;
+};
+
+/// What following an episode gave.
+struct FollowedEpisode {
+  EpisodeEvidence evidence;  ///< where it was linearised last; without readings: the model cannot be run
+  double error_before = 0;   ///< rms over the noise, with the parameters before it; NaN for the first
+  double error_least = 0;    ///< ... with those that fit it best
+  std::vector<Estimate> estimates;  ///< empty before the first fit
+};
+
+/// Follows the parameters of a model with states from episode to episode. The first one is fitted from all starts (FitStates).
+/// Each one after is simulated once with its sensitivities at the parameters as they are, its initial states estimated; error and
+/// information go into a filter that forgets only what the episode sees anew (InformationFilter); where that moves the
+/// parameters by more than a share of their standard error, it is linearised again there (iterated extended Kalman filter, Bell
+/// and Cathey 1993, with parameters for states). Errors are correlated in time: intervals are widened by how much more
+/// gradients scatter than white errors would make them, of pieces within episodes (clusters, as TakeCovariance) and of the
+/// episodes themselves against the parameters before them. Deterministic; everything it remembers is saved.
+class StateFollower {
+ public:
+  StateFollower(std::shared_ptr<const StateModel> model, const StateFollowerOptions& options = {});
+
+  /// Episodes in the order of their recording.
+  FollowedEpisode Add(const Episode& episode);
+
+  const StateModel& model() const { return *model_; }
+  bool begun() const { return filter_.has_value(); }
+  Eigen::VectorXd parameters() const;
+  /// Noise of each output, SI, that errors are weighted by: what the first fit left.
+  const Eigen::VectorXd& noise() const { return noise_; }
+  /// The same of all outputs together as errors are shown: SI of a single output, of several their share of its variation.
+  double shown_noise() const { return shown_noise_; }
+
+  void Save(ByteWriter& out) const;
+  /// False: the state is of another model.
+  bool Restore(ByteReader& in);
+
+ private:
+  int count() const { return model_->parameter_count(); }
+  bool Begin(const Episode& episode);
+  std::optional<EpisodeEvidence> Linearise(const Episode& episode, const Eigen::VectorXd& at) const;
+  Eigen::VectorXd Best(const EpisodeEvidence& evidence) const;
+  InformationFilter Updated(const EpisodeEvidence& evidence, double seconds) const;
+  EpisodeEvidence Settle(const Episode& episode, EpisodeEvidence evidence, double seconds) const;
+  void Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged);
+  /// Variance of gradients over that of white errors: of pieces of episodes, and of episodes against the parameters before.
+  struct Scatter {
+    double pieces = 1, episodes = 1;
+    double Widening() const { return std::max({1.0, pieces, episodes}); }
+  };
+  std::vector<Scatter> Scatters() const;
+  double Memory(double seconds) const;
+  std::vector<Estimate> Estimates(const EpisodeEvidence& evidence, const Eigen::MatrixXd& before, double end);
+  Eigen::VectorXd Admissible(const Eigen::VectorXd& parameters) const;
+
+  std::shared_ptr<const StateModel> model_;
+  StateFollowerOptions options_;
+  Eigen::VectorXd noise_, size_;
+  double shown_noise_ = 0;
+  std::optional<InformationFilter> filter_;  ///< of parameters over `size_`, noise of variance 1
+  /// Of gradients, over `size_`, exponentially forgotten: information, what pieces scatter by; what episodes should scatter by
+  /// and do.
+  Eigen::MatrixXd information_, of_pieces_, expected_, of_episodes_;
+  double errors_ = 0;  ///< episodes that of_episodes_ rests on
+  Eigen::VectorXd last_excited_;
+  int episodes_ = 0, refits_ = 0;
+};
+
+}  // namespace hydroscope

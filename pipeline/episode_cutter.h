@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/records.h"
+#include "core/sample_block.h"
+#include "estimation/states/simulation.h"
+#include "models/episode_marker.h"
+
+namespace hydroscope {
+
+/// Cuts rows of a machine with states into episodes, row by row: an episode ends at a row without a good reading of an input,
+/// at a gap or a step of the clock, where Machine::episode_marker changes and where [gate] has not held for its gap. Outputs
+/// that are no good readings are left out. Readings that repeat or stand out count as good on inputs, which may rest and jump.
+class EpisodeCutter {
+ public:
+  static constexpr std::size_t kLeastRows = 10;  ///< of an episode
+  struct Options {
+    double period = 0;  ///< s
+    int log = 0;
+    /// Whole logs: pieces longer than [episodes] seconds are cut into equal parts. Else rows come one after the other without
+    /// end, and an episode is over as soon as it is so long.
+    bool whole = false;
+    std::int64_t most_rows =
+        100'000;  ///< of an episode of an endless row of rows, where nothing else ends it
+  };
+  using Sink = std::function<void(Episode&&, const StrokeCounters&)>;
+
+  /// `model` must outlive it. Error: a rate in [gate].
+  static Status Check(const StateModel& model);
+  EpisodeCutter(const StateModel& model, const Options& options, Sink sink);
+
+  /// Flags of readings that stand out are forgiven a signal that is full of them: of the whole log, if this is called with
+  /// their share per signal, else of each episode.
+  void ForgiveSpikes(const std::vector<double>& share);
+  void Process(const SampleBlock& block);
+  void Finish();
+
+  const StrokeCounters& totals() const { return totals_; }
+  /// Pieces that were too short.
+  std::int64_t discarded() const { return discarded_; }
+  /// Steps of the clock, a sentence each; the first ten.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// s for which [gate] has not held.
+  double outside() const { return outside_; }
+
+ private:
+  /// Rows kept of the episode under way.
+  struct Rows {
+    std::vector<double> time;
+    std::vector<std::vector<double>> signal;
+    std::vector<std::vector<Quality>> quality;
+    std::int64_t first = 0;  ///< of the log
+
+    std::size_t size() const { return time.size(); }
+    void Clear();
+  };
+  void TakeRow(const SampleBlock& block, std::size_t row);
+  bool BreaksTime(const SampleBlock& block, std::size_t row) const;
+  bool InputsGood(const SampleBlock& block, std::size_t row) const;
+  bool InGate(const SampleBlock& block, std::size_t row);
+  void End();
+  Quality Forgiven(std::size_t signal) const;
+  void Emit(std::size_t first, std::size_t end, const std::vector<Quality>& forgiven);
+
+  const StateModel& model_;
+  Options options_;
+  Sink sink_;
+  EpisodeMarker marker_;
+  std::vector<bool> input_;
+  std::vector<double> spikes_;  ///< share per signal, empty: of each episode
+  Rows rows_;
+  std::optional<double> last_time_;
+  std::int64_t row_ = 0;  ///< of the log
+  double outside_ = 0;
+  StrokeCounters totals_, present_;
+  std::int64_t discarded_ = 0;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace hydroscope
