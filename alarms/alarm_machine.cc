@@ -149,6 +149,11 @@ Events SetOutOfService(AlarmState& alarm, bool on, const AlarmUser& user, const 
   return step.Done(on ? "out_of_service" : "in_service", user);
 }
 
+Events Comment(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now) {
+  if (user.comment.empty()) return {};
+  return Step(alarm, now).Done("commented", user);
+}
+
 Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now) {
   if (!alarm.latched || alarm.active) return {};
   const Step step(alarm, now);

@@ -60,6 +60,8 @@ Events Unshelve(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now
 Events Tick(AlarmState& alarm, const AlarmMoment& now);
 Events Suppress(AlarmState& alarm, Suppression reason, bool on, const AlarmMoment& now);
 Events SetOutOfService(AlarmState& alarm, bool on, const AlarmUser& user, const AlarmMoment& now);
+/// A remark for the journal; nothing of the alarm changes.
+Events Comment(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now);
 /// Ends a latch; only after the condition has gone.
 Events Reset(AlarmState& alarm, const AlarmUser& user, const AlarmMoment& now);
 

@@ -39,6 +39,19 @@ struct Step {
   const char* state;
 };
 
+TEST_F(AlarmMachine, ACommentChangesNothingButTheJournal) {
+  alarm.active = true;
+  alarm.acknowledged = false;
+  alarm.value = alarm.std = alarm.limit = 1;
+  const AlarmState before = alarm;
+  const auto events = Comment(alarm, user, now);
+  ASSERT_EQ(Name(events), "commented");
+  EXPECT_EQ(events.front().comment, "seen");
+  EXPECT_EQ(events.front().user, "meier");
+  EXPECT_EQ(alarm, before);
+  EXPECT_TRUE(Comment(alarm, {"meier", ""}, now).empty());
+}
+
 TEST_F(AlarmMachine, FollowsTheSequencesOfTheStandard) {
   const Step steps[] = {
       {"0.5", "", "NORM"},

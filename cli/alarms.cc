@@ -1,22 +1,21 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "alarms/alarm_machine.h"
+#include "alarms/alarm_action.h"
 #include "alarms/alarm_metrics.h"
 #include "cli/alarms_scada.h"
 #include "cli/commands.h"
+#include "cli/user_name.h"
 #include "core/printable.h"
 #include "core/time_text.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
+#include "monitor/alarm_json.h"
 #include "storage/alarm_journal.h"
 
 namespace hydroscope {
@@ -30,11 +29,7 @@ struct AlarmsArguments {
   int modbus_acknowledge = 0;
 };
 
-std::string UserOf(const AlarmsArguments& a) {
-  if (!a.user.empty()) return a.user;
-  const char* user = std::getenv("USER");
-  return user != nullptr ? user : fmt::format("uid {}", getuid());
-}
+std::string UserOf(const AlarmsArguments& a) { return a.user.empty() ? UserName() : a.user; }
 
 /// "8h", "30m", "90s", "2d" in s.
 Result<double> Duration(const std::string& text) {
@@ -45,57 +40,6 @@ Result<double> Duration(const std::string& text) {
   if (!(number > 0) || !std::isfinite(number) || factor == 0)
     return UsageError("--for {}: expected a time such as 30m, 8h or 2d", text);
   return number * factor;
-}
-
-Json AlarmJson(const std::string& machine, std::size_t number, const AlarmState& a) {
-  return {{"number", number},
-          {"machine", machine},
-          {"alarm", a.id},
-          {"state", StateName(a)},
-          {"severity", SeverityName(a.severity)},
-          {"active", a.active},
-          {"acknowledged", a.acknowledged},
-          {"latched", a.latched},
-          {"shelved_until_s", a.shelved_until ? Json(*a.shelved_until) : Json(nullptr)},
-          {"suppressed", a.suppressed},
-          {"out_of_service", a.out_of_service},
-          {"value", a.value},
-          {"std", a.std},
-          {"limit", a.limit},
-          {"unit", a.unit},
-          {"text", a.text},
-          {"cause", CauseText(a.cause)},
-          {"raised_stroke", a.raised_stroke},
-          {"raised_wall_s", a.raised_wall},
-          {"first_stroke", a.first_stroke},
-          {"last_stroke", a.last_stroke}};
-}
-
-Json RowJson(const JournalRow& row) {
-  const AlarmEvent& e = row.event;
-  return {{"sequence", row.sequence},
-          {"machine", row.machine},
-          {"wall_s", row.wall},
-          {"time_s", e.time},
-          {"stroke", e.stroke},
-          {"alarm", e.alarm},
-          {"event", e.event},
-          {"state_before", e.state_before},
-          {"state", e.state},
-          {"severity", SeverityName(e.severity)},
-          {"value", e.value},
-          {"std", e.std},
-          {"limit", e.limit},
-          {"unit", e.unit},
-          {"oil_temperature_K", e.oil_temperature},
-          {"model_version", e.model_version},
-          {"reference_version", e.reference_version},
-          {"user", e.user},
-          {"comment", e.comment},
-          {"text", e.text},
-          {"cause", e.cause},
-          {"first_stroke", e.first_stroke},
-          {"last_stroke", e.last_stroke}};
 }
 
 /// When the alarm was raised, and until when it is put aside; "" if neither is known.
@@ -149,7 +93,8 @@ Status List(const AlarmsArguments& a) {
   if (alarms->empty() && a.json != "-") Say("no alarm stands\n");
   for (std::size_t i = 0; i < alarms->size(); ++i) {
     const auto& [machine, alarm] = (*alarms)[i];
-    document["alarms"].push_back(AlarmJson(machine, i + 1, alarm));
+    document["alarms"].push_back(AlarmJson(machine, alarm));
+    document["alarms"].back()["number"] = i + 1;
     if (a.json != "-")
       Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}{}\n     {}\n", i + 1, StateName(alarm),
                       SeverityName(alarm.severity), Printable(machine), Printable(alarm.id), Since(alarm),
@@ -185,34 +130,21 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
       number || which == Which::kStanding ? "list` shows them" : "journal` shows those that ever stood");
 }
 
-Status Act(const AlarmsArguments& a, const char* done,
-           const std::function<alarm_machine::Events(AlarmState&, const AlarmMoment&)>& act,
+Status Act(const AlarmsArguments& a, const char* done, const AlarmAction& act,
            Which which = Which::kStanding) {
   auto journal = OpenJournal(a, true);
   if (!journal) return tl::unexpected(journal.error());
   const auto found = Find(*journal, a, which);
   if (!found) return tl::unexpected(found.error());
-  const AlarmMoment now{std::numeric_limits<double>::quiet_NaN(),
-                        WallSeconds(),
-                        found->alarm.last_stroke,
-                        std::numeric_limits<double>::quiet_NaN(),
-                        0,
-                        0};
-  bool changed = false;
-  const Status stored = journal->Change(found->machine, now.wall, [&](AxisContent& axis) -> Status {
-    auto events = act(axis.Alarm(found->alarm.id), now);
-    changed = !events.empty();
-    axis.Append(std::move(events));
-    return {};
-  });
-  if (!stored) return stored;
+  const auto changed = ActOnAlarm(*journal, found->machine, found->alarm.id, WallSeconds(), act);
+  if (!changed) return tl::unexpected(changed.error());
   if (a.json != "-")
     Say(Printable(found->machine) + " / " + Printable(found->alarm.id) +
-        (changed ? std::string(" ") + done : std::string(": nothing to do")) + "\n");
+        (*changed ? std::string(" ") + done : std::string(": nothing to do")) + "\n");
   return a.json.empty()
              ? Status{}
              : WriteJson(a.json,
-                         {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", changed}});
+                         {{"machine", found->machine}, {"alarm", found->alarm.id}, {"changed", *changed}});
 }
 
 Status Journal(const AlarmsArguments& a) {
@@ -225,7 +157,7 @@ Status Journal(const AlarmsArguments& a) {
   Json document = {{"journal", Json::array()}};
   for (const JournalRow& row : *rows) {
     const AlarmEvent& e = row.event;
-    document["journal"].push_back(RowJson(row));
+    document["journal"].push_back(JournalRowJson(row));
     if (a.json != "-")
       Say(fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
                       e.stroke, Printable(row.machine), e.alarm.empty() ? "axis" : Printable(e.alarm),
@@ -337,6 +269,16 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
       return alarm_machine::Unshelve(alarm, {UserOf(o), o.comment}, now);
     });
   });
+  on_alarm("comment", "Write a remark (--comment) about an alarm into the journal",
+           [](const AlarmsArguments& o) {
+             if (o.comment.empty()) return Status(UsageError("--comment is missing: what is to be written"));
+             return Act(
+                 o, "commented",
+                 [&](AlarmState& alarm, const AlarmMoment& now) {
+                   return alarm_machine::Comment(alarm, {UserOf(o), o.comment}, now);
+                 },
+                 Which::kKnown);
+           });
   const auto service = [&](const char* name, const char* text, bool out) {
     on_alarm(name, text, [out](const AlarmsArguments& o) {
       return Act(

@@ -3,10 +3,14 @@
 #include <ctime>
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cli/commands.h"
+#include "cli/user_name.h"
 #include "host/output.h"
 #include "host/signals.h"
+#include "live/service_socket.h"
 #include "page/page_server.h"
 #include "simulator/die_cushion/log_format.h"
 #include "simulator/die_cushion/press.h"
@@ -54,6 +58,15 @@ void Wait(PageServer& page, const sigset_t& signals) {
 Status RunOpen(PageOptions options) {
   const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});
   options.examples = Examples();
+  if (!options.watch.database.empty()) {
+    if (!options.logs.empty()) return UsageError("open takes logs or --db, not both");
+    options.watch.machine_file = std::exchange(options.machine, "");
+    options.watch.user = UserName();
+    options.watch.service = [socket = SocketOf(options.watch.database)] {
+      const auto answer = AskService(socket, "GET", "/status");
+      return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    };
+  }
   const auto page = PageServer::Open(options);
   if (!page) return tl::unexpected(page.error());
   Say(fmt::format("{}  (Ctrl-C ends it)\n", (*page)->address()));
@@ -66,19 +79,26 @@ Status RunOpen(PageOptions options) {
 void AddOpenCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PageOptions>();
   CLI::App* command = app.add_subcommand(
-      "open", "The workbench in a browser: compare, see where the model fails, add what is missing");
+      "open", "In a browser: the workbench over logs, or overview, trends and alarms of a database");
   command->add_option("logs", options->logs,
                       "Logs of one machine (CSV, CSV.gz or MAT); without any, the page takes one");
-  command->add_option("--machine,-m", options->machine,
-                      "Machine file (TOML); without it, the page proposes one from the log");
+  command->add_option(
+      "--machine,-m", options->machine,
+      "Machine file (TOML); without it, the page proposes one from the log. With --db: the one beside which "
+      "the rules file lies");
+  command->add_option(
+      "--db,-d", options->watch.database,
+      "Trend database to watch, also while `hydroscope serve` writes it: overview, trends, alarms");
   command->add_option("--port", options->port, "Port on 127.0.0.1; 0 = a free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->footer(
-      "Listens on this computer alone and changes no file until you save on the page.\n"
+      "Listens on this computer alone and changes no file until you save on the page; what is\n"
+      "done to an alarm goes into the journal at once, as by `hydroscope alarms`.\n"
       "Examples:\n"
       "  hydroscope open\n"
-      "  hydroscope open press.csv --machine press.toml");
+      "  hydroscope open press.csv --machine press.toml\n"
+      "  hydroscope open --db press.db");
   command->callback([options, &exit_code] {
     const Status ran = RunOpen(*options);
     exit_code = ran ? kDone : ReportError(ran.error());

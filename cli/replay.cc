@@ -5,7 +5,7 @@
 
 #include "cli/commands.h"
 #include "host/output.h"
-#include "live/http_endpoint.h"
+#include "live/service_socket.h"
 #include "review/replay_output.h"
 #include "review/replay_runner.h"
 

@@ -11,11 +11,12 @@
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "host/signals.h"
-#include "live/http_endpoint.h"
 #include "live/live_service.h"
 #include "live/log.h"
+#include "live/service_socket.h"
 #include "live/surveillance.h"
 #include "live/valve_checks.h"
+#include "page/page_server.h"
 
 namespace hydroscope {
 namespace {
@@ -70,8 +71,22 @@ void Reload(LiveService& service, Surveillance& surveillance, const LiveOptions&
   sd_notify(0, "READY=1");
 }
 
+/// What tools and monitoring ask beside the page: GET /metrics (Prometheus text), GET /status (JSON) and, by the socket only, POST
+/// /valve_check?axis=NAME. Nothing: it is the page's to answer.
+std::optional<HttpReply> AnswerTools(const HttpRequest& request, Surveillance& surveillance,
+                                     ValveChecks& checks) {
+  if (request.method == "GET" && request.path == "/metrics")
+    return HttpReply{200, "text/plain; version=0.0.4", PrometheusText(surveillance.status())};
+  if (request.method == "GET" && request.path == "/status")
+    return HttpReply{200, "application/json", StatusJson(surveillance.status()).dump(1) + "\n"};
+  if (request.method != "POST" || request.path != "/valve_check" || !request.by_socket) return std::nullopt;
+  const auto axis = request.query.find("axis");
+  const Status asked = checks.Request(axis == request.query.end() ? "" : axis->second);
+  return asked ? HttpReply{200, "text/plain", "asked\n"} : HttpReply{409, "text/plain", asked.error().text};
+}
+
 /// Until a signal ends it.
-void Wait(LiveService& service, Surveillance& surveillance, const LiveOptions& options,
+void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, const LiveOptions& options,
           const sigset_t& signals) {
   for (;;) {
     const timespec patience{1, 0};
@@ -79,6 +94,7 @@ void Wait(LiveService& service, Surveillance& surveillance, const LiveOptions& o
     if (signal == SIGHUP) Reload(service, surveillance, options);
     if (signal == SIGTERM || signal == SIGINT) return;
     surveillance.Look();
+    page.KeepAlive();
     const WriterStatus writer = service.status().writer;
     sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(writer.state),
                static_cast<long long>(writer.strokes));
@@ -109,12 +125,17 @@ int Run(ServeArguments& a) {
   LiveService& service = **created;
   ValveChecks checks(service, a.valve_check, RealTime);
   Surveillance surveillance(service, checks, a.live, RealTime);
-  const auto status = [&] { return surveillance.status(); };
-  const auto endpoint = HttpEndpoint::Open(
-      a.port, SocketOf(a.live.database),
-      {[&] { return PrometheusText(status()); }, [&] { return StatusJson(status()).dump(1) + "\n"; },
-       [&](const std::string& axis) { return checks.Request(axis); }});
-  if (!endpoint) return ReportError(endpoint.error());
+  ServicePageOptions page_options;
+  if (a.port != 0) page_options.listen.port = a.port;
+  page_options.listen.socket = SocketOf(a.live.database);
+  page_options.watch.database = a.live.database;
+  page_options.watch.machine_file = a.live.machine_file;
+  page_options.watch.service = [&] { return StatusJson(surveillance.status()); };
+  page_options.service = [&](const HttpRequest& request) {
+    return AnswerTools(request, surveillance, checks);
+  };
+  const auto page = PageServer::OpenForService(page_options);
+  if (!page) return ReportError(page.error());
   if (const Status started = service.Start(); !started) return ReportError(started.error());
   checks.Start();
   surveillance.Start();
@@ -123,7 +144,7 @@ int Run(ServeArguments& a) {
                       {"database", a.live.database},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
-  Wait(service, surveillance, a.live, signals);
+  Wait(service, surveillance, **page, a.live, signals);
   sd_notify(0, "STOPPING=1");
   LogInfo("stopping");
   checks.Stop();
@@ -145,7 +166,9 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   command->add_option("machine", a.live.machine_file, "Machine file with a [live] section (TOML)")
       ->required();
   command->add_option("--db,-d", a.live.database, "Trend database; created if it does not exist")->required();
-  command->add_option("--port", a.port, "Prometheus text at http://127.0.0.1:PORT/metrics; 0 = none")
+  command
+      ->add_option("--port", a.port,
+                   "Page to look at and Prometheus text: http://127.0.0.1:PORT/ and /metrics; 0 = none")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   command->add_option("--raw-days", a.raw_days, "Raw window: days kept")

@@ -8,8 +8,8 @@
 #include "core/constants.h"
 #include "core/printable.h"
 #include "host/output.h"
-#include "live/http_endpoint.h"
 #include "live/live_status.h"
+#include "live/service_socket.h"
 #include "live/verify_live.h"
 #include "storage/database.h"
 

@@ -83,12 +83,12 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
     const std::int64_t begin = std::max(first, run.first_sequence);
     const std::int64_t end = std::min(first + count, run.first_sequence + run.strokes);
     if (begin >= end) continue;
-    const auto summaries = database_.Strokes(run.id);
+    auto summaries = database_.SummariesOf(machine_id_, begin, end, end - begin);
     if (!summaries) return tl::unexpected(summaries.error());
-    for (std::int64_t s = begin; s < end; ++s) {
+    for (StrokeSummary& summary : *summaries) {
       Stored stroke;
-      stroke.record.summary = (*summaries)[static_cast<std::size_t>(s - run.first_sequence)];
-      stroke.sequence = s;
+      stroke.sequence = summary.index;
+      stroke.record.summary = std::move(summary);
       stroke.model_version = run.model_version;
       strokes.push_back(std::move(stroke));
     }
@@ -99,7 +99,7 @@ Result<std::vector<AxisMonitor::Stored>> AxisMonitor::Load(std::int64_t first, s
   for (std::size_t i = 0; i < strokes.size() && i < grams->size(); ++i)
     strokes[i].record.gram = std::move((*grams)[i]);
   if (machine_.monitors.empty()) return strokes;
-  const auto trend = database_.Trend(machine_id_, "", strokes.front().sequence);
+  const auto trend = database_.Trend(machine_id_, "", strokes.front().sequence, strokes.back().sequence + 1);
   if (!trend) return tl::unexpected(trend.error());
   for (const TrendPoint& point : *trend) {
     const auto index = static_cast<std::size_t>(point.sequence - strokes.front().sequence);
@@ -160,6 +160,33 @@ AlarmMoment AxisMonitor::Moment(double wall) const {
   return now;
 }
 
+Status AxisMonitor::Look() {
+  if (!model_) return tl::unexpected(model_.error());
+  if (const Status fresh = Refresh(); !fresh) return fresh;
+  if (unreadable_)
+    return BadInput(
+        "what is known of the healthy {} was written with other rules or by another version of the program; give the "
+        "machine file whose rules lie beside it (--machine)",
+        machine_.name);
+  if (monitor_) return CountNotJudged();
+  const auto collected = CollectForLearning();
+  return collected ? Status{} : Status(tl::unexpected(collected.error()));
+}
+
+/// Looks anew whether the last strokes can be judged, which the journal does not keep.
+Status AxisMonitor::CountNotJudged() {
+  not_judged_ = 0;
+  const std::int64_t first = next_ - kStrokesUntilNotJudged;
+  if (first <= monitor_->reference().last_sequence()) return {};
+  const auto last = JudgedValues(first, kStrokesUntilNotJudged);
+  if (!last) return tl::unexpected(last.error());
+  if (std::any_of(last->begin(), last->end(), [](const JudgedValue& v) { return v.deviation.judged; }))
+    return {};
+  not_judged_ = kStrokesUntilNotJudged;
+  why_not_judged_ = last->empty() ? drift::JudgementReason::kTooCold : drift::JudgementReason::kNewClass;
+  return {};
+}
+
 Status AxisMonitor::CatchUp(double wall) {
   if (!model_) return tl::unexpected(model_.error());
   if (const Status fresh = Refresh(); !fresh) return fresh;
@@ -207,8 +234,9 @@ bool AxisMonitor::AnyExplanationIsDue() const {
   return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
-/// True once a reference is there. Strokes are collected anew after a restart: nothing of them is stored twice.
-Result<bool> AxisMonitor::Commission(double wall) {
+/// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them is stored
+/// twice.
+Result<bool> AxisMonitor::CollectForLearning() {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
     const auto chunk = Load(collected_to_, kStrokesPerChange);
     if (!chunk) return tl::unexpected(chunk.error());
@@ -220,6 +248,13 @@ Result<bool> AxisMonitor::Commission(double wall) {
       if (static_cast<int>(collected_.size()) == rules_.commissioning) break;
     }
   }
+  return true;
+}
+
+/// True once a reference is there.
+Result<bool> AxisMonitor::Commission(double wall) {
+  const auto enough = CollectForLearning();
+  if (!enough || !*enough) return enough;
   if (!rules_.automatic || !why_not_learned_.empty()) return false;
   const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
   if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {

@@ -37,6 +37,10 @@ class AxisMonitor {
 
   /// An error if the model's parameters cannot be watched; the other functions then fail with it.
   Status watchable() const { return model_ ? Status{} : Status(tl::unexpected(model_.error())); }
+  /// Takes over what the journal has and judges nothing, for those who only look on: the journal may be open for reading.
+  /// JudgedHealth() then answers as for those who judge. Error: its state was written with other rules or by another
+  /// version of the program.
+  Status Look();
   /// Judges every stroke and valve check stored since the last call; `wall` in s since 1970. Errors: database
   /// or journal cannot be used.
   Status CatchUp(double wall);
@@ -100,6 +104,8 @@ class AxisMonitor {
   /// Changes this axis in the journal, with the state as it then is in memory.
   Status Change(double wall, const std::function<void(AxisContent&)>& change);
   AlarmMoment Moment(double wall) const;
+  Result<bool> CollectForLearning();
+  Status CountNotJudged();
   Result<bool> Commission(double wall);
   Status LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::int64_t next, double wall,
                    const AlarmUser& user);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "page/json_arguments.h"
+
 namespace hydroscope {
 namespace {
 
@@ -17,41 +19,8 @@ constexpr std::pair<Kind, const char*> kWorkNames[] = {
     {Kind::kExplain, "explain"}, {Kind::kPicture, "picture"}, {Kind::kPreview, "preview"},
     {Kind::kAdd, "add"},         {Kind::kRemove, "remove"},   {Kind::kRestore, "restore"}};
 
-constexpr std::size_t kLongestText = 400;   ///< characters of a name
 constexpr std::size_t kMostColumns = 2000;  ///< of a log
 constexpr std::size_t kLongestFileName = 120;
-
-Result<nlohmann::json> ParseObject(const std::string& body) {
-  nlohmann::json json = nlohmann::json::parse(body, nullptr, false);
-  if (!json.is_object()) return BadInput("the body is no JSON object");
-  return json;
-}
-
-/// Text under `key`; "" if the key is absent.
-Result<std::string> Text(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end() || found->is_null()) return std::string();
-  if (!found->is_string()) return BadInput("{}: found {}, expected text", key, found->type_name());
-  std::string text = found->get<std::string>();
-  if (text.size() > kLongestText) return BadInput("{}: longer than {} characters", key, kLongestText);
-  return text;
-}
-
-Result<double> Number(const nlohmann::json& value, const std::string& key) {
-  if (!value.is_number()) return BadInput("{}: found {}, expected a number", key, value.type_name());
-  const double number = value.get<double>();
-  if (!std::isfinite(number)) return BadInput("{}: the number is too large", key);
-  return number;
-}
-
-/// Number under `key`; nothing if absent or null.
-Result<std::optional<double>> OptionalNumber(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end() || found->is_null()) return std::optional<double>();
-  const auto number = Number(*found, key);
-  if (!number) return tl::unexpected(number.error());
-  return std::optional<double>(*number);
-}
 
 Result<bool> Flag(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
@@ -72,19 +41,19 @@ Result<nlohmann::json> Array(const nlohmann::json& object, const char* key) {
 }
 
 Result<ColumnMapping::Entry> ParseEntry(const nlohmann::json& json) {
-  auto column = Text(json, "column"), signal = Text(json, "signal"), unit = Text(json, "unit");
+  auto column = TextOf(json, "column"), signal = TextOf(json, "signal"), unit = TextOf(json, "unit");
   for (const auto* text : {&column, &signal, &unit})
     if (!*text) return tl::unexpected(text->error());
   return ColumnMapping::Entry{*column, *signal, *unit};
 }
 
 Result<GateBound> ParseBound(const nlohmann::json& json) {
-  const auto signal = Text(json, "signal");
+  const auto signal = TextOf(json, "signal");
   if (!signal) return tl::unexpected(signal.error());
   const auto rate = Flag(json, "rate"), magnitude = Flag(json, "magnitude");
   for (const auto* flag : {&rate, &magnitude})
     if (!*flag) return tl::unexpected(flag->error());
-  const auto min = OptionalNumber(json, "min"), max = OptionalNumber(json, "max");
+  const auto min = NumberOf(json, "min"), max = NumberOf(json, "max");
   for (const auto* number : {&min, &max})
     if (!*number) return tl::unexpected(number->error());
   return GateBound{*signal, *rate, *min, *max, *magnitude};
@@ -95,7 +64,7 @@ Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>
   if (found == object.end()) return {};
   if (!found->is_object()) return BadInput("geometry: found {}, expected an object", found->type_name());
   for (const auto& [name, value] : found->items()) {
-    const auto number = Number(value, "geometry." + name);
+    const auto number = FiniteNumber(value, "geometry." + name);
     if (!number) return tl::unexpected(number.error());
     geometry[name] = *number;
   }
@@ -113,7 +82,7 @@ const char* WorkName(Kind kind) {
 Result<WorkRequest> ParseWorkRequest(const std::string& body) {
   const auto json = ParseObject(body);
   if (!json) return tl::unexpected(json.error());
-  const auto kind = Text(*json, "kind"), effect = Text(*json, "effect"), log = Text(*json, "log");
+  const auto kind = TextOf(*json, "kind"), effect = TextOf(*json, "effect"), log = TextOf(*json, "log");
   for (const auto* text : {&kind, &effect, &log})
     if (!*text) return tl::unexpected(text->error());
   const auto named = std::find_if(std::begin(kWorkNames), std::end(kWorkNames),
@@ -127,7 +96,7 @@ Result<WorkRequest> ParseWorkRequest(const std::string& body) {
   const bool about_effect =
       request.kind == Kind::kPreview || request.kind == Kind::kAdd || request.kind == Kind::kRemove;
   if (about_effect && effect->empty()) return BadInput("effect: expected the id of an effect");
-  const auto version = OptionalNumber(*json, "version");
+  const auto version = NumberOf(*json, "version");
   if (!version) return tl::unexpected(version.error());
   if (request.kind == Kind::kRestore) {
     const double number = version->value_or(0);
@@ -166,7 +135,7 @@ Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
 Result<std::string> ParseText(const std::string& body, const std::string& key) {
   const auto json = ParseObject(body);
   if (!json) return tl::unexpected(json.error());
-  return Text(*json, key.c_str());
+  return TextOf(*json, key.c_str());
 }
 
 std::string PlainFileName(const std::string& name) {

@@ -3,6 +3,8 @@
 
 #include "page/api_arguments.h"
 #include "page/own_effect.h"
+#include "page/watch/alarm_request.h"
+#include "page/watch/trend_question.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hydroscope;
@@ -11,6 +13,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)ParseColumnMapping(body);
   (void)ParseText(body, "name");
   (void)ParseOwnEffect(body);
+  (void)ParseAlarmRequest(body);
+  const std::size_t comma = body.find(',');  // two arguments of a query
+  (void)ParseTrendQuestion({{"machine", "m"},
+                            {"parameter", "K"},
+                            {"first", body.substr(0, comma)},
+                            {"end", comma == body.npos ? "" : body.substr(comma + 1)}});
   const std::string name = PlainFileName(body);
   if (name.find('/') != name.npos || name.starts_with('.')) std::abort();
   return 0;

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "page/watch/alarm_request.h"
+#include "page/watch/trend_question.h"
+
 namespace hydroscope {
 namespace {
 
@@ -95,6 +98,51 @@ TEST(ApiArguments, MakesFileNamesThatLeadNowhereElse) {
   EXPECT_EQ(PlainFileName(std::string("a\0b", 3)), "a_b");
   EXPECT_LE(PlainFileName(std::string(5000, 'x') + ".csv").size(), 120u);
   EXPECT_TRUE(PlainFileName(std::string(5000, 'x') + ".csv").ends_with(".csv"));
+}
+
+TEST(ApiArguments, TakesWhatIsDoneToAnAlarm) {
+  const auto shelf = ParseAlarmRequest(
+      R"({"action": "shelve", "machine": "press/left", "alarm": "no_samples", "user": "anna", "comment": "cable", "seconds": 3600})");
+  ASSERT_TRUE(shelf) << shelf.error().text;
+  EXPECT_EQ(shelf->action, AlarmRequest::Action::kShelve);
+  EXPECT_EQ(shelf->alarm, "no_samples");
+  EXPECT_EQ(shelf->seconds, 3600);
+  EXPECT_TRUE(ParseAlarmRequest(R"({"action": "acknowledge", "alarm": "no_samples"})"));
+}
+
+TEST(ApiArguments, NamesWhatIsWrongWithAnActionOnAnAlarm) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"7", "no JSON object"},
+      {R"({"action": "delete", "alarm": "a"})", "action: found 'delete'"},
+      {R"({"action": "acknowledge"})", "alarm: expected the id"},
+      {R"({"action": "shelve", "alarm": "a", "comment": "why", "seconds": 0})", "seconds: expected a time"},
+      {R"({"action": "shelve", "alarm": "a", "comment": "why", "seconds": 1e9})", "of at most a month"},
+      {R"({"action": "shelve", "alarm": "a", "comment": "why", "seconds": "8h"})", "seconds: found string"},
+      {R"({"action": "shelve", "alarm": "a", "comment": " \n", "seconds": 60})",
+       "comment: expected the reason"},
+      {R"({"action": "comment", "alarm": "a"})", "comment: expected a text"}};
+  for (const auto& [body, problem] : cases) {
+    const auto parsed = ParseAlarmRequest(body);
+    ASSERT_FALSE(parsed) << body;
+    EXPECT_THAT(parsed.error().text, HasSubstr(problem)) << body;
+  }
+  EXPECT_FALSE(ParseAlarmRequest(R"({"action": "comment", "alarm": "a", "comment": ")" +
+                                 std::string(2001, 'x') + "\"}"));
+}
+
+TEST(ApiArguments, TakesQuestionsAboutTrends) {
+  const auto plain = ParseTrendQuestion({{"machine", "press 7"}, {"parameter", "K"}});
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->first, 0);
+  EXPECT_EQ(plain->end, -1);
+  EXPECT_EQ(ParseTrendQuestion({{"parameter", "K"}, {"bins", "999999"}})->bins, TrendQuestion::kMostBins);
+  EXPECT_EQ(ParseTrendQuestion({{"parameter", "K"}, {"bins", "0"}})->bins, 1);
+  for (const char* wrong : {"-1", "1.5", "x", "9007199254740993", "99999999999999999999"}) {
+    const auto parsed = ParseTrendQuestion({{"parameter", "K"}, {"first", wrong}});
+    ASSERT_FALSE(parsed) << wrong;
+    EXPECT_THAT(parsed.error().text, HasSubstr("first: expected a whole number"));
+  }
+  EXPECT_FALSE(ParseTrendQuestion({{"machine", "press 7"}}));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct HttpRequest {
   std::string host, origin, fetch_site;      ///< headers Host, Origin, Sec-Fetch-Site; "" = absent
   std::string token;                         ///< header X-Hydroscope-Token
   std::int64_t length = -1;                  ///< header Content-Length; -1 = absent
+  bool by_socket = false;                    ///< not by the port: from the owner of the program
   std::string body;                          ///< or, of an upload, empty ...
   std::string file;                          ///< ... and this file holds it
 };

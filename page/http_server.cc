@@ -3,6 +3,8 @@
 #include <arpa/inet.h>
 #include <microhttpd.h>
 #include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -109,10 +111,56 @@ MHD_Result SendEvents(MHD_Connection* connection, EventFeed& feed) {
 
 }  // namespace
 
+namespace {
+
+constexpr int kBacklog = 16;
+
+/// A bound stream socket at `path`; one that a dead program left behind is replaced.
+Result<int> ListenAt(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof(address.sun_path))
+    return UsageError("the path of the socket {} is longer than {} characters; use a shorter database path",
+                      path, sizeof(address.sun_path) - 1);
+  std::strcpy(address.sun_path, path.c_str());
+  const auto* raw = reinterpret_cast<const sockaddr*>(&address);
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const bool alive = connect(probe, raw, sizeof(address)) == 0;
+  close(probe);
+  if (alive)
+    return BadInput("{}: another service answers there already and writes this database; stop it first",
+                    path);
+  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  unlink(path.c_str());
+  if (bind(listener, raw, sizeof(address)) != 0 || listen(listener, kBacklog) != 0) {
+    const std::string why = std::strerror(errno);
+    close(listener);
+    return InternalError("the socket {} cannot be made: {}", path, why);
+  }
+  return listener;
+}
+
+}  // namespace
+
 struct HttpServer::Impl {
   Hooks hooks;
-  MHD_Daemon* daemon = nullptr;
+  MHD_Daemon *of_port = nullptr, *of_socket = nullptr;
   int port = 0;
+  std::string socket;
+
+  /// `place`: what to listen at, as an option of libmicrohttpd.
+  template <typename Place>
+  MHD_Daemon* Start(MHD_OPTION option, Place place) {
+    return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
+                            &Impl::Handle, this, option, place, MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget,
+                            nullptr, MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
+                            MHD_OPTION_CONNECTION_TIMEOUT, kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+                            kMostHeaders, MHD_OPTION_END);
+  }
+  bool IsBySocket(MHD_Connection* connection) const {
+    const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_DAEMON);
+    return info != nullptr && info->daemon == of_socket;
+  }
 
   static MHD_Result Handle(void* self, MHD_Connection* connection, const char* url, const char* method,
                            const char*, const char* data, std::size_t* size, void** request) {
@@ -126,7 +174,9 @@ struct HttpServer::Impl {
   /// The head is there: refuses, or makes ready for the body.
   MHD_Result Begin(MHD_Connection* connection, const char* url, const char* method, void** request) const {
     HttpRequest head = HeadOf(connection, url, method);
-    if (const auto refusal = hooks.refuse(head)) return Send(connection, *refusal);
+    head.by_socket = IsBySocket(connection);
+    if (!head.by_socket)
+      if (const auto refusal = hooks.refuse(head)) return Send(connection, *refusal);
     auto* open = new OpenRequest{std::move(head), {}, 0};
     *request = open;
     open->request.file = hooks.body_file(open->request);
@@ -167,29 +217,35 @@ HttpServer::HttpServer() : impl_(std::make_unique<Impl>()) {}
 
 HttpServer::~HttpServer() {
   if (impl_->hooks.events != nullptr) impl_->hooks.events->Close();
-  if (impl_->daemon != nullptr) MHD_stop_daemon(impl_->daemon);
+  for (MHD_Daemon* daemon : {impl_->of_port, impl_->of_socket})
+    if (daemon != nullptr) MHD_stop_daemon(daemon);
+  if (!impl_->socket.empty()) unlink(impl_->socket.c_str());
 }
 
 int HttpServer::port() const { return impl_->port; }
 
-Result<std::unique_ptr<HttpServer>> HttpServer::Open(int port, Hooks hooks) {
+Result<std::unique_ptr<HttpServer>> HttpServer::Open(const HttpListen& listen, Hooks hooks) {
   std::unique_ptr<HttpServer> server(new HttpServer);
   Impl& impl = *server->impl_;
   impl.hooks = std::move(hooks);
+  if (!listen.socket.empty()) {
+    const auto listener = ListenAt(listen.socket);
+    if (!listener) return tl::unexpected(listener.error());
+    impl.of_socket = impl.Start(MHD_OPTION_LISTEN_SOCKET, *listener);
+    if (impl.of_socket == nullptr) return InternalError("the socket {} cannot be served", listen.socket);
+    impl.socket = listen.socket;
+  }
+  if (!listen.port) return server;
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_port = htons(static_cast<std::uint16_t>(*listen.port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  impl.daemon = MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr,
-                                 nullptr, &Impl::Handle, &impl, MHD_OPTION_SOCK_ADDR, &address,
-                                 MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget, nullptr,
-                                 MHD_OPTION_CONNECTION_LIMIT, kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT,
-                                 kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders, MHD_OPTION_END);
-  if (impl.daemon == nullptr)
+  impl.of_port = impl.Start(MHD_OPTION_SOCK_ADDR, &address);
+  if (impl.of_port == nullptr)
     return BadInput("port {} on 127.0.0.1 cannot be opened ({}); give another one with --port, or 0 for any",
-                    port, std::strerror(errno));
-  const auto* info = MHD_get_daemon_info(impl.daemon, MHD_DAEMON_INFO_BIND_PORT);
-  impl.port = info == nullptr ? port : info->port;
+                    *listen.port, std::strerror(errno));
+  const auto* info = MHD_get_daemon_info(impl.of_port, MHD_DAEMON_INFO_BIND_PORT);
+  impl.port = info == nullptr ? *listen.port : info->port;
   return server;
 }
 

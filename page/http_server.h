@@ -11,11 +11,17 @@
 
 namespace hydroscope {
 
-/// HTTP on 127.0.0.1 by libmicrohttpd, one thread for all connections: answers have to come at once.
+/// Where a server listens.
+struct HttpListen {
+  std::optional<int> port;  ///< on 127.0.0.1; 0: a free one; nothing: no port
+  std::string socket;       ///< path that only the owner may open, for other programs of his; "": none
+};
+
+/// HTTP by libmicrohttpd, one thread for all connections of a port and one for those of a socket: answers have to come at once.
 class HttpServer {
  public:
   struct Hooks {
-    /// Before a body is read: the refusal, or nothing.
+    /// Of the port, before a body is read: the refusal, or nothing. What comes by the socket comes from the owner.
     std::function<std::optional<HttpReply>(const HttpRequest&)> refuse;
     /// Where the body of this request is to be written; "" = into HttpRequest::body.
     std::function<std::string(const HttpRequest&)> body_file;
@@ -23,10 +29,12 @@ class HttpServer {
     std::string event_path;  ///< GET of it is an endless stream of `events`
     EventFeed* events = nullptr;
   };
-  /// `port` 0: a free one. Errors: the port is taken.
-  static Result<std::unique_ptr<HttpServer>> Open(int port, Hooks hooks);
-  /// Closes the feed, so that streams end.
+  /// Errors: the port is taken, another program answers on the socket, its path is too long or cannot be written. A socket
+  /// that a dead program left behind is replaced.
+  static Result<std::unique_ptr<HttpServer>> Open(const HttpListen& listen, Hooks hooks);
+  /// Closes the feed, so that streams end, and removes the socket.
   ~HttpServer();
+  /// 0 without one.
   int port() const;
 
  private:

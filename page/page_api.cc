@@ -4,21 +4,12 @@
 #include <functional>
 #include <optional>
 
-#include "host/output.h"
 #include "page/assets.h"
+#include "page/json_reply.h"
 #include "page/request_guard.h"
 
 namespace hydroscope {
 namespace {
-
-HttpReply JsonReply(nlohmann::json json, unsigned status = 200) {
-  if (!json.contains("schema")) json["schema"] = kJsonSchema;
-  return {status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
-}
-
-HttpReply FailureReply(const Error& error) {
-  return ErrorReply(error.kind == ErrorKind::kInternal ? 500 : 400, error.text);
-}
 
 HttpReply DoneReply(const Status& done) {
   return done ? JsonReply(nlohmann::json::object()) : FailureReply(done.error());
@@ -107,7 +98,6 @@ struct Route {
   HttpReply (*answer)(WorkSession&, const HttpRequest&);
 };
 constexpr Route kRoutes[] = {
-    {"GET", "/api/v1/session", [](WorkSession& s, const HttpRequest&) { return JsonReply(s.Json()); }},
     {"GET", "/api/v1/effects", [](WorkSession& s, const HttpRequest&) { return JsonReply(s.Effects()); }},
     {"GET", "/api/v1/results", GetResult},
     {"GET", "/api/v1/strokes", GetStroke},
@@ -134,19 +124,40 @@ constexpr Route kRoutes[] = {
 }  // namespace
 
 HttpReply PageApi::Answer(const HttpRequest& request) {
-  bool known = false;
+  if (request.path.starts_with(kWatchPath))
+    return watch_ != nullptr ? watch_->Answer(request)
+                             : ErrorReply(404, "no database is watched here (open --db)");
+  bool known = request.path == "/api/v1/session";
+  if (known && request.method == "GET") return JsonReply(Session());
   for (const Route& route : kRoutes) {
     if (request.path != route.path) continue;
     known = true;
-    if (request.method == route.method) return route.answer(session_, request);
+    if (request.method == route.method && session_ != nullptr) return route.answer(*session_, request);
   }
   if (known) return ErrorReply(405, request.method + " is not answered here");
   if (request.method == "GET" && !request.path.starts_with("/api/")) return Asset(request.path);
   return ErrorReply(404, "there is nothing at " + request.path);
 }
 
+/// Of the workbench, empty where there is none, and what else the page may show.
+nlohmann::json PageApi::Session() const {
+  nlohmann::json session = session_ != nullptr ? session_->Json()
+                                               : nlohmann::json{{"machine", nullptr},
+                                                                {"file", nullptr},
+                                                                {"unsaved", false},
+                                                                {"units", nlohmann::json::object()}};
+  for (const char* list : {"logs", "versions", "results", "jobs", "examples"})
+    if (!session.contains(list)) session[list] = nlohmann::json::array();
+  session["workbench"] = session_ != nullptr;
+  session["watched"] = watch_ != nullptr;
+  session["changes"] = !token_.empty();
+  return session;
+}
+
 std::string PageApi::BodyFile(const HttpRequest& request) {
-  return request.method == "POST" && request.path == "/api/v1/logs" ? session_.UploadFile() : "";
+  return request.method == "POST" && request.path == "/api/v1/logs" && session_ != nullptr
+             ? session_->UploadFile()
+             : "";
 }
 
 HttpReply PageApi::Asset(const std::string& path) const {

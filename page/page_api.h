@@ -1,6 +1,9 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "page/http_message.h"
+#include "page/watch/watch_api.h"
 #include "page/work_session.h"
 
 namespace hydroscope {
@@ -9,15 +12,20 @@ namespace hydroscope {
 /// JSON object with `schema`; a failure has `error`.
 class PageApi {
  public:
-  PageApi(WorkSession& session, std::string token) : session_(session), token_(std::move(token)) {}
+  /// `session`: nullptr where there is no workbench; `watch`: nullptr where no database is watched; `token` "": nothing can be
+  /// changed.
+  PageApi(WorkSession* session, WatchApi* watch, std::string token)
+      : session_(session), watch_(watch), token_(std::move(token)) {}
   HttpReply Answer(const HttpRequest& request);
   /// Where the body of an upload goes; "" for all other requests.
   std::string BodyFile(const HttpRequest& request);
 
  private:
+  nlohmann::json Session() const;
   HttpReply Asset(const std::string& path) const;
 
-  WorkSession& session_;
+  WorkSession* const session_;
+  WatchApi* const watch_;
   const std::string token_;
 };
 

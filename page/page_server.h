@@ -1,10 +1,14 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
+#include "page/http_server.h"
+#include "page/watch/watch_options.h"
 #include "page/work_session.h"
 
 namespace hydroscope {
@@ -14,13 +18,26 @@ struct PageOptions {
   std::string machine;  ///< "" = made on the page
   int port = 0;         ///< 0 = a free one
   std::vector<ExampleLog> examples;
+  WatchOptions watch;  ///< a database beside the logs
 };
 
-/// The page over logs, served on 127.0.0.1 until it is destroyed.
+/// What `serve` shows: the database it writes, to look at alone.
+struct ServicePageOptions {
+  HttpListen listen;
+  WatchOptions watch;
+  /// Answers beside the page: /metrics, /status, and by the socket POST /valve_check; nothing: it is the page's.
+  std::function<std::optional<HttpReply>(const HttpRequest&)> service;
+};
+
+/// The page over logs or a database, served on 127.0.0.1 until it is destroyed.
 class PageServer {
  public:
-  /// Errors: the machine file is wrong, the port is taken, or the program was built without the page.
+  /// Errors: the machine file is wrong, the database cannot be read, the port is taken, or the program was built without the
+  /// page.
   static Result<std::unique_ptr<PageServer>> Open(const PageOptions& options);
+  /// Without the workbench, and nothing can be changed. A program that was built without the page serves the rest. Errors as
+  /// of HttpServer::Open.
+  static Result<std::unique_ptr<PageServer>> OpenForService(const ServicePageOptions& options);
   ~PageServer();
   std::string address() const;
   /// Has to be called every few seconds: finds browsers that are gone.
@@ -28,6 +45,7 @@ class PageServer {
 
  private:
   PageServer();
+  Status Listen(const HttpListen& listen, std::function<HttpReply(const HttpRequest&)> answer);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -42,6 +42,11 @@ std::optional<HttpReply> RequestGuard::Refuse(const HttpRequest& request) const 
   if (reads) return std::nullopt;
   if (!request.origin.empty() && request.origin != "http://" + request.host)
     return ErrorReply(403, "the Origin header names another site");
+  if (token.empty())
+    return ErrorReply(
+        403,
+        "this page is to look at; what changes something is done with `hydroscope alarms`, or with "
+        "`hydroscope open --db` beside the service");
   if (!SameSecret(request.token, token))
     return ErrorReply(403, "the token is missing or old: load the page again (X-Hydroscope-Token)");
   if (request.length > BodyLimit(request.path))

@@ -10,7 +10,7 @@ namespace hydroscope {
 /// What a request has to fulfil before anything is read or done for it.
 struct RequestGuard {
   int port = 0;       ///< of the server: the Host header must name it at a loopback name
-  std::string token;  ///< that the page holds; what changes something must bring it
+  std::string token;  ///< that the page holds; what changes something must bring it; "": nothing may
 
   /// The refusal, or nothing: Host names another site (DNS rebinding), a page of another site asks (Sec-Fetch-Site, Origin),
   /// or a request that changes something lacks the token.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/effect_units.h"
+#include "monitor/mean_deviation.h"
 #include "report/report_page.h"
 #include "report/report_parameters.h"
 #include "report/svg_plot.h"
@@ -30,37 +30,16 @@ Blocks BlocksOf(const std::vector<AxisMonitor::JudgedValue>& values, int quantit
   Blocks blocks;
   const std::size_t size = (values.size() + kMostBlocks - 1) / kMostBlocks;
   for (std::size_t from = 0; from < values.size(); from += size) {
-    double weight = 0, stroke = 0, temperature = 0, deviation = 0, reference = 0, count = 0;
-    for (std::size_t k = from; k < std::min(values.size(), from + size); ++k) {
-      const drift::Deviation& d = values[k].deviation;
-      if (!d.judged || !(d.std[quantity] > 0) || !std::isfinite(d.std[quantity])) continue;
-      const double w = 1 / (d.std[quantity] * d.std[quantity]);
-      weight += w;
-      deviation += w * d.value[quantity];
-      reference += d.reference[quantity];
-      stroke += static_cast<double>(values[k].sequence);
-      temperature += values[k].oil_temperature;
-      ++count;
-    }
-    if (!(weight > 0)) continue;
-    blocks.stroke.push_back(stroke / count);
-    blocks.temperature.push_back(temperature / count - kZeroCelsius);
-    blocks.deviation.push_back(deviation / weight);
-    blocks.reference.push_back(reference / count);
-    blocks.std.push_back(1 / std::sqrt(weight));
+    const MeanDeviation mean =
+        MeanDeviationOf(std::span(values).subspan(from, std::min(size, values.size() - from)), quantity);
+    if (mean.strokes == 0) continue;
+    blocks.stroke.push_back(mean.stroke);
+    blocks.temperature.push_back(mean.oil_temperature - kZeroCelsius);
+    blocks.deviation.push_back(mean.value);
+    blocks.reference.push_back(mean.reference);
+    blocks.std.push_back(mean.std);
   }
   return blocks;
-}
-
-/// Sizes of effects in the unit people read them in.
-ParameterInfo InfoOf(const MachineKind& kind, const drift::Quantity& quantity, double typical) {
-  ParameterInfo info = InfoFor(kind, quantity.name, quantity.unit, typical);
-  if (!quantity.effect) return info;
-  const EffectUnit unit = EffectUnitFor(quantity.unit);
-  info.unit = unit.name;
-  info.factor = unit.factor;
-  info.offset = 0;
-  return info;
 }
 
 /// The curve as learned, its points, and what was judged since.
@@ -155,7 +134,7 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
   const Blocks blocks = BlocksOf(values, q);
   if (watch == nullptr || blocks.stroke.empty()) return "";
   const double typical = monitor.reference().typical(q);
-  const ParameterInfo info = InfoOf(monitor.model().kind(), quantity, typical);
+  const ParameterInfo info = InfoForQuantity(monitor.model().kind(), quantity, typical);
   const double width = quantity.effect ? kPageWidth : SvgPlot::Options().width;
   const std::string deviation =
       DeviationPlot(blocks, info, watch->Sizes(typical).smallest, ChangesOf(monitor, quantity.name), width);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/effect_units.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -57,6 +58,16 @@ ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std
     info.unit = known->shown;
     info.factor = known->factor;
   }
+  return info;
+}
+
+ParameterInfo InfoForQuantity(const MachineKind& kind, const drift::Quantity& quantity, double typical) {
+  ParameterInfo info = InfoFor(kind, quantity.name, quantity.unit, typical);
+  if (!quantity.effect) return info;
+  const EffectUnit unit = EffectUnitFor(quantity.unit);
+  info.unit = unit.name;
+  info.factor = unit.factor;
+  info.offset = 0;
   return info;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "diagnosis/drift/watched_model.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -25,6 +26,9 @@ struct ParameterInfo {
 /// `typical` (SI) chooses between l and cm3.
 ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std::string_view si_unit,
                       double typical);
+
+/// The same for a quantity of the drift watch: sizes of effects in the unit people read them in.
+ParameterInfo InfoForQuantity(const MachineKind& kind, const drift::Quantity& quantity, double typical);
 
 /// "Bulk modulus K (GPa)", as the axis of a plot says it.
 std::string AxisLabel(const ParameterInfo& info);

@@ -47,6 +47,17 @@ struct TrendPoint {
   Estimate estimate;
 };
 
+/// Consecutive strokes of one run as a picture of one parameter shows them; NaN where none of them has a value.
+struct TrendBin {
+  std::int64_t run = 0;
+  std::int64_t first = 0, last = 0;  ///< machine-wide numbers of the first and the last stroke
+  std::int64_t values = 0;           ///< strokes that have one
+  double begin = 0, end = 0;         ///< s, ends of these two strokes in the log's own time
+  double low = 0, high = 0;          ///< SI
+  double mean = 0, std = 0;          ///< SI; `std` the mean of the strokes' own
+  double oil_temperature = 0;        ///< K, mean of what the values stand for, or of the last stroke
+};
+
 /// Raw samples of one run, column-wise, as StoreRaw took them.
 struct RawWindow {
   std::vector<std::string> signals;
@@ -152,6 +163,15 @@ class Database {
   Result<std::vector<TrendPoint>> Trend(std::int64_t machine, const std::string& parameter,
                                         std::int64_t first = 0,
                                         std::int64_t end = std::numeric_limits<std::int64_t>::max()) const;
+  /// The trend of one parameter for a picture: strokes with first <= sequence < end, `width` of them to a bin, bins
+  /// counted from the begin of their run. `most` > 0: only so many strokes of each bin are looked at, its first ones.
+  /// SQLite finds lowest and highest value; a stroke takes some 0.2 us, a bin some 5 us.
+  Result<std::vector<TrendBin>> TrendBins(std::int64_t machine, const std::string& parameter,
+                                          std::int64_t first, std::int64_t end, std::int64_t width,
+                                          std::int64_t most = 0) const;
+  /// Sequence of the first stroke that ends at or after `time`, found by halving: for times that only grow over all
+  /// runs, which is not looked into (SequenceAt does); the machine's end if there is none.
+  Result<std::int64_t> SequenceNear(std::int64_t machine, double time) const;
   /// Names of the parameters whose estimates the machine's strokes hold, in the order in which they came.
   Result<std::vector<std::string>> ParameterNames(std::int64_t machine) const;
   Result<std::vector<StrokeSummary>> Strokes(std::int64_t run) const;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "alarms/alarm_machine.h"
+#include "alarms/alarm_action.h"
 #include "alarms/press_health.h"
 
 namespace hydroscope {
@@ -112,19 +112,10 @@ Status FeedReader::ReadTrends(AxisPicture& axis) {
 
 Result<bool> FeedReader::Acknowledge(const std::string& machine, const std::string& alarm,
                                      const AlarmUser& user, double wall) {
-  return WithJournal([&](AlarmJournal& journal) -> Result<bool> {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    bool changed = false;
-    const Status stored = journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
-      AlarmState& state = axis.Alarm(alarm);
-      const AlarmMoment now{kUnknown, wall, state.last_stroke, kUnknown, 0, 0};
-      auto events = alarm_machine::Acknowledge(state, user, now);
-      changed = !events.empty();
-      axis.Append(std::move(events));
-      return {};
+  return WithJournal([&](AlarmJournal& journal) {
+    return ActOnAlarm(journal, machine, alarm, wall, [&](AlarmState& state, const AlarmMoment& now) {
+      return alarm_machine::Acknowledge(state, user, now);
     });
-    if (!stored) return tl::unexpected(stored.error());
-    return changed;
   });
 }
 

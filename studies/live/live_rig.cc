@@ -13,7 +13,7 @@
 #include <fstream>
 #include <thread>
 
-#include "live/http_endpoint.h"
+#include "live/service_socket.h"
 
 namespace hydroscope {
 namespace {

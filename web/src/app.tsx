@@ -5,12 +5,23 @@ import { Mapping } from "./start/mapping";
 import { refresh, useStore } from "./store";
 import { applyTheme, firstTheme, type Theme } from "./theme";
 import { writeNumbersIn } from "./units";
+import { useUrl } from "./url_state";
+import { Watch, WatchNavigation, views, type View } from "./watch/watch";
 import { Workbench } from "./workbench/workbench";
 import { firstLanguage, sayIn, useWords, WordsContext, type Language } from "./words";
+
+/** Where one is: only a database has more to look at than the workbench. */
+function useView(): View {
+  const [query] = useUrl();
+  const { session } = useStore();
+  if (!session?.watched) return "workbench";
+  return views.find((view) => view === query.view) ?? "overview";
+}
 
 function Header({ language, setLanguage }: { language: Language; setLanguage: (l: Language) => void }) {
   const say = useWords();
   const { session } = useStore();
+  const view = useView();
   const [theme, setTheme] = useState<Theme>(firstTheme);
   useEffect(() => applyTheme(theme), [theme]);
   const begun = session !== null && (session.logs.length > 0 || session.machine !== null);
@@ -23,10 +34,11 @@ function Header({ language, setLanguage }: { language: Language; setLanguage: (l
   return (
     <header class="top">
       <span class="brand">{say("title")}</span>
-      {session?.machine && <span class="what">{session.machine.name}{session.logs.length > 0 && ` · ${session.logs.map((l) => l.name.split("/").pop()).join(", ")}`}
+      {view === "workbench" && session?.machine && <span class="what">{session.machine.name}{session.logs.length > 0 && ` · ${session.logs.map((l) => l.name.split("/").pop()).join(", ")}`}
         {session.unsaved && <em> · {say("unsaved")}</em>}</span>}
+      {session?.watched && <WatchNavigation view={view} />}
       <span class="spring" />
-      {begun && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
+      {begun && view === "workbench" && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
       <select aria-label={say("theme")} value={theme} onChange={(e) => setTheme(e.currentTarget.value as Theme)}>
         <option value="auto">{say("themeAuto")}</option>
         <option value="light">{say("themeLight")}</option>
@@ -55,6 +67,7 @@ function Working() {
 export function App() {
   const [language, setLanguage] = useState(firstLanguage);
   const { session, connected } = useStore();
+  const view = useView();
   const say = sayIn(language);
   writeNumbersIn(language);
   useEffect(() => {
@@ -67,6 +80,7 @@ export function App() {
       {!connected && <p class="lost" role="alert">{say("lost")}</p>}
       <main>
         {session === null ? <p class="empty">{say("loading")}</p>
+          : view !== "workbench" ? <Watch view={view} />
           : session.logs.length === 0 ? <Start />
           : session.machine === null ? <Mapping />
           : <Workbench session={session} />}

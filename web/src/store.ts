@@ -79,8 +79,17 @@ export async function refresh(): Promise<void> {
   for (const kind of kinds) void workOut(kind, session.machine.version);
 }
 
+type Hearer = (event: Record<string, unknown>) => void;
+const hearers = new Set<Hearer>();
+/** Every event of the stream is passed on, and {state: "connected"} when it stands again. */
+export function hear(hearer: Hearer): void {
+  hearers.add(hearer);
+}
+
 export function start(): void {
   listen((event) => {
+    for (const hearer of hearers) hearer(event);
+    if (event.job === undefined && event.state !== "changed") return;
     if (event.state === "changed") return void refresh();
     const job = event as unknown as Job;
     set({ jobs: { ...state.jobs, [job.job]: job } });
@@ -91,6 +100,7 @@ export function start(): void {
     if (connected && !state.connected) {
       shown = "";
       void renewToken().then(refresh);
+      for (const hearer of hearers) hearer({ state: "connected" });
     }
     if (connected !== state.connected) set({ connected });
   });

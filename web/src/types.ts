@@ -30,6 +30,11 @@ export interface Session {
   examples: string[];
   unsaved: boolean;
   file: string | null;
+  /** A database is watched beside the logs. */
+  watched: boolean;
+  /** There is a workbench; what stands may be changed. Both not so where a service serves the page. */
+  workbench: boolean;
+  changes: boolean;
 }
 
 export interface CheckResult {

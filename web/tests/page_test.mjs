@@ -4,55 +4,27 @@ import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { request } from "node:http";
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { browser, folder, open, program, run } from "./program.mjs";
+import { assertAccessible, assertFits, endBrowser, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { folder, open, program, run } from "./program.mjs";
 
-const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const cushion = join(machines, "die_cushion.toml");
-const patience = 120_000;  // ms, also on a computer with many times more work than cores
-let chromium, place;
+const place = folder();
 
 before(async () => {
-  chromium = await browser();
-  place = folder();
+  await startBrowser();
   run(["simulate", "press", "--out", "hidden.csv", "--seconds", "90", "--seed", "4", "--effect", "relief_valve=3e-11"], place.path);
 });
 after(async () => {
-  await chromium?.close();
-  place?.remove();
+  await endBrowser();
+  place.remove();
 });
 
-/** A page of a program of its own, until the test is over; what fails on the page fails the test. */
-async function visit(t, words, options = {}) {
-  const served = await open(words, place.path);
-  const context = await chromium.newContext({ viewport: { width: 1400, height: 900 }, locale: "en-US", ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(patience);
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(String(error)));
-  page.on("console", (line) => {
-    if (line.type() === "error" && /Content Security Policy|Uncaught/.test(line.text())) faults.push(line.text());
-  });
-  t.after(async () => {
-    await context.close();
-    await served.stop();
-    assert.deepEqual(faults, []);
-  });
-  return { page, address: served.address, served };
-}
-
-/** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
-async function until(page, condition) {
-  for (const end = Date.now() + patience; Date.now() < end;) {
-    if (await page.evaluate(condition)) return;
-    await page.waitForTimeout(100);
-  }
-  assert.fail(`not so after ${patience} ms: ${condition}`);
-}
+/** A page over these words of `open`, in the folder of the logs. */
+const visit = (t, words, options) => visitIn(place.path, t, words, options);
 
 /** Drops files as a person would, from the desktop. */
 async function drop(page, files) {
@@ -63,17 +35,6 @@ async function drop(page, files) {
     return data;
   }, contents);
   await page.dispatchEvent(".drop", "drop", { dataTransfer: transfer });
-}
-
-async function assertAccessible(page, where) {
-  await page.evaluate(axeSource);
-  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));
-  assert.deepEqual(violations.map((v) => `${where}: ${v.id}: ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`), []);
-}
-
-async function assertFits(page, where) {
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  assert.ok(wide <= 0, `${where} is ${wide} pixels wider than the window`);
 }
 
 test("a hidden effect is dropped, mapped, located, added and saved", async (t) => {

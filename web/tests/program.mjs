@@ -36,6 +36,21 @@ export function open(words, cwd) {
   });
 }
 
+/** `hydroscope serve` at a port of its own; address and how to end it. */
+export async function serve(words, cwd) {
+  const port = 20_000 + (process.pid % 20_000);
+  const child = spawn(program, ["serve", ...words, "--port", String(port)], { cwd, stdio: ["ignore", "ignore", "ignore"] });
+  const ended = new Promise((resolve) => child.on("exit", resolve));
+  const address = `http://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; };
+  for (let k = 0; k < 600; ++k) {
+    if (child.exitCode !== null) throw new Error(`serve ended with ${child.exitCode}`);
+    if (await fetch(`${address}status`).then((answer) => answer.ok, () => false)) return { address, stop };
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  await stop();
+  throw new Error("serve does not answer");
+}
+
 export function browser() {
   return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"] });
 }

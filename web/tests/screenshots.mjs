@@ -1,19 +1,51 @@
-// Pictures of every page and state: node screenshots.mjs FOLDER. scripts/screenshots.sh calls it.
+// Pictures of every page and state: node screenshots.mjs FOLDER [watch | documents]: those of a database, or of the
+// documents, alone. scripts/screenshots.sh calls it.
 
 import { mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { addValveChecks, makeBeginning, makeHistory } from "./history.mjs";
 import { browser, folder, open, run } from "./program.mjs";
 
-const out = resolve(process.argv[2] ?? "out/screenshots");
+const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
 mkdirSync(out, { recursive: true });
 const place = folder();
 run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
 run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
 
+makeHistory(place.path);
+addValveChecks(place.path);
+makeBeginning(place.path);
+
 const wide = { width: 1500, height: 1000 }, phone = { width: 390, height: 844 };
 const chromium = await browser();
+
+/** The views of a database. */
+async function takeWatching(page, shoot) {
+  const learning = await open(["--db", "learning.db", "--machine", "press.toml"], place.path);
+  await page.goto(learning.address);
+  await page.waitForSelector(".tile .health");
+  await shoot(page, "watch-learning");
+  await learning.stop();
+  const watched = await open(["--db", "press.db", "--machine", "press.toml"], place.path);
+  for (const [state, view, there] of [
+    ["watch-overview", "overview", ".tile tbody tr"], ["watch-trend", "trends&p=K", ".trend-plot canvas"],
+    ["watch-trends", "trends&p=K,V0,Q_vn&x=stroke", ".trend-plot canvas"], ["watch-oil", "trends&p=K&x=oil", ".trend-plot canvas"],
+    ["watch-alarms", "alarms", ".alarm-table"], ["watch-alarm", "alarms&alarm=die_cushion/internal_leakage", ".journal li"],
+    ["watch-valve", "valve", ".bode canvas"], ["watch-scada", "scada", ".tags tbody tr"],
+  ]) {
+    await page.goto(`${watched.address}#view=${view}`);
+    await page.waitForSelector(there);
+    await shoot(page, state);
+  }
+  await page.goto(`${watched.address}#view=alarms&alarm=die_cushion/internal_leakage`);
+  await page.waitForSelector(".journal li");
+  await page.emulateMedia({ media: "print" });
+  await shoot(page, "watch-work-order");
+  await page.emulateMedia({ media: "screen" });
+  await watched.stop();
+}
 
 /** The same states in each look. */
 async function take(name, viewport, colorScheme, locale) {
@@ -23,6 +55,8 @@ async function take(name, viewport, colorScheme, locale) {
   };
   const context = await chromium.newContext({ viewport, colorScheme, locale });
   const page = await context.newPage();
+  await takeWatching(page, shoot);
+  if (only === "watch") return context.close();
 
   const first = await open([], place.path);
   await page.goto(first.address);
@@ -72,7 +106,7 @@ async function take(name, viewport, colorScheme, locale) {
   await context.close();
 }
 
-/** The one of the documents, docs/page.png. */
+/** Those of the documents, docs/page.png and docs/watch.png. */
 async function takeForDocuments() {
   const context = await chromium.newContext({ viewport: { width: 1220, height: 680 }, colorScheme: "light", locale: "en-US" });
   const page = await context.newPage();
@@ -83,14 +117,22 @@ async function takeForDocuments() {
   await page.waitForTimeout(500);
   await page.screenshot({ path: join(out, "page.png") });
   await work.stop();
+  const watched = await open(["--db", "press.db", "--machine", "press.toml"], place.path);
+  await page.goto(`${watched.address}#view=trends&p=K,V0`);
+  await page.waitForSelector(".trend-plot canvas");
+  await page.waitForTimeout(500);
+  await page.screenshot({ path: join(out, "watch.png") });
+  await watched.stop();
   await context.close();
 }
 
-await takeForDocuments();
-await take("wide-light", wide, "light", "en-US");
-await take("wide-dark", wide, "dark", "de-DE");
-await take("phone-light", phone, "light", "de-DE");
-await take("phone-dark", phone, "dark", "en-US");
+if (only !== "watch") await takeForDocuments();
+if (only !== "documents") {
+  await take("wide-light", wide, "light", "en-US");
+  await take("wide-dark", wide, "dark", "de-DE");
+  await take("phone-light", phone, "light", "de-DE");
+  await take("phone-dark", phone, "dark", "en-US");
+}
 await chromium.close();
 place.remove();
 console.log(out);

@@ -1,5 +1,7 @@
 #include "alarms/feeds/sparkplug/payload.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "alarms/feeds/sparkplug/sparkplug_b.pb.h"
@@ -204,6 +206,38 @@ std::string HealthOf(const std::string& bytes) {
   for (const Payload::Metric& metric : payload.metrics())
     if (metric.name() == "Health") return metric.string_value();
   return "";
+}
+
+std::vector<Tag> TagsOf(const std::string& bytes) {
+  std::vector<Tag> tags;
+  Payload payload;
+  if (!payload.ParseFromString(bytes)) return tags;
+  for (const Payload::Metric& metric : payload.metrics()) {
+    Tag tag;
+    tag.name = metric.name();
+    for (int k = 0; k < metric.properties().keys_size() && k < metric.properties().values_size(); ++k)
+      if (metric.properties().keys(k) == "engUnit") tag.unit = metric.properties().values(k).string_value();
+    switch (metric.datatype()) {
+      case tahu::Int64:
+        tag.type = "Int64";
+        tag.value = std::to_string(static_cast<std::int64_t>(metric.long_value()));
+        break;
+      case tahu::Boolean:
+        tag.type = "Boolean";
+        tag.value = metric.boolean_value() ? "true" : "false";
+        break;
+      case tahu::Double:
+        tag.type = "Double";
+        tag.value = fmt::format("{:.6g}", metric.double_value());
+        break;
+      default:
+        tag.type = "String";
+        tag.value = metric.string_value();
+    }
+    if (metric.is_null()) tag.value.clear();
+    tags.push_back(std::move(tag));
+  }
+  return tags;
 }
 
 std::string TopicPart(const std::string& name) {

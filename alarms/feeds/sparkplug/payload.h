@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "alarms/feeds/feed_reader.h"
+#include "alarms/feeds/tag.h"
 
 /// Sparkplug B 3.0 payloads (docs/sparkplug.md), pure: what goes in comes out as bytes of sparkplug_b.proto.
 /// Times are s since 1970.
@@ -34,6 +36,9 @@ struct ToldRow {
 std::optional<ToldRow> RowOf(const std::string& payload);
 /// Health that a device's birth or data tells, "F" say; "" if it tells none.
 std::string HealthOf(const std::string& payload);
+
+/// The metrics of a payload as tags without feed, axis and address.
+std::vector<Tag> TagsOf(const std::string& payload);
 
 /// A name as topics allow it: without /, + and #.
 std::string TopicPart(const std::string& name);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "alarms/feeds/sparkplug/tags.h"
+
 namespace hydroscope {
 namespace {
 
@@ -33,6 +35,30 @@ TEST(SparkplugPayload, SealingTwiceLeavesTheLastNumber) {
   const std::string event = sparkplug::Event({});
   EXPECT_EQ(*sparkplug::Sealed(*sparkplug::Sealed(event, 7, false), 9, false),
             *sparkplug::Sealed(event, 9, false));
+}
+
+TEST(SparkplugPayload, TagsAreTheMetricsOfABirth) {
+  AxisPicture axis;
+  axis.name = "left";
+  axis.strokes = 152;
+  TrendPoint point;
+  point.oil_temperature = 313.15;
+  point.estimate = {"K", 1.5e9, 2e6, "Pa", 1, 980, EstimateReason::kUpdated, 310.15};
+  axis.estimates = {point};
+  const auto tags = SparkplugTags({}, "hall/press", {axis}, 1000);
+  const auto named = [&](const std::string& name) {
+    for (const Tag& tag : tags)
+      if (tag.name == name) return tag;
+    ADD_FAILURE() << name;
+    return Tag{};
+  };
+  EXPECT_EQ(named("Parameters/K").address, "spBv1.0/hydroscope/DDATA/hall_press/left");
+  EXPECT_EQ(named("Parameters/K").unit, "Pa");
+  EXPECT_EQ(named("Parameters/K").type, "Double");
+  EXPECT_EQ(named("Parameters/K").value, "1.5e+09");
+  EXPECT_EQ(named("Strokes").value, "152");
+  EXPECT_EQ(named("Event/Sequence").value, "") << "no event happens now";
+  EXPECT_TRUE(sparkplug::TagsOf("nonsense").empty());
 }
 
 TEST(SparkplugPayload, NamesLoseWhatTopicsDoNotAllow) {

@@ -1,0 +1,26 @@
+#include "alarms/alarm_action.h"
+
+#include <algorithm>
+
+#include "core/constants.h"
+
+namespace hydroscope {
+
+Result<bool> ActOnAlarm(AlarmJournal& journal, const std::string& machine, const std::string& alarm,
+                        double wall, const AlarmAction& action) {
+  bool changed = false;
+  const Status stored = journal.Change(machine, wall, [&](AxisContent& axis) -> Status {
+    const auto known = std::find_if(axis.alarms.begin(), axis.alarms.end(),
+                                    [&](const AlarmState& state) { return state.id == alarm; });
+    if (known == axis.alarms.end())
+      return BadInput("the journal knows no alarm \"{}\" of \"{}\"", alarm, machine);
+    auto events = action(*known, {kNaN, wall, known->last_stroke, kNaN, 0, 0});
+    changed = !events.empty();
+    axis.Append(std::move(events));
+    return {};
+  });
+  if (!stored) return tl::unexpected(stored.error());
+  return changed;
+}
+
+}  // namespace hydroscope

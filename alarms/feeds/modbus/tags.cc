@@ -1,0 +1,164 @@
+#include "alarms/feeds/modbus/tags.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "alarms/alarm_machine.h"
+#include "alarms/feeds/modbus/register_image.h"
+#include "alarms/feeds/modbus/register_map.h"
+#include "core/registers.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace register_map;
+
+enum class Cell { kU16, kU32, kFloat, kText16, kText32 };
+constexpr std::array<const char*, 5> kCellNames = {"u16", "u32", "float32", "text, 16 characters",
+                                                   "text, 32 characters"};
+
+/// What stands at an offset of a part of the map.
+struct Place {
+  int offset;
+  Cell cell;
+  const char* name;
+  const char* unit;
+  const char* meaning;
+  bool of_service = false;  ///< says something only while a service serves it
+};
+
+constexpr Place kHeadPlaces[] = {
+    {kMapVersion, Cell::kU16, "map version", "", ""},
+    {kHeartbeat, Cell::kU16, "heartbeat", "",
+     "counts up some ten times a second; if it stands still for 2 s nothing is current", true},
+    {kNewest, Cell::kU32, "newest journal row", "", "sequence number, 0: none", true},
+    {kOldest, Cell::kU32, "oldest journal row", "", "sequence number in the ring", true},
+    {register_map::kAxes, Cell::kU16, "axes", "", ""},
+    {kAlarms, Cell::kU16, "alarms with a number", "", ""},
+    {kStanding, Cell::kU16, "alarms not at rest", "", ""},
+    {kUnacknowledged, Cell::kU16, "alarms not acknowledged", "", ""},
+    {kClock, Cell::kU32, "time of this picture", "s", "since 1970", true},
+    {kTrouble, Cell::kU16, "trouble", "", "what keeps the service from storing or judging; 0 nothing", true},
+    {kAcknowledge, Cell::kU16, "acknowledge", "",
+     "write the number of an alarm; the only register that can be written", true},
+    {kAcknowledgeOutcome, Cell::kU16, "outcome of acknowledging", "",
+     "0 nothing asked, 1 asked, 2 acknowledged, 3 nothing to acknowledge, 4 not stored", true},
+};
+constexpr Place kAxisPlaces[] = {
+    {kHealth, Cell::kU16, "health", "", "NE 107: 0 good, 1 M, 2 S, 3 C, 4 F"},
+    {kParameters, Cell::kU16, "parameters", "", "that follow"},
+    {kStrokeAge, Cell::kU16, "age of the last stroke", "s", "65535: longer, or none"},
+    {kAxisStanding, Cell::kU16, "alarms not at rest", "", ""},
+    {kStrokes, Cell::kU32, "strokes stored", "", ""},
+    {kOilTemperature, Cell::kFloat, "oil temperature", "degC", "during the last stroke"},
+    {kAxisName, Cell::kText16, "name", "", ""},
+};
+constexpr Place kHealthPlaces[] = {
+    {kReason, Cell::kU16, "reason of health", "", "docs/register_map.md"},
+    {kLearned, Cell::kU16, "strokes learned", "", "while learning"},
+    {kNeeded, Cell::kU16, "strokes needed", "", "while learning"},
+};
+constexpr Place kAlarmPlaces[] = {
+    {kFlags, Cell::kU16, "flags", "",
+     "1 active, 2 acknowledged, 4 latched, 8 shelved, 16 suppressed, 32 out of service"},
+    {kState, Cell::kU16, "state", "",
+     "0 NORM, 1 UNACK, 2 ACKED, 3 RTNUN, 4 LTUNK, 5 LTACK, 6 SHLVD, 7 DSUPR, 8 OOSRV"},
+    {kSeverity, Cell::kU16, "severity", "", "0 advisory, 1 warning, 2 alarm, 3 loss of signal"},
+    {kAlarmAxis, Cell::kU16, "axis", "", "from 1"},
+    {kRaised, Cell::kU32, "raised", "s", "since 1970"},
+    {kRaisedStroke, Cell::kU32, "raised at stroke", "", ""},
+    {kAlarmValue, Cell::kFloat, "value", nullptr, ""},
+    {kAlarmStd, Cell::kFloat, "standard deviation", nullptr, ""},
+    {kAlarmLimit, Cell::kFloat, "limit", nullptr, ""},
+    {kAlarmName, Cell::kText32, "id", "", ""},
+};
+
+/// Lists places of one picture after the other.
+class TagList {
+ public:
+  explicit TagList(const RegisterImage& image) : image_(image) {}
+
+  /// `si`: unit of places whose unit is that of a quantity.
+  void Add(std::span<const Place> places, int first, const std::string& axis, const std::string& of,
+           const std::string& si = "") {
+    for (const Place& place : places)
+      tags_.push_back({"modbus", axis, std::to_string(first + place.offset),
+                       of.empty() ? place.name : of + ", " + place.name,
+                       kCellNames[static_cast<std::size_t>(place.cell)],
+                       place.unit == nullptr ? si : place.unit, place.meaning,
+                       place.of_service ? "" : ValueAt(first + place.offset, place.cell)});
+  }
+  std::vector<Tag> Take() { return std::move(tags_); }
+
+ private:
+  std::string ValueAt(int at, Cell cell) const {
+    const auto registers = image_.registers().subspan(static_cast<std::size_t>(at));
+    if (cell == Cell::kU16) return std::to_string(registers[0]);
+    if (cell == Cell::kU32) return std::to_string(DecodeUnsigned(registers.first(2)));
+    if (cell == Cell::kFloat) {
+      const double value = DecodeRegisters(registers, RegisterType::kFloat32, WordOrder::kAbcd);
+      return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
+    }
+    std::string text;
+    for (std::size_t k = 0; k < (cell == Cell::kText16 ? 8 : 16); ++k)
+      for (const int character : {registers[k] >> 8, registers[k] & 0xff})
+        if (character != 0) text += static_cast<char>(character);
+    return text;
+  }
+
+  const RegisterImage& image_;
+  std::vector<Tag> tags_;
+};
+
+}  // namespace
+
+std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
+                            const std::vector<std::pair<std::string, std::string>>& alarms_by_appearance,
+                            double wall) {
+  AlarmNumbers numbers;
+  for (const auto& [machine, alarm] : alarms_by_appearance) numbers.Add(machine, alarm);
+  RegisterImage image;
+  RegisterImage::Counts counts;
+  counts.axes = static_cast<int>(axes.size());
+  counts.alarms = std::min(numbers.size(), kMostAlarms);
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    image.ShowAxis(static_cast<int>(a) + 1, axes[a], wall);
+    for (const AlarmState& alarm : axes[a].alarms) {
+      image.ShowAlarm(numbers.NumberOf(axes[a].machine, alarm.id), static_cast<int>(a) + 1, alarm, 0);
+      counts.standing += AtRest(alarm) ? 0 : 1;
+      counts.unacknowledged += alarm.acknowledged ? 0 : 1;
+    }
+  }
+  image.ShowHead(counts, wall);
+  TagList list(image);
+  list.Add(kHeadPlaces, 0, "", "");
+  for (std::size_t a = 0; a < axes.size() && a < kMostAxes; ++a) {
+    const int first = kFirstAxis + static_cast<int>(a) * kAxisStride;
+    list.Add(kAxisPlaces, first, axes[a].name, "");
+    list.Add(kHealthPlaces, kFirstHealth + static_cast<int>(a) * kHealthStride, axes[a].name, "");
+    for (std::size_t p = 0; p < axes[a].estimates.size() && p < kMostParameters; ++p) {
+      const Estimate& estimate = axes[a].estimates[p].estimate;
+      const Place places[] = {
+          {kValue, Cell::kFloat, "value", nullptr, "after the last stroke"},
+          {kStd, Cell::kFloat, "standard deviation", nullptr, "value +- 1.96 of it is the 95 % interval"},
+          {kQuality, Cell::kU16, "quality", "", "0 identified in the last stroke, else older; 255 never"},
+          {kEstimateAge, Cell::kU16, "age", "s", "since the data told something about it"},
+          {kEstimateOil, Cell::kFloat, "oil temperature", "degC", "that the value stands for"},
+          {kParameterName, Cell::kText16, "name", "", ""}};
+      list.Add(places, first + kFirstParameter + static_cast<int>(p) * kParameterStride, axes[a].name,
+               estimate.parameter, estimate.unit);
+    }
+  }
+  for (std::size_t a = 0; a < axes.size(); ++a)
+    for (const AlarmState& alarm : axes[a].alarms) {
+      const int number = numbers.NumberOf(axes[a].machine, alarm.id);
+      if (number < 1 || number > kMostAlarms) continue;
+      list.Add(kAlarmPlaces, kFirstAlarm + (number - 1) * kAlarmStride, axes[a].name,
+               fmt::format("alarm {} {}", number, alarm.id), alarm.unit);
+    }
+  return list.Take();
+}
+
+}  // namespace hydroscope

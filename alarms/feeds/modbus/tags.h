@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "alarms/feeds/feed_reader.h"
+#include "alarms/feeds/tag.h"
+
+namespace hydroscope {
+
+/// The registers of docs/register_map.md that these axes fill, from 1 in this order, with their values: read from the picture
+/// the feed would serve; those that say something only while it is served (heartbeat, clock, ring) have none. Alarms are numbered as AlarmNumbers does; those beyond the map are left out. `wall` in s since 1970.
+std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
+                            const std::vector<std::pair<std::string, std::string>>& alarms_by_appearance,
+                            double wall);
+
+}  // namespace hydroscope

@@ -1,0 +1,76 @@
+#include "alarms/feeds/modbus/tags.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "alarms/feeds/modbus/register_map.h"
+
+namespace hydroscope {
+namespace {
+
+std::vector<Tag> TagsOfAPress() {
+  AxisPicture axis;
+  axis.machine = "press/left";
+  axis.name = "left";
+  axis.strokes = 70'000;
+  TrendPoint point;
+  point.time = 990;
+  point.oil_temperature = 313.15;
+  point.estimate = {"K", 1.5e9, 2e6, "Pa", 1, 980, EstimateReason::kUpdated, 310.15};
+  axis.estimates = {point};
+  AlarmState alarm;
+  alarm.id = "internal_leakage";
+  alarm.active = true;
+  alarm.acknowledged = false;
+  alarm.value = 3e-12;
+  alarm.unit = "m3/(s Pa)";
+  axis.alarms = {alarm};
+  AxisPicture right;
+  right.machine = "press/right";
+  right.name = "right";
+  return ModbusTags({axis, right}, {{"press/right", "no_samples"}, {"press/left", "internal_leakage"}}, 1000);
+}
+
+const Tag& Named(const std::vector<Tag>& tags, const std::string& axis, const std::string& name) {
+  const auto found =
+      std::find_if(tags.begin(), tags.end(), [&](const Tag& t) { return t.axis == axis && t.name == name; });
+  static const Tag kNone;
+  EXPECT_NE(found, tags.end()) << axis << " " << name;
+  return found == tags.end() ? kNone : *found;
+}
+
+TEST(ModbusTags, StandWhereTheMapHasThemWithTheirValues) {
+  const auto tags = TagsOfAPress();
+  const Tag& k = Named(tags, "left", "K, value");
+  EXPECT_EQ(k.address, std::to_string(register_map::kFirstAxis + register_map::kFirstParameter));
+  EXPECT_EQ(k.type, "float32");
+  EXPECT_EQ(k.unit, "Pa");
+  EXPECT_EQ(k.value, "1.5e+09");
+  EXPECT_EQ(Named(tags, "left", "strokes stored").value, "70000");
+  EXPECT_EQ(Named(tags, "left", "oil temperature").value, "40");
+  EXPECT_EQ(Named(tags, "right", "name").value, "right");
+  EXPECT_EQ(Named(tags, "right", "health").address,
+            std::to_string(register_map::kFirstAxis + register_map::kAxisStride));
+  EXPECT_EQ(Named(tags, "", "alarms not acknowledged").value, "1");
+  EXPECT_EQ(Named(tags, "", "heartbeat").value, "") << "nothing is served";
+}
+
+TEST(ModbusTags, AnAlarmHasTheNumberOfItsFirstAppearance) {
+  const auto tags = TagsOfAPress();
+  const Tag& state = Named(tags, "left", "alarm 2 internal_leakage, state");
+  EXPECT_EQ(state.address, std::to_string(register_map::kFirstAlarm + register_map::kAlarmStride + 1));
+  EXPECT_EQ(state.value, "1");
+  EXPECT_EQ(Named(tags, "left", "alarm 2 internal_leakage, value").unit, "m3/(s Pa)");
+}
+
+TEST(ModbusTags, NoRegisterIsNamedTwice) {
+  auto tags = TagsOfAPress();
+  std::vector<std::string> addresses;
+  for (const Tag& tag : tags) addresses.push_back(tag.address);
+  std::sort(addresses.begin(), addresses.end());
+  EXPECT_EQ(std::adjacent_find(addresses.begin(), addresses.end()), addresses.end());
+}
+
+}  // namespace
+}  // namespace hydroscope

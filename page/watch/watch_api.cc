@@ -1,0 +1,197 @@
+#include "page/watch/watch_api.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "alarms/alarm_action.h"
+#include "host/real_clock.h"
+#include "monitor/alarm_json.h"
+#include "page/json_number.h"
+#include "page/json_reply.h"
+#include "page/watch/alarm_request.h"
+#include "page/watch/trend_json.h"
+#include "storage/alarm_journal.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kMostRows = 20'000;   ///< of the journal that are searched, the newest
+constexpr std::size_t kMostRowsShown = 500;  ///< and told
+constexpr std::size_t kMostSamples = 1500;   ///< of a signal of a stroke
+constexpr double kMargin = 0.2;              ///< s shown before and behind a stroke
+
+std::string QueryOf(const HttpRequest& request, const char* name) {
+  const auto found = request.query.find(name);
+  return found == request.query.end() ? "" : found->second;
+}
+
+HttpReply UnknownMachine(const std::string& machine) {
+  return ErrorReply(404, "the database has no machine \"" + machine + "\"");
+}
+
+/// Raw signals around a stroke, every so many rows where there are more than can be seen.
+nlohmann::json SignalsJson(const RawWindow& raw) {
+  const std::size_t step = raw.time.size() / kMostSamples + 1;
+  nlohmann::json json = {{"time_s", nlohmann::json::array()}, {"signals", nlohmann::json::array()}};
+  for (std::size_t row = 0; row < raw.time.size(); row += step)
+    json["time_s"].push_back(JsonNumber(raw.time[row]));
+  for (std::size_t s = 0; s < raw.signals.size(); ++s) {
+    nlohmann::json values = nlohmann::json::array();
+    for (std::size_t row = 0; row < raw.time.size(); row += step)
+      values.push_back(JsonNumber(raw.values[s][row]));
+    json["signals"].push_back({{"name", raw.signals[s]}, {"values", std::move(values)}});
+  }
+  return json;
+}
+
+AlarmAction ActionOf(const AlarmRequest& request, const AlarmUser& user, double wall) {
+  return [=](AlarmState& alarm, const AlarmMoment& now) -> alarm_machine::Events {
+    switch (request.action) {
+      case AlarmRequest::Action::kAcknowledge:
+        return alarm_machine::Acknowledge(alarm, user, now);
+      case AlarmRequest::Action::kShelve:
+        return alarm_machine::Shelve(alarm, wall + request.seconds, user, now);
+      case AlarmRequest::Action::kUnshelve:
+        return alarm_machine::Unshelve(alarm, user, now);
+      case AlarmRequest::Action::kComment:
+        return alarm_machine::Comment(alarm, user, now);
+    }
+    return {};
+  };
+}
+
+nlohmann::json ValveCheckJson(const ValveCheckRecord& c) {
+  const auto figure = [](double value, double std) {
+    return nlohmann::json{{"value", JsonNumber(value)}, {"std", JsonNumber(std)}};
+  };
+  return {{"time_s", JsonNumber(c.begin)},
+          {"outcome", c.outcome},
+          {"detail", c.detail},
+          {"f0_hz", figure(c.f0, c.f0_std)},
+          {"damping", figure(c.damping, c.damping_std)},
+          {"gain", figure(c.gain, c.gain_std)},
+          {"dead_time_s", figure(c.dead_time, c.dead_time_std)},
+          {"bandwidth_hz", figure(c.bandwidth, c.bandwidth_std)},
+          {"amplitude", JsonNumber(c.amplitude)},
+          {"supply_pressure_Pa", JsonNumber(c.supply_pressure)},
+          {"oil_temperature_K", JsonNumber(c.oil_temperature)}};
+}
+
+}  // namespace
+
+WatchApi::WatchApi(WatchOptions options, EventFeed& feed)
+    : options_(options),
+      trends_(options.database, [&feed] { feed.Publish(R"({"state": "trend"})"); }),
+      watcher_(std::move(options), feed) {}
+
+HttpReply WatchApi::Answer(const HttpRequest& request) {
+  const std::string what = request.path.substr(std::string(kWatchPath).size());
+  const bool reads = request.method == "GET";
+  if (what == "alarms" && !reads) return Act(request);
+  if (!reads) return ErrorReply(405, request.method + " is not answered here");
+  if (what == "trend") return Trend(request);
+  if (what == "stroke") return Stroke(request);
+  if (what == "journal") return Journal(request);
+  if (what == "valve_checks") return ValveChecks(request);
+  const auto state = watcher_.state();
+  if (what == "overview" || what == "alarms") {
+    if (state->overview.is_null()) return ErrorReply(404, "the database is being read");
+    return JsonReply(what == "overview"
+                         ? state->overview
+                         : nlohmann::json{{"alarms", state->alarms}, {"now_s", WallSeconds()}});
+  }
+  if (what == "tags")
+    return JsonReply(
+        {{"tags", state->tags.is_null() ? nlohmann::json::array() : state->tags},
+         {"links", state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
+                                              : nlohmann::json::array()}});
+  if (what == "service") return JsonReply({{"service", state->service}});
+  return ErrorReply(404, "there is nothing at " + request.path);
+}
+
+HttpReply WatchApi::Trend(const HttpRequest& request) {
+  auto question = ParseTrendQuestion(request.query);
+  if (!question) return FailureReply(question.error());
+  const auto state = watcher_.state();
+  const auto machine = state->machines.find(question->machine);
+  if (machine == state->machines.end()) return UnknownMachine(question->machine);
+  question->end = question->end < 0 ? machine->second.end : std::min(question->end, machine->second.end);
+  question->first = std::min(question->first, question->end);
+  const auto database = Database::OpenReadOnly(options_.database);
+  if (!database) return FailureReply(database.error());
+  const auto picture = trends_.Picture(*database, machine->second.id, question->parameter, question->first,
+                                       question->end, question->bins);
+  if (!picture) return FailureReply(picture.error());
+  return JsonReply(TrendJson(*question, *picture, machine->second));
+}
+
+HttpReply WatchApi::Stroke(const HttpRequest& request) {
+  const auto number = WholeNumberOf(request.query, "stroke");
+  if (!number) return FailureReply(number.error());
+  const auto state = watcher_.state();
+  const auto machine = state->machines.find(QueryOf(request, "machine"));
+  if (machine == state->machines.end()) return UnknownMachine(QueryOf(request, "machine"));
+  const std::int64_t stroke = number->value_or(machine->second.end - 1), id = machine->second.id;
+  const auto database = Database::OpenReadOnly(options_.database);
+  if (!database) return FailureReply(database.error());
+  const auto summary = database->SummariesOf(id, stroke, stroke + 1, 1);
+  if (!summary) return FailureReply(summary.error());
+  if (summary->empty()) return ErrorReply(404, "there is no such stroke");
+  const auto runs = database->Runs(id);
+  if (!runs) return FailureReply(runs.error());
+  std::int64_t run_of_it = 0;
+  for (const RunInfo& run : *runs)
+    if (run.first_sequence <= stroke) run_of_it = run.id;
+  const StrokeSummary& s = summary->front();
+  const auto raw = database->LoadRaw(run_of_it, s.begin - kMargin, s.end + kMargin);
+  if (!raw) return FailureReply(raw.error());
+  if (raw->time.empty()) return ErrorReply(404, "the raw signals of this stroke are not kept");
+  nlohmann::json json = SignalsJson(*raw);
+  json.update({{"stroke", stroke}, {"begin_s", JsonNumber(s.begin)}, {"end_s", JsonNumber(s.end)}});
+  return JsonReply(std::move(json));
+}
+
+/// Newest first.
+HttpReply WatchApi::Journal(const HttpRequest& request) {
+  const std::string machine = QueryOf(request, "machine"), alarm = QueryOf(request, "alarm");
+  const auto journal = AlarmJournal::OpenReadOnly(AlarmJournal::PathFor(options_.database));
+  if (!journal) return ErrorReply(404, "there is no alarm journal beside the database");
+  const auto last = journal->LastSequence();
+  if (!last) return FailureReply(last.error());
+  const auto rows = journal->Rows(machine, std::max<std::int64_t>(0, *last - kMostRows));
+  if (!rows) return FailureReply(rows.error());
+  nlohmann::json list = nlohmann::json::array();
+  for (auto row = rows->rbegin(); row != rows->rend() && list.size() < kMostRowsShown; ++row)
+    if (alarm.empty() || row->event.alarm == alarm) list.push_back(JournalRowJson(*row));
+  return JsonReply({{"journal", std::move(list)}});
+}
+
+HttpReply WatchApi::ValveChecks(const HttpRequest& request) {
+  const auto state = watcher_.state();
+  const auto machine = state->machines.find(QueryOf(request, "machine"));
+  if (machine == state->machines.end()) return UnknownMachine(QueryOf(request, "machine"));
+  const auto database = Database::OpenReadOnly(options_.database);
+  if (!database) return FailureReply(database.error());
+  const auto checks = database->ValveChecks(machine->second.id);
+  if (!checks) return FailureReply(checks.error());
+  nlohmann::json list = nlohmann::json::array();
+  for (const ValveCheckRecord& check : *checks) list.push_back(ValveCheckJson(check));
+  return JsonReply({{"valve_checks", std::move(list)}});
+}
+
+/// One transaction of the journal, as `hydroscope alarms` makes it: a running service takes it over (ActOnAlarm).
+HttpReply WatchApi::Act(const HttpRequest& request) {
+  const auto asked = ParseAlarmRequest(request.body);
+  if (!asked) return FailureReply(asked.error());
+  auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(options_.database));
+  if (!journal) return FailureReply(journal.error());
+  const double wall = WallSeconds();
+  const AlarmUser user{asked->user.empty() ? options_.user : asked->user, asked->comment};
+  const auto changed = ActOnAlarm(*journal, asked->machine, asked->alarm, wall, ActionOf(*asked, user, wall));
+  if (!changed) return FailureReply(changed.error());
+  watcher_.LookNow();
+  return JsonReply({{"machine", asked->machine}, {"alarm", asked->alarm}, {"changed", *changed}});
+}
+
+}  // namespace hydroscope

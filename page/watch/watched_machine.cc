@@ -1,0 +1,270 @@
+#include "page/watch/watched_machine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/relative_change.h"
+#include "core/time_text.h"
+#include "models/model_structure.h"
+#include "monitor/mean_deviation.h"
+#include "page/json_number.h"
+#include "workbench/history/stroke_history.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::int64_t kStrokesCompared = 64;  ///< newest judged ones, together against the reference
+constexpr std::int64_t kSparkPoints = 60;      ///< of the small course of a parameter
+constexpr std::int64_t kSparkGlance = 4;       ///< strokes that each of its points looks at
+
+std::vector<std::pair<std::string, double>> LimitsOf(const Machine& machine, const std::string& parameter) {
+  std::vector<std::pair<std::string, double>> limits;
+  for (const MonitorSpec& spec : machine.monitors) {
+    if (spec.parameter != parameter) continue;
+    for (const auto& [name, limit] : {std::pair{"alarm_low", spec.alarm_low},
+                                      {"warn_low", spec.warn_low},
+                                      {"warn_high", spec.warn_high},
+                                      {"alarm_high", spec.alarm_high}})
+      if (limit) limits.emplace_back(name, *limit);
+  }
+  return limits;
+}
+
+/// Place of a quantity of the drift watch; -1: it is not watched.
+int QuantityIndex(const drift::DriftMonitor& monitor, const std::string& name) {
+  const auto& quantities = monitor.model().quantities();
+  const auto found =
+      std::find_if(quantities.begin(), quantities.end(), [&](const auto& q) { return q.name == name; });
+  const bool watched = found != quantities.end() && monitor.rules().Find(name) != nullptr;
+  return watched ? static_cast<int>(found - quantities.begin()) : -1;
+}
+
+/// Whether a change of the quantity is found and stands.
+bool HasMoved(const drift::DriftMonitor& monitor, const std::string& name) {
+  for (const drift::DriftFinding& finding : monitor.findings())
+    for (const drift::FindingPart& part : finding.parts)
+      if (part.quantity == name && finding.state != drift::FindingState::kGone) return true;
+  return false;
+}
+
+/// NE 107, as the service tells it, else as the page answers by itself.
+nlohmann::json HealthJson(const nlohmann::json& told, const Health& own) {
+  if (told.is_object())
+    return {{"letter", told.value("health", "C")},
+            {"reason", told.value("health_reason", "nothing_known")},
+            {"text", told.value("health_text", "")},
+            {"learned", told.value("commissioning_strokes", 0)},
+            {"needed", told.value("commissioning_needed", 0)},
+            {"live", true}};
+  return {{"letter", std::string(1, own.letter())},
+          {"reason", HealthReasonName(own.reason)},
+          {"text", own.text},
+          {"learned", own.learned},
+          {"needed", own.needed},
+          {"live", false}};
+}
+
+nlohmann::json UnitJson(const WatchedParameter& parameter) {
+  const ParameterInfo& info = parameter.info;
+  return {{"si", parameter.si},        {"factor", info.factor},    {"offset", info.offset},
+          {"name", info.unit},         {"symbol", info.symbol},    {"meaning", info.name},
+          {"sentence", info.sentence}, {"relative", info.relative}};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<WatchedMachine>> WatchedMachine::Create(const Sources& sources,
+                                                               const std::string& name, std::int64_t id) {
+  std::unique_ptr<WatchedMachine> watched(new WatchedMachine(sources));
+  watched->name_ = name;
+  watched->id_ = id;
+  if (const Status runs = watched->ReadRuns(); !runs) return tl::unexpected(runs.error());
+  if (watched->end_ == 0) return watched;
+  auto machine = StoredMachine(sources.database, sources.path, {name, id, 0, watched->end_});
+  if (!machine) return tl::unexpected(machine.error());
+  watched->described_ = watched->machine_ = std::move(*machine);
+  watched->machine_.name = name;
+  auto model = BuildModel(watched->machine_);
+  if (!model) return tl::unexpected(model.error());
+  watched->model_ = std::move(*model);
+  if (sources.journal != nullptr)
+    watched->monitor_ = std::make_unique<AxisMonitor>(watched->machine_, watched->model_, sources.rules,
+                                                      sources.database, sources.path, id, *sources.journal);
+  return watched;
+}
+
+Status WatchedMachine::ReadRuns() {
+  const auto runs = sources_.database.Runs(id_);
+  if (!runs) return tl::unexpected(runs.error());
+  runs_ = runs->size();
+  marks_.clear();
+  int version = 0;
+  for (const RunInfo& run : *runs) {
+    end_ = run.first_sequence + run.strokes;
+    if (run.strokes == 0 && &run != &runs->back()) continue;
+    if (version != 0 && run.model_version != version)
+      marks_.push_back({"model", run.first_sequence, fmt::format("version {}", run.model_version),
+                        fmt::format("model version {} after {}", run.model_version, version)});
+    version = run.model_version;
+  }
+  const auto promoted = sources_.database.PromotedModel(id_);
+  if (!promoted) return tl::unexpected(promoted.error());
+  model_version_ = *promoted ? (*promoted)->version : version;
+  return {};
+}
+
+Status WatchedMachine::ReadValveChecks() {
+  const auto checks = sources_.database.ValveChecks(id_);
+  if (!checks) return tl::unexpected(checks.error());
+  for (const ValveCheckRecord& check : *checks) {
+    const auto stroke = sources_.database.SequenceNear(id_, check.begin);
+    if (!stroke) return tl::unexpected(stroke.error());
+    if (*stroke == 0) continue;  // before anything that is stored
+    marks_.push_back({"valve_check", *stroke, check.outcome, check.detail});
+  }
+  return {};
+}
+
+Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest) {
+  parameters_.clear();
+  for (const TrendPoint& point : latest) {
+    const Estimate& estimate = point.estimate;
+    WatchedParameter& parameter = parameters_[estimate.parameter];
+    parameter.info = InfoFor(*model_->kind, estimate.parameter, estimate.unit, estimate.value);
+    parameter.si = estimate.unit;
+    parameter.limits = LimitsOf(machine_, estimate.parameter);
+  }
+  const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
+  if (monitor == nullptr) return {};
+  for (int q = 0; q < monitor->model().size(); ++q) {
+    const drift::Quantity& quantity = monitor->model().quantities()[static_cast<std::size_t>(q)];
+    const drift::WatchSpec* watch = monitor->rules().Find(quantity.name);
+    if (watch == nullptr) continue;
+    const double typical = monitor->reference().typical(q);
+    WatchedParameter& parameter = parameters_[quantity.name];
+    if (parameter.si.empty()) {
+      parameter.si = quantity.unit;
+      parameter.info = InfoForQuantity(*model_->kind, quantity, typical);
+    }
+    parameter.smallest = watch->Sizes(typical).smallest;
+    if (!quantity.effect) parameter.healthy = monitor->reference().curves()[static_cast<std::size_t>(q)];
+  }
+  return {};
+}
+
+/// The newest judged strokes together against the reference; null where there is none.
+nlohmann::json WatchedMachine::ReferenceJson(const std::string& parameter,
+                                             const std::vector<AxisMonitor::JudgedValue>& judged) const {
+  const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
+  const int quantity = monitor == nullptr ? -1 : QuantityIndex(*monitor, parameter);
+  if (quantity < 0) return {};
+  const MeanDeviation mean = MeanDeviationOf(judged, quantity);
+  if (mean.strokes == 0) return {};
+  const double std = std::hypot(mean.std, mean.doubt);
+  nlohmann::json json = {{"value", JsonNumber(mean.reference)},
+                         {"deviation", JsonNumber(mean.value)},
+                         {"std", JsonNumber(std)},
+                         {"smallest", JsonNumber(parameters_.at(parameter).smallest)},
+                         {"strokes", mean.strokes},
+                         {"moved", HasMoved(*monitor, parameter)},
+                         {"percent", nullptr}};
+  if (const auto share = RelativeChange(mean.reference, std, mean.value);
+      share && parameters_.at(parameter).info.relative) {
+    json["percent"] = 100 * *share;
+    json["percent_std"] = 100 * std / std::abs(mean.reference);
+  }
+  return json;
+}
+
+Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoint>& latest) const {
+  std::vector<AxisMonitor::JudgedValue> judged;
+  if (monitor_ && monitor_->monitor() != nullptr) {
+    const std::int64_t first = std::max(monitor_->monitor()->reference().last_sequence() + 1,
+                                        monitor_->next_stroke() - kStrokesCompared);
+    auto values = monitor_->JudgedValues(first, std::max<std::int64_t>(0, monitor_->next_stroke() - first));
+    if (!values) return tl::unexpected(values.error());
+    judged = std::move(*values);
+  }
+  nlohmann::json list = nlohmann::json::array();
+  const auto add = [&](const std::string& name, const Estimate* estimate) -> Status {
+    const WatchedParameter& parameter = parameters_.at(name);
+    nlohmann::json json = {
+        {"parameter", name}, {"unit", UnitJson(parameter)}, {"reference", ReferenceJson(name, judged)}};
+    if (estimate == nullptr) {
+      json["trend"] = false;
+    } else {
+      const std::int64_t width = std::max<std::int64_t>(1, (end_ + kSparkPoints - 1) / kSparkPoints);
+      const auto bins = sources_.database.TrendBins(id_, name, 0, end_, width, kSparkGlance);
+      if (!bins) return tl::unexpected(bins.error());
+      nlohmann::json spark = nlohmann::json::array();
+      for (const TrendBin& bin : *bins) spark.push_back(JsonNumber(bin.mean));
+      json.update({{"trend", true},
+                   {"value", JsonNumber(estimate->value)},
+                   {"std", JsonNumber(estimate->std)},
+                   {"reason", ReasonName(estimate->reason)},
+                   {"reason_text", ReasonText(estimate->reason)},
+                   {"spark", std::move(spark)}});
+    }
+    list.push_back(std::move(json));
+    return {};
+  };
+  for (const TrendPoint& point : latest)
+    if (const Status added = add(point.estimate.parameter, &point.estimate); !added)
+      return tl::unexpected(added.error());
+  for (const auto& [name, parameter] : parameters_) {
+    const bool estimated =
+        std::any_of(latest.begin(), latest.end(),
+                    [&, &sought = name](const TrendPoint& p) { return p.estimate.parameter == sought; });
+    if (estimated) continue;
+    if (const Status added = add(name, nullptr); !added) return tl::unexpected(added.error());
+  }
+  return list;
+}
+
+/// As its own monitor answers; nothing known where there is none.
+hydroscope::Health WatchedMachine::Health() const {
+  hydroscope::Health health;
+  if (monitor_ && not_looked_.empty()) health = monitor_->JudgedHealth();
+  if (!not_looked_.empty()) health.text = "not known here: " + not_looked_;
+  return health;
+}
+
+Status WatchedMachine::Refresh(const nlohmann::json& told) {
+  if (const Status runs = ReadRuns(); !runs) return runs;
+  if (const Status checks = ReadValveChecks(); !checks) return checks;
+  not_looked_.clear();
+  if (monitor_)
+    if (const Status looked = monitor_->Look(); !looked) not_looked_ = looked.error().text;
+  std::vector<TrendPoint> latest;
+  if (end_ > 0) {
+    auto points = sources_.database.Trend(id_, "", end_ - 1, end_);
+    if (!points) return tl::unexpected(points.error());
+    latest = std::move(*points);
+  }
+  if (const Status described = DescribeParameters(latest); !described) return described;
+  auto parameters = ParametersJson(latest);
+  if (!parameters) return tl::unexpected(parameters.error());
+  const double last = latest.empty() ? kNaN : latest.front().time;
+  const double oil = latest.empty() ? kNaN : latest.front().oil_temperature;
+  dated_ = CountsFrom1970(last);
+  picture_ = {name_, name_.substr(name_.rfind('/') + 1), Health(), {}, end_, std::move(latest)};
+  const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
+  json_ = {{"machine", name_},
+           {"health", HealthJson(told, picture_.health)},
+           {"strokes", end_},
+           {"runs", runs_},
+           {"last_s", JsonNumber(last)},
+           {"dated", dated_},
+           {"oil_temperature_K", JsonNumber(oil)},
+           {"model_version", model_version_},
+           {"effects", machine_.added_effects},
+           {"reference_version", monitor == nullptr ? 0 : monitor->reference().version()},
+           {"judged_to", monitor_ ? monitor_->next_stroke() : 0},
+           {"parameters", std::move(*parameters)}};
+  return {};
+}
+
+}  // namespace hydroscope

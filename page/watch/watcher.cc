@@ -1,0 +1,323 @@
+#include "page/watch/watcher.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "alarms/alarm_machine.h"
+#include "alarms/feeds/modbus/tags.h"
+#include "alarms/feeds/sparkplug/tags.h"
+#include "core/units.h"
+#include "host/real_clock.h"
+#include "monitor/alarm_json.h"
+#include "monitor/alarm_words.h"
+#include "monitor/rules_for.h"
+#include "page/json_number.h"
+#include "storage/file_identity.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr int kNice = 10;  ///< pages can wait, a service beside them cannot
+constexpr std::chrono::seconds kLookEvery(1);
+constexpr std::int64_t kRowsAtATime = 2000;
+constexpr std::size_t kMostMarks = 5000;  ///< of a machine, the newest
+
+/// The axis of this name in what the service tells; null: it tells nothing of it.
+nlohmann::json ToldOf(const nlohmann::json& service, const std::string& machine) {
+  if (!service.is_object() || !service.contains("drift")) return {};
+  for (const nlohmann::json& axis : service["drift"].value("axes", nlohmann::json::array()))
+    if (axis.value("name", "") == machine) return axis;
+  return {};
+}
+
+std::optional<TrendMark> MarkOf(const AlarmEvent& event) {
+  if (event.stroke < 0) return std::nullopt;
+  if (event.event == "raised" || event.event == "escalated")
+    return TrendMark{"alarm", event.first_stroke >= 0 ? event.first_stroke : event.stroke, event.alarm,
+                     event.text};
+  if (event.event == "cleared") return TrendMark{"cleared", event.stroke, event.alarm, ""};
+  if (event.event == "reference_learned") return TrendMark{"reference", event.stroke, "", event.text};
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct Watcher::Opened {
+  Opened(Database d, drift::RuleBook r) : database(std::move(d)), rules(std::move(r)) {}
+
+  FileIdentity file, journal_file;
+  Database database;
+  std::optional<AlarmJournal> journal;
+  drift::RuleBook rules;
+  std::vector<std::unique_ptr<WatchedMachine>> machines;
+  std::map<std::string, std::vector<TrendMark>> marks;  ///< of the journal, by machine
+  std::int64_t read_to = 0;                             ///< row of the journal
+
+  Status ReadRows() {
+    for (;;) {
+      const auto rows = journal->Rows("", read_to, kRowsAtATime);
+      if (!rows) return tl::unexpected(rows.error());
+      for (const JournalRow& row : *rows) {
+        read_to = row.sequence;
+        std::vector<TrendMark>& kept = marks[row.machine];
+        if (auto mark = MarkOf(row.event)) kept.push_back(std::move(*mark));
+        if (kept.size() > kMostMarks) kept.erase(kept.begin(), kept.begin() + kMostMarks / 2);
+      }
+      if (static_cast<std::int64_t>(rows->size()) < kRowsAtATime) return {};
+    }
+  }
+};
+
+Watcher::Watcher(WatchOptions options, EventFeed& feed)
+    : options_(std::move(options)), feed_(feed), state_(std::make_shared<WatchedState>()) {
+  thread_ = std::thread([this] { Run(); });
+}
+
+Watcher::~Watcher() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::shared_ptr<const WatchedState> Watcher::state() {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now = RealTime().monotonic_ns;
+  if (static_cast<double>(now - asked_) > kAttention * 1e9) look_now_ = true;
+  asked_ = now;
+  wake_.notify_all();
+  return state_;
+}
+
+WatchedState Watcher::Seen() const {
+  const std::lock_guard lock(mutex_);
+  return *state_;
+}
+
+void Watcher::LookNow() {
+  {
+    const std::lock_guard lock(mutex_);
+    look_now_ = true;
+  }
+  wake_.notify_all();
+}
+
+void Watcher::Publish(std::shared_ptr<const WatchedState> state) {
+  {
+    const std::lock_guard lock(mutex_);
+    state_ = std::move(state);
+  }
+  feed_.Publish(R"({"state": "watched"})");
+}
+
+void Watcher::Run() {
+  setpriority(PRIO_PROCESS, 0, kNice);  // of this thread
+  std::string problem;
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      const auto attention = [this] {
+        return stop_ || static_cast<double>(RealTime().monotonic_ns - asked_) < kAttention * 1e9;
+      };
+      wake_.wait(lock, attention);
+      if (stop_) return;
+    }
+    const Status looked = Look();
+    if (!looked) {
+      opened_.reset();
+      seen_.clear();
+    }
+    if (!looked && looked.error().text != problem) {
+      auto failed = std::make_shared<WatchedState>(Seen());  // what was seen last stays, with the reason
+      failed->overview["problem"] = looked.error().text;
+      Publish(std::move(failed));
+    }
+    problem = looked ? "" : looked.error().text;
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, kLookEvery, [this] { return stop_ || look_now_; });
+    look_now_ = false;
+    if (stop_) return;
+  }
+}
+
+Status Watcher::Open() {
+  const std::string journal = AlarmJournal::PathFor(options_.database);
+  const FileIdentity file = FileIdentity::Of(options_.database), journal_file = FileIdentity::Of(journal);
+  if (opened_ && opened_->file == file && opened_->journal_file == journal_file) return {};
+  opened_.reset();
+  auto rules = options_.machine_file.empty() ? Result<drift::RuleBook>(drift::DefaultRules())
+                                             : RulesFor(options_.machine_file);
+  if (!rules) return tl::unexpected(rules.error());
+  auto database = Database::OpenReadOnly(options_.database);
+  if (!database) return tl::unexpected(database.error());
+  opened_ = std::make_unique<Opened>(std::move(*database), std::move(*rules));
+  opened_->file = file;
+  opened_->journal_file = journal_file;
+  if (!journal_file.exists()) return {};
+  auto opened = AlarmJournal::OpenReadOnly(journal);
+  if (!opened) return tl::unexpected(opened.error());
+  const auto of = opened->DatabaseIdentity(), own = opened_->database.Identity();
+  if (of && own && (of->empty() || *of == *own)) opened_->journal = std::move(*opened);
+  return {};
+}
+
+Status Watcher::Look() {
+  if (const Status open = Open(); !open) return open;
+  Opened& opened = *opened_;
+  const auto names = opened.database.MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  nlohmann::json service = options_.service();
+  // What makes a difference; the service's ages and counters change always.
+  std::string seen = service.is_object() ? service.value("drift", nlohmann::json()).dump() : "";
+  for (const std::string& name : *names) {
+    const auto id = opened.database.MachineId(name);
+    const auto end = id ? opened.database.EndSequence(*id) : Result<std::int64_t>(tl::unexpected(id.error()));
+    if (!end) return tl::unexpected(end.error());
+    seen += fmt::format("{} {}\n", name, *end);
+  }
+  if (opened.journal) {
+    const auto last = opened.journal->LastSequence();
+    if (!last) return tl::unexpected(last.error());
+    seen += fmt::format("rows {}\n", *last);
+  }
+  if (seen == seen_) return {};
+  if (const Status read = Read(opened, service); !read) return read;
+  seen_ = std::move(seen);
+  return {};
+}
+
+namespace {
+
+/// "x 1e-05 = bar": how a value in this SI unit becomes what people read.
+std::string ScalingOf(const std::string& si) {
+  const DisplayUnit unit = DisplayUnitFor(si);
+  if (si.empty() || si == unit.name || unit.name.empty()) return "";
+  return fmt::format("x {:.6g}{} = {}", unit.factor,
+                     unit.offset == 0 ? "" : fmt::format(" {:+.6g}", unit.offset), unit.name);
+}
+
+/// What the feeds of the machine would tell of these axes. The feeds a machine file does not ask for are shown with their
+/// defaults.
+nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& machine,
+                        const AlarmJournal* journal, double wall) {
+  const auto alarms = journal == nullptr ? Result<std::vector<std::pair<std::string, std::string>>>()
+                                         : journal->AlarmsByAppearance();
+  std::vector<Tag> tags =
+      ModbusTags(axes, alarms.value_or(std::vector<std::pair<std::string, std::string>>()), wall);
+  const SparkplugFeedSpec* spec = machine.feeds ? machine.feeds->Of<SparkplugFeedSpec>() : nullptr;
+  for (Tag& tag : SparkplugTags(spec == nullptr ? SparkplugFeedSpec() : *spec, machine.name, axes, wall))
+    tags.push_back(std::move(tag));
+  nlohmann::json list = nlohmann::json::array();
+  for (const Tag& tag : tags)
+    list.push_back({{"feed", tag.feed},
+                    {"axis", tag.axis},
+                    {"address", tag.address},
+                    {"name", tag.name},
+                    {"type", tag.type},
+                    {"unit", tag.unit},
+                    {"scaling", ScalingOf(tag.unit)},
+                    {"meaning", tag.meaning},
+                    {"value", tag.value}});
+  return list;
+}
+
+/// All alarms the journal knows; `standing` gets the number of those not at rest, by machine.
+Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, const drift::RuleBook& rules,
+                                  std::map<std::string, int>& standing) {
+  nlohmann::json list = nlohmann::json::array();
+  const auto machines = journal.Machines();
+  if (!machines) return tl::unexpected(machines.error());
+  for (const std::string& machine : *machines) {
+    const auto axis = journal.Axis(machine);
+    if (!axis) return tl::unexpected(axis.error());
+    for (const AlarmState& alarm : axis->alarms) {
+      const AlarmWords words = WordsOf(alarm, rules);
+      nlohmann::json json = AlarmJson(machine, alarm);
+      json.update({{"at_rest", AtRest(alarm)},
+                   {"raised_time_s", JsonNumber(alarm.raised_time)},
+                   {"finding", words.finding},
+                   {"evidence", words.evidence},
+                   {"action", words.action}});
+      list.push_back(std::move(json));
+      standing[machine] += AtRest(alarm) ? 0 : 1;
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
+  auto state = std::make_shared<WatchedState>();
+  state->service = service;
+  state->alarms = nlohmann::json::array();
+  std::map<std::string, int> standing;
+  if (opened.journal) {
+    if (const Status rows = opened.ReadRows(); !rows) return rows;
+    auto alarms = AlarmsJson(*opened.journal, opened.rules, standing);
+    if (!alarms) return tl::unexpected(alarms.error());
+    state->alarms = std::move(*alarms);
+  }
+  nlohmann::json list = nlohmann::json::array();
+  std::vector<AxisPicture> axes;
+  const auto names = opened.database.MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  const WatchedMachine::Sources sources{opened.database, options_.database,
+                                        opened.journal ? &*opened.journal : nullptr, opened.rules};
+  for (const std::string& name : *names) {
+    const auto id = opened.database.MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    auto known = std::find_if(opened.machines.begin(), opened.machines.end(),
+                              [&](const auto& machine) { return machine->name() == name; });
+    // Another model, or the first strokes, is another machine to look at.
+    if (known != opened.machines.end()) {
+      const int version = (*known)->model_version();
+      const bool had_strokes = (*known)->end() > 0;
+      if (const Status fresh = (*known)->Refresh(ToldOf(service, name)); !fresh) return fresh;
+      if ((*known)->model_version() != version || !had_strokes)
+        opened.machines.erase(known), known = opened.machines.end();
+    }
+    if (known == opened.machines.end()) {
+      auto created = WatchedMachine::Create(sources, name, *id);
+      if (!created) return tl::unexpected(created.error());
+      if (const Status fresh = (*created)->Refresh(ToldOf(service, name)); !fresh) return fresh;
+      opened.machines.push_back(std::move(*created));
+      known = opened.machines.end() - 1;
+    }
+    const WatchedMachine& machine = **known;
+    WatchedState::MachineState& shown = state->machines[name];
+    shown = {machine.id(), machine.end(), machine.dated(), machine.parameters(), opened.marks[name]};
+    shown.marks.insert(shown.marks.end(), machine.marks().begin(), machine.marks().end());
+    std::stable_sort(shown.marks.begin(), shown.marks.end(),
+                     [](const TrendMark& a, const TrendMark& b) { return a.stroke < b.stroke; });
+    list.push_back(machine.json());
+    list.back()["alarms"] = standing[name];
+    axes.push_back(machine.picture());
+    if (!opened.journal) continue;
+    auto content = opened.journal->Axis(name);
+    if (!content) return tl::unexpected(content.error());
+    axes.back().alarms = std::move(content->alarms);
+  }
+  state->tags = TagsJson(axes, opened.machines.empty() ? Machine() : opened.machines.front()->described(),
+                         opened.journal ? &*opened.journal : nullptr, WallSeconds());
+  nlohmann::json presses = nlohmann::json::array();  // have alarms, but no strokes of their own
+  for (const auto& [machine, count] : standing)
+    if (!state->machines.contains(machine)) presses.push_back({{"machine", machine}, {"alarms", count}});
+  state->overview = {{"database", std::filesystem::path(options_.database).filename().string()},
+                     {"service", service.is_object()},
+                     {"journal", opened.journal.has_value()},
+                     {"user", options_.user},
+                     {"machines", std::move(list)},
+                     {"presses", std::move(presses)},
+                     {"problem", nullptr}};
+  Publish(std::move(state));
+  return {};
+}
+
+}  // namespace hydroscope

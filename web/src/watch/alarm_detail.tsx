@@ -1,0 +1,92 @@
+import { useEffect, useState } from "preact/hooks";
+import { get, post } from "../api";
+import { useStore } from "../store";
+import { useUrl } from "../url_state";
+import { useWords } from "../words";
+import { sinceText, sizeText } from "./alarms";
+import { StrokePicture } from "./overview";
+import { dateText, isDate } from "./shown";
+import { refreshWatch, useWatch } from "./watch_store";
+import type { Alarm, JournalRow } from "./watch_types";
+
+const shelves = [["8", 8 * 3600], ["24", 24 * 3600], ["168", 7 * 24 * 3600]] as const;
+
+/** What was found, on what it rests, what to do; and what a person does about it. */
+export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string; close: () => void }) {
+  const say = useWords();
+  const [, setUrl] = useUrl();
+  const { tick } = useWatch();
+  const { session } = useStore();
+  const [rows, setRows] = useState<JournalRow[]>([]);
+  const [who, setWho] = useState(localStorage.getItem("who") ?? user);
+  const [comment, setComment] = useState("");
+  const [seconds, setSeconds] = useState<number>(shelves[0][1]);
+  const [problem, setProblem] = useState("");
+  const [busy, setBusy] = useState(false);
+  useEffect(() => {
+    void get<{ journal: JournalRow[] }>("watch/journal", { machine: alarm.machine, alarm: alarm.alarm }).then(({ journal }) => setRows(journal)).catch(() => setRows([]));
+  }, [alarm.machine, alarm.alarm, tick]);
+  const act = async (action: string, more: object = {}) => {
+    setBusy(true);
+    setProblem("");
+    localStorage.setItem("who", who);
+    try {
+      await post("watch/alarms", { action, machine: alarm.machine, alarm: alarm.alarm, user: who, comment, ...more });
+      setComment("");
+      await refreshWatch(true);
+    } catch (failure) {
+      setProblem((failure as Error).message);
+    }
+    setBusy(false);
+  };
+  const reason = comment.trim() !== "";
+  const has_strokes = alarm.first_stroke >= 0 && alarm.last_stroke >= alarm.first_stroke;
+  const toTrend = () => {
+    const span = Math.max(50, alarm.last_stroke - alarm.first_stroke);
+    setUrl({ view: "trends", machine: alarm.machine, from: String(Math.max(0, alarm.first_stroke - span)), to: String(alarm.last_stroke + Math.ceil(span / 4)) });
+  };
+  return (
+    <article class="detail work-order" aria-label={alarm.alarm} data-state={alarm.state}>
+      <p class="print-only">{say("workOrder")} · {say("printed", { when: dateText(Date.now() / 1000) })}</p>
+      <header><h2 lang="en">{alarm.finding || alarm.alarm}</h2><button class="quiet no-print" onClick={close}>{say("close")}</button></header>
+      <dl class="facts">
+        <div><dt>{say("alarm_axis")}</dt><dd>{alarm.machine}</dd></div>
+        <div><dt>{say("alarm_state")}</dt><dd>{alarm.state} · {say(`state_${alarm.state}` as "state_UNACK")}{isDate(alarm.shelved_until_s) && ` · ${say("shelvedUntil", { when: dateText(alarm.shelved_until_s) })}`}</dd></div>
+        <div><dt>{say("alarm_severity")}</dt><dd>{say(`severity_${alarm.severity}`)}</dd></div>
+        <div><dt>{say("alarm_since")}</dt><dd>{sinceText(alarm, say)}</dd></div>
+        <div><dt>{say("alarm_size")}</dt><dd>{sizeText(alarm)}</dd></div>
+        {alarm.evidence && <div><dt>{say("evidence")}</dt><dd lang="en">{alarm.evidence}</dd></div>}
+        <div><dt>{say("alarm_cause")}</dt><dd lang="en">{alarm.cause || "–"}</dd></div>
+        {alarm.action && <div><dt>{say("whatToDo")}</dt><dd lang="en"><strong>{alarm.action}</strong></dd></div>}
+      </dl>
+      {has_strokes && <div class="no-print jump">
+        <button onClick={toTrend}>{say("jumpTrend", { from: alarm.first_stroke, to: alarm.last_stroke })}</button>
+        <StrokePicture machine={alarm.machine} stroke={alarm.last_stroke} title={say("jumpStroke", { stroke: alarm.last_stroke })} />
+      </div>}
+      {!session?.changes ? <p class="no-print">{say("onlyLooking")} <button onClick={() => print()}>{say("printOrder")}</button></p> : <div class="no-print act">
+        <label>{say("who")} <input name="who" value={who} maxLength={100} onInput={(e) => setWho(e.currentTarget.value)} /></label>
+        <label class="wide">{say("comment")} <textarea name="comment" rows={2} maxLength={2000} value={comment} onInput={(e) => setComment(e.currentTarget.value)} /></label>
+        <div class="buttons">
+          <button class="primary" disabled={busy || alarm.acknowledged} onClick={() => void act("acknowledge")}>{say("acknowledge")}</button>
+          {alarm.shelved_until_s === null
+            ? <span class="shelf"><select aria-label={say("shelfTime")} value={seconds} onChange={(e) => setSeconds(Number(e.currentTarget.value))}>
+                {shelves.map(([hours, s]) => <option key={hours} value={s}>{say("hours", { hours })}</option>)}
+              </select> <button disabled={busy || !reason} title={reason ? "" : say("shelfNeedsReason")} onClick={() => void act("shelve", { seconds })}>{say("shelve")}</button></span>
+            : <button disabled={busy} onClick={() => void act("unshelve")}>{say("unshelve")}</button>}
+          <button disabled={busy || !reason} onClick={() => void act("comment")}>{say("commentSave")}</button>
+          <button onClick={() => print()}>{say("printOrder")}</button>
+        </div>
+        {!reason && alarm.shelved_until_s === null && <small>{say("shelfNeedsReason")}</small>}
+        {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      </div>}
+      <h3>{say("journal")}</h3>
+      <ol class="journal">
+        {rows.slice(0, 50).map((row) => (
+          <li key={row.sequence}><time>{dateText(row.wall_s)}</time> <span lang="en">{row.event.replace(/_/g, " ")}</span>{row.state_before !== row.state && <> ({row.state_before} → {row.state})</>}
+            {row.user && <> · {row.user}</>}{row.comment && <> · “{row.comment}”</>}</li>
+        ))}
+      </ol>
+      <div class="print-only done"><p>{say("orderDone")}</p><p>{say("orderBy")}</p><p>{say("orderDate")}</p></div>
+    </article>
+  );
+}

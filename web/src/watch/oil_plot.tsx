@@ -1,0 +1,49 @@
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import { pageColor } from "../plot";
+import { short } from "../units";
+import { useWords } from "../words";
+import { inUnit, symbolOf } from "./shown";
+import type { MaybeNumber, Trend, WatchedUnit } from "./watch_types";
+
+/** A parameter over oil temperature: every bin a point, and the healthy curve with its 95 % band. */
+export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUnit; height: number }) {
+  const say = useWords();
+  const box = useRef<HTMLDivElement>(null);
+  const points = trend.bins.mean.map((mean, k) => [trend.bins.oil_temperature_K[k], inUnit(mean, unit)] as const)
+    .filter((point): point is readonly [number, number] => point[0] !== null && point[1] !== null);
+  useEffect(() => {
+    const place = box.current;
+    if (!place || points.length === 0) return;
+    const curve = trend.healthy?.curve;
+    // one list of x for points and curve, in order
+    const rows = [
+      ...points.map(([t, v]) => [t - 273.15, v, null, null, null] as MaybeNumber[]),
+      ...(curve ? curve.oil_temperature_K.map((t, k) => {
+        const half = 1.96 * curve.std[k] * Math.abs(unit.factor), v = inUnit(curve.value[k], unit)!;
+        return [t - 273.15, null, v - half, v + half, v] as MaybeNumber[];
+      }) : []),
+    ].sort((a, b) => a[0]! - b[0]!);
+    const data = [0, 1, 2, 3, 4].map((column) => rows.map((row) => row[column]));
+    const line = { stroke: pageColor("--grid"), width: 1 };
+    const look = { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
+    const draw = () => new uPlot({
+      width: Math.max(240, place.clientWidth), height, scales: { x: { time: false } },
+      axes: [{ ...look, size: 40, label: `${say("oil")} (°C)`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
+        { ...look, size: 62, label: `${symbolOf(unit)}${unit.name ? ` (${unit.name})` : ""}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
+      series: [{}, { paths: () => null, points: { show: true, size: 5, fill: pageColor("--line-a"), stroke: pageColor("--line-a") } },
+        { stroke: "transparent", spanGaps: true, points: { show: false } }, { stroke: "transparent", spanGaps: true, points: { show: false } },
+        { stroke: pageColor("--good"), width: 1.8, spanGaps: true, points: { show: false } }],
+      bands: [{ series: [3, 2], fill: pageColor("--stroke-shade") }],
+      legend: { show: false }, cursor: { drag: { x: false, y: false } },
+    }, data as uPlot.AlignedData, place);
+    let plot = draw();
+    const again = () => { plot.destroy(); plot = draw(); };
+    const resized = new ResizeObserver(() => plot.setSize({ width: Math.max(240, place.clientWidth), height }));
+    resized.observe(place);
+    addEventListener("themechange", again);
+    return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
+  }, [trend, unit, height, say]);
+  if (points.length === 0) return <p class="empty">{say("oilNotMeasured")}</p>;
+  return <div ref={box} class="trend-plot" role="img" aria-label={`${symbolOf(unit)}, ${say("axis_oil")}`} />;
+}

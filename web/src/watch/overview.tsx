@@ -1,0 +1,125 @@
+import { useEffect, useState } from "preact/hooks";
+import { find } from "../api";
+import { Plot, pageColor } from "../plot";
+import { short } from "../units";
+import { useUrl } from "../url_state";
+import { useWords } from "../words";
+import type { Words } from "../words/en";
+import { celsius, dateText, interval, isDate, ofParameter, symbolOf } from "./shown";
+import type { Health, MaybeNumber, Overview, StrokeSignals, WatchedMachine, WatchedParameter } from "./watch_types";
+
+/** NE 107: letter, shape and words, not colour alone. */
+export function HealthBadge({ health }: { health: Health }) {
+  const say = useWords();
+  const learning = health.reason === "learning" && health.needed > 0 && health.learned < health.needed;
+  return (
+    <div class={`health health-${health.letter === "-" ? "good" : health.letter}`}>
+      <b aria-hidden="true">{health.letter === "-" ? "✓" : health.letter}</b>
+      <span>
+        <strong>{learning ? say("healthLearning", { learned: health.learned, needed: health.needed }) : say(`health_${health.letter}` as keyof Words)}</strong>
+        {!learning && health.reason !== "judged_good" && <small lang="en">{health.text}</small>}
+      </span>
+    </div>
+  );
+}
+
+function Spark({ values }: { values: MaybeNumber[] }) {
+  const known = values.filter((v): v is number => v !== null);
+  if (known.length < 2) return null;
+  const low = Math.min(...known), high = Math.max(...known), span = high - low || 1;
+  const points = values.map((v, k) => (v === null ? null : `${((100 * k) / (values.length - 1)).toFixed(1)},${(22 - (20 * (v - low)) / span).toFixed(1)}`));
+  return <svg class="spark" viewBox="0 0 100 24" preserveAspectRatio="none" aria-hidden="true"><polyline points={points.filter((p) => p !== null).join(" ")} /></svg>;
+}
+
+/** The newest strokes against the healthy machine. */
+function Against({ parameter }: { parameter: WatchedParameter }) {
+  const say = useWords();
+  const reference = parameter.reference;
+  if (!reference) return <small class="quiet">{say("noReference")}</small>;
+  const factor = parameter.unit.factor;
+  const size = reference.percent !== null
+    ? `${reference.percent >= 0 ? "+" : ""}${interval(reference.percent, (reference.percent_std ?? 0))} %`
+    : `${(reference.deviation ?? 0) * factor >= 0 ? "+" : ""}${interval((reference.deviation ?? 0) * factor, (reference.std ?? 0) * Math.abs(factor))} ${parameter.unit.name}`;
+  return <span class={reference.moved ? "moved" : "quiet"}>{reference.moved && <b>▲ {say("moved")} </b>}{size}</span>;
+}
+
+function Tile({ machine }: { machine: WatchedMachine }) {
+  const say = useWords();
+  const [, setUrl] = useUrl();
+  const oil = celsius(machine.oil_temperature_K);
+  return (
+    <article class="tile" aria-label={machine.machine}>
+      <h2>{machine.machine}</h2>
+      <HealthBadge health={machine.health} />
+      <p class="facts-line">
+        {say("strokesCount", { count: machine.strokes.toLocaleString() })}
+        {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
+        {oil !== null && <> · {say("oil")} {short(oil)} °C</>}
+        {machine.effects.length > 0 && <> · <span lang="en">+ {machine.effects.join(" + ")}</span></>}
+      </p>
+      {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
+      <table>
+        <thead><tr><th scope="col">{say("parameter")}</th><th scope="col">{say("newest")}</th><th scope="col">{say("against")}</th><th scope="col"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
+        <tbody>
+          {machine.parameters.map((p) => (
+            <tr key={p.parameter}>
+              <th scope="row" title={p.unit.sentence || p.unit.meaning}>
+                {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span lang="en">{symbolOf(p.unit)}</span>}
+                {p.unit.meaning && <small lang="en">{p.unit.meaning}</small>}
+              </th>
+              <td>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}</td>
+              <td><Against parameter={p} /></td>
+              <td class="spark-cell">{p.spark && <Spark values={p.spark} />}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("eachAlone")}</small></p>}
+      <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} />
+    </article>
+  );
+}
+
+/** The raw signals of a stroke, as far as they are kept. */
+export function StrokePicture({ machine, stroke, title }: { machine: string; stroke: number; title: string }) {
+  const say = useWords();
+  const [open, setOpen] = useState(false);
+  const [signals, setSignals] = useState<StrokeSignals | null | "none">(null);
+  const [chosen, setChosen] = useState("");
+  useEffect(() => {
+    if (!open) return;
+    let gone = false;
+    void find<StrokeSignals>("watch/stroke", { machine, stroke }).catch(() => null).then((found) => { if (!gone) setSignals(found ?? "none"); });
+    return () => { gone = true; };
+  }, [open, machine, stroke]);
+  const picture = signals === null || signals === "none" ? null : signals;
+  const signal = picture?.signals.find((s) => s.name === chosen) ?? picture?.signals[0];
+  return (
+    <details class="stroke" onToggle={(e) => setOpen(e.currentTarget.open)}>
+      <summary>{title}</summary>
+      {signals === "none" && <p class="empty">{say("signalsNotKept")}</p>}
+      {picture && signal && <>
+        <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
+          {picture.signals.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
+        </select></label>
+        <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values]} height={180}
+          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (SI)`} />
+      </>}
+    </details>
+  );
+}
+
+export function OverviewPage({ overview }: { overview: Overview }) {
+  const say = useWords();
+  const order = "FCSM-";
+  const machines = [...overview.machines].sort((a, b) => order.indexOf(a.health.letter) - order.indexOf(b.health.letter));
+  return (
+    <section class="overview" aria-live="polite">
+      <h1>{overview.database}</h1>
+      <p class="quiet">{overview.service ? say("serviceRuns") : say("serviceNone")}{!overview.journal && ` ${say("journalNone")}`}</p>
+      {overview.presses.filter((press) => press.alarms > 0).map((press) => <p key={press.machine} class="problem">{press.machine}: {say("alarmsStand", { count: press.alarms })}</p>)}
+      {machines.length === 0 && <p class="empty">{say("noMachines")}</p>}
+      <div class="tiles">{machines.map((machine) => <Tile key={machine.machine} machine={machine} />)}</div>
+    </section>
+  );
+}

@@ -1,0 +1,67 @@
+import { useEffect, useState } from "preact/hooks";
+import { find } from "../api";
+import { useUrl } from "../url_state";
+import { useWords } from "../words";
+import { Scroll } from "../workbench/parts";
+import { download } from "./shown";
+import type { FeedLink, Tag } from "./watch_types";
+import { useWatch } from "./watch_store";
+
+const shown = 400;  // rows at a time
+
+function csvOf(tags: Tag[]): string {
+  const quoted = (field: string) => (/[",\n]/.test(field) ? `"${field.replace(/"/g, '""')}"` : field);
+  const rows = tags.map((t) => [t.feed, t.axis, t.address, t.name, t.type, t.unit, t.scaling, t.meaning]);
+  return [["feed", "axis", "address", "name", "type", "unit", "scaling", "meaning"], ...rows].map((row) => row.map(quoted).join(",")).join("\n") + "\n";
+}
+
+/** Everything that SCADA systems can read, with what it is now. */
+export function Scada() {
+  const say = useWords();
+  const [query, setUrl] = useUrl();
+  const { tick } = useWatch();
+  const [text, setText] = useState("");
+  const [found, setFound] = useState<{ tags: Tag[]; links: FeedLink[] } | null>(null);
+  useEffect(() => {
+    let gone = false;
+    void find<{ tags: Tag[]; links: FeedLink[] }>("watch/tags").then((tags) => { if (!gone && tags) setFound(tags); }).catch(() => {});
+    return () => { gone = true; };
+  }, [tick]);
+  if (!found) return <p class="empty" role="status">{say("loading")}</p>;
+  const axes = [...new Set(found.tags.map((t) => t.axis))].filter((axis) => axis !== "");
+  const tags = found.tags.filter((t) => (!query.feed || t.feed === query.feed) && (!query.axis || t.axis === query.axis) &&
+    `${t.address} ${t.name} ${t.meaning}`.toLowerCase().includes(text.toLowerCase()));
+  const choice = (key: string, label: string, values: string[]) => (
+    <label>{label} <select value={query[key] ?? ""} onChange={(e) => setUrl({ [key]: e.currentTarget.value })}>
+      <option value="">{say("all")}</option>{values.map((value) => <option key={value} value={value}>{value}</option>)}
+    </select></label>
+  );
+  return (
+    <section class="scada">
+      <h1>{say("view_scada")}</h1>
+      {found.links.length === 0 ? <p class="quiet">{say("linksNone")}</p> : (
+        <Scroll label={say("links")}><table>
+          <thead><tr><th scope="col">{say("links")}</th><th scope="col">{say("alarm_state")}</th><th scope="col">{say("clients")}</th><th scope="col">{say("behind")}</th></tr></thead>
+          <tbody>{found.links.map((link) => <tr key={link.name}><td>{link.name}</td><td lang="en" class={link.connected ? "" : "moved"}>{link.connected ? "✓ " : "✗ "}{link.state}</td><td>{link.clients}</td><td>{link.behind}</td></tr>)}</tbody>
+        </table></Scroll>
+      )}
+      <div class="filters">
+        {choice("feed", say("feed"), [...new Set(found.tags.map((t) => t.feed))])}
+        {axes.length > 1 && choice("axis", say("alarm_axis"), axes)}
+        <label>{say("search")} <input type="search" value={text} onInput={(e) => setText(e.currentTarget.value)} /></label>
+        <button onClick={() => download("tags.csv", new Blob([csvOf(tags)], { type: "text/csv" }))}>{say("tagsCsv", { count: tags.length })}</button>
+      </div>
+      <p class="quiet">{say("tagsText")}</p>
+      <Scroll label={say("view_scada")}><table class="tags">
+        <thead><tr><th scope="col">{say("feed")}</th><th scope="col">{say("address")}</th><th scope="col">{say("tagName")}</th><th scope="col">{say("tagType")}</th><th scope="col">{say("tagNow")}</th><th scope="col">{say("tagUnit")}</th><th scope="col">{say("scaling")}</th></tr></thead>
+        <tbody>{tags.slice(0, shown).map((tag) => (
+          <tr key={`${tag.feed}${tag.address}${tag.name}`}>
+            <td>{tag.feed}</td><td class="code">{tag.address}</td>
+            <td lang="en">{tag.axis && <small>{tag.axis} · </small>}{tag.name}{tag.meaning && <small> · {tag.meaning}</small>}</td>
+            <td lang="en">{tag.type}</td><td>{tag.value === "" ? "–" : tag.value}</td><td>{tag.unit}</td><td>{tag.scaling}</td>
+          </tr>))}</tbody>
+      </table></Scroll>
+      {tags.length > shown && <p class="quiet">{say("tagsMore", { shown, count: tags.length })}</p>}
+    </section>
+  );
+}

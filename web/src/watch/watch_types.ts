@@ -1,0 +1,55 @@
+// What /api/v1/watch/... answers (docs/page.md). SI units; numbers that are not known are null.
+
+export type MaybeNumber = number | null;
+
+export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; sentence: string; relative: boolean }
+export interface Health { letter: "F" | "C" | "S" | "M" | "-"; reason: string; text: string; learned: number; needed: number; live: boolean }
+export interface AgainstReference {
+  value: MaybeNumber; deviation: MaybeNumber; std: MaybeNumber; smallest: MaybeNumber; strokes: number; moved: boolean; percent: MaybeNumber; percent_std?: number;
+}
+export interface WatchedParameter {
+  parameter: string; unit: WatchedUnit; reference: AgainstReference | null; trend: boolean;
+  value?: MaybeNumber; std?: MaybeNumber; reason?: string; reason_text?: string; spark?: MaybeNumber[];
+}
+export interface WatchedMachine {
+  machine: string; health: Health; strokes: number; runs: number; last_s: MaybeNumber; dated: boolean; oil_temperature_K: MaybeNumber;
+  model_version: number; effects: string[]; reference_version: number; judged_to: number; alarms: number; parameters: WatchedParameter[];
+}
+export interface Overview {
+  database: string; service: boolean; journal: boolean; user: string; problem: string | null;
+  machines: WatchedMachine[]; presses: { machine: string; alarms: number }[];
+}
+
+export interface Alarm {
+  machine: string; alarm: string; state: string; severity: "advisory" | "warning" | "alarm" | "signal_loss"; at_rest: boolean; active: boolean;
+  acknowledged: boolean; shelved_until_s: MaybeNumber; out_of_service: boolean; value: MaybeNumber; std: MaybeNumber; limit: MaybeNumber; unit: string;
+  text: string; finding: string; evidence: string; action: string; cause: string;
+  raised_stroke: number; raised_wall_s: number; raised_time_s: MaybeNumber; first_stroke: number; last_stroke: number;
+}
+export interface JournalRow {
+  sequence: number; machine: string; wall_s: number; time_s: MaybeNumber; stroke: number; alarm: string; event: string; state_before: string; state: string;
+  user: string; comment: string; text: string;
+}
+
+export interface Mark { kind: "alarm" | "cleared" | "reference" | "model" | "valve_check"; stroke: number; name: string; text: string }
+export interface Bins {
+  first: number[]; last: number[]; run: number[]; begin_s: MaybeNumber[]; end_s: MaybeNumber[];
+  low: MaybeNumber[]; high: MaybeNumber[]; mean: MaybeNumber[]; std: MaybeNumber[]; oil_temperature_K: MaybeNumber[];
+}
+export interface Trend {
+  machine: string; parameter: string; first: number; end: number; strokes: number; width: number; exact: boolean; dated: boolean;
+  bins: Bins; marks: Mark[]; limits: { name: string; value: number }[];
+  healthy: null | {
+    value: MaybeNumber[]; std: MaybeNumber[]; by_oil: MaybeNumber[]; compensates: boolean; middle_K: number;
+    curve: null | { form: string; low_K: number; high_K: number; oil_temperature_K: number[]; value: number[]; std: number[] };
+  };
+}
+export interface StrokeSignals { stroke: number; begin_s: number; end_s: number; time_s: number[]; signals: { name: string; values: MaybeNumber[] }[] }
+export interface Figure { value: MaybeNumber; std: MaybeNumber }
+export interface ValveCheck {
+  time_s: MaybeNumber; outcome: string; detail: string; f0_hz: Figure; damping: Figure; gain: Figure; dead_time_s: Figure; bandwidth_hz: Figure;
+  amplitude: MaybeNumber; supply_pressure_Pa: MaybeNumber; oil_temperature_K: MaybeNumber;
+}
+/** `scaling` is how the value becomes the unit people read: "x 1e-05 = bar". */
+export interface Tag { feed: string; axis: string; address: string; name: string; type: string; unit: string; scaling: string; meaning: string; value: string }
+export interface FeedLink { name: string; connected: boolean; state: string; clients: number; behind: number }

@@ -1,0 +1,56 @@
+// What the tests in a browser share: one browser, pages of programs, and what every page has to fulfil.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { browser, open } from "./program.mjs";
+
+const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const patience = 120_000;  // ms, also on a computer with many times more work than cores
+let chromium;
+
+export async function startBrowser() { chromium = await browser(); }
+export async function endBrowser() { await chromium?.close(); }
+
+/** A page of a program of its own, until the test is over; what fails on the page fails the test. */
+export async function visitIn(path, t, words, options = {}) {
+  return visitServed(await open(words, path), t, options);
+}
+
+/** The same of a program that runs. */
+export async function visitServed(served, t, options = {}) {
+  const context = await chromium.newContext({ viewport: { width: 1400, height: 900 }, locale: "en-US", ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(patience);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("console", (line) => {
+    if (line.type() === "error" && /Content Security Policy|Uncaught/.test(line.text())) faults.push(line.text());
+  });
+  t.after(async () => {
+    await context.close();
+    await served.stop();
+    assert.deepEqual(faults, []);
+  });
+  return { page, address: served.address, served };
+}
+
+/** Waits until the condition holds on the page. (waitForFunction needs eval there, which the page forbids.) */
+export async function until(page, condition) {
+  for (const end = Date.now() + patience; Date.now() < end;) {
+    if (await page.evaluate(condition)) return;
+    await page.waitForTimeout(100);
+  }
+  assert.fail(`not so after ${patience} ms: ${condition}`);
+}
+
+export async function assertAccessible(page, where) {
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));
+  assert.deepEqual(violations.map((v) => `${where}: ${v.id}: ${v.nodes.map((n) => n.target.join(" ")).slice(0, 3).join(", ")}`), []);
+}
+
+export async function assertFits(page, where) {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `${where} is ${wide} pixels wider than the window`);
+}

@@ -1,0 +1,44 @@
+// A database for the tests and pictures of watching: a press learned healthy, then with a leak, one shift after the other.
+
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { spawnSync } from "node:child_process";
+import { run } from "./program.mjs";
+
+const machines = fileURLToPath(new URL("../../machines", import.meta.url));
+export const begin = 1_772_352_000;  // s since 1970: 1 March 2026, 8:00 UTC
+
+/** A simulated log whose times count from 1970. */
+function simulate(path, name, start, words) {
+  run(["simulate", "press", "--out", "plain.csv", ...words], path);
+  const [head, ...rows] = readFileSync(join(path, "plain.csv"), "utf8").trimEnd().split("\n");
+  const dated = rows.map((row) => { const comma = row.indexOf(","); return (Number(row.slice(0, comma)) + start).toFixed(4) + row.slice(comma); });
+  writeFileSync(join(path, name), [head, ...dated].join("\n") + "\n");
+}
+
+/** press.toml with rules that learn from 100 strokes, and press.db: 108 healthy strokes, 43 with a leak after a break. */
+export function makeHistory(path) {
+  writeFileSync(join(path, "press.toml"), readFileSync(join(machines, "die_cushion.toml")));
+  writeFileSync(join(path, "press_rules.toml"), readFileSync(join(machines, "die_cushion_rules.toml"), "utf8").replace("commissioning = 1500", "commissioning = 100"));
+  simulate(path, "early.csv", begin, ["--seconds", "650", "--seed", "1", "--oil", "30:45"]);
+  simulate(path, "late.csv", begin + 1_400, ["--seconds", "260", "--seed", "2", "--oil", "31:46", "--effect", "internal_leakage=3e-12"]);
+  run(["replay", "early.csv", "late.csv", "--machine", "press.toml", "--db", "press.db"], path);
+}
+
+/** Valve checks of four years as a service stores them: the pilot stage grows slow, the last sweep was refused. */
+export function addValveChecks(path) {
+  const rows = Array.from({ length: 16 }, (_, k) => {
+    const f0 = 82 - 1.6 * k, year = 365.25 * 86_400, time = begin + 1_000 - (15 - k) * year / 4;
+    return `(1, ${k}, ${time}, 'measured', 'swept from 5 to 200 Hz', ${f0}, 0.9, ${0.72 + 0.012 * k}, 0.02, 1.0, 0.004, 0.0018, 0.0001, ${1.05 * f0}, 1.4, 0.1, 7e6, ${313 + (k % 3)})`;
+  });
+  rows.push(`(1, 16, ${begin + 90_000}, 'refused', 'the press was working', ${new Array(13).fill("NULL").join(", ")})`);
+  const done = spawnSync("sqlite3", [join(path, "press.db"), `INSERT INTO valve_check SELECT * FROM (VALUES ${rows.join(", ")})`], { encoding: "utf8" });
+  if (done.status !== 0) throw new Error(`sqlite3: ${done.stderr}`);
+}
+
+/** learning.db: the first 19 or so strokes of the same press. */
+export function makeBeginning(path) {
+  simulate(path, "begin.csv", begin, ["--seconds", "120", "--seed", "3", "--oil", "30:40"]);
+  run(["replay", "begin.csv", "--machine", "press.toml", "--db", "learning.db"], path);
+}

@@ -1,0 +1,242 @@
+// Watching a database in a real browser: node --test watch_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import assert from "node:assert/strict";
+import { cpSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { after, before, test } from "node:test";
+import { assertAccessible, assertFits, endBrowser, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
+import { addValveChecks, makeBeginning, makeHistory } from "./history.mjs";
+import { folder, run, serve } from "./program.mjs";
+
+const place = folder();
+const words = ["--db", "press.db", "--machine", "press.toml"];
+const visit = (t, of = words, options) => visitIn(place.path, t, of, options);
+const json = (of) => JSON.parse(run([...of, "--json", "-"], place.path));
+
+before(async () => {
+  makeHistory(place.path);
+  addValveChecks(place.path);
+  makeBeginning(place.path);
+  await startBrowser();
+});
+after(async () => {
+  await endBrowser();
+  place.remove();
+});
+
+/** A database of its own for a test that changes its journal. */
+function copyOfHistory(name) {
+  for (const part of ["", ".alarms"]) cpSync(join(place.path, `press${part}.db`), join(place.path, `${name}${part}.db`));
+  return ["--db", `${name}.db`, "--machine", "press.toml"];
+}
+
+test("the overview says what stands and what moved, and never green while nothing is judged", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await page.waitForSelector(".tile .health-M");
+  assert.match(await page.locator(".tile .health").innerText(), /Maintenance required/);
+  const leak = page.locator(".tile tr", { hasText: "internal_leakage" });
+  assert.match(await leak.innerText(), /changed/);
+  assert.match(await page.locator(".tile .facts-line").innerText(), /15\d strokes · last Mar 1, 2026/);
+  // the newest values are those that `trends` prints
+  const summary = json(["trends", "--db", "press.db"]).summary.find((s) => s.parameter === "K");
+  const shown = parseFloat(await page.locator(".tile tr", { hasText: "bulk modulus" }).locator("td").first().innerText());
+  const factor = (await (await fetch(`${address}api/v1/watch/overview`)).json()).machines[0].parameters.find((p) => p.parameter === "K").unit.factor;
+  assert.ok(Math.abs(shown - summary.value * factor) < 0.01 * shown, `${shown} is ${summary.value} Pa`);
+
+  const learning = await visit(t, ["--db", "learning.db", "--machine", "press.toml"]);
+  await learning.page.goto(learning.address);
+  await learning.page.waitForSelector(".tile .health-C");
+  assert.match(await learning.page.locator(".tile .health").innerText(), /Learning, [12]\d of 100/);
+  assert.equal(await learning.page.locator(".health-good").count(), 0);
+});
+
+test("a trend is zoomed, kept in the address, and its CSV holds what `trends` holds", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(`${address}#view=trends&p=K`);
+  await page.waitForSelector(".trend-plot canvas");
+  assert.match(await page.locator(".trends [role=status]").innerText(), /Strokes 0 to 15\d of 15\d · Mar 1, 2026.* – Mar 1, 2026/);
+  const plot = await page.locator(".trend-plot .u-over").boundingBox();
+  await page.mouse.move(plot.x + 0.02 * plot.width, plot.y + 100);
+  assert.match(await page.locator(".readout").innerText(), /Mar 1, 2026.* · stroke \d+ · K.* \d/);
+  // dragging zooms; the address then names the strokes, and brings the same picture back
+  await page.selectOption("label:has-text('Over') select", "stroke");
+  await page.waitForSelector(".trend-plot canvas");
+  await page.mouse.move(plot.x + 0.5 * plot.width, plot.y + 100);
+  await page.mouse.down();
+  await page.mouse.move(plot.x + 0.75 * plot.width, plot.y + 100, { steps: 4 });
+  await page.mouse.up();
+  await until(page, () => /from=7\d&to=1\d\d/.test(location.hash));
+  const status = () => page.locator(".trends [role=status]").innerText();
+  await until(page, () => /Strokes 7\d to 1/.test(document.querySelector(".trends [role=status]").textContent));
+  const zoomed = await status();
+  const url = page.url();
+  await page.focus(".trend-plot [role=application]");
+  await page.keyboard.press("0");
+  await until(page, () => /Strokes 0 to/.test(document.querySelector(".trends [role=status]").textContent));
+  await page.goto(url);
+  await until(page, () => /Strokes 7\d to 1/.test(document.querySelector(".trends [role=status]").textContent));
+  assert.equal(await status(), zoomed);
+  await page.keyboard.press("Tab");
+
+  // several parameters, and what the oil temperature accounts for taken out
+  await page.check("input[name=p-V0]");
+  await until(page, () => document.querySelectorAll(".trend-plot canvas").length === 2);
+  await page.check("text=without what the oil temperature accounts for");
+  await until(page, () => location.hash.includes("comp=1"));
+  await page.uncheck("input[name=p-V0]");
+
+  const download = page.waitForEvent("download");
+  await page.click("button:has-text('CSV')");
+  const [head, ...rows] = readFileSync(await (await download).path(), "utf8").trim().split("\n").map((row) => row.split(","));
+  const points = new Map(json(["trends", "--db", "press.db", "--parameter", "K"]).points.map((p) => [p.sequence, p]));
+  const unit = (await (await fetch(`${address}api/v1/watch/overview`)).json()).machines[0].parameters.find((p) => p.parameter === "K").unit;
+  assert.ok(rows.length > 30 && rows.length < 60, `${rows.length} strokes are looked at`);
+  for (const row of rows) {
+    const point = points.get(Number(row[head.indexOf("first_stroke")]));
+    assert.ok(Math.abs(Number(row[head.indexOf("mean")]) - (point.value * unit.factor + unit.offset)) < 1e-6 * Math.abs(point.value * unit.factor));
+    assert.equal(Number(row[head.indexOf("end_s")]), point.time_s);
+  }
+  const picture = page.waitForEvent("download");
+  await page.click("button:has-text('PNG')");
+  assert.equal(readFileSync(await (await picture).path()).subarray(1, 4).toString(), "PNG");
+
+  await page.selectOption("label:has-text('Over') select", "oil");
+  await page.waitForSelector(".trend-plot[role=img] canvas");
+});
+
+test("an alarm is read, leads to its strokes, is acknowledged, shelved and remarked, and survives a restart", async (t) => {
+  const own = copyOfHistory("acknowledged");
+  const { page, address } = await visit(t, own);
+  await page.goto(address);
+  await page.waitForSelector(".tile");
+  await page.click(".views button:has-text('Alarms')");
+  await page.click("[data-alarm='die_cushion/internal_leakage']");
+  const detail = page.locator(".detail");
+  assert.equal(await detail.locator("h2").innerText(), "More oil lost under pressure");
+  assert.match(await detail.locator("dd", { hasText: "since stroke" }).innerText(), /^since stroke 1\d\d: internal_leakage \+3\.\d/);
+  assert.match(await detail.locator("dd strong").innerText(), /^A worn piston seal makes it so/);
+  assert.equal(await detail.locator("div:has(> dt:text-is('Cause')) dd").innerText(), "internal_leakage");
+  assert.ok(await detail.locator("button:has-text('Shelve')").isDisabled(), "a shelf needs a reason");
+
+  await page.fill("input[name=who]", "anna");
+  await page.fill("textarea", "seal ordered");
+  await page.click("button:has-text('Acknowledge')");
+  await page.waitForSelector(".detail[data-state=ACKED]");
+  assert.deepEqual(json(["alarms", ...own.slice(0, 2), "list"]).alarms.map((a) => a.state), ["ACKED"], "the command line sees it");
+  await page.fill("textarea", "until the seal comes");
+  await page.click("button:has-text('Shelve')");
+  await page.waitForSelector(".detail[data-state=SHLVD]");
+  await page.click("button:has-text('Take from the shelf')");
+  await page.waitForSelector(".detail[data-state=ACKED]");
+  await page.fill("textarea", "seal is here");
+  await page.click("button:has-text('Only the remark')");
+  await page.waitForSelector(".journal li:has-text('seal is here')");
+  const journal = json(["alarms", ...own.slice(0, 2), "journal"]).journal.filter((row) => row.user === "anna");
+  assert.deepEqual(journal.map((row) => [row.event, row.comment]),
+    [["acknowledged", "seal ordered"], ["shelved", "until the seal comes"], ["unshelved", ""], ["commented", "seal is here"]]);
+
+  await page.emulateMedia({ media: "print" });
+  assert.ok(await page.locator(".work-order .done").isVisible(), "the work order has a place to sign");
+  assert.ok(!(await page.locator(".act").isVisible()));
+  await page.emulateMedia({ media: "screen" });
+  await page.click("button:has-text('in the trend')");
+  await page.waitForSelector(".trend-plot canvas");
+  assert.match(await page.locator(".marks").innerText(), /▲ alarm internal_leakage/);
+
+  const again = await visit(t, own);
+  await again.page.goto(`${again.address}#view=alarms&alarm=die_cushion/internal_leakage`);
+  await again.page.waitForSelector(".detail[data-state=ACKED] .journal li:has-text('seal ordered')");
+});
+
+test("an alarm that another program changes shows without loading anew", async (t) => {
+  const own = copyOfHistory("elsewhere");
+  const { page, address } = await visit(t, own);
+  await page.goto(`${address}#view=alarms`);
+  await page.waitForSelector(".state-UNACK");
+  run(["alarms", ...own.slice(0, 2), "ack", "1", "--user", "bert"], place.path);
+  await page.waitForSelector(".state-ACKED");
+  await page.goto(`${address}#view=alarms&axis=die_cushion&severity=alarm`);
+  await page.waitForSelector("text=No alarm stands that fits.");
+});
+
+test("the valve is shown over the years", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(`${address}#view=valve`);
+  await page.waitForSelector(".bode canvas");
+  assert.equal(await page.locator(".valve canvas").count(), 3, "bandwidth, gain and phase");
+  const rows = await page.locator(".valve tbody tr").allInnerTexts();
+  assert.equal(rows.length, 17);
+  assert.match(rows[0], /refused/);
+  assert.match(rows[1], /measured\s+60\.9 ± 2\.7\s+58\.0 ± 1\.8/);
+  assert.equal(await page.locator(".bode .legend span").count(), 6);
+});
+
+test("the tags are those of the feeds, and the CSV has what an engineer enters", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(`${address}#view=scada&feed=modbus`);
+  await page.waitForSelector(".tags tbody tr");
+  const k = await page.locator(".tags tr", { hasText: "K, value" }).innerText();
+  assert.match(k, /^modbus\s+1040\s+.*K, value.*float32\s+1\.\d+e\+09\s+Pa\s+x 1e-05 = bar/s);
+  await page.goto(`${address}#view=scada`);
+  await page.fill("input[type=search]", "Parameters/K");
+  const download = page.waitForEvent("download");
+  await page.click("button:has-text('CSV')");
+  const [head, first] = readFileSync(await (await download).path(), "utf8").split("\n");
+  assert.equal(head, "feed,axis,address,name,type,unit,scaling,meaning");
+  assert.equal(first, "sparkplug,die_cushion,spBv1.0/hydroscope/DDATA/die_cushion/die_cushion,Parameters/K,Double,Pa,x 1e-05 = bar,");
+});
+
+test("what changes an alarm needs the token of the page, and reading says what is wrong with a question", async (t) => {
+  const { address } = await visit(t);
+  const body = JSON.stringify({ action: "acknowledge", machine: "die_cushion", alarm: "internal_leakage" });
+  const post = (headers) => fetch(`${address}api/v1/watch/alarms`, { method: "POST", headers, body }).then((answer) => answer.status);
+  assert.equal(await post({}), 403);
+  assert.equal(await post({ "X-Hydroscope-Token": "0".repeat(64) }), 403);
+  const token = (await (await fetch(address)).text()).match(/token" content="(\w+)"/)[1];
+  assert.equal(await post({ "X-Hydroscope-Token": token, Origin: "http://evil.example" }), 403);
+  const status = (path) => fetch(`${address}api/v1/watch/${path}`).then((answer) => answer.status);
+  for (let k = 0; k < 100 && (await status("overview")) === 404; ++k) await new Promise((resolve) => setTimeout(resolve, 100));
+  assert.equal(await status("overview"), 200);
+  assert.equal(await status("trend?machine=die_cushion"), 400);
+  assert.equal(await status("trend?machine=nobody&parameter=K"), 404);
+  assert.equal(await status("trend?machine=die_cushion&parameter=K&first=-1"), 400);
+  assert.equal(await status("trend?machine=die_cushion&parameter=K&first=9007199254740992&end=1"), 200);
+  assert.equal(await status("stroke?machine=die_cushion&stroke=123456789"), 404);
+  assert.equal(await status("nothing"), 404);
+});
+
+test("a service shows its database, to look at alone, and still answers its tools", async (t) => {
+  const machine = fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url));
+  const served = await serve([machine, "--db", "served.db"], place.path);
+  const { page, address } = await visitServed(served, t);
+  assert.match(await (await fetch(`${address}metrics`)).text(), /^hydroscope_up|# HELP hydroscope_/m);
+  assert.equal(JSON.parse(run(["status", "--db", "served.db", "--json", "-"], place.path)).database, "served.db", "by the socket");
+  await page.goto(address);
+  await page.waitForSelector(".tile .health-C, .tile .health-F");  // nothing comes, nothing is judged
+  assert.equal(await page.locator(".health-good").count(), 0);
+  assert.match(await page.locator(".overview").innerText(), /A service watches it/);
+  assert.deepEqual(await page.locator(".views button").allInnerTexts(), ["Overview", "Trends", "Alarms", "Valve", "SCADA"]);
+  const post = (path, headers) => fetch(`${address}${path}`, { method: "POST", headers, body: "{}" }).then((answer) => answer.status);
+  assert.equal(await post("api/v1/watch/alarms", {}), 403);
+  assert.equal(await post("api/v1/watch/alarms", { "X-Hydroscope-Token": "" }), 403);
+  assert.equal(await post("valve_check?axis=cushion_1", {}), 403);
+  assert.equal(await (await fetch(`${address}api/v1/session`)).json().then((session) => session.workbench), false);
+  assert.equal(await fetch(`${address}api/v1/effects`).then((answer) => answer.status), 405);
+});
+
+for (const [look, options] of [
+  ["wide, light, English", {}],
+  ["wide, dark, German", { colorScheme: "dark", locale: "de-DE" }],
+  ["phone, light, German", { viewport: { width: 390, height: 844 }, locale: "de-DE" }],
+])
+  test(`every view is accessible and fits: ${look}`, async (t) => {
+    const { page, address } = await visit(t, words, options);
+    for (const [view, there] of [["overview", ".tile tbody tr"], ["trends", ".trend-plot canvas"], ["trends&x=oil", ".trend-plot canvas"], ["alarms&alarm=die_cushion/internal_leakage", ".journal li"], ["valve", ".bode canvas"], ["scada", ".tags tbody tr"], ["workbench", ".drop"]]) {
+      await page.goto(`${address}#view=${view}`);
+      await page.waitForSelector(there);
+      await assertAccessible(page, view);
+      await assertFits(page, view);
+    }
+  });
