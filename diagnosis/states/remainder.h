@@ -20,7 +20,7 @@ struct StateRemainderOptions {
 
 /// What functions of states and inputs could predict of what a fit leaves, on pieces of the log left out.
 struct StateRemainder {
-  double share = 0;       ///< of the error's energy on pieces left out
+  double share = 0;  ///< of the error's energy on pieces left out
   /// Of the error on pieces left out with the functions, outputs over their noise: noise has no more.
   double energy = std::numeric_limits<double>::infinity();
   double null_share = 0;  ///< that chance reaches in one of twenty

@@ -101,7 +101,7 @@ struct SignalRun {
   double start = 0;           ///< s, time of the first sample
   std::vector<double> input;  ///< share of full command, or SI
   std::vector<double> output;
-  std::vector<double> set_point;  ///< closed loop: what excites it from outside; else empty
+  std::vector<double> set_point = {};  ///< closed loop: what excites it from outside; else empty
 };
 
 struct FrequencyRecord {

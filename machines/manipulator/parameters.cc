@@ -6,8 +6,8 @@ namespace hydroscope::manipulator {
 
 std::vector<ParameterSpec> ParameterRanges() {
   std::vector<ParameterSpec> out = {
-      {"mx_1", 1100, 10, 1e5, "kg m"},   {"my_1", 0, -1e4, 1e4, "kg m"}, {"J_1", 2000, 10, 1e6, "kg m2"},
-      {"mx_2", 1000, 10, 1e5, "kg m"},   {"my_2", 0, -1e4, 1e4, "kg m"}, {"J_2", 2000, 10, 1e6, "kg m2"},
+      {"mx_1", 1100, 10, 1e5, "kg m"}, {"my_1", 0, -1e4, 1e4, "kg m"}, {"J_1", 2000, 10, 1e6, "kg m2"},
+      {"mx_2", 1000, 10, 1e5, "kg m"}, {"my_2", 0, -1e4, 1e4, "kg m"}, {"J_2", 2000, 10, 1e6, "kg m2"},
   };
   for (const int i : {1, 2}) {
     out.push_back({fmt::format("b_{}", i), 3e4, 10, 1e6, "N s/m"});

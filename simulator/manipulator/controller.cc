@@ -6,7 +6,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kWeight = 9.81;  // m/s2
+constexpr double kWeight = 9.81;    // m/s2
 constexpr double kLeastDrop = 1e4;  // Pa, below which an edge is not asked for more opening
 constexpr double kDrySpeed = 5e-3;  // m/s, over which compensated Coulomb friction turns
 
@@ -31,13 +31,13 @@ ControllerModel TrueModel(const ManipulatorTruth& truth) {
   const LinkTruth &a = truth.links[0], &b = truth.links[1];
   const double carried = b.mass + truth.payload;
   ControllerModel model;
-  model.rigid = {a.mass * a.c_x + carried * a.length,
-                 a.mass * a.c_y,
-                 a.inertia_centre + a.mass * (a.c_x * a.c_x + a.c_y * a.c_y) + carried * a.length * a.length,
-                 b.mass * b.c_x + truth.payload * b.length,
-                 b.mass * b.c_y,
-                 b.inertia_centre + b.mass * (b.c_x * b.c_x + b.c_y * b.c_y) +
-                     truth.payload * b.length * b.length};
+  model.rigid = {
+      a.mass * a.c_x + carried * a.length,
+      a.mass * a.c_y,
+      a.inertia_centre + a.mass * (a.c_x * a.c_x + a.c_y * a.c_y) + carried * a.length * a.length,
+      b.mass * b.c_x + truth.payload * b.length,
+      b.mass * b.c_y,
+      b.inertia_centre + b.mass * (b.c_x * b.c_x + b.c_y * b.c_y) + truth.payload * b.length * b.length};
   for (std::size_t i = 0; i < kJoints; ++i) {
     const CylinderTruth& c = truth.cylinders[i];
     model.b[i] = c.b;
@@ -102,8 +102,8 @@ std::array<double, kJoints> ManipulatorController::Command(const ManipulatorRead
     const double x_1 = reach.x + c.V_0 / c.A_1, x_2nd = c.stroke - reach.x + c.V_0 / c.A_2;
     const double speed = reach.lever * w[i], wanted = reach.lever * required[i];
     // Required force and flow, eq. 21 ... 23 with the speed and the sign that eq. 23 lacks.
-    const double force = torque[i] / reach.lever + model_.b[i] * speed +
-                         model_.F_c[i] * std::tanh(wanted / kDrySpeed);
+    const double force =
+        torque[i] / reach.lever + model_.b[i] * speed + model_.F_c[i] * std::tanh(wanted / kDrySpeed);
     const double rate = force_[i].Take(force, smoothing_);
     const double now = readings.p_1[i] * c.A_1 - readings.p_2[i] * c.A_2;
     measured_force_[i] = begun_ ? measured_force_[i] + smoothing_ * (now - measured_force_[i]) : now;

@@ -11,8 +11,8 @@ namespace hydroscope {
 struct ControllerModel {
   /// m c_x1 + m_2 a_1, m c_y1, I_1 + m_2 a_1^2, m c_x2, m c_y2, I_2; kg m and kg m2.
   std::array<double, 6> rigid{};
-  std::array<double, kJoints> b{}, F_c{};  ///< N s/m, N
-  std::array<double, kJoints> K{};         ///< Pa
+  std::array<double, kJoints> b{}, F_c{};              ///< N s/m, N
+  std::array<double, kJoints> K{};                     ///< Pa
   std::array<std::array<double, 4>, kJoints> edges{};  ///< C_PA, C_AT, C_PB, C_BT, m3/(s sqrt(Pa))
 };
 
@@ -24,11 +24,11 @@ ControllerModel DatasheetModel(const ManipulatorTruth& truth);
 /// Feedback, as rates; the gains of the paper's table III follow from them and the controller's model (GainsOf). With the gains
 /// as printed and our geometry the arm does not come to rest: the smoothing is 50 ms there.
 struct ControllerRates {
-  double position = 10;      ///< 1/s
-  double speed = 4;          ///< 1/s, of a body against its inertia
-  double force = 70;         ///< 1/s, of a cylinder's force
-  double piston = 2e-2;      ///< m, flow per piston speed that is missing
-  double smoothing = 0.4;    ///< of y(n) = (1 - a) y(n-1) + a z(n), per sample of 2 ms
+  double position = 10;    ///< 1/s
+  double speed = 4;        ///< 1/s, of a body against its inertia
+  double force = 70;       ///< 1/s, of a cylinder's force
+  double piston = 2e-2;    ///< m, flow per piston speed that is missing
+  double smoothing = 0.4;  ///< of y(n) = (1 - a) y(n-1) + a z(n), per sample of 2 ms
 };
 
 /// k_p, 1/s; k_v, N m s, per body; k_f, m2/(s N), per cylinder; k_x, m: from what the controller believes of the machine.

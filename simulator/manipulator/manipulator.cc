@@ -82,7 +82,8 @@ Status HideEffect(const std::string& text, ManipulatorTruth& truth) {
 }
 
 Status Validate(const ManipulatorOptions& o) {
-  if (!(o.seconds >= 1 && o.seconds <= 3600)) return UsageError("--seconds must be 1 to 3600, not {}", o.seconds);
+  if (!(o.seconds >= 1 && o.seconds <= 3600))
+    return UsageError("--seconds must be 1 to 3600, not {}", o.seconds);
   const double steps = o.sample_period / ManipulatorController::kPeriod;
   if (!(steps > 0.5 && std::abs(steps - std::round(steps)) < 1e-6 && o.sample_period <= 0.1))
     return UsageError("--sample-period must be a multiple of the controller's {} s, at most 0.1 s, not {}",
@@ -128,7 +129,9 @@ std::vector<std::pair<std::string, double>> TrueParameters(const ManipulatorTrut
   constexpr std::array<const char*, 6> kRigid = {"mx_1", "my_1", "J_1", "mx_2", "my_2", "J_2"};
   for (std::size_t k = 0; k < kRigid.size(); ++k) out.emplace_back(kRigid[k], model.rigid[k]);
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const auto add = [&](const char* name, double value) { out.emplace_back(fmt::format("{}_{}", name, i + 1), value); };
+    const auto add = [&](const char* name, double value) {
+      out.emplace_back(fmt::format("{}_{}", name, i + 1), value);
+    };
     add("b", model.b[i]);
     add("F_c", model.F_c[i]);
     add("K", model.K[i]);
@@ -142,7 +145,8 @@ void AppendManipulatorLine(const ManipulatorRow& row, std::string& text) {
   const auto end = std::back_inserter(text);
   const ManipulatorReadings& r = row.readings;
   fmt::format_to(end, FMT_COMPILE("{:.4f},{:.7f},{:.7f}"), row.time, r.q[0], r.q[1]);
-  for (const double p : {r.p_1[0], r.p_2[0], r.p_1[1], r.p_2[1]}) fmt::format_to(end, FMT_COMPILE(",{:.0f}"), p);
+  for (const double p : {r.p_1[0], r.p_2[0], r.p_1[1], r.p_2[1]})
+    fmt::format_to(end, FMT_COMPILE(",{:.0f}"), p);
   fmt::format_to(end, FMT_COMPILE(",{:.6f},{:.6f},{:.0f}\n"), r.spool[0], r.spool[1], r.p_s);
 }
 

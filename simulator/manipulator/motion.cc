@@ -61,7 +61,8 @@ ManipulatorMotion DrawnMotion(std::uint64_t seed) {
     double largest = 0;
     for (int n = 0; n < 2000; ++n) {
       const double time = n / 2000.0 / motion.base_frequency;
-      largest = std::max(largest, std::abs(SeriesAt(series, motion.base_frequency, time).angle - series.centre));
+      largest =
+          std::max(largest, std::abs(SeriesAt(series, motion.base_frequency, time).angle - series.centre));
     }
     for (JointSeries::Term& term : series.terms) {
       term.sine *= kHalfRange[i] / largest;

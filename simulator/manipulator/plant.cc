@@ -6,12 +6,12 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kGravity = 9.81;         // m/s2
-constexpr double kLongestStep = 2.5e-4;   // s; the fastest are rod contact (1 ms) and spool (2.3 ms)
-constexpr double kLaminarRange = 2e4;     // Pa, below which an edge is laminar, so that its flow has a slope
-constexpr double kSlip = 1e-3;            // m/s, over which Coulomb friction turns
-constexpr double kContact = 4e7;          // N/m, of a joint with play
-constexpr double kStop = 1e8;             // N/m, of the cylinder's ends
+constexpr double kGravity = 9.81;        // m/s2
+constexpr double kLongestStep = 2.5e-4;  // s; the fastest are rod contact (1 ms) and spool (2.3 ms)
+constexpr double kLaminarRange = 2e4;    // Pa, below which an edge is laminar, so that its flow has a slope
+constexpr double kSlip = 1e-3;           // m/s, over which Coulomb friction turns
+constexpr double kContact = 4e7;         // N/m, of a joint with play
+constexpr double kStop = 1e8;            // N/m, of the cylinder's ends
 
 struct Planar {
   double x = 0, y = 0;

@@ -8,11 +8,11 @@ namespace hydroscope {
 
 /// What the manipulator remembers.
 struct ManipulatorState {
-  std::array<double, kJoints> q{}, w{};        ///< rad, rad/s, joint angles and speeds
-  std::array<double, kJoints> p_1{}, p_2{};    ///< Pa, piston and rod side
-  std::array<double, kJoints> spool{}, v{};    ///< 1, 1/s
-  std::array<double, kJoints> rod{};           ///< m, piston against the link, within the play
-  double p_s = 0;                              ///< Pa, supply
+  std::array<double, kJoints> q{}, w{};      ///< rad, rad/s, joint angles and speeds
+  std::array<double, kJoints> p_1{}, p_2{};  ///< Pa, piston and rod side
+  std::array<double, kJoints> spool{}, v{};  ///< 1, 1/s
+  std::array<double, kJoints> rod{};         ///< m, piston against the link, within the play
+  double p_s = 0;                            ///< Pa, supply
 };
 
 /// Joint torques for a motion by Newton's and Euler's equations, body by body from the base to the tip and back

@@ -108,6 +108,7 @@ std::vector<Estimate> EstimatesOf(const StateFit& fit) {
 StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
   StatesError out;
   out.unit = OutputUnit(fit.model->machine);
+  out.of_variation = fit.noise.size() > 1;
   out.rms = Overall(fit, fit.noise) * out.unit.factor;
   const double readings = std::max(1, fit.readings());
   double energy = 0;

@@ -26,6 +26,7 @@ struct StatesError {
   double one_step =
       0;  ///< what is left where past errors may be used: large against noise, small here = the process is noisy
   DisplayUnit unit;
+  bool of_variation = false;  ///< several outputs: each over its variation
 };
 
 /// Error of one step over that of the free run, below which a log that no function of states and inputs explains any better

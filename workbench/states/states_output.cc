@@ -79,6 +79,12 @@ std::string WarningLines(const std::vector<std::string>& warnings) {
   return text;
 }
 
+/// Behind an error.
+std::string UnitWords(const StatesError& error) {
+  if (error.of_variation) return "of the outputs' variation";
+  return std::string(error.unit.name == "1" ? "(a number)" : error.unit.name);
+}
+
 std::string RowsText(const EpisodeLog& log) {
   return fmt::format("{} episodes, {} of {} rows used\n", log.episodes.size(), log.used, log.rows);
 }
@@ -86,7 +92,7 @@ std::string RowsText(const EpisodeLog& log) {
 std::string HeldOutLine(const StatesFit& fit) {
   if (!fit.held_out) return "";
   return fmt::format("free-run error on {}, held out: {:.3g} {}, {} episodes\n", fit.held_out_log,
-                     *fit.held_out, fit.error.unit.name, fit.held_out_episodes);
+                     *fit.held_out, UnitWords(fit.error), fit.held_out_episodes);
 }
 
 nlohmann::json OutputsJson(const StateFit& fit) {
@@ -299,8 +305,9 @@ std::string FitText(const StatesFit& fit) {
                                        ModelName(machine))
                          : "";
   text += ParameterLines(machine, fit.parameters);
-  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
-                      fit.error.unit.name, NoiseWords(fit.left), fit.error.noise_floor, fit.error.unit.name);
+  text +=
+      fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
+                  UnitWords(fit.error), NoiseWords(fit.left), fit.error.noise_floor, UnitWords(fit.error));
   return text + LinearText(fit) + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) +
          WarningLines(FitWarnings(fit)) + (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
@@ -335,7 +342,7 @@ std::string CompareText(const StatesFit& fit) {
   text += fmt::format(
       "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, "
       "{:.3g}\n",
-      fit.error.rms, fit.error.unit.name, fit.error.rms_holdout, NoiseWords(fit.left), fit.error.noise_floor,
+      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.left), fit.error.noise_floor,
       fit.error.one_step);
   for (int j = 0; j < fit.fit.noise.size(); ++j)
     text += fmt::format("  {:<12} error {:.1f} % of its variation\n",
@@ -361,7 +368,7 @@ std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
   text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
-                      e.final.unit.name, NoiseWords(x.final_left), e.final.noise_floor, e.final.unit.name);
+                      UnitWords(e.final), NoiseWords(x.final_left), e.final.noise_floor, UnitWords(e.final));
   text += RowsText(e.log);
   std::vector<std::string> warnings = e.log.warnings;
   warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
@@ -369,12 +376,12 @@ std::string ExplainText(const StatesExplained& e) {
   for (const auto& [added, relative] : x.steps)
     text += fmt::format("  {:<28} {:.3g} {}\n", added.empty() ? "as it is" : "+ " + added,
                         e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300),
-                        e.base.unit.name);
+                        UnitWords(e.base));
   text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
   for (const StateCandidate& candidate : x.ranking)
     text += fmt::format("  {:<28} {:.3g} {}\n", candidate.added.front(), Shown(e, candidate.held_out),
-                        e.base.unit.name);
+                        UnitWords(e.base));
   if (x.verdict == Verdict::kNamed) {
     text += "\nNext\n";
     for (const std::string& id : x.set)
