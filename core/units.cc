@@ -12,7 +12,7 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 65> kUnits = {{
+constexpr std::array<Named, 66> kUnits = {{
     {"1", {1, 0, "1"}},           {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},           {"ms", {1e-3, 0, "s"}},
     {"us", {1e-6, 0, "s"}},       {"ns", {1e-9, 0, "s"}},
@@ -45,7 +45,7 @@ constexpr std::array<Named, 65> kUnits = {{
     {"J", {1, 0, "J"}},           {"kJ", {1e3, 0, "J"}},
     {"N/m", {1, 0, "N/m"}},       {"N/mm", {1e3, 0, "N/m"}},
     {"N s/m", {1, 0, "N s/m"}},   {"1/V", {1, 0, "1/V"}},
-    {"m3/s2", {1, 0, "m3/s2"}},
+    {"m3/s2", {1, 0, "m3/s2"}},   {"m3/(s A)", {1, 0, "m3/(s A)"}},
 }};
 
 /// The SI unit of `si` per second.
