@@ -1,6 +1,6 @@
 // How fast the page draws a long trend: makes a database with one parameter over many strokes (once; it is kept), then prints
-// how long the first picture takes, how long lowest and highest values are collected for, and what zooming and panning take
-// afterwards.
+// how long the first picture takes, how long lowest and highest values are collected for, and what zooming and panning cost
+// after that.
 //   long_trend_bench [STROKES] [DATABASE]    10 000 000 strokes in long_trend.db, 2.3 GB
 #include <fmt/format.h>
 

@@ -48,8 +48,8 @@ bool Complete(const FrequencyResponse& response, const FrfRecord& log) {
 Result<int> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
   if (a.method == "sine" || a.settle >= 0)
     return UsageError(
-        "{}: a machine in closed loop is measured with noise on its set point; --method sine and --settle are "
-        "for valves",
+        "{}: a machine in closed loop is measured with noise on its set point; "
+        "--method sine and --settle are for valves",
         a.machine);
   LoopOptions options{a.options.segment_length, a.options.min_coherence, a.options.lowest, a.options.highest};
   const auto measured = MeasureLoopLog(a.log, machine, options);

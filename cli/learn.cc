@@ -141,7 +141,7 @@ Result<AlarmJournal> OpenOwnJournal(const LearnArguments& a) {
 int RunLearn(const LearnArguments& a) {
   const auto history = OpenHistory(a.history, a.machine);
   if (!history) return ReportError(history.error());
-  const auto rules = a.machine.empty() ? Result<drift::RuleBook>(drift::DefaultRules()) : RulesFor(a.machine);
+  const auto rules = RulesFor(a.machine, history->choices.front().machine);
   if (!rules) return ReportError(rules.error());
   auto journal = OpenOwnJournal(a);
   if (!journal) return ReportError(journal.error());

@@ -1,5 +1,3 @@
-#include <utility>
-
 #include "machines/die_cushion/kind.h"
 #include "machines/flexible_axis/kind.h"
 #include "machines/manipulator/kind.h"
@@ -15,15 +13,6 @@ std::span<const MachineKind* const> MachineKinds() {
       &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator, &kFlexibleAxis,
   };
   return kKinds;
-}
-
-const ClosedLoopPlant* ClosedLoopOf(const Machine& machine) {
-  static constexpr std::pair<const MachineKind*, const ClosedLoopPlant*> kPlants[] = {
-      {&kTestCylinder, &kTestCylinderPlant},
-  };
-  for (const auto& [kind, plant] : kPlants)
-    if (&KindOf(machine) == kind) return plant;
-  return nullptr;
 }
 
 }  // namespace hydroscope

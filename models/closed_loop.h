@@ -56,7 +56,7 @@ struct ClosedLoopPlant {
   LoopChange limit;
 };
 
-/// The plant of a machine whose kind is measured in closed loop; nullptr: its kind is not (machines/kinds.cc lists both).
+/// The plant of a machine whose kind is measured in closed loop (MachineKind::closed_loop); nullptr: its kind is not.
 const ClosedLoopPlant* ClosedLoopOf(const Machine& machine);
 
 }  // namespace hydroscope

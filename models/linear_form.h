@@ -30,7 +30,7 @@ struct LinearForm {
   std::vector<std::string> parameters;
 };
 
-/// The linear form of the machine's kind; without equations if it has none (machines/linear_forms.cc).
+/// The linear form of the machine's kind (MachineKind::linear_form); without equations if it has none.
 LinearForm LinearFormOf(const Machine& machine);
 
 }  // namespace hydroscope

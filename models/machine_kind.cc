@@ -75,4 +75,11 @@ std::vector<Condition> ConditionsOf(const Machine& machine) {
   return conditions;
 }
 
+const ClosedLoopPlant* ClosedLoopOf(const Machine& machine) { return KindOf(machine).closed_loop; }
+
+LinearForm LinearFormOf(const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  return kind.linear_form != nullptr ? kind.linear_form(machine) : LinearForm{};
+}
+
 }  // namespace hydroscope

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "core/result.h"
+#include "models/closed_loop.h"
 #include "models/effect.h"
 #include "models/experimenter.h"
+#include "models/linear_form.h"
 #include "models/machine.h"
 #include "models/machine_draft.h"
 #include "models/machine_words.h"
@@ -76,6 +78,10 @@ struct MachineKind {
   /// Names of the channels that those effects mean by Effect::channels.
   std::span<const std::string_view> channels = {};
   ExperimentRules experiment = {};
+  /// How a plant that a controller drives is measured; nullptr: it is none.
+  const ClosedLoopPlant* closed_loop = nullptr;
+  /// Its equations as far as they are linear in their parameters; nullptr: there are none.
+  LinearForm (*linear_form)(const Machine&) = nullptr;
 };
 
 /// All kinds, the one first that a machine file without `model` means (machines/kinds.cc).

@@ -20,7 +20,7 @@ class AxisLookTest : public PressMonitorTest {
     if (const Status looked = axis.Look(); !looked) return tl::unexpected(looked.error());
     return axis.JudgedHealth();
   }
-  drift::RuleBook Rules() { return RulesFor((folder_ / "press.toml").string()).value(); }
+  drift::RuleBook Rules() { return RulesFor((folder_ / "press.toml").string(), machine_).value(); }
   /// What the one who judges says, with the rows of the journal before anybody looks.
   Health Judge() {
     const auto press = Open();

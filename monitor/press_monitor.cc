@@ -52,7 +52,7 @@ Result<std::unique_ptr<PressMonitor>> PressMonitor::Create(const std::string& ma
   if (!opened) return tl::unexpected(opened.error());
   const auto set_aside = PairJournal(*opened, database, name, WallSeconds());
   if (!set_aside) return tl::unexpected(set_aside.error());
-  auto rules = RulesFor(machine_file);
+  auto rules = RulesFor(machine_file, axes.empty() ? Machine{} : axes.front());
   if (!rules) return tl::unexpected(rules.error());
   auto journal = AlarmJournal::Open(AlarmJournal::PathFor(database));
   if (!journal) return tl::unexpected(journal.error());

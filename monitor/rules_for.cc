@@ -13,15 +13,15 @@
 
 namespace hydroscope {
 
-Result<drift::RuleBook> RulesFor(const std::string& machine_file) {
+Result<drift::RuleBook> RulesFor(const std::string& machine_file, const Machine& machine) {
   const std::filesystem::path path(machine_file);
   const auto rules = path.parent_path() / (path.stem().string() + "_rules.toml");
   std::error_code ignored;
-  if (std::filesystem::exists(rules, ignored)) return drift::LoadRules(rules.string());
+  if (!machine_file.empty() && std::filesystem::exists(rules, ignored))
+    return drift::LoadRules(rules.string());
   drift::RuleBook built_in = drift::DefaultRules();
   // Episodes are longer than strokes, and there are fewer of them.
-  if (const auto machine = LoadMachine(machine_file); machine && KindOf(*machine).has_states)
-    built_in.commissioning = drift::kDriftThresholds.least_strokes;
+  if (KindOf(machine).has_states) built_in.commissioning = drift::kDriftThresholds.least_strokes;
   return built_in;
 }
 

@@ -9,8 +9,9 @@
 
 namespace hydroscope {
 
-/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else the built-in rules.
-Result<drift::RuleBook> RulesFor(const std::string& machine_file);
+/// The rules file beside a machine file, "press.toml" -> "press_rules.toml", if there is one; else, and without a machine
+/// file (""), the built-in rules as they are for this kind of machine.
+Result<drift::RuleBook> RulesFor(const std::string& machine_file, const Machine& machine);
 
 /// Where a rules file and a machine do not fit, as sentences: what it watches that the machine has not, and parameters that
 /// it leaves unwatched. Nothing of the built-in rules, which are for every machine.

@@ -210,6 +210,5 @@ std::span<const MachineKind* const> MachineKinds() {
   static constexpr const MachineKind* kKinds[] = {&kTanks};
   return kKinds;
 }
-const ClosedLoopPlant* ClosedLoopOf(const Machine&) { return nullptr; }
 
 }  // namespace hydroscope

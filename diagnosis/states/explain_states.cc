@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
 
@@ -27,9 +28,7 @@ std::pair<double, double> PairedGain(const std::vector<double>& before, const st
 }
 
 double Sum(const std::vector<double>& energies) {
-  double sum = 0;
-  for (const double energy : energies) sum += energy;
-  return sum;
+  return std::accumulate(energies.begin(), energies.end(), 0.0);
 }
 
 /// Readings over which the errors of a fit are correlated: 1 + 2 sum of their autocorrelation until it first vanishes.

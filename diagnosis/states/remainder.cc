@@ -19,23 +19,11 @@ struct RemainderColumns {
 };
 
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
-  const StateModel& model = *fit.model;
-  const int outputs = model.output.rows;
   RemainderColumns out;
-  out.parameters = model.parameter_count();
+  out.parameters = fit.model->parameter_count();
   const AddedTerms added = bank.Terms(out.equation);
   out.functions = added.columns;
-  for (std::size_t e = 0; e < episodes.size(); ++e) {
-    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]});
-    for (const StatePiece& piece : fit.pieces) {
-      if (piece.episode != static_cast<int>(e)) continue;
-      const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
-      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-      products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
-      products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
-      out.pieces.push_back(std::move(products));
-    }
-  }
+  out.pieces = PieceProducts(fit, episodes, added, {&fit.residuals});
   return out;
 }
 

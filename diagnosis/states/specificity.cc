@@ -36,24 +36,12 @@ struct Products {
 
 Products ProductsOf(const StateFit& rest, std::span<const Episode> episodes, const AddedTerms& added,
                     const std::vector<RowMatrix>& contribution) {
-  const int outputs = rest.model->output.rows;
   Products out;
   out.parameters = rest.model->parameter_count();
+  out.pieces = PieceProducts(rest, episodes, added, {&contribution, &rest.residuals});
   const Eigen::Index size = out.parameters + added.columns + 2;
   out.total = Eigen::MatrixXd::Zero(size, size);
-  for (std::size_t e = 0; e < episodes.size(); ++e) {
-    const RowMatrix columns =
-        TangentColumns(rest, episodes[e], e, added, {&contribution[e], &rest.residuals[e]});
-    for (const StatePiece& piece : rest.pieces) {
-      if (piece.episode != static_cast<int>(e)) continue;
-      const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
-      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, size);
-      products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
-      products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
-      out.total += products;
-      out.pieces.push_back(std::move(products));
-    }
-  }
+  for (const Eigen::MatrixXd& piece : out.pieces) out.total += piece;
   return out;
 }
 
@@ -63,21 +51,15 @@ std::vector<double> EnergiesWith(const Products& products, Eigen::Index column) 
   for (Eigen::Index p = 0; p < products.parameters; ++p) kept.push_back(p);
   kept.push_back(column);
   const Eigen::Index error = products.total.rows() - 1;
-  const Eigen::MatrixXd information = products.total(kept, kept);
-  const Eigen::VectorXd gradient = products.total(kept, error);
-  std::vector<double> out;
-  for (const Eigen::MatrixXd& piece : products.pieces) {
-    const Eigen::MatrixXd own = piece(kept, kept);
-    const Eigen::VectorXd own_gradient = piece(kept, error);
-    Eigen::MatrixXd others = information - own;
-    const Eigen::VectorXd size = others.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    others = size.asDiagonal() * others * size.asDiagonal();
-    others.diagonal().array() += 1e-10;
-    const Eigen::VectorXd change =
-        size.cwiseProduct(others.ldlt().solve(size.cwiseProduct(gradient - own_gradient)));
-    out.push_back(piece(error, error) - 2 * own_gradient.dot(change) + change.dot(own * change));
+  std::vector<StatePiece> pieces;
+  for (const Eigen::MatrixXd& all : products.pieces) {
+    StatePiece piece;
+    piece.information = all(kept, kept);
+    piece.gradient = all(kept, error);
+    piece.energy = all(error, error);
+    pieces.push_back(std::move(piece));
   }
-  return out;
+  return HeldOutEnergies(pieces);
 }
 
 /// Squared correlation of two columns when the parameters are taken out of both.
@@ -113,7 +95,8 @@ Specificity::Specificity(const StateFit& rest, const StateFit& with, std::span<c
   weak_ =
       Energy(contribution, rest.noise) <= options.weak * options.weak * Energy(with.residuals, rest.noise);
   if (!weak_) return;
-  const FunctionBank bank(rest, episodes, options.fourier, options.seed);
+  const FunctionBank bank(rest, episodes, 0,
+                          0);  // sums of all states and inputs are no law that anybody would name
   std::vector<int> equation;
   const AddedTerms added = bank.Terms(equation);
   const Products products = ProductsOf(rest, episodes, added, contribution);

@@ -15,8 +15,6 @@ struct SpecificityOptions {
   double weak = 1.5;
   /// Squared correlation of what two terms do to the outputs beyond which they are one law in this log.
   double same_law = 0.98;
-  int fourier = 0;  ///< a sum of all states and inputs is no law that anybody would name
-  std::uint32_t seed = 7;
 };
 
 /// A function of states and inputs that is no effect of the machine file.

@@ -40,4 +40,25 @@ RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_
   return columns;
 }
 
+std::vector<Eigen::MatrixXd> PieceProducts(const StateFit& fit, std::span<const Episode> episodes,
+                                           const AddedTerms& added,
+                                           const std::vector<const std::vector<RowMatrix>*>& errors) {
+  const int outputs = fit.model->output.rows;
+  std::vector<Eigen::MatrixXd> pieces;
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    std::vector<const RowMatrix*> own;
+    for (const std::vector<RowMatrix>* error : errors) own.push_back(&(*error)[e]);
+    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, own);
+    for (const StatePiece& piece : fit.pieces) {
+      if (piece.episode != static_cast<int>(e)) continue;
+      const auto part = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
+      Eigen::MatrixXd products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+      products.selfadjointView<Eigen::Lower>().rankUpdate(part.transpose());
+      products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
+      pieces.push_back(std::move(products));
+    }
+  }
+  return pieces;
+}
+
 }  // namespace hydroscope

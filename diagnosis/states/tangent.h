@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "estimation/states/fit.h"
@@ -11,5 +12,10 @@ namespace hydroscope {
 /// all. Rows are (row, output); those without a reading are 0.
 RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_t index,
                          const AddedTerms& added, const std::vector<const RowMatrix*>& errors);
+
+/// Products of these columns, of all episodes (`errors`: each per episode), by piece of the fit.
+std::vector<Eigen::MatrixXd> PieceProducts(const StateFit& fit, std::span<const Episode> episodes,
+                                           const AddedTerms& added,
+                                           const std::vector<const std::vector<RowMatrix>*>& errors);
 
 }  // namespace hydroscope

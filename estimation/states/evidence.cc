@@ -109,7 +109,7 @@ int StateFit::readings() const {
   return sum;
 }
 
-std::vector<double> StateFit::HeldOutEnergies() const {
+std::vector<double> HeldOutEnergies(std::span<const StatePiece> pieces) {
   std::vector<double> energies;
   const Eigen::Index count = pieces.empty() ? 0 : pieces.front().information.rows();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
@@ -135,6 +135,8 @@ std::vector<double> StateFit::HeldOutEnergies() const {
   }
   return energies;
 }
+
+std::vector<double> StateFit::HeldOutEnergies() const { return hydroscope::HeldOutEnergies(pieces); }
 
 double StateFit::HeldOutEnergy() const {
   double sum = 0;

@@ -43,6 +43,9 @@ struct StatePiece {
   int readings = 0;
 };
 
+/// Energy of the error on each piece after a regression on all others.
+std::vector<double> HeldOutEnergies(std::span<const StatePiece> pieces);
+
 /// A direction of the parameters that the data do not see.
 struct UnseenDirection {
   std::vector<std::pair<std::string, double>> parts;  ///< parameter, relative change

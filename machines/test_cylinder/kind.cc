@@ -72,6 +72,7 @@ const MachineKind kTestCylinder = {.id = "test_cylinder",
                                    .geometry = kGeometry,
                                    .parameters = kParameters,
                                    .output_unit = "m",
-                                   .words = TestCylinderWords};
+                                   .words = TestCylinderWords,
+                                   .closed_loop = &kTestCylinderPlant};
 
 }  // namespace hydroscope

@@ -10,6 +10,7 @@
 #include "core/time_text.h"
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
+#include "monitor/rules_for.h"
 #include "page/json_number.h"
 #include "workbench/history/stroke_history.h"
 
@@ -90,8 +91,11 @@ Result<std::unique_ptr<WatchedMachine>> WatchedMachine::Create(const Sources& so
   auto model = BuildModel(watched->machine_);
   if (!model) return tl::unexpected(model.error());
   watched->model_ = std::move(*model);
+  auto rules = RulesFor(sources.machine_file, watched->machine_);
+  if (!rules) return tl::unexpected(rules.error());
+  watched->rules_ = std::move(*rules);
   if (sources.journal != nullptr)
-    watched->monitor_ = std::make_unique<AxisMonitor>(watched->machine_, watched->model_, sources.rules,
+    watched->monitor_ = std::make_unique<AxisMonitor>(watched->machine_, watched->model_, watched->rules_,
                                                       sources.database, sources.path, id, *sources.journal);
   return watched;
 }

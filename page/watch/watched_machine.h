@@ -37,10 +37,10 @@ class WatchedMachine {
   struct Sources {
     const Database& database;
     std::string path;
-    AlarmJournal* journal;  ///< nullptr: there is none
-    const drift::RuleBook& rules;
+    AlarmJournal* journal;     ///< nullptr: there is none
+    std::string machine_file;  ///< beside which the rules file lies; "" = built-in rules
   };
-  /// Errors: the model stored last cannot be read.
+  /// Errors: the model stored last, or the rules, cannot be read.
   static Result<std::unique_ptr<WatchedMachine>> Create(const Sources& sources, const std::string& name,
                                                         std::int64_t id);
 
@@ -82,6 +82,7 @@ class WatchedMachine {
   Machine described_;
   Machine machine_;  ///< the same by the name it has in the database
   std::shared_ptr<const ModelStructure> model_;
+  drift::RuleBook rules_;  ///< of its kind; what the monitor goes by
   std::unique_ptr<AxisMonitor> monitor_;
   std::string not_looked_;  ///< why the monitor could not be read
   std::map<std::string, WatchedParameter> parameters_;

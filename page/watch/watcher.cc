@@ -151,8 +151,7 @@ Status Watcher::Open() {
   const FileIdentity file = FileIdentity::Of(options_.database), journal_file = FileIdentity::Of(journal);
   if (opened_ && opened_->file == file && opened_->journal_file == journal_file) return {};
   opened_.reset();
-  auto rules = options_.machine_file.empty() ? Result<drift::RuleBook>(drift::DefaultRules())
-                                             : RulesFor(options_.machine_file);
+  auto rules = RulesFor(options_.machine_file, Machine{});  // whose words are the same for every kind
   if (!rules) return tl::unexpected(rules.error());
   auto database = Database::OpenReadOnly(options_.database);
   if (!database) return tl::unexpected(database.error());
@@ -269,7 +268,7 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
   const auto names = opened.database.MachineNames();
   if (!names) return tl::unexpected(names.error());
   const WatchedMachine::Sources sources{opened.database, options_.database,
-                                        opened.journal ? &*opened.journal : nullptr, opened.rules};
+                                        opened.journal ? &*opened.journal : nullptr, options_.machine_file};
   for (const std::string& name : *names) {
     const auto id = opened.database.MachineId(name);
     if (!id) return tl::unexpected(id.error());

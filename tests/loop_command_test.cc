@@ -1,0 +1,89 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope::command_line_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Commands on logs of the simulated test cylinder.
+class LoopCommand : public CommandLine {
+ protected:
+  int Code(const std::vector<std::string>& words) { return Run(words).exit_code; }
+  nlohmann::json Json(const std::string& name) const { return nlohmann::json::parse(ReadText(File(name))); }
+  void SimulateLoop(const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"simulate", "test-cylinder", "--out",
+                                      File(name), "--truth",       File(name + ".json")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = Run(words);
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  }
+
+  const std::string machine_ = std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/test_cylinder.toml";
+};
+
+TEST_F(LoopCommand, FrfGivesTheTruthWithTheDocumentedKeysAndAPicture) {
+  SimulateLoop("c.csv", {"--seconds", "40"});
+  const Ran ran =
+      Run({"frf", File("c.csv"), "-m", machine_, "--json", File("c_frf.json"), "--svg", File("c.svg")});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto json = Json("c_frf.json"), truth = Json("c.csv.json");
+  for (const char* name : {"f_h", "zeta_h", "f_sv", "K_sv"}) {
+    const double value = json["model"][name]["value"], true_value = truth["parameters"][name];
+    EXPECT_NEAR(value, true_value, 3 * json["model"][name]["std"].get<double>()) << name;
+  }
+  for (const char* key :
+       {"points", "left_out", "direct_bias", "needed_seconds", "segments", "warnings", "input_limit"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_TRUE(json["points"][5].contains("direct_gain"));
+  EXPECT_THAT(ran.out, HasSubstr("natural frequency of the oil column"));
+  std::ifstream picture(File("c.svg"));
+  std::string head(4, ' ');
+  picture.read(head.data(), 4);
+  EXPECT_EQ(head, "<svg");
+}
+
+TEST_F(LoopCommand, TheExchangeOfTheValveIsItsGainThatDoubledAndNothingElse) {
+  SimulateLoop("old.csv", {"--seconds", "40"});
+  SimulateLoop("new.csv", {"--seconds", "40", "--valve", "38", "--seed", "2"});
+  const Ran ran =
+      Run({"explain", File("new.csv"), "-m", machine_, "--since", File("old.csv"), "--json", File("x.json")});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto json = Json("x.json");
+  EXPECT_EQ(json["verdict"], "named");
+  EXPECT_EQ(json["set"], nlohmann::json({"valve_gain"}));
+  EXPECT_NEAR(json["changes"]["valve_gain"]["value"], 2.02, 0.1);
+  EXPECT_THAT(ran.out, HasSubstr("Nothing else changed"));
+}
+
+TEST_F(LoopCommand, WithoutSinceTheReferencesOfTheMachineFileAreCompared) {
+  SimulateLoop("c.csv", {"--seconds", "40"});
+  EXPECT_EQ(Run({"explain", File("c.csv"), "-m", machine_, "--json", "-"}).Json()["verdict"], "adequate");
+}
+
+TEST_F(LoopCommand, BadInputAndWrongUseAreToldApart) {
+  SimulateLoop("c.csv", {"--seconds", "5"});
+  EXPECT_EQ(Code({"frf", File("c.csv"), "-m", machine_, "--method", "sine"}), 2);
+  EXPECT_EQ(Code({"frf", File("absent.csv"), "-m", machine_}), 3);
+  EXPECT_EQ(Code({"explain", File("c.csv"), "-m", machine_, "--since", File("absent.csv")}), 3);
+  EXPECT_EQ(Code({"explain", File("c.csv"), File("c.csv"), "-m", machine_}), 2);
+  EXPECT_EQ(Code({"simulate", "test-cylinder", "--out", File("x.csv"), "--f-h", "-3"}), 2);
+  EXPECT_EQ(Code({"simulate", "test-cylinder", "--out", File("x.csv"), "--valve", "63"}), 2);
+  EXPECT_EQ(Code({"fit", File("c.csv"), "-m", machine_}), 3);
+  std::ofstream(File("bad.csv")) << "t,z_set,I_v\n0,1,2\n";
+  const Ran bad = Run({"frf", File("bad.csv"), "-m", machine_});
+  EXPECT_EQ(bad.exit_code, 3);
+  EXPECT_THAT(bad.err, HasSubstr("no column 'z'"));
+}
+
+TEST_F(LoopCommand, ALimitOfTheMachineFileThatIsPassedIsSaid) {
+  SimulateLoop("slow.csv", {"--seconds", "40", "--f-sv", "120"});
+  EXPECT_THAT(Run({"frf", File("slow.csv"), "-m", machine_}).out, HasSubstr("below alarm_low 130"));
+}
+
+}  // namespace
+}  // namespace hydroscope::command_line_test
