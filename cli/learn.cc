@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/constants.h"
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
@@ -116,11 +118,14 @@ std::string LearnedText(const nlohmann::json& learned) {
                   learned.at("last_stroke").get<std::int64_t>(), learned.at("operating_classes").get<int>());
   for (const auto& curve : learned.at("curves")) {
     const DisplayUnit unit = DisplayUnitFor(curve.at("unit").get<std::string>());
-    text += fmt::format("  {:<6} {:>10.4g} {:<6} over oil temperature: {}, {:.0f} to {:.0f} degC\n",
-                        curve.at("quantity").get<std::string>(),
-                        curve.at("value").get<double>() * unit.factor + unit.offset, unit.name,
-                        curve.at("form").get<std::string>(), curve.at("from_K").get<double>() - 273.15,
-                        curve.at("to_K").get<double>() - 273.15);
+    text += fmt::format("  {:<6} {:>10.4g} {:<6}", curve.at("quantity").get<std::string>(),
+                        curve.at("value").get<double>() * unit.factor + unit.offset,
+                        unit.name == "1" ? "" : unit.name);
+    const double from = curve.at("from_K").get<double>(), to = curve.at("to_K").get<double>();
+    if (std::isfinite(from))  // oil temperature is measured
+      text += fmt::format(" over oil temperature: {}, {:.0f} to {:.0f} degC",
+                          curve.at("form").get<std::string>(), from - kZeroCelsius, to - kZeroCelsius);
+    text += "\n";
   }
   return text;
 }

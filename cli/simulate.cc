@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/live_command.h"
 #include "cli/machines/machines.h"
+#include "cli/simulate_log.h"
 #include "cli/simulate_press.h"
 #include "cli/simulate_serve.h"
 #include "host/output.h"
@@ -271,6 +272,7 @@ void AddSimulateCommand(CLI::App& app, int& exit_code) {
   simulate->require_subcommand(1);
   AddPress(*simulate, exit_code);
   AddValve(*simulate, exit_code);
+  AddSimulateLog(*simulate, exit_code);
 #define HYDROSCOPE_ADD_SIMULATION(Name) AddSimulate##Name(*simulate, exit_code);
   HYDROSCOPE_SIMULATED_MACHINES(HYDROSCOPE_ADD_SIMULATION)
 #undef HYDROSCOPE_ADD_SIMULATION

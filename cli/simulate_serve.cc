@@ -104,6 +104,15 @@ std::string Announcement(const PressServer::Options& o) {
 
 }  // namespace
 
+DdsNetwork NetworkOf(const DdsSpec& dds) {
+  return {.domain = dds.domain,
+          .udp = dds.transport != DdsTransport::kSharedMemory,
+          .shared_memory = dds.transport != DdsTransport::kUdp,
+          .interfaces = dds.interfaces,
+          .peers = dds.peers,
+          .security = dds.security};
+}
+
 Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const PressOptions& press,
                                           const Machine& machine) {
   if (!machine.live || (!machine.live->dds && !machine.live->modbus))
@@ -119,12 +128,7 @@ Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const Pr
   options.clock_drift = arguments.clock_drift * 1e-6;
   if (live.dds) {
     options.topic = live.dds->topic;
-    options.dds = DdsNetwork{.domain = live.dds->domain,
-                             .udp = live.dds->transport != DdsTransport::kSharedMemory,
-                             .shared_memory = live.dds->transport != DdsTransport::kUdp,
-                             .interfaces = live.dds->interfaces,
-                             .peers = live.dds->peers,
-                             .security = live.dds->security};
+    options.dds = NetworkOf(*live.dds);
   }
   if (live.modbus) {
     options.modbus = {.host = live.modbus->host, .port = live.modbus->port, .order = live.modbus->order};

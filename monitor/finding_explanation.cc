@@ -48,10 +48,12 @@ std::string ErrorText(const ChangeResult& result) {
 /// Of a machine with states, whose effects are simulated, and tried on logs alone.
 std::string SentenceOfStates(const ChangeResult& result) {
   const auto moved = Moved(result);
-  std::string text =
-      result.after.explanation.verdict == Verdict::kAdequate ? "" : "the model errs more than before; ";
-  text += moved.empty() ? "no parameter moved beyond its interval"
-                        : fmt::format("moved: {}", fmt::join(moved, ", "));
+  const bool adequate = result.after.explanation.verdict == Verdict::kAdequate;
+  std::string text = adequate ? "" : "the model errs more than before; ";
+  text += !moved.empty() ? fmt::format("moved: {}", fmt::join(moved, ", "))
+          : adequate     ? "no parameter moved beyond its interval"
+                     : "no parameters that stay as they are over these strokes take that away: one is still "
+                       "moving, or an effect is missing";
   return text + "; which effect it is, `hydroscope explain` with the logs says";
 }
 

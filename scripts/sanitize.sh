@@ -5,13 +5,21 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 export LSAN_OPTIONS=suppressions=$PWD/scripts/lsan_suppressions.txt:print_suppressions=0
-folders=(core dds models machines acquisition estimation storage alarms replay simulator)
+folders=(estimation acquisition alarms models simulator storage replay dds machines core)  # the longest first
 if [[ ${1:-} == all ]]; then
   scripts/build.sh asan
   exec ctest --preset asan --parallel 2
 fi
 scripts/build.sh asan "${folders[@]/%/_test}"
-for folder in "${folders[@]}"; do
-  echo "sanitize: $folder"
-  ASAN_OPTIONS=new_delete_type_mismatch=0 "build/asan/tests/${folder}_test" --gtest_brief=1
-done
+# test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.
+test_folder() {
+  local output
+  if ! output=$(ASAN_OPTIONS=new_delete_type_mismatch=0 "build/asan/tests/$1_test" --gtest_brief=1 2>&1); then
+    echo "sanitize: $1 failed"$'\n'"$output"
+    return 255
+  fi
+  echo "sanitize: $1"$'\n'"$output"
+}
+export -f test_folder
+printf '%s\n' "${folders[@]}" |
+  xargs -P "$(nproc)" -I{} bash -c 'test_folder "$@"' test_folder {}

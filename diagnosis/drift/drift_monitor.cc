@@ -249,7 +249,8 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     movements[quantity.name] = size > 0 ? 1 : -1;
     finding.parts.push_back(
         {quantity.name, quantity.unit, size, m.std, healthy_[m.quantity],
-         kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm});
+         kDriftThresholds.gone_share * sizes_[m.quantity].smallest + 2 * doubt[m.quantity], alarm,
+         quantity.share});
     finding.alarm = finding.alarm || alarm;
   }
   const Rule* rule = finding.state == FindingState::kNamed ? rules_->Match(movements) : nullptr;

@@ -51,6 +51,7 @@ struct FindingPart {
   double reference = 0;      ///< SI
   double limit = 0;          ///< SI, size below which it counts as gone
   bool alarm = false;        ///< beyond the alarm change
+  bool share = false;        ///< Quantity::share
 };
 
 enum class FindingState { kSuspected, kNamed, kUndecided, kGone };

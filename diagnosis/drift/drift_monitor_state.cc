@@ -151,6 +151,10 @@ bool DriftMonitor::RestoreRest(ByteReader& in) {
     strokes_.push_back(std::move(s));
   }
   for (auto left = in.Get<std::uint32_t>(); left > 0 && in.ok(); --left) findings_.push_back(GetFinding(in));
+  for (DriftFinding& finding : findings_)
+    for (FindingPart& part : finding.parts)
+      for (const Quantity& quantity : model_.quantities())
+        if (quantity.name == part.quantity) part.share = quantity.share;
   for (Eigen::VectorXd* v : {&explained_, &recent_score_, &doubt_, &healthy_}) {
     *v = GetVector(in);
     if (v->size() != n) return false;

@@ -18,16 +18,16 @@ std::string PartText(const FindingPart& part) {
     return fmt::format("{} {:+.2f} ± {:.2f} l/min at 200 bar", part.quantity, part.size * factor,
                        kNormal95 * part.std * factor);
   }
-  if (part.unit == "1")
-    return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
+  if (part.share) return fmt::format("{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size, 196 * part.std);
   const DisplayUnit unit = DisplayUnitFor(part.unit);
-  const std::string values = fmt::format("{:.4g} -> {:.4g} {}", part.reference * unit.factor + unit.offset,
-                                         (part.reference + part.size) * unit.factor + unit.offset, unit.name);
+  const std::string name = part.unit == "1" ? "" : fmt::format(" {}", unit.name);
+  const std::string values = fmt::format("{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
+                                         (part.reference + part.size) * unit.factor + unit.offset, name);
   if (const auto share = RelativeChange(part.reference, part.std, part.size))
     return fmt::format("{} {:+.1f} ± {:.1f} % ({})", part.quantity, 100 * *share,
                        196 * part.std / std::abs(part.reference), values);
-  return fmt::format("{} {:+.3g} ± {:.2g} {} ({})", part.quantity, part.size * unit.factor,
-                     kNormal95 * part.std * unit.factor, unit.name, values);
+  return fmt::format("{} {:+.3g} ± {:.2g}{} ({})", part.quantity, part.size * unit.factor,
+                     kNormal95 * part.std * unit.factor, name, values);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "models/effect.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -40,8 +41,10 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
         derived.size(), model->name, model->base_count);
   for (const std::size_t picked : watched.picked_) {
     const DerivedParameter& p = derived[picked];
-    watched.quantities_.push_back(
-        {p.name, p.unit, p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false});
+    const MachineParameter* known = FindParameter(*model->kind, p.name);
+    watched.quantities_.push_back({p.name, p.unit,
+                                   p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false,
+                                   p.unit == "1" && known != nullptr && !known->relative});
   }
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];
@@ -49,7 +52,7 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
     if (model->effect_shapes[e].empty()) continue;
     const EffectShape& shape = model->effect_shapes[e].front();
     if (shape.columns.size() != 1 || !effect.nonlinear.empty()) continue;
-    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true});
+    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true, effect.unit == "1"});
     watched.columns_.push_back(shape.columns.front());
   }
   return watched;

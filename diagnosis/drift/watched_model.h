@@ -18,6 +18,7 @@ struct Quantity {
   std::string unit;  ///< SI
   CurveFamily family = CurveFamily::kSmooth;
   bool effect = false;  ///< reference is zero
+  bool share = false;  ///< of a whole, as a spool position is of its stroke: changes are told in its per cent
 };
 
 /// What one stroke says, apart from all others: its own normal equations over the watched columns, sensor

@@ -102,8 +102,9 @@ std::optional<EpisodeEvidence> StateFollower::Linearise(const Episode& episode,
     e.readings += piece.readings;
   }
   if (!e.information.allFinite() || !std::isfinite(e.energy) || e.readings == 0) return std::nullopt;
-  // About what fits the episode best: how far that lies from `at` is no scatter of its pieces.
+  // About what fits the episode best: how far that lies from `at` is no scatter of its pieces, and no noise.
   const Eigen::VectorXd change = Best(e) - at;
+  e.unexplained = std::max(1.0, EnergyAt(e, at + change) / e.readings);
   for (const StatePiece& piece : fit.pieces) {
     const Eigen::VectorXd gradient = piece.gradient - piece.information * change;
     e.scatter += gradient * gradient.transpose();
@@ -120,14 +121,14 @@ Eigen::VectorXd StateFollower::Best(const EpisodeEvidence& e) const {
 /// The filter with the episode in it. Errors larger than the noise count less.
 InformationFilter StateFollower::Updated(const EpisodeEvidence& e, double seconds) const {
   InformationFilter filter = *filter_;
-  const double weight = 1 / std::max(1.0, e.energy / e.readings);
+  const double weight = 1 / e.unexplained;
   const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
   const Eigen::MatrixXd known = filter.information();
   const Eigen::LLT<Eigen::MatrixXd> root(known);
   const Eigen::MatrixXd half = root.matrixL().solve(added);
   const Eigen::MatrixXd relative = root.matrixL().solve(half.transpose());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Symmetric(relative));
-  const auto excited = (solver.eigenvalues().array() > options_.excited).count();
+  const auto excited = (solver.eigenvalues().array() > LeastAdded(seconds)).count();
   if (excited > 0) {
     const Eigen::MatrixXd directions =
         root.matrixU().solve(solver.eigenvectors().rightCols(excited));  // eigenvalues increase
@@ -160,18 +161,16 @@ EpisodeEvidence StateFollower::Settle(const Episode& episode, EpisodeEvidence ev
 void StateFollower::Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged) {
   const double keep = std::exp(-1 / options_.errors_remembered);
   const auto scaled = [&](const Eigen::MatrixXd& m, const EpisodeEvidence& e) -> Eigen::MatrixXd {
-    return (size_.asDiagonal() * m * size_.asDiagonal()) / std::max(1.0, e.energy / e.readings);
+    return (size_.asDiagonal() * m * size_.asDiagonal()) / e.unexplained;
   };
   information_ = keep * information_ + scaled(settled.information, settled);
-  of_pieces_ =
-      keep * of_pieces_ + scaled(settled.scatter, settled) / std::max(1.0, settled.energy / settled.readings);
+  of_pieces_ = keep * of_pieces_ + scaled(settled.scatter, settled) / settled.unexplained;
   expected_ *= keep;
   of_episodes_ *= keep;
   errors_ *= keep;
   if (!judged) return;
   const Eigen::MatrixXd h = scaled(before.information, settled);
-  const Eigen::VectorXd g =
-      size_.cwiseProduct(before.gradient) / std::max(1.0, settled.energy / settled.readings);
+  const Eigen::VectorXd g = size_.cwiseProduct(before.gradient) / settled.unexplained;
   expected_ += h + h * Eigen::MatrixXd(filter_->Covariance()) * h;
   of_episodes_ += g * g.transpose();
   errors_ += 1;
@@ -193,28 +192,32 @@ std::vector<StateFollower::Scatter> StateFollower::Scatters() const {
   return out;
 }
 
+/// Episodes that the past weighs as much as while the parameters stand still.
+double StateFollower::StillMemory(double seconds) const {
+  return std::max(options_.least_memory, options_.time_constant / std::max(seconds, 1e-9));
+}
+
 /// Episodes that the past weighs as much as. Where episodes scatter by more than their pieces say, the parameters move.
 double StateFollower::Memory(double seconds) const {
   double moves = 1;
   for (const Scatter& s : Scatters()) moves = std::max(moves, s.episodes / (options_.still * s.pieces));
-  return std::max(options_.least_memory, options_.time_constant / std::max(seconds, 1e-9)) / moves;
+  return StillMemory(seconds) / moves;
 }
 
 std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const Eigen::MatrixXd& before,
-                                               double end) {
+                                               double seconds, double end) {
   const Eigen::VectorXd theta = size_.cwiseProduct(Eigen::VectorXd(filter_->Theta())),
                         inside = Admissible(theta);
   const Eigen::MatrixXd covariance = filter_->Covariance();
   const std::vector<Scatter> scatters = Scatters();
-  const double weight = 1 / std::max(1.0, e.energy / e.readings);
-  const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
+  const Eigen::MatrixXd added = (size_.asDiagonal() * e.information * size_.asDiagonal()) / e.unexplained;
   const Eigen::MatrixXd with = (before.inverse() + added).inverse();
   const Eigen::MatrixXd own = FlooredInverse(added);
   std::vector<Estimate> out;
   for (int p = 0; p < count(); ++p) {
     const StateParameter& parameter = model_->parameters[static_cast<std::size_t>(p)];
     const double share = 1 - with(p, p) / before(p, p);
-    const bool excited = share > options_.excited;
+    const bool excited = share > LeastAdded(seconds);
     if (excited) last_excited_[p] = end;
     Estimate estimate;
     estimate.parameter = parameter.name;
@@ -224,7 +227,7 @@ std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const E
     estimate.unit = parameter.spec.unit.empty() ? "1" : parameter.spec.unit;
     estimate.excitation = added(p, p) * own(p, p) > 0 ? std::min(1.0, 1 / (added(p, p) * own(p, p))) : 0;
     estimate.last_excited = last_excited_[p];
-    const bool seen_alone = added(p, p) * before(p, p) > options_.excited;
+    const bool seen_alone = added(p, p) * before(p, p) > LeastAdded(seconds);
     estimate.reason = theta[p] != inside[p]     ? EstimateReason::kOutsidePhysics
                       : !excited && !seen_alone ? EstimateReason::kNotExcited
                       : !excited || estimate.std > kUseful * std::abs(estimate.value)
@@ -262,7 +265,7 @@ FollowedEpisode StateFollower::Add(const Episode& episode) {
   out.error_before = first ? kUnknown : before->ErrorAt(before->at);
   filter_ = Updated(settled, seconds);
   ++episodes_;
-  out.estimates = Estimates(settled, covariance, episode.time.back());
+  out.estimates = Estimates(settled, covariance, seconds, episode.time.back());
   out.error_least = settled.ErrorAt(Best(settled));
   out.evidence = std::move(settled);
   return out;

@@ -20,7 +20,8 @@ struct StateFollowerOptions {
       1.5;  ///< ... less where episodes scatter by more than this many times what their pieces say: they move
   double covariance =
       1;  ///< of parameters over their size, before anything is known of them, and the most ever
-  double excited = 0.02;   ///< share of the information so far that an episode must add to a direction
+  double excited =
+      0.1;  ///< of what an episode adds to a direction where all are alike, over the memory: what it must add
   int linearisations = 3;  ///< of one episode at most
   double close = 0.3;  ///< standard errors that the parameters may lie from where an episode was linearised
   double lost = 2;     ///< rms error over the noise beyond which a young follower is fitted anew
@@ -40,6 +41,7 @@ struct EpisodeEvidence {
   Eigen::MatrixXd scatter;      ///< sum of gradient gradient' over its pieces, about what fits it best
   double energy = 0;            ///< sum of squared errors
   int readings = 0;
+  double unexplained = 1;  ///< mean squared error that no parameters take away, at least 1 (the noise)
 
   /// rms error that other parameters would leave, over the noise.
   double ErrorAt(const Eigen::VectorXd& parameters) const;
@@ -93,8 +95,11 @@ class StateFollower {
     double Widening() const { return std::max({1.0, pieces, episodes}); }
   };
   std::vector<Scatter> Scatters() const;
+  double StillMemory(double seconds) const;
   double Memory(double seconds) const;
-  std::vector<Estimate> Estimates(const EpisodeEvidence& evidence, const Eigen::MatrixXd& before, double end);
+  double LeastAdded(double seconds) const { return options_.excited / StillMemory(seconds); }
+  std::vector<Estimate> Estimates(const EpisodeEvidence& evidence, const Eigen::MatrixXd& before,
+                                  double seconds, double end);
   Eigen::VectorXd Admissible(const Eigen::VectorXd& parameters) const;
 
   std::shared_ptr<const StateModel> model_;

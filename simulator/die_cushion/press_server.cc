@@ -5,7 +5,7 @@
 #include <cmath>
 #include <condition_variable>
 
-#include "simulator/die_cushion/dds/publisher.h"
+#include "simulator/dds/publisher.h"
 
 namespace hydroscope {
 namespace {

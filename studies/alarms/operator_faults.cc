@@ -10,7 +10,7 @@
 #include "acquisition/modbus/link.h"
 #include "alarms/feeds/modbus/register_map.h"
 #include "host/output.h"
-#include "simulator/die_cushion/dds/publisher.h"
+#include "simulator/dds/publisher.h"
 #include "storage/mounted_disk.h"
 #include "studies/alarms/operator_view.h"
 #include "studies/fault_table.h"

@@ -1,4 +1,4 @@
-#include "simulator/die_cushion/dds/publisher.h"
+#include "simulator/dds/publisher.h"
 
 #include <hydroscope_wire/hydroscope_livePubSubTypes.h>
 
@@ -38,6 +38,11 @@ class Publication : public SamplePublisher {
     return status.current_count;
   }
 
+  bool Drain(double seconds) override {
+    return samples_->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(seconds)) ==
+           ReturnCode_t::RETCODE_OK;
+  }
+
  private:
   std::unique_ptr<DdsParticipant> participant_;
   DataWriter* samples_;
@@ -56,7 +61,7 @@ hydroscope_wire::Layout LayoutOf(const SamplePublisher::Options& options) {
 }  // namespace
 
 Result<std::unique_ptr<SamplePublisher>> SamplePublisher::Create(const Options& options) {
-  auto participant = DdsParticipant::Create(options.network, "simulated press");
+  auto participant = DdsParticipant::Create(options.network, options.name);
   if (!participant) return tl::unexpected(participant.error());
   const auto layouts =
       (*participant)

@@ -18,6 +18,7 @@ class SamplePublisher {
     std::string topic = "hydroscope/samples";
     std::uint64_t session = 0;
     std::vector<std::string> channels, units;  ///< of equal length
+    std::string name = "simulated press";      ///< of the participant, for who looks at the network
   };
   static Result<std::unique_ptr<SamplePublisher>> Create(const Options& options);
   virtual ~SamplePublisher() = default;
@@ -28,6 +29,8 @@ class SamplePublisher {
                      std::uint32_t rows, const std::vector<double>& values) = 0;
   /// Readers of the samples at present.
   virtual int readers() const = 0;
+  /// Waits until all readers have what was sent. False: not within `seconds`.
+  virtual bool Drain(double seconds) = 0;
 };
 
 }  // namespace hydroscope
