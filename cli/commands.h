@@ -27,6 +27,7 @@ namespace hydroscope {
   _(Status)                    \
   _(VerifyLive)                \
   _(Alarms)                    \
+  _(Users)                     \
   _(Learn)                     \
   _(Report)                    \
   _(Benchmark)

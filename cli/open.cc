@@ -58,10 +58,10 @@ void Wait(PageServer& page, const sigset_t& signals) {
 Status RunOpen(PageOptions options) {
   const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});
   options.examples = Examples();
+  options.watch.user = UserName();
   if (!options.watch.database.empty()) {
     if (!options.logs.empty()) return UsageError("open takes logs or --db, not both");
     options.watch.machine_file = std::exchange(options.machine, "");
-    options.watch.user = UserName();
     options.watch.service = [socket = SocketOf(options.watch.database)] {
       const auto answer = AskService(socket, "GET", "/status");
       return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();

@@ -3,11 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "acquisition/live_sources.h"
 #include "cli/commands.h"
+#include "core/secret_file.h"
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "host/signals.h"
@@ -27,6 +30,8 @@ struct ServeArguments {
   LiveOptions live;
   ValveCheckOptions valve_check;
   int port = 9464;
+  std::string address = "127.0.0.1", certificate, key;
+  std::vector<std::string> host_names;
   std::string log_level = "info";
   bool log_json = false, acknowledge = false;
   double raw_days = 7, raw_gigabytes = 4, min_free_megabytes = 64, queue_megabytes = 128,
@@ -85,6 +90,30 @@ std::optional<HttpReply> AnswerTools(const HttpRequest& request, Surveillance& s
   return asked ? HttpReply{200, "text/plain", "asked\n"} : HttpReply{409, "text/plain", asked.error().text};
 }
 
+Result<std::string> ReadPem(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  if (text.find("-----BEGIN ") == text.npos) return BadInput("{}: expected a PEM file", path);
+  return text;
+}
+
+/// Where the page and the tools' socket are, as the arguments say.
+Result<HttpListen> ListenOf(const ServeArguments& a) {
+  HttpListen listen;
+  if (a.port != 0) listen.port = a.port;
+  listen.address = a.address;
+  listen.socket = SocketOf(a.live.database);
+  if (a.certificate.empty() != a.key.empty()) return UsageError("--certificate and --key belong together");
+  if (a.certificate.empty()) return listen;
+  if (const Status secret = CheckSecret(a.key, "--key"); !secret) return tl::unexpected(secret.error());
+  for (const auto& [path, text] : {std::pair{a.certificate, &listen.certificate}, {a.key, &listen.key}}) {
+    auto read = ReadPem(path);
+    if (!read) return tl::unexpected(read.error());
+    *text = std::move(*read);
+  }
+  return listen;
+}
+
 /// Until a signal ends it.
 void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, const LiveOptions& options,
           const sigset_t& signals) {
@@ -114,6 +143,8 @@ int Run(ServeArguments& a) {
         {ErrorKind::kBadInput,
          fmt::format("another service writes {} already; stop it first, or take another database",
                      a.live.database)});
+  const auto listen = ListenOf(a);
+  if (!listen) return ReportError(listen.error());
   const sigset_t signals = LeaveToSignalWait({SIGTERM, SIGINT, SIGHUP});  // one thread waits for them
   auto created = LiveService::Create(
       a.live,
@@ -126,8 +157,8 @@ int Run(ServeArguments& a) {
   ValveChecks checks(service, a.valve_check, RealTime);
   Surveillance surveillance(service, checks, a.live, RealTime);
   ServicePageOptions page_options;
-  if (a.port != 0) page_options.listen.port = a.port;
-  page_options.listen.socket = SocketOf(a.live.database);
+  page_options.listen = *listen;
+  page_options.host_names = a.host_names;
   page_options.watch.database = a.live.database;
   page_options.watch.machine_file = a.live.machine_file;
   page_options.watch.service = [&] { return StatusJson(surveillance.status()); };
@@ -142,6 +173,7 @@ int Run(ServeArguments& a) {
   LogInfo("serving", {{"machine", service.machine().name},
                       {"axes", std::to_string(AxisCount(service.machine()))},
                       {"database", a.live.database},
+                      {"address", a.address},
                       {"port", std::to_string(a.port)}});
   sd_notify(0, "READY=1");
   Wait(service, surveillance, **page, a.live, signals);
@@ -168,9 +200,19 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   command->add_option("--db,-d", a.live.database, "Trend database; created if it does not exist")->required();
   command
       ->add_option("--port", a.port,
-                   "Page to look at and Prometheus text: http://127.0.0.1:PORT/ and /metrics; 0 = none")
+                   "Page and Prometheus text: http://127.0.0.1:PORT/ and /metrics; 0 = none")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--listen", a.address,
+          "Address of the port; one that other computers reach (0.0.0.0, say) needs --certificate, and whoever "
+          "looks has to log in (hydroscope users)")
+      ->capture_default_str();
+  command->add_option("--certificate", a.certificate, "PEM file: the port then speaks TLS");
+  command->add_option("--key", a.key, "PEM file of its private key");
+  command->add_option("--host-name", a.host_names,
+                      "Name under which other computers reach the page; repeatable");
   command->add_option("--raw-days", a.raw_days, "Raw window: days kept")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -16,7 +16,4 @@ struct Asset {
 /// All of them; empty if the program was built without the front end. web/embed.mjs writes the table.
 std::span<const Asset> Assets();
 
-/// What stands in the page in place of the token that requests which change something must bring.
-inline constexpr std::string_view kTokenPlaceholder = "__HYDROSCOPE_TOKEN__";
-
 }  // namespace hydroscope

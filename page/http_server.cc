@@ -18,6 +18,7 @@ namespace hydroscope {
 namespace {
 
 constexpr unsigned kMostConnections = 320;       ///< of all pages that are open
+constexpr unsigned kMostOfOneAddress = 64;       ///< of these, where other computers reach the port
 constexpr unsigned kIdle = 30;                   ///< s without a byte after which a connection is closed
 constexpr std::size_t kMostHeaders = 32 * 1024;  ///< bytes of a connection's buffers, head included
 constexpr std::size_t kEventPiece = 4096;        ///< bytes of a stream handed over at a time
@@ -40,8 +41,9 @@ struct OpenRequest {
 };
 
 struct EventStream {
-  EventFeed* feed;
+  const HttpServer::Hooks* hooks;
   MHD_Connection* connection;
+  HttpRequest request;
   std::uint64_t position;
 };
 
@@ -50,16 +52,31 @@ std::string Header(MHD_Connection* connection, const char* name) {
   return value == nullptr ? "" : value;
 }
 
-MHD_Result AddQuery(void* request, MHD_ValueKind, const char* name, const char* value) {
-  static_cast<HttpRequest*>(request)->query[name] = value == nullptr ? "" : value;
+MHD_Result AddValue(void* values, MHD_ValueKind, const char* name, const char* value) {
+  (*static_cast<std::map<std::string, std::string>*>(values))[name] = value == nullptr ? "" : value;
   return MHD_YES;
+}
+
+/// Address of the other end, without its port.
+std::string AddressOf(MHD_Connection* connection) {
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+  char text[INET6_ADDRSTRLEN] = "";
+  if (info == nullptr || info->client_addr == nullptr) return text;
+  const sockaddr* other = info->client_addr;
+  if (other->sa_family == AF_INET)
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(other)->sin_addr, text, sizeof(text));
+  if (other->sa_family == AF_INET6)
+    inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6*>(other)->sin6_addr, text, sizeof(text));
+  return text;
 }
 
 HttpRequest HeadOf(MHD_Connection* connection, const char* url, const char* method) {
   HttpRequest request;
   request.method = method;
   request.path = url;
-  MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, AddQuery, &request);
+  MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, AddValue, &request.query);
+  MHD_get_connection_values(connection, MHD_COOKIE_KIND, AddValue, &request.cookies);
+  request.from = AddressOf(connection);
   request.host = Header(connection, "Host");
   request.origin = Header(connection, "Origin");
   request.fetch_site = Header(connection, "Sec-Fetch-Site");
@@ -83,13 +100,16 @@ MHD_Result Send(MHD_Connection* connection, const HttpReply& reply) {
   if (reply.gzipped) MHD_add_response_header(response, "Content-Encoding", "gzip");
   MHD_add_response_header(response, "Cache-Control",
                           reply.stays ? "public, max-age=31536000, immutable" : "no-store");
+  for (const auto& [name, value] : reply.headers)
+    MHD_add_response_header(response, name.c_str(), value.c_str());
   return Queue(connection, reply.status, response);
 }
 
 ssize_t NextEvents(void* self, std::uint64_t, char* buffer, std::size_t most) {
   auto* stream = static_cast<EventStream*>(self);
   MHD_Connection* connection = stream->connection;
-  const EventFeed::Piece piece = stream->feed->Read(
+  if (!stream->hooks->may_listen_on(stream->request)) return MHD_CONTENT_READER_END_OF_STREAM;
+  const EventFeed::Piece piece = stream->hooks->events->Read(
       stream->position, most, [connection] { MHD_suspend_connection(connection); },
       [connection] { MHD_resume_connection(connection); });
   if (piece.ended) return MHD_CONTENT_READER_END_OF_STREAM;
@@ -97,10 +117,8 @@ ssize_t NextEvents(void* self, std::uint64_t, char* buffer, std::size_t most) {
   return static_cast<ssize_t>(piece.text.size());
 }
 
-MHD_Result SendEvents(MHD_Connection* connection, EventFeed& feed) {
-  // A first line at once: the browser then knows that the stream stands.
-  const std::uint64_t from = feed.end();
-  auto* stream = new EventStream{&feed, connection, from};
+MHD_Result SendEvents(MHD_Connection* connection, const HttpServer::Hooks& hooks, HttpRequest request) {
+  auto* stream = new EventStream{&hooks, connection, std::move(request), hooks.events->end()};
   MHD_Response* response =
       MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kEventPiece, NextEvents, stream,
                                         [](void* done) { delete static_cast<EventStream*>(done); });
@@ -114,6 +132,26 @@ MHD_Result SendEvents(MHD_Connection* connection, EventFeed& feed) {
 namespace {
 
 constexpr int kBacklog = 16;
+/// Of GnuTLS: nothing older than TLS 1.2, and forward secrecy.
+constexpr const char* kTlsPriorities = "SECURE128:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:-RSA";
+
+Result<sockaddr_storage> PlaceOf(const std::string& address, int port) {
+  sockaddr_storage place{};
+  auto* four = reinterpret_cast<sockaddr_in*>(&place);
+  auto* six = reinterpret_cast<sockaddr_in6*>(&place);
+  if (inet_pton(AF_INET, address.c_str(), &four->sin_addr) == 1) {
+    four->sin_family = AF_INET;
+    four->sin_port = htons(static_cast<std::uint16_t>(port));
+    return place;
+  }
+  if (inet_pton(AF_INET6, address.c_str(), &six->sin6_addr) == 1) {
+    six->sin6_family = AF_INET6;
+    six->sin6_port = htons(static_cast<std::uint16_t>(port));
+    return place;
+  }
+  return UsageError("'{}' is no address; expected one such as 127.0.0.1, 192.168.1.20, 0.0.0.0 or ::1",
+                    address);
+}
 
 /// A bound stream socket at `path`; one that a dead program left behind is replaced.
 Result<int> ListenAt(const std::string& path) {
@@ -142,20 +180,23 @@ Result<int> ListenAt(const std::string& path) {
 
 }  // namespace
 
+bool HttpListen::at_home() const { return address.starts_with("127.") || address == "::1"; }
+
 struct HttpServer::Impl {
   Hooks hooks;
+  HttpListen listen;
   MHD_Daemon *of_port = nullptr, *of_socket = nullptr;
   int port = 0;
   std::string socket;
 
-  /// `place`: what to listen at, as an option of libmicrohttpd.
-  template <typename Place>
-  MHD_Daemon* Start(MHD_OPTION option, Place place) {
-    return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
-                            &Impl::Handle, this, option, place, MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget,
-                            nullptr, MHD_OPTION_CONNECTION_LIMIT, kMostConnections,
-                            MHD_OPTION_CONNECTION_TIMEOUT, kIdle, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-                            kMostHeaders, MHD_OPTION_END);
+  /// `more`: what to listen at, and how, as options of libmicrohttpd.
+  MHD_Daemon* Start(unsigned flags, std::vector<MHD_OptionItem> more) {
+    more.push_back({MHD_OPTION_END, 0, nullptr});
+    return MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | flags, 0, nullptr,
+                            nullptr, &Impl::Handle, this, MHD_OPTION_ARRAY, more.data(),
+                            MHD_OPTION_NOTIFY_COMPLETED, &Impl::Forget, nullptr, MHD_OPTION_CONNECTION_LIMIT,
+                            kMostConnections, MHD_OPTION_CONNECTION_TIMEOUT, kIdle,
+                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMostHeaders, MHD_OPTION_END);
   }
   bool IsBySocket(MHD_Connection* connection) const {
     const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_DAEMON);
@@ -203,7 +244,7 @@ struct HttpServer::Impl {
         return Send(connection, ErrorReply(507, "the upload cannot be stored: is the disk full?"));
     }
     if (open.request.path == hooks.event_path && open.request.method == "GET")
-      return SendEvents(connection, *hooks.events);
+      return SendEvents(connection, hooks, std::move(open.request));
     return Send(connection, hooks.answer(open.request));
   }
 
@@ -228,22 +269,33 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Open(const HttpListen& listen, H
   std::unique_ptr<HttpServer> server(new HttpServer);
   Impl& impl = *server->impl_;
   impl.hooks = std::move(hooks);
+  impl.listen = listen;  // the library keeps pointers into it
   if (!listen.socket.empty()) {
     const auto listener = ListenAt(listen.socket);
     if (!listener) return tl::unexpected(listener.error());
-    impl.of_socket = impl.Start(MHD_OPTION_LISTEN_SOCKET, *listener);
+    impl.of_socket = impl.Start(0, {{MHD_OPTION_LISTEN_SOCKET, *listener, nullptr}});
     if (impl.of_socket == nullptr) return InternalError("the socket {} cannot be served", listen.socket);
     impl.socket = listen.socket;
   }
   if (!listen.port) return server;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(*listen.port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  impl.of_port = impl.Start(MHD_OPTION_SOCK_ADDR, &address);
+  auto place = PlaceOf(listen.address, *listen.port);
+  if (!place) return tl::unexpected(place.error());
+  unsigned flags = place->ss_family == AF_INET6 ? MHD_USE_IPv6 : 0;
+  std::vector<MHD_OptionItem> options = {{MHD_OPTION_SOCK_ADDR, 0, &*place}};
+  if (!listen.certificate.empty()) {
+    flags |= MHD_USE_TLS;
+    options.push_back({MHD_OPTION_HTTPS_MEM_CERT, 0, impl.listen.certificate.data()});
+    options.push_back({MHD_OPTION_HTTPS_MEM_KEY, 0, impl.listen.key.data()});
+    options.push_back({MHD_OPTION_HTTPS_PRIORITIES, 0, const_cast<char*>(kTlsPriorities)});
+  }
+  if (!listen.at_home()) options.push_back({MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMostOfOneAddress, nullptr});
+  errno = 0;
+  impl.of_port = impl.Start(flags, std::move(options));
+  if (impl.of_port == nullptr && errno == 0 && !listen.certificate.empty())
+    return BadInput("the certificate of the page and its key are no pair of PEM files");
   if (impl.of_port == nullptr)
-    return BadInput("port {} on 127.0.0.1 cannot be opened ({}); give another one with --port, or 0 for any",
-                    *listen.port, std::strerror(errno));
+    return BadInput("port {} on {} cannot be opened ({}); give another one with --port, or 0 for any",
+                    *listen.port, listen.address, std::strerror(errno));
   const auto* info = MHD_get_daemon_info(impl.of_port, MHD_DAEMON_INFO_BIND_PORT);
   impl.port = info == nullptr ? *listen.port : info->port;
   return server;

@@ -28,11 +28,28 @@ HttpServer::Hooks AnswersThatTellHow() {
 std::string SocketFile(const char* name) { return testing::TempDir() + "http_server_" + name + ".sock"; }
 
 TEST(HttpServer, APortThatIsTakenIsNotShared) {
-  const auto first = HttpServer::Open({0, ""}, AnswersThatTellHow());
+  const auto first = HttpServer::Open({0}, AnswersThatTellHow());
   ASSERT_TRUE(first) << first.error().text;
-  const auto second = HttpServer::Open({(*first)->port(), ""}, AnswersThatTellHow());
+  const auto second = HttpServer::Open({(*first)->port()}, AnswersThatTellHow());
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().text, testing::HasSubstr("cannot be opened"));
+}
+
+TEST(HttpServer, SaysWhatIsWrongWithAddressAndCertificate) {
+  const auto nowhere = HttpServer::Open({0, "", "press7"}, AnswersThatTellHow());
+  ASSERT_FALSE(nowhere);
+  EXPECT_THAT(nowhere.error().text, testing::HasSubstr("'press7' is no address"));
+  const auto unproven =
+      HttpServer::Open({0, "", "127.0.0.1", "no certificate", "no key"}, AnswersThatTellHow());
+  ASSERT_FALSE(unproven);
+  EXPECT_THAT(unproven.error().text, testing::HasSubstr("no pair of PEM files"));
+}
+
+TEST(HttpServer, IsAtHomeWhereThisComputerAloneReachesIt) {
+  for (const char* address : {"127.0.0.1", "127.1.2.3", "::1"})
+    EXPECT_TRUE((HttpListen{0, "", address}.at_home()));
+  for (const char* address : {"0.0.0.0", "::", "192.168.1.20"})
+    EXPECT_FALSE((HttpListen{0, "", address}.at_home()));
 }
 
 TEST(HttpServer, TheSocketAnswersItsOwnerWithoutThePagesGuard) {

@@ -1,6 +1,8 @@
 #include "page/page_api.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <functional>
 #include <optional>
 
@@ -93,54 +95,92 @@ HttpReply PostEffect(WorkSession& session, const HttpRequest& request) {
   return effect ? DoneReply(session.TakeEffect(*effect)) : FailureReply(effect.error());
 }
 
-struct Route {
-  const char *method, *path;
+struct WorkRoute : ApiRoute {
   HttpReply (*answer)(WorkSession&, const HttpRequest&);
 };
-constexpr Route kRoutes[] = {
-    {"GET", "/api/v1/effects", [](WorkSession& s, const HttpRequest&) { return JsonReply(s.Effects()); }},
-    {"GET", "/api/v1/results", GetResult},
-    {"GET", "/api/v1/strokes", GetStroke},
-    {"GET", "/api/v1/machine", GetMachine},
-    {"POST", "/api/v1/logs",
+constexpr UserRole kLook = UserRole::kView, kWork = UserRole::kOperate;
+constexpr WorkRoute kWorkRoutes[] = {
+    {{"GET", "effects", kLook}, [](WorkSession& s, const HttpRequest&) { return JsonReply(s.Effects()); }},
+    {{"GET", "results", kLook}, GetResult},
+    {{"GET", "strokes", kLook}, GetStroke},
+    {{"GET", "machine", kLook}, GetMachine},
+    {{"POST", "logs", kWork},
      [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeLog(Query(r, "name"), r.file)); }},
-    {"POST", "/api/v1/machine",
+    {{"POST", "machine", kWork},
      [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeMachine(Query(r, "name"), r.body)); }},
-    {"POST", "/api/v1/example", PostExample},
-    {"POST", "/api/v1/proposal", PostProposal},
-    {"POST", "/api/v1/accept",
+    {{"POST", "example", kWork}, PostExample},
+    {{"POST", "proposal", kWork}, PostProposal},
+    {{"POST", "accept", kWork},
      [](WorkSession& s, const HttpRequest&) { return DoneReply(s.AcceptProposal()); }},
-    {"POST", "/api/v1/effect", PostEffect},
-    {"POST", "/api/v1/work", PostWork},
-    {"POST", "/api/v1/save", PostSave},
-    {"POST", "/api/v1/hold_out", PostHoldOut},
-    {"POST", "/api/v1/start_over",
+    {{"POST", "effect", kWork}, PostEffect},
+    {{"POST", "work", kWork}, PostWork},
+    {{"POST", "save", UserRole::kAdmin}, PostSave},
+    {{"POST", "hold_out", kWork}, PostHoldOut},
+    {{"POST", "start_over", kWork},
      [](WorkSession& s, const HttpRequest&) {
        s.StartOver();
        return JsonReply(nlohmann::json::object());
      }},
 };
+bool IsAsset(const std::string& path) {
+  const auto assets = Assets();
+  return std::any_of(assets.begin(), assets.end(), [&](const Asset& asset) { return asset.path == path; });
+}
+
+constexpr ApiRoute kPageRoutes[] = {{"GET", "session", UserRole::kNobody}, {"GET", "events"}};
 
 }  // namespace
 
+std::vector<ApiRoute> ApiRoutes() {
+  std::vector<ApiRoute> routes(std::begin(kPageRoutes), std::end(kPageRoutes));
+  routes.insert(routes.end(), std::begin(kLoginRoutes), std::end(kLoginRoutes));
+  routes.insert(routes.end(), std::begin(kWorkRoutes), std::end(kWorkRoutes));
+  const std::vector<ApiRoute> watch = WatchApi::Routes();
+  routes.insert(routes.end(), watch.begin(), watch.end());
+  return routes;
+}
+
+const ApiRoute* FindRoute(const std::string& method, const std::string& path) {
+  static const std::vector<ApiRoute> kRoutes = ApiRoutes();
+  for (const ApiRoute& route : kRoutes)
+    if (method == route.method && path == std::string(kApi) + route.path) return &route;
+  return nullptr;
+}
+
+UserRole RoleNeeded(const std::string& method, const std::string& path) {
+  if (const ApiRoute* route = FindRoute(method, path)) return route->role;
+  if (method == "POST") return UserRole::kAdmin;
+  return IsAsset(path) ? UserRole::kNobody : UserRole::kView;
+}
+
 HttpReply PageApi::Answer(const HttpRequest& request) {
-  if (request.path.starts_with(kWatchPath))
+  if (!request.path.starts_with(kApi)) return Asset(request.path);
+  const std::string what = request.path.substr(std::strlen(kApi));
+  const ApiRoute* route = FindRoute(request.method, request.path);
+  if (route == nullptr) {
+    const bool known =
+        FindRoute("GET", request.path) != nullptr || FindRoute("POST", request.path) != nullptr;
+    return known ? ErrorReply(405, request.method + " is not answered here")
+                 : ErrorReply(404, "there is nothing at " + request.path);
+  }
+  if (what == "session") return JsonReply(Session(request.who));
+  for (const ApiRoute& login : kLoginRoutes)
+    if (what == login.path)
+      return login_ != nullptr ? login_->Answer(request) : ErrorReply(404, "nobody has to log in here");
+  if (what.starts_with(kWatchPath))
     return watch_ != nullptr ? watch_->Answer(request)
                              : ErrorReply(404, "no database is watched here (open --db)");
-  bool known = request.path == "/api/v1/session";
-  if (known && request.method == "GET") return JsonReply(Session());
-  for (const Route& route : kRoutes) {
-    if (request.path != route.path) continue;
-    known = true;
-    if (request.method == route.method && session_ != nullptr) return route.answer(*session_, request);
-  }
-  if (known) return ErrorReply(405, request.method + " is not answered here");
-  if (request.method == "GET" && !request.path.starts_with("/api/")) return Asset(request.path);
-  return ErrorReply(404, "there is nothing at " + request.path);
+  for (const WorkRoute& work : kWorkRoutes)
+    if (session_ != nullptr && what == work.path && request.method == work.method)
+      return work.answer(*session_, request);
+  return ErrorReply(404, "there is no workbench here");
 }
 
 /// Of the workbench, empty where there is none, and what else the page may show.
-nlohmann::json PageApi::Session() const {
+nlohmann::json PageApi::Session(const Who& who) const {
+  nlohmann::json shown = UserJson(who);
+  const nlohmann::json login = login_ != nullptr ? login_->Json() : nlohmann::json();
+  if (shown.is_null() && login.is_object() && login["to_read"]) return {{"user", nullptr}, {"login", login}};
   nlohmann::json session = session_ != nullptr ? session_->Json()
                                                : nlohmann::json{{"machine", nullptr},
                                                                 {"file", nullptr},
@@ -150,7 +190,9 @@ nlohmann::json PageApi::Session() const {
     if (!session.contains(list)) session[list] = nlohmann::json::array();
   session["workbench"] = session_ != nullptr;
   session["watched"] = watch_ != nullptr;
-  session["changes"] = !token_.empty();
+  session["changes"] = who.role >= UserRole::kOperate;
+  session["user"] = std::move(shown);
+  session["login"] = login;
   return session;
 }
 
@@ -160,14 +202,10 @@ std::string PageApi::BodyFile(const HttpRequest& request) {
              : "";
 }
 
-HttpReply PageApi::Asset(const std::string& path) const {
-  for (const hydroscope::Asset& asset : Assets()) {
-    if (asset.path != path) continue;
-    HttpReply reply{200, std::string(asset.type), std::string(asset.bytes), asset.gzipped, path != "/"};
-    if (const auto at = reply.body.find(kTokenPlaceholder); path == "/" && at != reply.body.npos)
-      reply.body.replace(at, kTokenPlaceholder.size(), token_);
-    return reply;
-  }
+HttpReply PageApi::Asset(const std::string& path) {
+  for (const hydroscope::Asset& asset : Assets())
+    if (asset.path == path)
+      return {200, std::string(asset.type), std::string(asset.bytes), asset.gzipped, path != "/"};
   return ErrorReply(404, "there is nothing at " + path);
 }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "host/real_clock.h"
+#include "page/access/gate.h"
+#include "page/access/login_api.h"
 #include "page/assets.h"
 #include "page/page_api.h"
 #include "page/request_guard.h"
@@ -11,6 +14,9 @@ namespace hydroscope {
 struct PageServer::Impl {
   EventFeed feed;
   RequestGuard guard;
+  std::unique_ptr<Logins> logins;  ///< of a service
+  std::unique_ptr<Gate> gate;
+  std::unique_ptr<LoginApi> login;
   std::unique_ptr<WorkSession> session;
   std::unique_ptr<WatchApi> watch;
   std::unique_ptr<PageApi> api;
@@ -28,16 +34,34 @@ void PageServer::KeepAlive() { impl_->feed.KeepAlive(); }
 Status PageServer::Listen(const HttpListen& listen, std::function<HttpReply(const HttpRequest&)> answer) {
   Impl& impl = *impl_;
   HttpServer::Hooks hooks;
-  hooks.refuse = [&impl](const HttpRequest& request) { return impl.guard.Refuse(request); };
+  hooks.refuse = [&impl](HttpRequest& request) {
+    auto refusal = impl.guard.Refuse(request);
+    return refusal ? refusal : impl.gate->Refuse(request);
+  };
   hooks.body_file = [&impl](const HttpRequest& request) { return impl.api->BodyFile(request); };
   hooks.answer = std::move(answer);
   hooks.event_path = kEventPath;
   hooks.events = &impl.feed;
+  hooks.may_listen_on = [&impl](HttpRequest request) { return !impl.gate->Refuse(request); };
   auto http = HttpServer::Open(listen, std::move(hooks));
   if (!http) return tl::unexpected(http.error());
   impl.http = std::move(*http);
   impl.guard.port = impl.http->port();
   return {};
+}
+
+/// What changes something for good stands in the audit table before it is done: nothing is changed in secret.
+HttpReply PageServer::AnswerRecorded(const HttpRequest& request) {
+  const ApiRoute* route = FindRoute(request.method, request.path);
+  if (route == nullptr || !route->recorded || impl_->logins == nullptr) return impl_->api->Answer(request);
+  const auto record = [&](const std::string& outcome) {
+    return impl_->logins->Record(request.who, request.from, route->path, request.body, outcome);
+  };
+  if (const Status told = record(""); !told)
+    return ErrorReply(507, "nothing was changed, for it cannot be recorded: " + told.error().text);
+  HttpReply reply = impl_->api->Answer(request);
+  if (reply.status >= 400) (void)record(reply.body);  // that it was asked stands there
+  return reply;
 }
 
 Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options) {
@@ -47,8 +71,7 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
         "(scripts/build.sh)");
   std::unique_ptr<PageServer> page(new PageServer);
   Impl& impl = *page->impl_;
-  impl.guard.token = RandomToken();
-  if (impl.guard.token.empty()) return InternalError("the system gives no random numbers");
+  impl.gate = std::make_unique<Gate>(options.watch.user);
   auto session = WorkSession::Create(options.logs, options.machine, options.examples, impl.feed);
   if (!session) return tl::unexpected(session.error());
   impl.session = std::move(*session);
@@ -58,22 +81,33 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
       return tl::unexpected(database.error());
     impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
   }
-  impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), impl.guard.token);
-  const Status listening = page->Listen(
-      {options.port, ""}, [&impl](const HttpRequest& request) { return impl.api->Answer(request); });
+  impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), nullptr);
+  const Status listening =
+      page->Listen({options.port}, [&impl](const HttpRequest& request) { return impl.api->Answer(request); });
   if (!listening) return tl::unexpected(listening.error());
   return page;
 }
 
 Result<std::unique_ptr<PageServer>> PageServer::OpenForService(const ServicePageOptions& options) {
+  const bool tls = !options.listen.certificate.empty(), at_home = options.listen.at_home();
+  if (!at_home && !tls)
+    return UsageError("at {} other computers would see passwords on the wire: give --certificate and --key",
+                      options.listen.address);
   std::unique_ptr<PageServer> page(new PageServer);
-  Impl& impl = *page->impl_;  // without a token nothing is changed by the port
+  Impl& impl = *page->impl_;
+  impl.guard = {0, at_home, options.host_names, tls};
+  // Cookies know hosts, but no ports: those of two services must not be the same.
+  const std::string cookie =
+      fmt::format("{}hydroscope_{}", tls ? "__Host-" : "", options.listen.port.value_or(0));
+  impl.logins = std::make_unique<Logins>(options.watch.database, RealTime);
+  impl.gate = std::make_unique<Gate>(*impl.logins, at_home, cookie);
+  impl.login = std::make_unique<LoginApi>(*impl.logins, cookie, tls, !at_home);
   impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
-  impl.api = std::make_unique<PageApi>(nullptr, impl.watch.get(), "");
-  const Status listening =
-      page->Listen(options.listen, [&impl, service = options.service](const HttpRequest& request) {
+  impl.api = std::make_unique<PageApi>(nullptr, impl.watch.get(), impl.login.get());
+  const Status listening = page->Listen(
+      options.listen, [page = page.get(), service = options.service](const HttpRequest& request) {
         const auto answer = service(request);
-        return answer ? *answer : impl.api->Answer(request);
+        return answer ? *answer : page->AnswerRecorded(request);
       });
   if (!listening) return tl::unexpected(listening.error());
   return page;

@@ -1,9 +1,9 @@
 #include "page/request_guard.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <sys/random.h>
 
-#include <array>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "host/output.h"
@@ -11,28 +11,36 @@
 namespace hydroscope {
 namespace {
 
-/// Takes as long whatever differs.
-bool SameSecret(const std::string& a, const std::string& b) {
-  if (a.size() != b.size() || b.empty()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) difference |= static_cast<unsigned char>(a[i] ^ b[i]);
-  return difference == 0;
-}
-
-bool IsOwnHost(const std::string& host, int port) {
-  for (const char* name : {"127.0.0.1", "localhost", "[::1]"})
-    if (host == fmt::format("{}:{}", name, port)) return true;
-  return false;
+/// "192.168.1.20", "[fe80::1]": nobody can bind a name to what has none.
+bool IsAddress(const std::string& host) {
+  unsigned char bytes[16];
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
+    return inet_pton(AF_INET6, host.substr(1, host.size() - 2).c_str(), bytes) == 1;
+  return inet_pton(AF_INET, host.c_str(), bytes) == 1;
 }
 
 }  // namespace
 
+bool RequestGuard::IsOwnHost(const std::string& host) const {
+  std::string name = host;
+  const std::string end = fmt::format(":{}", port);
+  const bool names_port = name.ends_with(end);
+  if (names_port) name.resize(name.size() - end.size());
+  if (!names_port && port != (tls ? 443 : 80)) return false;
+  if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") return true;
+  return std::find(names.begin(), names.end(), name) != names.end() || (!at_home && IsAddress(name));
+}
+
 std::optional<HttpReply> RequestGuard::Refuse(const HttpRequest& request) const {
-  if (!IsOwnHost(request.host, port))
+  if (!IsOwnHost(request.host))
     return ErrorReply(
-        421,
-        fmt::format("the Host header must be 127.0.0.1:{} or localhost:{}: the page is for this computer",
-                    port, port));
+        421, at_home
+                 ? fmt::format(
+                       "the Host header must be 127.0.0.1:{} or localhost:{}: the page is for this computer",
+                       port, port)
+                 : fmt::format("the Host header must be an address of this computer, or a name given with "
+                               "--host-name, and port {}",
+                               port));
   const bool reads = request.method == "GET" || request.method == "HEAD";
   if (!reads && request.method != "POST") return ErrorReply(405, "only GET and POST are answered");
   const bool own_page = request.fetch_site.empty() || request.fetch_site == "same-origin" ||
@@ -40,27 +48,12 @@ std::optional<HttpReply> RequestGuard::Refuse(const HttpRequest& request) const 
   const bool api = request.path.starts_with("/api/");
   if (api && !own_page) return ErrorReply(403, "only the page itself may ask, not one of another site");
   if (reads) return std::nullopt;
-  if (!request.origin.empty() && request.origin != "http://" + request.host)
+  if (!request.origin.empty() && request.origin != (tls ? "https://" : "http://") + request.host)
     return ErrorReply(403, "the Origin header names another site");
-  if (token.empty())
-    return ErrorReply(
-        403,
-        "this page is to look at; what changes something is done with `hydroscope alarms`, or with "
-        "`hydroscope open --db` beside the service");
-  if (!SameSecret(request.token, token))
-    return ErrorReply(403, "the token is missing or old: load the page again (X-Hydroscope-Token)");
   if (request.length > BodyLimit(request.path))
     return ErrorReply(413, fmt::format("{} bytes are more than the {} that are taken here", request.length,
                                        BodyLimit(request.path)));
   return std::nullopt;
-}
-
-std::string RandomToken() {
-  std::array<unsigned char, 32> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return "";
-  std::string token;
-  for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-  return token;
 }
 
 std::int64_t BodyLimit(const std::string& path) {

@@ -5,7 +5,7 @@
 namespace hydroscope {
 namespace {
 
-const RequestGuard kGuard{8123, "secret"};
+const RequestGuard kGuard{8123};
 
 HttpRequest Get(const std::string& path) {
   HttpRequest request;
@@ -18,7 +18,6 @@ HttpRequest Get(const std::string& path) {
 HttpRequest Post(const std::string& path) {
   HttpRequest request = Get(path);
   request.method = "POST";
-  request.token = "secret";
   request.origin = "http://127.0.0.1:8123";
   request.fetch_site = "same-origin";
   return request;
@@ -47,18 +46,26 @@ TEST(RequestGuard, RefusesHostsThatAreNotThisComputer) {
   EXPECT_EQ(StatusOf(request), 200u);
 }
 
-TEST(RequestGuard, RefusesChangesWithoutTheToken) {
-  for (const char* token : {"", "secre", "secret ", "Secret", "secret2"}) {
-    HttpRequest request = Post("/api/v1/save");
-    request.token = token;
-    EXPECT_EQ(StatusOf(request), 403u) << token;
+TEST(RequestGuard, ElsewhereTakesAddressesAndTheNamesItWasGivenButNoOthers) {
+  const RequestGuard guard{8123, false, {"press7.plant"}, true};
+  HttpRequest request = Get("/");
+  for (const char* host : {"192.168.1.20:8123", "[fe80::1]:8123", "press7.plant:8123", "localhost:8123"}) {
+    request.host = host;
+    EXPECT_FALSE(guard.Refuse(request)) << host;
+  }
+  for (const char* host : {"evil.example:8123", "press7.plant.evil.example:8123", "192.168.1.20:80",
+                           "192.168.1.20", "[fe80::1:8123", "1.2.3:8123"}) {
+    request.host = host;
+    EXPECT_TRUE(guard.Refuse(request)) << host;
   }
 }
 
-TEST(RequestGuard, RefusesEveryTokenWhereThereIsNone) {
-  HttpRequest request = Post("/api/v1/save");
-  request.token = "";
-  EXPECT_TRUE((RequestGuard{8123, ""}.Refuse(request)));
+TEST(RequestGuard, WithTlsThePageIsOfTheOtherScheme) {
+  const RequestGuard guard{8123, false, {}, true};
+  HttpRequest request = Post("/api/v1/work");
+  EXPECT_TRUE(guard.Refuse(request));
+  request.origin = "https://127.0.0.1:8123";
+  EXPECT_FALSE(guard.Refuse(request));
 }
 
 TEST(RequestGuard, RefusesPagesOfOtherSites) {
@@ -91,11 +98,6 @@ TEST(RequestGuard, RefusesOtherMethods) {
   HttpRequest request = Post("/api/v1/work");
   request.method = "DELETE";
   EXPECT_EQ(StatusOf(request), 405u);
-}
-
-TEST(RequestGuard, DrawsAnotherTokenEachTime) {
-  EXPECT_EQ(RandomToken().size(), 64u);
-  EXPECT_NE(RandomToken(), RandomToken());
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ class PageSession : public testing::Test {
     auto session = WorkSession::Create({}, "", {{"leak", WriteLeakingPress}}, feed_);
     ASSERT_TRUE(session) << session.error().text;
     session_ = std::move(*session);
-    api_ = std::make_unique<PageApi>(session_.get(), nullptr, "token");
+    api_ = std::make_unique<PageApi>(session_.get(), nullptr, nullptr);
   }
   HttpReply Get(const std::string& path, std::map<std::string, std::string> query = {}) {
     HttpRequest request;

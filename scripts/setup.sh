@@ -12,7 +12,7 @@ packages=(
   libsqlitecpp-dev libsqlite3-dev sqlite3 nlohmann-json3-dev libfmt-dev zlib1g-dev libfast-float-dev libboost-math-dev
   libceres-dev
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
-  libmicrohttpd-dev libspdlog-dev libsystemd-dev
+  libmicrohttpd-dev libsodium-dev libspdlog-dev libsystemd-dev
   libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler
   libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs openssl
 )

@@ -72,6 +72,7 @@ const std::vector<Reserved> kReservedIncludes = {
     {"<mqtt/", {"alarms/feeds/sparkplug/"}},
     {"<google/protobuf/", {"alarms/feeds/sparkplug/"}},
     {"<matio.h>", {"replay/"}},
+    {"<sodium.h>", {"page/access/"}},
     {"<CLI/", {"cli/", "workbench/history/history_options", "live/", "host/"}},
 };
 const std::vector<Reserved> kReservedWords = {

@@ -23,11 +23,10 @@ let bytes = "", table = "";
 filesIn(folder).forEach((file, index) => {
   const type = types[extname(file)];
   if (!type) return;
-  const page = file === join(folder, "index.html"); // the token is put into it: it stays as it is
-  const content = page ? readFileSync(file) : gzipSync(readFileSync(file), { level: 9 });
-  const path = page ? "/" : file.slice(folder.length);
+  const content = gzipSync(readFileSync(file), { level: 9 });
+  const path = file === join(folder, "index.html") ? "/" : file.slice(folder.length);
   bytes += `constexpr unsigned char kBytes${index}[] = {${[...content].join(",")}};\n`;
-  table += `    {"${path}", "${type}", {reinterpret_cast<const char*>(kBytes${index}), sizeof(kBytes${index})}, ${!page}},\n`;
+  table += `    {"${path}", "${type}", {reinterpret_cast<const char*>(kBytes${index}), sizeof(kBytes${index})}, true},\n`;
 });
 writeFileSync(out, `#include "page/assets.h"
 

@@ -85,29 +85,56 @@ WatchApi::WatchApi(WatchOptions options, EventFeed& feed)
       trends_(options.database, [&feed] { feed.Publish(R"({"state": "trend"})"); }),
       watcher_(std::move(options), feed) {}
 
+struct WatchApi::Route : ApiRoute {
+  HttpReply (WatchApi::*answer)(const HttpRequest&);
+};
+
+const std::vector<WatchApi::Route>& WatchApi::Table() {
+  static const std::vector<Route> kTable = {
+      {{"GET", "watch/overview"}, &WatchApi::Overview},
+      {{"GET", "watch/trend"}, &WatchApi::Trend},
+      {{"GET", "watch/stroke"}, &WatchApi::Stroke},
+      {{"GET", "watch/alarms"}, &WatchApi::Alarms},
+      {{"GET", "watch/journal"}, &WatchApi::Journal},
+      {{"GET", "watch/valve_checks"}, &WatchApi::ValveChecks},
+      {{"GET", "watch/tags"}, &WatchApi::Tags},
+      {{"GET", "watch/service"}, &WatchApi::Service},
+      {{"POST", "watch/alarms", UserRole::kOperate, true}, &WatchApi::Act},
+  };
+  return kTable;
+}
+
+std::vector<ApiRoute> WatchApi::Routes() { return {Table().begin(), Table().end()}; }
+
 HttpReply WatchApi::Answer(const HttpRequest& request) {
-  const std::string what = request.path.substr(std::string(kWatchPath).size());
-  const bool reads = request.method == "GET";
-  if (what == "alarms" && !reads) return Act(request);
-  if (!reads) return ErrorReply(405, request.method + " is not answered here");
-  if (what == "trend") return Trend(request);
-  if (what == "stroke") return Stroke(request);
-  if (what == "journal") return Journal(request);
-  if (what == "valve_checks") return ValveChecks(request);
-  const auto state = watcher_.state();
-  if (what == "overview" || what == "alarms") {
-    if (state->overview.is_null()) return ErrorReply(404, "the database is being read");
-    return JsonReply(what == "overview"
-                         ? state->overview
-                         : nlohmann::json{{"alarms", state->alarms}, {"now_s", WallSeconds()}});
-  }
-  if (what == "tags")
-    return JsonReply(
-        {{"tags", state->tags.is_null() ? nlohmann::json::array() : state->tags},
-         {"links", state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
-                                              : nlohmann::json::array()}});
-  if (what == "service") return JsonReply({{"service", state->service}});
+  for (const Route& route : Table())
+    if (request.method == route.method && request.path == std::string(kApi) + route.path)
+      return (this->*route.answer)(request);
   return ErrorReply(404, "there is nothing at " + request.path);
+}
+
+HttpReply WatchApi::Overview(const HttpRequest&) {
+  const auto state = watcher_.state();
+  return state->overview.is_null() ? ErrorReply(404, "the database is being read")
+                                   : JsonReply(state->overview);
+}
+
+HttpReply WatchApi::Alarms(const HttpRequest&) {
+  const auto state = watcher_.state();
+  if (state->overview.is_null()) return ErrorReply(404, "the database is being read");
+  return JsonReply({{"alarms", state->alarms}, {"now_s", WallSeconds()}});
+}
+
+HttpReply WatchApi::Tags(const HttpRequest&) {
+  const auto state = watcher_.state();
+  return JsonReply(
+      {{"tags", state->tags.is_null() ? nlohmann::json::array() : state->tags},
+       {"links", state->service.is_object() ? state->service.value("feeds", nlohmann::json::array())
+                                            : nlohmann::json::array()}});
+}
+
+HttpReply WatchApi::Service(const HttpRequest&) {
+  return JsonReply({{"service", watcher_.state()->service}});
 }
 
 HttpReply WatchApi::Trend(const HttpRequest& request) {
@@ -187,7 +214,9 @@ HttpReply WatchApi::Act(const HttpRequest& request) {
   auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(options_.database));
   if (!journal) return FailureReply(journal.error());
   const double wall = WallSeconds();
-  const AlarmUser user{asked->user.empty() ? options_.user : asked->user, asked->comment};
+  // Who is logged in is who acts; on the page of one person he may say who it is.
+  const bool may_say = options_.user == request.who.name && !asked->user.empty();
+  const AlarmUser user{may_say ? asked->user : request.who.name, asked->comment};
   const auto changed = ActOnAlarm(*journal, asked->machine, asked->alarm, wall, ActionOf(*asked, user, wall));
   if (!changed) return FailureReply(changed.error());
   watcher_.LookNow();

@@ -10,7 +10,7 @@ namespace hydroscope {
 struct WatchOptions {
   std::string database;      ///< "" = none
   std::string machine_file;  ///< beside which the rules file lies; "" = built-in rules
-  std::string user;          ///< who acts on alarms where the page names nobody
+  std::string user;          ///< whose page it is, who may say who acts on alarms; "": who is logged in
   /// What the service that writes the database tells of itself (StatusJson); null: none runs.
   std::function<nlohmann::json()> service = [] { return nlohmann::json(); };
 };

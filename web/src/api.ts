@@ -1,14 +1,16 @@
 // Requests to the program that served the page.
 
-function tokenOf(page: ParentNode): string {
-  return page.querySelector<HTMLMetaElement>('meta[name="hydroscope-token"]')?.content ?? "";
-}
-let token = tokenOf(document);
+let token = "";
 
-/** A program that was started again has another token: it stands in its page. */
-export async function renewToken(): Promise<void> {
-  const page = await fetch("/").then((answer) => answer.text());
-  token = tokenOf(new DOMParser().parseFromString(page, "text/html"));
+/** What requests that change something have to bring; the session tells it. */
+export function bringToken(of: string): void {
+  token = of;
+}
+
+let refused = () => {};
+/** Called when the program answers that nobody is logged in (any more). */
+export function whenLoggedOut(then: () => void): void {
+  refused = then;
 }
 
 /** A failure that the program told in words. */
@@ -18,6 +20,7 @@ export class ApiError extends Error {
 
 async function answer<T>(response: Response): Promise<T> {
   const json = await response.json().catch(() => ({ error: response.statusText }));
+  if (response.status === 401) refused();
   if (!response.ok) throw new ApiError(response.status, json.error ?? response.statusText);
   return json as T;
 }
@@ -57,11 +60,14 @@ export async function upload(path: "logs" | "machine", file: File): Promise<void
   }));
 }
 
-/** The stream of events; `lost` while there is no connection. The browser connects again by itself. */
+/** The stream of events; not `connected` while there is none. The browser connects again by itself, but not where it was refused. */
 export function listen(heard: (event: Record<string, unknown>) => void, connected: (there: boolean) => void): void {
   const source = new EventSource("/api/v1/events");
   source.onopen = () => connected(true);
-  source.onerror = () => connected(false);
+  source.onerror = () => {
+    connected(false);
+    if (source.readyState === EventSource.CLOSED) setTimeout(() => listen(heard, connected), 2000);
+  };
   source.onmessage = (message) => {
     try {
       heard(JSON.parse(message.data));

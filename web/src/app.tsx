@@ -1,5 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { post } from "./api";
+import { Audit } from "./access/audit";
+import { Account, Login } from "./access/login";
 import { Start } from "./start/start";
 import { Mapping } from "./start/mapping";
 import { refresh, useStore } from "./store";
@@ -39,6 +41,7 @@ function Header({ language, setLanguage }: { language: Language; setLanguage: (l
       {session?.watched && <WatchNavigation view={view} />}
       <span class="spring" />
       {begun && view === "workbench" && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
+      <Account />
       <select aria-label={say("theme")} value={theme} onChange={(e) => setTheme(e.currentTarget.value as Theme)}>
         <option value="auto">{say("themeAuto")}</option>
         <option value="light">{say("themeLight")}</option>
@@ -66,7 +69,7 @@ function Working() {
 
 export function App() {
   const [language, setLanguage] = useState(firstLanguage);
-  const { session, connected } = useStore();
+  const { session, connected, locked } = useStore();
   const view = useView();
   const say = sayIn(language);
   writeNumbersIn(language);
@@ -77,9 +80,12 @@ export function App() {
   return (
     <WordsContext.Provider value={say}>
       <Header language={language} setLanguage={setLanguage} />
-      {!connected && <p class="lost" role="alert">{say("lost")}</p>}
-      <main>
+      {!connected && !locked && <p class="lost" role="alert">{say("lost")}</p>}
+      {locked && <main><Login /></main>}
+      <main hidden={locked}>
         {session === null ? <p class="empty">{say("loading")}</p>
+          : view === "login" ? <Login />
+          : view === "audit" ? <Audit />
           : view !== "workbench" ? <Watch view={view} />
           : session.logs.length === 0 ? <Start />
           : session.machine === null ? <Mapping />

@@ -1,7 +1,7 @@
 // What the page knows: the session of work and the results for the version of the model in force.
 
 import { useEffect, useState } from "preact/hooks";
-import { find, get, listen, post, renewToken } from "./api";
+import { bringToken, find, get, listen, post, whenLoggedOut } from "./api";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
@@ -10,6 +10,10 @@ const kinds: Kind[] = ["compare", "explain", "check", "picture"];
 
 interface State {
   session: Session | null;
+  /** Nothing may be looked at before somebody logs in; what was looked at before, and what was typed, is kept. */
+  locked: boolean;
+  /** Whether there is somebody who could. */
+  anyUsers: boolean;
   effects: Effect[];
   results: Results;
   /** Why a result is not there, by kind. */
@@ -18,7 +22,7 @@ interface State {
   connected: boolean;
 }
 
-let state: State = { session: null, effects: [], results: {}, failed: {}, jobs: {}, connected: true };
+let state: State = { session: null, locked: false, anyUsers: true, effects: [], results: {}, failed: {}, jobs: {}, connected: true };
 const listeners = new Set<() => void>();
 const waiting = new Map<number, (job: Job) => void>();
 
@@ -69,6 +73,10 @@ let shown = "";  // logs and version that the results belong to
 
 export async function refresh(): Promise<void> {
   const session = await get<Session>("session");
+  bringToken(session.user?.token ?? "");
+  const locked = session.login !== null && session.login.to_read && session.user === null;
+  set({ locked, anyUsers: session.login?.users ?? true });
+  if (locked) return;
   const now = session.machine && session.logs.length > 0
     ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects]) : "";
   if (now === shown) return set({ session });
@@ -87,6 +95,7 @@ export function hear(hearer: Hearer): void {
 }
 
 export function start(): void {
+  whenLoggedOut(() => { if (state.session?.user) void refresh(); });
   listen((event) => {
     for (const hearer of hearers) hearer(event);
     if (event.job === undefined && event.state !== "changed") return;
@@ -99,7 +108,7 @@ export function start(): void {
   }, (connected) => {
     if (connected && !state.connected) {
       shown = "";
-      void renewToken().then(refresh);
+      void refresh();
       for (const hearer of hearers) hearer({ state: "connected" });
     }
     if (connected !== state.connected) set({ connected });

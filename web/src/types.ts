@@ -32,10 +32,16 @@ export interface Session {
   file: string | null;
   /** A database is watched beside the logs. */
   watched: boolean;
-  /** There is a workbench; what stands may be changed. Both not so where a service serves the page. */
+  /** There is a workbench. */
   workbench: boolean;
+  /** Who asks may change something. */
   changes: boolean;
+  /** Who is logged in; on a page of one person that person. */
+  user: User | null;
+  /** Of the page of a service: whether looking needs a login too, and whether there is anybody who could. */
+  login: { to_read: boolean; users: boolean } | null;
 }
+export interface User { name: string; role: "view" | "operate" | "admin"; token: string }
 
 export interface CheckResult {
   rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number; hints: string[]; warnings: string[];

@@ -1,6 +1,6 @@
 // A database for the tests and pictures of watching: a press learned healthy, then with a leak, one shift after the other.
 
-import { readFileSync, writeFileSync } from "node:fs";
+import { cpSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { spawnSync } from "node:child_process";
@@ -24,6 +24,11 @@ export function makeHistory(path) {
   simulate(path, "early.csv", begin, ["--seconds", "650", "--seed", "1", "--oil", "30:45"]);
   simulate(path, "late.csv", begin + 1_400, ["--seconds", "260", "--seed", "2", "--oil", "31:46", "--effect", "internal_leakage=3e-12"]);
   run(["replay", "early.csv", "late.csv", "--machine", "press.toml", "--db", "press.db"], path);
+}
+
+/** The same as NAME.db, with its journal. */
+export function copyHistory(path, name) {
+  for (const part of ["", ".alarms"]) cpSync(join(path, `press${part}.db`), join(path, `${name}${part}.db`));
 }
 
 /** Valve checks of four years as a service stores them: the pilot stage grows slow, the last sweep was refused. */

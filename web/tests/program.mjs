@@ -2,6 +2,7 @@
 
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
+import { connect } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
@@ -15,8 +16,8 @@ export function folder() {
 }
 
 /** Runs a command to its end; its stdout. */
-export function run(words, cwd) {
-  const done = spawnSync(program, words, { cwd, encoding: "utf8", maxBuffer: 64 << 20 });
+export function run(words, cwd, input = "") {
+  const done = spawnSync(program, words, { cwd, input, encoding: "utf8", maxBuffer: 64 << 20 });
   if (done.status !== 0 && done.status !== 4) throw new Error(`${words.join(" ")}: ${done.stderr}`);
   return done.stdout;
 }
@@ -36,15 +37,22 @@ export function open(words, cwd) {
   });
 }
 
-/** `hydroscope serve` at a port of its own; address and how to end it. */
-export async function serve(words, cwd) {
-  const port = 20_000 + (process.pid % 20_000);
+function answers(port) {
+  return new Promise((resolve) => {
+    const link = connect(port, "127.0.0.1", () => { link.destroy(); resolve(true); });
+    link.on("error", () => resolve(false));
+  });
+}
+
+let services = 0;
+/** `hydroscope serve`, at a port of its own if none is given; address and how to end it. */
+export async function serve(words, cwd, port = 20_000 + ((process.pid * 8 + services++) % 20_000)) {
   const child = spawn(program, ["serve", ...words, "--port", String(port)], { cwd, stdio: ["ignore", "ignore", "ignore"] });
   const ended = new Promise((resolve) => child.on("exit", resolve));
-  const address = `http://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; };
+  const address = `http${words.includes("--certificate") ? "s" : ""}://127.0.0.1:${port}/`, stop = () => { child.kill("SIGTERM"); return ended; };
   for (let k = 0; k < 600; ++k) {
     if (child.exitCode !== null) throw new Error(`serve ended with ${child.exitCode}`);
-    if (await fetch(`${address}status`).then((answer) => answer.ok, () => false)) return { address, stop };
+    if (await answers(port)) return { address, port, stop };
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
   await stop();

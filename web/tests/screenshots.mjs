@@ -1,14 +1,15 @@
-// Pictures of every page and state: node screenshots.mjs FOLDER [watch | documents]: those of a database, or of the
-// documents, alone. scripts/screenshots.sh calls it.
+// Pictures of every page and state: node screenshots.mjs FOLDER [watch | service | documents]: those of a database, of a
+// service, or of the documents, alone. scripts/screenshots.sh calls it.
 
 import { mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { addValveChecks, makeBeginning, makeHistory } from "./history.mjs";
-import { browser, folder, open, run } from "./program.mjs";
+import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
+import { browser, folder, open, run, serve } from "./program.mjs";
 
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
+const liveMachine = fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url));
 mkdirSync(out, { recursive: true });
 const place = folder();
 run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
@@ -47,6 +48,35 @@ async function takeWatching(page, shoot) {
   await watched.stop();
 }
 
+/** The page of a service: login, an alarm as operators see it, what was changed. */
+async function takeService(page, shoot, name) {
+  copyHistory(place.path, name);
+  run(["users", "--db", `${name}.db`, "add", "anna", "--role", "admin"], place.path, "long enough to guess\n");
+  const served = await serve([liveMachine, "--db", `${name}.db`], place.path);
+  await page.goto(`${served.address}#view=login`);
+  await page.waitForSelector(".login");
+  await shoot(page, "login");
+  for (const [password, there] of [["a wrong password", ".login .problem"], ["long enough to guess", ".account"]]) {
+    await page.fill("input[name=name]", "anna");
+    await page.fill("input[name=password]", password);
+    await page.click(".login button.primary");
+    await page.waitForSelector(there);
+    if (there !== ".account") await shoot(page, "login-refused");
+  }
+  await page.goto(`${served.address}#view=alarms&alarm=die_cushion/internal_leakage`);
+  await page.fill(".act textarea", "seal ordered");
+  await shoot(page, "service-alarm");
+  await page.click(".act button.primary");
+  await page.waitForSelector(".detail[data-state=ACKED]");
+  await page.goto(`${served.address}#view=audit`);
+  await page.waitForSelector(".audit tbody tr");
+  await shoot(page, "service-changes");
+  await page.goto(`${served.address}#view=overview`);
+  await page.waitForSelector(".tile");
+  await shoot(page, "service-overview");
+  await served.stop();
+}
+
 /** The same states in each look. */
 async function take(name, viewport, colorScheme, locale) {
   const shoot = async (page, state) => {
@@ -55,8 +85,9 @@ async function take(name, viewport, colorScheme, locale) {
   };
   const context = await chromium.newContext({ viewport, colorScheme, locale });
   const page = await context.newPage();
-  await takeWatching(page, shoot);
-  if (only === "watch") return context.close();
+  if (only !== "service") await takeWatching(page, shoot);
+  await takeService(page, shoot, name);
+  if (only === "watch" || only === "service") return context.close();
 
   const first = await open([], place.path);
   await page.goto(first.address);
@@ -126,7 +157,7 @@ async function takeForDocuments() {
   await context.close();
 }
 
-if (only !== "watch") await takeForDocuments();
+if (only !== "watch" && only !== "service") await takeForDocuments();
 if (only !== "documents") {
   await take("wide-light", wide, "light", "en-US");
   await take("wide-dark", wide, "dark", "de-DE");

@@ -63,8 +63,9 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
         <button onClick={toTrend}>{say("jumpTrend", { from: alarm.first_stroke, to: alarm.last_stroke })}</button>
         <StrokePicture machine={alarm.machine} stroke={alarm.last_stroke} title={say("jumpStroke", { stroke: alarm.last_stroke })} />
       </div>}
-      {!session?.changes ? <p class="no-print">{say("onlyLooking")} <button onClick={() => print()}>{say("printOrder")}</button></p> : <div class="no-print act">
-        <label>{say("who")} <input name="who" value={who} maxLength={100} onInput={(e) => setWho(e.currentTarget.value)} /></label>
+      {!session?.changes ? <p class="no-print buttons">{session?.user ? say("onlyView") : <button class="primary" onClick={() => setUrl({ view: "login" })}>{say("loginToActOn")}</button>} <button onClick={() => print()}>{say("printOrder")}</button></p> : <div class="no-print act">
+        {session.login ? <p>{say("actAs", { user: session.user!.name })}</p>
+          : <label>{say("who")} <input name="who" value={who} maxLength={100} onInput={(e) => setWho(e.currentTarget.value)} /></label>}
         <label class="wide">{say("comment")} <textarea name="comment" rows={2} maxLength={2000} value={comment} onInput={(e) => setComment(e.currentTarget.value)} /></label>
         <div class="buttons">
           <button class="primary" disabled={busy || alarm.acknowledged} onClick={() => void act("acknowledge")}>{say("acknowledge")}</button>

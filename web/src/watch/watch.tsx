@@ -9,7 +9,7 @@ import { Scada } from "./scada";
 import { Valve } from "./valve";
 import { refreshWatch, useWatch } from "./watch_store";
 
-export const views = ["overview", "trends", "alarms", "valve", "scada", "workbench"] as const;
+export const views = ["overview", "trends", "alarms", "valve", "scada", "workbench", "audit", "login"] as const;
 export type View = (typeof views)[number];
 
 export function WatchNavigation({ view }: { view: View }) {
@@ -17,10 +17,11 @@ export function WatchNavigation({ view }: { view: View }) {
   const [, setUrl] = useUrl();
   const { alarms } = useWatch();
   const { session } = useStore();
+  const shown = (name: View) => name === "workbench" ? session?.workbench : name === "audit" ? session?.login && session.user?.role === "admin" : name !== "login";
   const standing = alarms.filter((alarm) => !alarm.at_rest).length;
   return (
     <nav class="views" aria-label={say("views")}>
-      {views.filter((name) => name !== "workbench" || session?.workbench).map((name) => (
+      {views.filter(shown).map((name) => (
         <button key={name} aria-current={name === view ? "page" : undefined} onClick={() => setUrl({ view: name })}>
           {say(`view_${name}`)}{name === "alarms" && standing > 0 && <span class="count">{standing}</span>}
         </button>

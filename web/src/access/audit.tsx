@@ -1,0 +1,62 @@
+import { useEffect, useState } from "preact/hooks";
+import { get } from "../api";
+import { useWords } from "../words";
+import { dateText } from "../watch/shown";
+import { useWatch } from "../watch/watch_store";
+import { Scroll } from "../workbench/parts";
+
+interface AuditRow { sequence: number; wall_s: number; user: string; role: string; address: string; what: string; detail: string; outcome: string }
+
+/** What was asked, without braces and quotes. */
+function asked(detail: string): string {
+  try {
+    const { action, machine, alarm, ...more } = JSON.parse(detail) as Record<string, unknown>;
+    const rest = Object.entries(more).filter(([, value]) => value !== "" && value !== null).map(([key, value]) => `${key}: ${String(value)}`);
+    return [action, [machine, alarm].filter(Boolean).join("/"), ...rest].filter(Boolean).join(" · ");
+  } catch {
+    return detail;
+  }
+}
+
+function reason(outcome: string): string {
+  try {
+    return (JSON.parse(outcome) as { error: string }).error;
+  } catch {
+    return outcome;
+  }
+}
+
+/** Who changed what. */
+export function Audit() {
+  const say = useWords();
+  const { tick } = useWatch();
+  const [rows, setRows] = useState<AuditRow[] | null>(null);
+  const [problem, setProblem] = useState("");
+  useEffect(() => {
+    void get<{ audit: AuditRow[] }>("audit").then(({ audit }) => setRows(audit)).catch((failure) => setProblem((failure as Error).message));
+  }, [tick]);
+  return (
+    <section class="audit">
+      <h1>{say("view_audit")}</h1>
+      <p class="quiet">{say("auditText")}</p>
+      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      {rows && (
+        <Scroll label={say("view_audit")}>
+          <table>
+            <thead><tr>{(["auditWhen", "who", "auditFrom", "auditWhat", "auditDetail", "outcome"] as const).map((key) => <th key={key} scope="col">{say(key)}</th>)}</tr></thead>
+            <tbody>{rows.map((row) => (
+              <tr key={row.sequence}>
+                <td><time>{dateText(row.wall_s)}</time></td>
+                <td>{row.user || "–"}{row.role && row.role !== "nobody" && <small> {say(`role_${row.role as "view"}`)}</small>}</td>
+                <td>{row.address || say("auditHere")}</td>
+                <td lang="en">{row.what}</td>
+                <td lang="en" class="detail-cell">{asked(row.detail)}</td>
+                <td lang="en">{row.outcome ? <span class="moved">{reason(row.outcome)}</span> : "✓"}</td>
+              </tr>
+            ))}</tbody>
+          </table>
+        </Scroll>
+      )}
+    </section>
+  );
+}
