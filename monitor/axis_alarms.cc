@@ -6,6 +6,7 @@
 #include "core/constants.h"
 #include "core/units.h"
 #include "diagnosis/drift/valve_check_monitor.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -75,7 +76,7 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              true,
                              part.unit,
                              static_cast<AlarmSeverity>(finding.severity),
-                             FindingWords(finding),
+                             FindingWords(finding, CountedAs(monitor.model().kind())),
                              finding.since.last_before + 1,
                              finding.last,
                              finding.cause};
@@ -115,10 +116,11 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
       condition.limit = 0;
       condition.first_stroke = now.stroke - found->figures.strokes;
       const DisplayUnit unit = DisplayUnitFor(quantity.unit);
+      const char* counted = CountedAs(monitor.model().kind());
       condition.text = fmt::format(
-          "{} drifts slowly, {:+.3g} {} per 1000 strokes; reaches its limit in {:.0f} strokes (95 %: {:.0f} "
-          "to {:.0f})",
-          quantity.name, 1000 * found->figures.slope * unit.factor, unit.name, found->reach.strokes,
+          "{} drifts slowly, {:+.3g}{} per 1000 {}s; reaches its limit in {:.0f} {}s (95 %: {:.0f} to {:.0f})",
+          quantity.name, 1000 * found->figures.slope * unit.factor,
+          unit.name == "1" ? "" : fmt::format(" {}", unit.name), counted, found->reach.strokes, counted,
           found->reach.low, found->reach.high);
     }
     content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "models/machine_kind.h"
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
 #include "monitor/learning_check.h"
@@ -483,7 +484,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       drift::DriftFinding explained = finding;
       explained.explanation = explanation.text;
       explained.cause = explanation.cause;
-      alarm.text = FindingWords(explained);
+      alarm.text = FindingWords(explained, CountedAs(KindOf(machine_)));
       alarm.cause = explanation.cause;
       event.state_before = event.state = StateName(alarm);
       axis.events.push_back(std::move(event));

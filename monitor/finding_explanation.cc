@@ -52,7 +52,7 @@ std::string SentenceOfStates(const ChangeResult& result) {
   std::string text = adequate ? "" : "the model errs more than before; ";
   text += !moved.empty() ? fmt::format("moved: {}", fmt::join(moved, ", "))
           : adequate     ? "no parameter moved beyond its interval"
-                     : "no parameters that stay as they are over these strokes take that away: one is still "
+                     : "no parameters that stay as they are over these episodes take that away: one is still "
                        "moving, or an effect is missing";
   return text + "; which effect it is, `hydroscope explain` with the logs says";
 }
@@ -121,12 +121,14 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
   const HistoryPart before{machine, machine_id, std::max(first_healthy, healthy_end - kMostStrokesCompared),
                            healthy_end};
   const HistoryPart after{machine, machine_id, changed, std::min(end, changed + kMostStrokesCompared)};
-  const std::string strokes = fmt::format("Strokes {} to {} against {} to {}", after.first, after.last - 1,
-                                          before.first, before.last - 1);
+  const std::string strokes =
+      fmt::format("{} to {} against {} to {}", after.first, after.last - 1, before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);
-  if (!result) return {fmt::format("{} could not be compared: {}.", strokes, result.error().text), false, {}};
+  if (!result)
+    return {fmt::format("Strokes {} could not be compared: {}.", strokes, result.error().text), false, {}};
   const Verdict verdict = result->after.explanation.verdict;
-  return {fmt::format("{}: {}.", strokes, Sentence(*result)),
+  const bool episodes = result->after.log.model->kind->has_states;
+  return {fmt::format("{} {}: {}.", episodes ? "Episodes" : "Strokes", strokes, Sentence(*result)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
 }
 

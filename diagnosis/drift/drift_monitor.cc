@@ -1,10 +1,13 @@
 #include "diagnosis/drift/drift_monitor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/units.h"
 #include "diagnosis/drift/drift_thresholds.h"
+#include "models/machine_kind.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -261,12 +264,18 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     finding.severity = rule->severity;
   } else {
     finding.rule.clear();
-    finding.name = finding.state == FindingState::kNamed ? "Change that no rule names"
-                                                         : "Change that the strokes do not tell apart";
-    finding.guidance =
-        "Run `hydroscope explain` on the strokes since the change; vary what drives the machine (speed, "
-        "pressure, load). If the oil is warmer or colder than when the healthy machine was learned, learn "
-        "again (`hydroscope learn`).";
+    const char* counted = CountedAs(model_.kind());
+    finding.name = finding.state == FindingState::kNamed
+                       ? "Change that no rule names"
+                       : fmt::format("Change that the {}s do not tell apart", counted);
+    finding.guidance = fmt::format(
+        "Run `hydroscope explain` on the {}s since the change; vary what drives the machine (speed, pressure, "
+        "load).{}",
+        counted,
+        model_.kind().temperature.empty()
+            ? ""
+            : " If the oil is warmer or colder than when the healthy machine was "
+              "learned, learn again (`hydroscope learn`).");
   }
   // Sizes are followed from the strokes since the change alone, what was explained before included.
   recent_score_.setZero();
