@@ -124,5 +124,20 @@ TEST(KindsWithStates, SayWhatEachEffectIs) {
   }
 }
 
+TEST(KindsWithStates, DriveInputsAlongTheirCourses) {
+  for (const MachineKind* kind : BuiltInKinds()) {
+    if (kind->experiment.courses == nullptr) continue;
+    const auto machine = ParseMachine(FileOf(*kind, true), "conformance");
+    ASSERT_TRUE(machine) << machine.error().text;
+    for (const InputCourse& course : kind->experiment.courses(*machine)) {
+      SCOPED_TRACE(fmt::format("{}, {}", kind->id, course.name));
+      EXPECT_GE(machine->SignalIndex(course.signal), 0);
+      for (const OutputSpec& output : machine->states.outputs) EXPECT_NE(output.signal, course.signal);
+      EXPECT_GT(course.seconds, 0);
+      EXPECT_FALSE(course.levels.empty());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace hydroscope

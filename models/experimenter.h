@@ -64,6 +64,14 @@ class Experimenter {
   virtual double Price(const StrokeSeries& series, double seconds) const = 0;
 };
 
+/// A course of one input that shows of a machine with states what ordinary records hide.
+struct InputCourse {
+  std::string name;            ///< "staircase"
+  std::string signal;          ///< the input
+  std::vector<double> levels;  ///< SI, held in turn ...
+  double seconds = 0;          ///< ... for so long each
+};
+
 /// What a kind of machine says of experiments.
 struct ExperimentRules {
   std::span<const StrokeSetting> settings = {};
@@ -72,6 +80,8 @@ struct ExperimentRules {
                                       std::span<const StrokeStretches> recorded) = nullptr;
   /// "Record 40 strokes at 20 mm/s ... (200 s of drawing)" for the person at the machine.
   std::string (*text)(const StrokeSeries& series, int strokes, double seconds) = nullptr;
+  /// Of a machine with states; nullptr: what was recorded is varied only.
+  std::vector<InputCourse> (*courses)(const Machine& machine) = nullptr;
 };
 
 }  // namespace hydroscope

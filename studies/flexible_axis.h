@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "estimation/states/fit.h"
 #include "simulator/flexible_axis/log.h"
@@ -13,6 +14,7 @@ struct FlexibleAxisStudyOptions {
   std::uint64_t seed = 1;
   int starts = 9;        ///< at most, of each machine
   bool effects = false;  ///< hide each effect in turn, and explain
+  std::string only;      ///< ... this one alone, "-": none; "" = all
 };
 
 /// The machine file of the simulated axis, as machines/flexible_axis.toml.

@@ -96,6 +96,15 @@ TEST(StateMachines, OfEffectsThatComeToTheSameTheSimplestStands) {
   EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
 }
 
+TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
+  StateMachinesOptions options;
+  options.seed = 89;
+  const StateMachineOutcome outcome =
+      RunCase(48, options);  // a hardening spring in full swing at the first row
+  EXPECT_GT(outcome.score.worst_ratio, 0) << outcome.line;
+  EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+}
+
 /// The example of docs/state_models.md: the indented lines before the commands.
 std::string ExampleOfTheDocs() {
   std::ifstream file(std::string(HYDROSCOPE_SOURCE_DIR) + "/docs/state_models.md");

@@ -124,6 +124,7 @@ void AddBenchmarkFlexibleAxis(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--effects", o->effects, "Hide each effect of the library in turn instead, and explain");
+  command->add_option("--only", o->only, "... this one alone; - is the machine without any");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark flexible-axis\n"

@@ -118,8 +118,8 @@ void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
   CLI::App* command = benchmark.add_subcommand(
       "manipulator",
       "Parameters of simulated manipulators against their truth; how well the arm follows the paper's path with them");
-  command->add_option("--cases", o->cases, "Drawn machines that are identified")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--cases", o->cases, "Drawn machines that are identified, 0 = none: effects alone")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--seconds", o->seconds, "Length of each record, s")
       ->check(CLI::Range(20.0, 3600.0))
@@ -132,7 +132,7 @@ void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark manipulator\n"
-      "  hydroscope benchmark manipulator --cases 1 --effects 26");
+      "  hydroscope benchmark manipulator --cases 0 --effects 28");
   command->callback([o, &exit_code] { exit_code = RunManipulatorBenchmark(*o); });
 }
 

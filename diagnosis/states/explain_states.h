@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "diagnosis/explain.h"
-#include "diagnosis/states/effect_starts.h"
 #include "diagnosis/states/remainder.h"
+#include "diagnosis/states/screened_effect.h"
 #include "diagnosis/states/specificity.h"
+#include "diagnosis/states/state_candidate.h"
 
 namespace hydroscope {
 
@@ -16,7 +17,11 @@ struct ExplainStatesOptions {
   int beam = 3;           ///< sets that are extended by a further effect
   int most_rows = 20000;  ///< that effects are tried on; of more, pieces spread over the log ...
   int piece_rows = 2500;  ///< ... of so many rows each
-  EffectStartsOptions effect_starts;
+  ScreeningOptions screening;
+  int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
+  double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last
+  double worth_a_fit = 0.5;   ///< of the gain that counts where nothing structured is left: less is not tried
+  double as_foreseen = 1.1;   ///< of the energy foreseen: a fit that leaves no more needs no further start
   int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on
   double screen_tolerance = 1e-3;
   int candidate_iterations = 25;  ///< of the best start
@@ -40,15 +45,6 @@ struct ExplainStatesOptions {
   SpecificityOptions specificity;
 };
 
-/// A model with some effects added to it, fitted.
-struct StateCandidate {
-  std::vector<std::string> added;
-  StateFit fit;
-  double held_out = 0;  ///< energy left out over the base's noise
-  double gain = 0;      ///< against the model as it is, in noise variances
-  double t = 0;         ///< ... over its standard error
-};
-
 struct StatesExplanation {
   Verdict verdict = Verdict::kUnknown;
   std::vector<std::string> set;                  ///< best first
@@ -59,15 +55,17 @@ struct StatesExplanation {
   double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
   std::vector<std::string> warnings;
   StateCandidate base, final;
+  std::vector<StateCandidate> rivals;  ///< of `final`, that do as well
   StateRemainder base_left, final_left;
-  std::vector<StateCandidate> ranking;  ///< single effects, best first
+  std::vector<StateCandidate> ranking;  ///< single effects, best first; some as foreseen
   std::vector<std::pair<std::string, double>>
       steps;  ///< effect added ("" = none), rms left out over the noise of `base`
 };
 
-/// Which effects of the machine file explain what its model leaves. Sets of effects are fitted and compared on pieces of the
-/// log left out; a further effect is taken as long as functions of states and inputs could predict what is left. `named` only
-/// if nothing of that is left (or next to nothing of it), else `unknown`.
+/// Which effects of the machine file explain what its model leaves. Sets of effects are screened by linearisation about the
+/// fit without the last of them, the contenders are fitted and compared on pieces of the log left out; a further effect is taken
+/// as long as functions of states and inputs could predict what is left. `named` only if nothing of that is left (or next to
+/// nothing of it), else `unknown`.
 StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
                                 const ExplainStatesOptions& options = {});
 

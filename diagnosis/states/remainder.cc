@@ -10,20 +10,46 @@
 namespace hydroscope {
 namespace {
 
-/// Columns: parameters, then functions per equation (kinematic ones left out), then the error. Per piece of the log the sums
-/// of their products.
+/// Products of columns (parameters, then functions per equation but kinematic ones) over groups of neighbouring pieces of the
+/// log, and per piece those with the error.
 struct RemainderColumns {
-  std::vector<Eigen::MatrixXd> pieces;
+  std::vector<Eigen::MatrixXd> groups;
+  std::vector<Eigen::Index> group_end;  ///< per group: one past its last piece
+  Eigen::MatrixXd gradient;             ///< column x piece
+  Eigen::VectorXd energy;               ///< of the error, per piece
   int parameters = 0, functions = 0;
   std::vector<int> equation;  ///< per function: state, or states + output
+
+  Eigen::Index pieces() const { return energy.size(); }
 };
 
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
+  constexpr Eigen::Index kGroups = 8;
   RemainderColumns out;
-  out.parameters = fit.model->parameter_count();
   const AddedTerms added = bank.Terms(out.equation);
+  out.parameters = fit.model->parameter_count();
   out.functions = added.columns;
-  out.pieces = PieceProducts(fit, episodes, added, {&fit.residuals});
+  const Eigen::Index size = out.parameters + out.functions, outputs = fit.model->output.rows,
+                     count = static_cast<Eigen::Index>(fit.pieces.size()), groups = std::min(kGroups, count);
+  out.gradient.resize(size, count);
+  out.energy.resize(count);
+  out.groups.assign(static_cast<std::size_t>(groups), Eigen::MatrixXd::Zero(size, size));
+  for (Eigen::Index g = 0; g < groups; ++g) out.group_end.push_back((g + 1) * count / groups);
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]});
+    for (Eigen::Index p = 0, g = 0; p < count; ++p) {
+      while (p >= out.group_end[static_cast<std::size_t>(g)]) ++g;
+      const StatePiece& piece = fit.pieces[static_cast<std::size_t>(p)];
+      if (piece.episode != static_cast<int>(e)) continue;
+      const auto rows = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
+      const auto functions = rows.leftCols(size);
+      out.groups[static_cast<std::size_t>(g)].selfadjointView<Eigen::Lower>().rankUpdate(
+          functions.transpose());
+      out.gradient.col(p) = functions.transpose() * rows.col(size);
+      out.energy[p] = rows.col(size).squaredNorm();
+    }
+  }
+  for (Eigen::MatrixXd& group : out.groups) group.triangularView<Eigen::StrictlyUpper>() = group.transpose();
   return out;
 }
 
@@ -44,73 +70,63 @@ struct LeftOutForms {
 class LeaveOut {
  public:
   explicit LeaveOut(const RemainderColumns& columns) : columns_(columns) {
-    constexpr std::size_t kFolds = 8;
     const Eigen::Index size = columns.parameters + columns.functions;
-    const auto count = columns.pieces.size();
-    total_ = Eigen::MatrixXd::Zero(size, size);
-    gradient_.resize(size, static_cast<Eigen::Index>(count));
-    for (std::size_t p = 0; p < count; ++p) {
-      total_ += columns.pieces[p].topLeftCorner(size, size);
-      gradient_.col(static_cast<Eigen::Index>(p)) = columns.pieces[p].col(size).head(size);
-    }
-    scale_ = total_.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    total_ = scale_.asDiagonal() * total_ * scale_.asDiagonal();
-    gradient_ = scale_.asDiagonal() * gradient_;
-    const std::size_t folds = std::min(kFolds, count);
-    for (std::size_t f = 0; f < folds; ++f) {
-      Fold fold{static_cast<Eigen::Index>(f * count / folds),
-                static_cast<Eigen::Index>((f + 1) * count / folds), Eigen::MatrixXd::Zero(size, size)};
-      for (Eigen::Index p = fold.first; p < fold.end; ++p)
-        fold.products += columns.pieces[static_cast<std::size_t>(p)].topLeftCorner(size, size);
-      fold.products = scale_.asDiagonal() * fold.products * scale_.asDiagonal();
-      folds_.push_back(std::move(fold));
-    }
+    Eigen::MatrixXd total = Eigen::MatrixXd::Zero(size, size);
+    for (const Eigen::MatrixXd& group : columns.groups) total += group;
+    scale_ = total.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    total_ = scale_.asDiagonal() * total * scale_.asDiagonal();
+    gradient_ = scale_.asDiagonal() * columns.gradient;
   }
 
-  LeftOutForms Forms(double penalty) const {
-    const Eigen::Index count = gradient_.cols(), size = gradient_.rows(), own = columns_.parameters;
-    LeftOutForms out{Eigen::MatrixXd::Zero(count, count), Eigen::MatrixXd::Zero(count, count)};
-    for (const Fold& fold : folds_) {
-      Eigen::MatrixXd rest = total_ - fold.products, held = Eigen::MatrixXd::Zero(size, count),
-                      gradient = gradient_;
+  std::vector<LeftOutForms> Forms(std::initializer_list<double> penalties) const {
+    const Eigen::Index pieces = columns_.pieces(), own = columns_.parameters, functions = columns_.functions;
+    const LeftOutForms none{Eigen::MatrixXd::Zero(pieces, pieces), Eigen::MatrixXd::Zero(pieces, pieces)};
+    std::vector<LeftOutForms> out(penalties.size(), none);
+    Eigen::Index first = 0;
+    for (std::size_t g = 0; g < columns_.groups.size(); ++g) {
+      const Group group{first, columns_.group_end[g],
+                        scale_.asDiagonal() * columns_.groups[g] * scale_.asDiagonal()};
+      first = group.end;
+      Eigen::MatrixXd rest = total_ - group.products, gradient = gradient_;
+      gradient.middleCols(group.first, group.end - group.first).setZero();
       rest.diagonal().head(own).array() += 1e-9;
-      rest.diagonal().tail(size - own).array() += penalty;
-      held.middleCols(fold.first, fold.end - fold.first) =
-          gradient_.middleCols(fold.first, fold.end - fold.first);
-      gradient.middleCols(fold.first, fold.end - fold.first).setZero();
-      AddForm(fold, held, rest.llt().solve(gradient), out.all);
-      Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(size, count);
+      Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(own + functions, pieces);
       if (own > 0) alone.topRows(own) = rest.topLeftCorner(own, own).llt().solve(gradient.topRows(own));
-      AddForm(fold, held, alone, out.own);
+      const Eigen::MatrixXd form = FormOf(group, alone);
+      double before = 0;
+      for (std::size_t k = 0; k < out.size(); ++k) {
+        const double penalty = penalties.begin()[k];
+        rest.diagonal().tail(functions).array() += penalty - before;
+        before = penalty;
+        out[k].own += form;
+        out[k].all += FormOf(group, rest.llt().solve(gradient));
+      }
     }
     return out;
   }
 
  private:
-  struct Fold {
+  struct Group {
     Eigen::Index first, end;  ///< pieces
     Eigen::MatrixXd products;
   };
-  void AddForm(const Fold& fold, const Eigen::MatrixXd& held, const Eigen::MatrixXd& weights,
-               Eigen::MatrixXd& form) const {
-    const Eigen::Index error = columns_.parameters + columns_.functions;
-    const Eigen::MatrixXd cross = weights.transpose() * held;
-    form += weights.transpose() * (fold.products * weights) - cross - cross.transpose();
-    for (Eigen::Index p = fold.first; p < fold.end; ++p)
-      form(p, p) += columns_.pieces[static_cast<std::size_t>(p)](error, error);
+  Eigen::MatrixXd FormOf(const Group& group, const Eigen::MatrixXd& weights) const {
+    const Eigen::Index count = group.end - group.first;
+    Eigen::MatrixXd form = weights.transpose() * (group.products * weights);
+    const Eigen::MatrixXd cross = weights.transpose() * gradient_.middleCols(group.first, count);
+    form.middleCols(group.first, count) -= cross;
+    form.middleRows(group.first, count) -= cross.transpose();
+    for (Eigen::Index p = group.first; p < group.end; ++p) form(p, p) += columns_.energy[p];
+    return form;
   }
 
   const RemainderColumns& columns_;
   Eigen::VectorXd scale_;
   Eigen::MatrixXd total_, gradient_;
-  std::vector<Fold> folds_;
 };
 
 std::vector<LeftOutForms> FormsOf(const RemainderColumns& columns) {
-  const LeaveOut leave_out(columns);
-  std::vector<LeftOutForms> forms;
-  for (const double penalty : {1e-6, 1e-4, 1e-2, 1.0}) forms.push_back(leave_out.Forms(penalty));
-  return forms;
+  return LeaveOut(columns).Forms({1e-6, 1e-4, 1e-2, 1.0});
 }
 
 /// Largest share over all penalties.
@@ -134,10 +150,11 @@ std::string MostIn(const StateFit& fit, const RemainderColumns& columns) {
     RemainderColumns some;
     some.parameters = columns.parameters;
     some.functions = static_cast<int>(kept.size()) - columns.parameters;
-    kept.push_back(columns.parameters + columns.functions);
-    for (const Eigen::MatrixXd& piece : columns.pieces) some.pieces.push_back(piece(kept, kept));
-    const double share =
-        ShareOf(FormsOf(some), Eigen::VectorXd::Ones(static_cast<Eigen::Index>(some.pieces.size())));
+    for (const Eigen::MatrixXd& group : columns.groups) some.groups.push_back(group(kept, kept));
+    some.group_end = columns.group_end;
+    some.gradient = columns.gradient(kept, Eigen::all);
+    some.energy = columns.energy;
+    const double share = ShareOf(FormsOf(some), Eigen::VectorXd::Ones(some.pieces()));
     if (share <= most) continue;
     most = share;
     about = EquationName(model, e);
@@ -153,9 +170,9 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   const RemainderColumns columns = ColumnsOf(fit, episodes, bank);
   StateRemainder out;
   out.functions = columns.functions;
-  if (columns.pieces.size() < 2) return out;
+  if (columns.pieces() < 2) return out;
   const std::vector<LeftOutForms> forms = FormsOf(columns);
-  Eigen::VectorXd signs = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(columns.pieces.size()));
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(columns.pieces());
   out.share = ShareOf(forms, signs);
   for (const LeftOutForms& form : forms) out.energy = std::min(out.energy, form.Energy(signs));
   std::mt19937 random(options.seed);

@@ -16,11 +16,14 @@ RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_
   start.leftCols(parameters) = by_parameter;
   for (std::size_t k = 0; k < free.size(); ++k) start(free[k], parameters + static_cast<int>(k)) = 1;
   StateRun run;
-  simulator.Run(episode, 0, episode.rows() - 1, fit.initial[index], &start, run, &added);
+  simulator.Run(episode, 0, episode.rows() - 1, fit.initial[index], &start, run,
+                added.columns > 0 ? &added : nullptr);
   const Eigen::Index rows = run.slopes.rows();
   const auto last = static_cast<Eigen::Index>(errors.size());
   RowMatrix columns(rows, parameters + added.columns + last);
   columns.leftCols(parameters) = run.slopes.leftCols(parameters);
+  for (std::size_t p = 0; p < fit.at_limit.size(); ++p)
+    if (fit.at_limit[p]) columns.col(static_cast<Eigen::Index>(p)).setZero();
   columns.middleCols(parameters, added.columns) = run.slopes.rightCols(added.columns);
   RowMatrix local = run.slopes.middleCols(parameters, start.cols() - parameters);
   for (Eigen::Index r = 0; r < rows; ++r) {

@@ -136,7 +136,21 @@ std::vector<double> HeldOutEnergies(std::span<const StatePiece> pieces) {
   return energies;
 }
 
-std::vector<double> StateFit::HeldOutEnergies() const { return hydroscope::HeldOutEnergies(pieces); }
+std::vector<double> StateFit::HeldOutEnergies() const {
+  const Eigen::Index count = pieces.empty() ? 0 : pieces.front().information.rows();
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const auto at = static_cast<std::size_t>(p);
+    if (at >= at_limit.size() || !at_limit[at]) free.push_back(p);
+  }
+  if (static_cast<Eigen::Index>(free.size()) == count) return hydroscope::HeldOutEnergies(pieces);
+  std::vector<StatePiece> inside = pieces;
+  for (StatePiece& piece : inside) {
+    piece.information = piece.information(free, free).eval();
+    piece.gradient = piece.gradient(free).eval();
+  }
+  return hydroscope::HeldOutEnergies(inside);
+}
 
 double StateFit::HeldOutEnergy() const {
   double sum = 0;

@@ -388,6 +388,7 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
         !shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point))
       continue;
     if (best.z.empty() || point.cost < best.cost) best = std::move(point);
+    if (2 * best.cost <= options.enough) break;
   }
   if (best.z.empty()) {
     StateFit none;
@@ -436,9 +437,19 @@ StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const E
                       const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights) {
   shooting::Task task = TaskOf(model, episodes);
   task.noise = weights;
+  const StateFitOptions options;
   shooting::Point point = PointAt(task, parameters);
-  shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
-  return Finish(std::move(task), std::move(point), true, true, {});
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(episodes);
+  shooting::GuessSegments(task, whole, point);
+  // The first rows tell where an episode begins; over all of them a free run from elsewhere may end in a wrong minimum.
+  for (const int rows : {options.segment_rows, options.first_horizon}) {
+    std::vector<shooting::Segment> begin = whole;
+    for (shooting::Segment& segment : begin) segment.last = std::min(segment.last, rows - 1);
+    shooting::Point from = point;
+    if (shooting::Minimise(task, begin, options.start_iterations, options.start_tolerance, true, from))
+      point = std::move(from);
+  }
+  return Finish(std::move(task), std::move(point), true, true, options);
 }
 
 }  // namespace hydroscope

@@ -23,8 +23,10 @@ struct StateFitOptions {
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit
-  double same_minimum = 0.02;     ///< costs that differ by less are one minimum
-  int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
+  double enough =
+      0;  ///< energy of the error, outputs over their noise, at which no further start of RefitStates is tried
+  double same_minimum = 0.02;  ///< costs that differ by less are one minimum
+  int least_clusters = 40;     ///< pieces of the log that intervals and errors left out are computed over
 };
 
 /// A minimum that starts ended in.
@@ -70,7 +72,8 @@ struct StateFit {
 
   bool solved() const { return failed.empty(); }
   int readings() const;
-  /// Energy of the error on pieces left out in turn, outputs over their noise: linearised about the fit.
+  /// Energy of the error on pieces left out in turn, outputs over their noise: linearised about the fit. What stands at a limit
+  /// of its range stays there.
   double HeldOutEnergy() const;
   /// The same per piece, for comparisons.
   std::vector<double> HeldOutEnergies() const;

@@ -259,5 +259,28 @@ TEST(StateFit, FindsParametersFromAStartFarOff) {
   EXPECT_NEAR(fit.initial[0][0], 0.4, 2e-3);
 }
 
+TEST(StateFit, WhatStandsAtALimitStaysThereInErrorsLeftOut) {
+  const Machine machine =
+      StatesFrom("[log]\nhold = \"zero\"\n" + kSignals +
+                 "[states]\nx = { ddt = \"u - a*x\", initial = \"estimate\" }\n"
+                 "[outputs]\ny = \"x\"\n[parameters]\na = { start = 2, min = 1, max = 10 }\n");
+  Episode episode = Rows(300, 0.05, 0);
+  double y = 0;
+  for (int row = 0; row < 300; ++row) {
+    const double u = row / 40 % 2;
+    episode.signal(row, 0) = u;
+    episode.signal(row, 1) = y;
+    y = u / 0.7 + (y - u / 0.7) * std::exp(-0.05 * 0.7);
+  }
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.at_limit[0]) << "the truth, 0.7, is not in the range";
+  double energy = 0;
+  for (const StatePiece& piece : fit.pieces) energy += piece.energy;
+  EXPECT_GE(fit.HeldOutEnergy(), 0.999 * energy) << "beyond the limit the error would be smaller";
+}
+
 }  // namespace
 }  // namespace hydroscope

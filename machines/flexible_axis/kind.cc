@@ -116,6 +116,16 @@ MachineWords AxisWords(const Machine&) {
           "the command: a staircase of 0.2, 0.4, 0.8, 1.6 and 4 V to both sides, 0.4 s each", "", false};
 }
 
+/// Leakages show at small openings, the Stribeck curve at low speeds, the bulk modulus over pressure at large ones.
+std::vector<InputCourse> AxisCourses(const Machine& machine) {
+  const auto known = machine.geometry.find("U_n");
+  const double nominal = known == machine.geometry.end() ? 10.0 : known->second.value;
+  InputCourse staircase{"staircase", "U", {}, 0.4};
+  for (const double level : {0.02, 0.04, 0.08, 0.16, 0.4})
+    for (const double sign : {1.0, -1.0}) staircase.levels.push_back(sign * level * nominal);
+  return {staircase};
+}
+
 }  // namespace
 
 const MachineKind kFlexibleAxis = {.id = "flexible_axis",
@@ -127,6 +137,7 @@ const MachineKind kFlexibleAxis = {.id = "flexible_axis",
                                    .has_states = true,
                                    .states = AxisStates,
                                    .words = AxisWords,
-                                   .effects = FlexibleAxisEffects};
+                                   .effects = FlexibleAxisEffects,
+                                   .experiment = {.courses = AxisCourses}};
 
 }  // namespace hydroscope

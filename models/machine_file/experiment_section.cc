@@ -30,6 +30,9 @@ void ReadChange(TableReader& section, const StrokeSetting& setting, ExperimentSp
   if (most > 0) spec.settings[std::string(setting.key)].max = most;
 }
 
+/// Whether what may be done to signals is named under `signals`.
+bool NamesSignals(const MachineKind& kind) { return kind.own_library || kind.has_states; }
+
 /// Settings of other kinds of machines.
 void RefuseForeignSettings(TableReader& section, const MachineKind& kind) {
   for (const MachineKind* other : MachineKinds())
@@ -37,7 +40,7 @@ void RefuseForeignSettings(TableReader& section, const MachineKind& kind) {
       if (other != &kind && section.Has(setting.key))
         section.Problem(
             fmt::format("{} is for the {}{}", setting.key, other->title,
-                        kind.own_library ? "; name the signals of a machine of your own under signals" : ""));
+                        NamesSignals(kind) ? "; name the signals of this machine under signals" : ""));
 }
 
 }  // namespace
@@ -48,7 +51,7 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   TableReader section(*table, "experiment", file.problems());
   section.AllowOnly(MachineFileKeys("experiment"));
   const MachineKind& kind = KindOf(machine);
-  if (kind.experiment.on == nullptr && !kind.own_library) {
+  if (kind.experiment.on == nullptr && !NamesSignals(kind)) {
     section.Problem(fmt::format("nothing can be proposed to record on a {}", kind.title));
     return;
   }
@@ -60,8 +63,9 @@ void ReadExperiment(TableReader& file, Machine& machine) {
   }
   section.Integer("max_strokes", spec.max_strokes, 12);
   spec.signals = ReadBounds(section, "signals", "experiment.signals", machine);
-  if (!kind.own_library && section.Has("signals"))
-    section.Problem(fmt::format("signals is for machines of your own; here: {}", Listed(settings)));
+  if (!NamesSignals(kind) && section.Has("signals"))
+    section.Problem(
+        fmt::format("signals is for machines of your own and those with states; here: {}", Listed(settings)));
   RefuseForeignSettings(section, kind);
   for (const GateBound& bound : spec.signals)
     if (bound.magnitude != bound.rate)

@@ -185,6 +185,7 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);
+  out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);
   out.base_parameters = EstimatesOf(x.base.fit);

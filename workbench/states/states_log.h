@@ -7,6 +7,7 @@
 #include "core/records.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/state_experiment.h"
 #include "estimation/linear_form/starts.h"
 #include "models/model_history.h"
 #include "pipeline/episodes.h"
@@ -61,6 +62,7 @@ struct StatesExplained {
   std::string target;  ///< how the command line names the machine
   EpisodeLog log;
   StatesExplanation explanation;
+  StateExperiment experiment;  ///< what to record next
   StatesError base, final;
   std::vector<Estimate> base_parameters, final_parameters;
 };

@@ -13,6 +13,7 @@
 #include "models/state_effects.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
+#include "workbench/states/experiment_output.h"
 
 namespace hydroscope {
 namespace {
@@ -380,13 +381,16 @@ std::string ExplainText(const StatesExplained& e) {
   text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
   for (const StateCandidate& candidate : x.ranking)
-    text += fmt::format("  {:<28} {:.3g} {}\n", candidate.added.front(), Shown(e, candidate.held_out),
-                        UnitWords(e.base));
-  if (x.verdict == Verdict::kNamed) {
-    text += "\nNext\n";
+    text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
+                        UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
+  text += RecordTable(e);
+  const std::optional<std::string> record = StatesToRecord(e);
+  if (x.verdict != Verdict::kNamed && !record) return text;
+  text += "\nNext\n";
+  if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, e.target);
-  }
+  if (record) text += fmt::format("  {}\n", *record);
   return text;
 }
 
@@ -399,12 +403,15 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
                        {"rms_holdout", Shown(e, c.held_out)},
                        {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
                        {"testable", true},
-                       {"parameters", EffectParametersJson(EstimatesOf(c.fit), c.added.front())},
+                       {"fitted", c.fitted()},
+                       {"parameters", c.fitted() ? EffectParametersJson(EstimatesOf(c.fit), c.added.front())
+                                                 : nlohmann::json::object()},
                        {"gain", c.gain}});
   for (const auto& [added, relative] : x.steps)
     steps.push_back(
         {{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
          {"rms_holdout", e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)}});
+  const std::optional<std::string> record = StatesToRecord(e);
   for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
   std::vector<std::string> warnings = e.log.warnings;
   warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
@@ -432,7 +439,8 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
             {"effects", effects}}},
           {"odd_strokes", nlohmann::json::array()},
           {"located", nlohmann::json::array()},
-          {"experiment", nullptr}};
+          {"experiment", record ? nlohmann::json(*record) : nlohmann::json()},
+          {"experiment_plan", ExperimentPlanJson(e)}};
 }
 
 }  // namespace hydroscope

@@ -1,4 +1,4 @@
-#include "diagnosis/states/effect_starts.h"
+#include "diagnosis/states/screened_effect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,23 +10,25 @@
 namespace hydroscope {
 namespace {
 
-class StartSearch {
+class EffectScreen {
  public:
-  StartSearch(const StateFit& near, const StateModel& with, std::span<const Episode> episodes,
-              const EffectStartsOptions& options)
+  EffectScreen(const StateFit& near, const StateModel& with, std::span<const Episode> episodes,
+               const ScreeningOptions& options)
       : near_(near), with_(with), episodes_(episodes), options_(options) {}
 
-  std::vector<StateStart> Run() {
+  ScreenedEffect Run() {
     TakeKnown();
     if (with_.delays.size() != near_.model->delays.size()) return Unranked();
     factor_ = ProportionalTo();
     Draw();
-    const std::vector<Score> scores = Scores();
+    double energy = 0;
+    const std::vector<Score> scores = Scores(energy);
     std::vector<std::size_t> order(draws_.size());
     for (std::size_t d = 0; d < order.size(); ++d) order[d] = d;
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return scores[a].explained > scores[b].explained; });
-    std::vector<StateStart> starts;
+    ScreenedEffect out;
+    out.explained = energy > 0 ? std::clamp(scores[order.front()].explained / energy, 0.0, 1.0) : 0.0;
     for (std::size_t k = 0; k < order.size() && k < static_cast<std::size_t>(options_.kept); ++k) {
       StateStart start{draws_[order[k]], near_.initial};
       if (factor_ >= 0) {
@@ -34,10 +36,10 @@ class StartSearch {
         start.parameters[factor_] =
             std::clamp(scores[order[k]].amplitude * start.parameters[factor_], spec.min, spec.max);
       }
-      starts.push_back(std::move(start));
+      out.starts.push_back(std::move(start));
     }
-    starts.push_back({first_, near_.initial});
-    return starts;
+    out.starts.push_back({first_, near_.initial});
+    return out;
   }
 
  private:
@@ -47,11 +49,11 @@ class StartSearch {
   };
 
   /// An effect that delays an input reads what the model without it does not have at hand.
-  std::vector<StateStart> Unranked() const {
-    std::vector<StateStart> starts = {{first_, near_.initial}};
+  ScreenedEffect Unranked() const {
+    ScreenedEffect out{{{first_, near_.initial}}, std::nullopt};
     std::mt19937 random(options_.seed);
-    for (int k = 0; k < options_.unranked; ++k) starts.push_back({Drawn(random), near_.initial});
-    return starts;
+    for (int k = 0; k < options_.unranked; ++k) out.starts.push_back({Drawn(random), near_.initial});
+    return out;
   }
 
   const ParameterSpec& SpecOf(int p) const { return with_.parameters[static_cast<std::size_t>(p)].spec; }
@@ -133,7 +135,8 @@ class StartSearch {
     for (int k = 0; k < options_.draws; ++k) draws_.push_back(Drawn(random));
   }
 
-  std::vector<Score> Scores() const {
+  /// Of each draw; `energy`: that of the error.
+  std::vector<Score> Scores(double& energy) const {
     AddedEffect effect(*near_.model, with_, near_.parameters);
     for (const Eigen::VectorXd& draw : draws_) effect.AddDraw(draw);
     const AddedTerms added = effect.Terms();
@@ -155,6 +158,7 @@ class StartSearch {
                                          scaled.llt().solve(size.asDiagonal() * sums.topRows(parameters)))
                        : Eigen::MatrixXd(0, all);
     const Eigen::MatrixXd rest = sums - sums.leftCols(parameters) * weights;
+    energy = rest(all - 1, all - 1);
     for (int d = 0; d < columns; ++d) {
       const int c = parameters + d;
       const double square = rest(c, c), cross = rest(c, all - 1);
@@ -175,7 +179,7 @@ class StartSearch {
   const StateFit& near_;
   const StateModel& with_;
   std::span<const Episode> episodes_;
-  const EffectStartsOptions& options_;
+  const ScreeningOptions& options_;
   Eigen::VectorXd first_;
   std::vector<int> new_;
   int factor_ = -1;  ///< parameter which the effect is proportional to
@@ -184,9 +188,9 @@ class StartSearch {
 
 }  // namespace
 
-std::vector<StateStart> EffectStarts(const StateFit& near, std::shared_ptr<const StateModel> with,
-                                     std::span<const Episode> episodes, const EffectStartsOptions& options) {
-  return StartSearch(near, *with, episodes, options).Run();
+ScreenedEffect ScreenEffect(const StateFit& near, const StateModel& with, std::span<const Episode> episodes,
+                            const ScreeningOptions& options) {
+  return EffectScreen(near, with, episodes, options).Run();
 }
 
 }  // namespace hydroscope

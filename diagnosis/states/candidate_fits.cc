@@ -1,0 +1,96 @@
+#include "diagnosis/states/candidate_fits.h"
+
+#include <algorithm>
+
+namespace hydroscope {
+namespace {
+
+Eigen::VectorXd FileStart(const StateModel& model) {
+  Eigen::VectorXd start(model.parameter_count());
+  for (int p = 0; p < start.size(); ++p) start[p] = model.parameters[static_cast<std::size_t>(p)].spec.start;
+  return start;
+}
+
+/// What a fit found, for a model with fewer effects.
+StateStart StartFrom(const StateFit& fit, const StateModel& model) {
+  StateStart start{Eigen::VectorXd(model.parameter_count()), fit.initial};
+  for (int p = 0; p < model.parameter_count(); ++p) {
+    const auto& known = fit.model->parameters;
+    const auto at = std::find_if(known.begin(), known.end(), [&](const StateParameter& other) {
+      return other.name == model.parameters[static_cast<std::size_t>(p)].name;
+    });
+    start.parameters[p] = fit.parameters[at - known.begin()];
+  }
+  return start;
+}
+
+}  // namespace
+
+std::vector<std::string> CandidateFits::WithAdded(const std::vector<std::string>& added) const {
+  std::vector<std::string> effects = machine_.added_effects;
+  effects.insert(effects.end(), added.begin(), added.end());
+  return effects;
+}
+
+Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& added,
+                                               const StateCandidate& near) const {
+  const auto model = BuildStateModel(machine_, WithAdded(added));
+  if (!model) return tl::unexpected(model.error());
+  ScreenedEffect screened = ScreenEffect(near.fit, **model, episodes_, options_.screening);
+  return StateContender{added, *model, std::move(screened.starts),
+                        near.held_out * (1 - screened.explained.value_or(1))};
+}
+
+StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
+                                  std::shared_ptr<const StateModel> model, std::span<const StateStart> starts,
+                                  double enough) const {
+  StateFitOptions quick = options_.fit;
+  quick.iterations = options_.candidate_iterations;
+  quick.tolerance = options_.candidate_tolerance;
+  quick.start_iterations = options_.screen_iterations;
+  quick.start_tolerance = options_.screen_tolerance;
+  quick.enough = enough;
+  StateCandidate candidate;
+  candidate.added = added;
+  candidate.fit = RefitStates(std::move(model), episodes_, starts, noise_, quick);
+  if (!candidate.fitted()) return candidate;
+  candidate.held_out = candidate.fit.HeldOutEnergy();
+  std::tie(candidate.gain, candidate.t) =
+      PairedGain(base_.fit.HeldOutEnergies(), candidate.fit.HeldOutEnergies());
+  return candidate;
+}
+
+StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
+  return Fit(contender.added, contender.model, contender.starts, options_.as_foreseen * contender.foreseen);
+}
+
+StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {
+  std::vector<StateStart> starts;
+  for (const Eigen::VectorXd& from : {contender.starts.front().parameters, FileStart(*contender.model)})
+    if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit))
+      starts.push_back(std::move(*shot));
+  if (!starts.empty()) return Fit(contender.added, contender.model, starts, 0);
+  StateCandidate none;
+  none.added = contender.added;
+  return none;
+}
+
+StateCandidate CandidateFits::Without(const StateCandidate& fitted,
+                                      const std::vector<std::string>& rest) const {
+  const auto model = BuildStateModel(machine_, WithAdded(rest));
+  StateCandidate none;
+  none.added = rest;
+  if (!model) return none;
+  const StateStart start = StartFrom(fitted.fit, **model);
+  return Fit(rest, *model, std::span(&start, 1), 0);
+}
+
+StateCandidate CandidateFits::Foreseen(const StateContender& contender) const {
+  StateCandidate out;
+  out.added = contender.added;
+  out.held_out = contender.foreseen;
+  out.gain = base_.held_out - contender.foreseen;
+  return out;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/states/explain_states.h"
+
+namespace hydroscope {
+
+/// A set of effects before it is fitted.
+struct StateContender {
+  std::vector<std::string> added;
+  std::shared_ptr<const StateModel> model;
+  std::vector<StateStart> starts;  ///< best first
+  double foreseen = 0;  ///< energy left by linearisation, over the base's noise; 0: nothing is known of it
+};
+
+/// Fits a machine's model with effects added to it, all with outputs over the same noise.
+class CandidateFits {
+ public:
+  /// All must outlive this; `base` is what gains are counted against.
+  CandidateFits(const Machine& machine, std::span<const Episode> episodes,
+                const ExplainStatesOptions& options, const StateCandidate& base)
+      : machine_(machine), episodes_(episodes), options_(options), base_(base), noise_(base.fit.noise) {}
+
+  /// `added` beyond the effects of `near`, by linearisation about it. Error: no such model.
+  Result<StateContender> Screened(const std::vector<std::string>& added, const StateCandidate& near) const;
+  /// From the best start; from the others too if that leaves more than was foreseen.
+  StateCandidate Fitted(const StateContender& contender) const;
+  /// From what short segments give, of the contender's start and of the machine file's.
+  StateCandidate FittedFromSegments(const StateContender& contender) const;
+  /// With some of the effects of `fitted`, the fit beginning where that ended.
+  StateCandidate Without(const StateCandidate& fitted, const std::vector<std::string>& rest) const;
+  /// As foreseen, not fitted.
+  StateCandidate Foreseen(const StateContender& contender) const;
+
+ private:
+  std::vector<std::string> WithAdded(const std::vector<std::string>& added) const;
+  StateCandidate Fit(const std::vector<std::string>& added, std::shared_ptr<const StateModel> model,
+                     std::span<const StateStart> starts, double enough) const;
+
+  const Machine& machine_;
+  std::span<const Episode> episodes_;
+  const ExplainStatesOptions& options_;
+  const StateCandidate& base_;
+  Eigen::VectorXd noise_;
+};
+
+}  // namespace hydroscope

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+
+/// A model with some effects added to it: fitted, or what linearisation foresees of it.
+struct StateCandidate {
+  std::vector<std::string> added;
+  StateFit fit;         ///< of no model where it was not worth a fit
+  double held_out = 0;  ///< energy left out over the base's noise
+  double gain = 0;      ///< against the model as it is, in noise variances
+  double t = 0;         ///< ... over its standard error
+
+  bool fitted() const { return fit.model != nullptr && fit.solved(); }
+};
+
+/// How much lower the second energies are: sum, and its t over the pieces.
+std::pair<double, double> PairedGain(const std::vector<double>& before, const std::vector<double>& after);
+
+/// Energy that counts as one piece of evidence: that of a reading, times the readings over which errors are correlated.
+double EvidenceOf(const StateCandidate& candidate);
+
+/// Whether the terms that the effects of two fitted candidates add to the equations of `base` are the same function in these
+/// episodes: they differ by no more than `share` of the first's. False where an input is delayed.
+bool SameLaw(const StateFit& base, const StateCandidate& a, const StateCandidate& b,
+             std::span<const Episode> episodes, double share);
+
+}  // namespace hydroscope

@@ -1,0 +1,208 @@
+#include "diagnosis/states/state_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "diagnosis/experiment/rival_separation.h"
+#include "diagnosis/states/tangent.h"
+
+namespace hydroscope {
+namespace {
+
+/// A model in question.
+struct Rival {
+  const StateCandidate* candidate = nullptr;
+  StateFit at;  ///< parameters, noise and the initial states of a new record alone
+
+  const StateFit& fit() const { return candidate->fit; }
+};
+
+class ExperimentSearch {
+ public:
+  ExperimentSearch(const StatesExplanation& x, std::span<const Episode> episodes,
+                   const StateExperimentOptions& options)
+      : episodes_(episodes), options_(options) {
+    std::vector<const StateCandidate*> candidates = {&x.final};
+    if (x.verdict == Verdict::kAmbiguous)
+      for (const StateCandidate& rival : x.rivals) candidates.push_back(&rival);
+    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options.most_rivals)));
+    // Weights that make a reading count as often as it is independent.
+    const double evidence = std::sqrt(std::max(EvidenceOf(x.final), 1e-300));
+    for (const StateCandidate* candidate : candidates) {
+      Rival rival{candidate, {}};
+      rival.at.model = candidate->fit.model;
+      rival.at.parameters = candidate->fit.parameters;
+      rival.at.at_limit = candidate->fit.at_limit;
+      rival.at.noise = x.base.fit.noise * evidence;
+      rival.at.initial = {candidate->fit.initial.front()};
+      rivals_.push_back(std::move(rival));
+    }
+    if (rivals_.size() > 1)
+      for (const Rival& rival : rivals_) out_.rivals.push_back(rival.candidate->added);
+    std::set<std::string> unseen;
+    for (const UnseenDirection& direction : x.final.fit.unseen)
+      for (const auto& [name, share] : direction.parts) unseen.insert(name);
+    if (rivals_.size() == 1) out_.unseen.assign(unseen.begin(), unseen.end());
+  }
+
+  StateExperiment Run() {
+    if (rivals_.size() < 2 && out_.unseen.empty()) return out_;
+    TakeRecorded();
+    Judge(known_, out_.now);
+    const StateModel& model = *rivals_.front().fit().model;
+    const Episode& recorded = episodes_.front();
+    for (const RecordMove& move : RecordMoves(model, recorded)) Try(move);
+    Sort();
+    const std::size_t best = std::min(out_.tried.size(), static_cast<std::size_t>(options_.sped_up));
+    std::vector<RecordMove> again;
+    for (std::size_t k = 0; k < best; ++k)
+      if (!out_.tried[k].move.course) again.push_back(out_.tried[k].move);
+    for (RecordMove& move : again)
+      for (const double speed : RecordSpeeds()) {
+        move.speed = speed;
+        Try(move);
+      }
+    Sort();
+    return std::move(out_);
+  }
+
+ private:
+  /// Of each rival: its parameters, and the others less it.
+  Eigen::MatrixXd ProductsOf(std::size_t rival, const StateFit& fit, const Episode& episode,
+                             std::size_t index, const std::vector<const RowMatrix*>& outputs) const {
+    std::vector<RowMatrix> differences;
+    for (std::size_t other = 0; other < outputs.size(); ++other)
+      if (other != rival) differences.push_back(*outputs[other] - *outputs[rival]);
+    std::vector<const RowMatrix*> errors;
+    for (const RowMatrix& difference : differences) errors.push_back(&difference);
+    const RowMatrix columns = TangentColumns(fit, episode, index, {}, errors);
+    return columns.transpose() * columns;
+  }
+
+  void TakeRecorded() {
+    known_.clear();
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
+      StateFit fit = rivals_[r].at;
+      fit.initial = rivals_[r].fit().initial;
+      Eigen::MatrixXd sum;
+      for (std::size_t e = 0; e < episodes_.size(); ++e) {
+        std::vector<const RowMatrix*> outputs;
+        for (const Rival& rival : rivals_) outputs.push_back(&rival.fit().runs[e].outputs);
+        const Eigen::MatrixXd products = ProductsOf(r, fit, episodes_[e], e, outputs);
+        sum = e == 0 ? products : Eigen::MatrixXd(sum + products);
+      }
+      known_.push_back(std::move(sum));
+    }
+  }
+
+  void Try(const RecordMove& move) {
+    TriedRecord tried;
+    tried.move = move;
+    const StateModel& model = *rivals_.front().fit().model;
+    tried.record = MovedRecord(move, model, episodes_.front(), options_.most_rows);
+    if (tried.record.rows() < 2 || !KeepsSpeeds(model, tried.record)) return;
+    tried.seconds = tried.record.time.back() - tried.record.time.front();
+    std::vector<StateRun> runs(rivals_.size());
+    std::vector<const RowMatrix*> outputs;
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
+      StateSimulator simulator(rivals_[r].at.model);
+      simulator.SetParameters(rivals_[r].at.parameters);
+      simulator.Run(tried.record, 0, tried.record.rows() - 1,
+                    simulator.Initial(tried.record, rivals_[r].at.initial.front()), nullptr, runs[r]);
+      if (runs[r].diverged || !runs[r].outputs.allFinite()) return;
+      outputs.push_back(&runs[r].outputs);
+    }
+    std::vector<Eigen::MatrixXd> all;
+    for (std::size_t r = 0; r < rivals_.size(); ++r)
+      all.push_back(known_[r] + ProductsOf(r, rivals_[r].at, tried.record, 0, outputs));
+    Judge(all, tried);
+    out_.tried.push_back(std::move(tried));
+  }
+
+  /// Information on the parameters, with what their ranges say of them.
+  static Eigen::MatrixXd Information(const StateFit& fit, const Eigen::MatrixXd& products) {
+    const int count = fit.model->parameter_count();
+    Eigen::MatrixXd information = products.topLeftCorner(count, count);
+    for (int p = 0; p < count; ++p) {
+      const ParameterSpec& spec = fit.model->parameters[static_cast<std::size_t>(p)].spec;
+      const double range =
+          std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(fit.parameters[p]) + 1;
+      information(p, p) += 1 / (range * range);
+    }
+    return information;
+  }
+
+  void Judge(const std::vector<Eigen::MatrixXd>& products, TriedRecord& tried) const {
+    if (rivals_.size() < 2) {
+      tried.standard_error = UnseenError(products.front());
+      return;
+    }
+    tried.separation = INFINITY;
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
+      const int count = rivals_[r].at.model->parameter_count();
+      const Eigen::MatrixXd information = Information(rivals_[r].at, products[r]);
+      const Eigen::VectorXd size = information.diagonal().cwiseSqrt().cwiseInverse();
+      const Eigen::LDLT<Eigen::MatrixXd> solver(size.asDiagonal() * information * size.asDiagonal());
+      for (Eigen::Index c = count; c < products[r].cols(); ++c) {
+        const Eigen::VectorXd gradient = size.cwiseProduct(products[r].col(c).head(count));
+        tried.separation =
+            std::min(tried.separation, products[r](c, c) - gradient.dot(solver.solve(gradient)));
+      }
+    }
+    tried.separation = std::max(tried.separation, 0.0);
+  }
+
+  double UnseenError(const Eigen::MatrixXd& products) const {
+    const StateFit& fit = rivals_.front().at;
+    const Eigen::MatrixXd information = Information(fit, products);
+    const Eigen::VectorXd size = information.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd inverse = (size.asDiagonal() * information * size.asDiagonal())
+                                        .eval()
+                                        .ldlt()
+                                        .solve(Eigen::MatrixXd::Identity(size.size(), size.size()));
+    double worst = 0;
+    for (int p = 0; p < fit.model->parameter_count(); ++p) {
+      const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];
+      if (std::find(out_.unseen.begin(), out_.unseen.end(), parameter.name) == out_.unseen.end()) continue;
+      const double relative = std::max(std::abs(fit.parameters[p]), 1e-300);
+      worst = std::max(worst, size[p] * std::sqrt(std::max(0.0, inverse(p, p))) / relative);
+    }
+    return worst;
+  }
+
+  void Sort() {
+    std::stable_sort(out_.tried.begin(), out_.tried.end(), [&](const TriedRecord& a, const TriedRecord& b) {
+      return rivals_.size() < 2 ? a.standard_error < b.standard_error : a.separation > b.separation;
+    });
+  }
+
+  std::span<const Episode> episodes_;
+  const StateExperimentOptions& options_;
+  std::vector<Rival> rivals_;
+  std::vector<Eigen::MatrixXd> known_;  ///< of each rival, from what was recorded
+  StateExperiment out_;
+};
+
+}  // namespace
+
+bool StateExperiment::proposed() const {
+  if (tried.empty()) return false;
+  if (!rivals.empty()) return tried.front().separation >= kExperiment.worthwhile;
+  return tried.front().standard_error < StateExperimentOptions{}.seen &&
+         2 * tried.front().standard_error < now.standard_error;
+}
+
+bool StateExperiment::settles() const {
+  if (!proposed()) return false;
+  return rivals.empty() ? tried.front().standard_error <= StateExperimentOptions{}.clearly_seen
+                        : tried.front().separation >= kExperiment.settled;
+}
+
+StateExperiment ProposeStateExperiment(const StatesExplanation& explanation,
+                                       std::span<const Episode> episodes,
+                                       const StateExperimentOptions& options) {
+  return ExperimentSearch(explanation, episodes, options).Run();
+}
+
+}  // namespace hydroscope

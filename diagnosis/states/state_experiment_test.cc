@@ -1,0 +1,108 @@
+#include "diagnosis/states/state_experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "models/machine.h"
+
+namespace hydroscope {
+namespace {
+
+/// What leaves the store grows with the square of what is in it, or with the cube: alike as long as little moves.
+constexpr const char* kStore = R"toml([log]
+hold = "zero"
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "1" }
+[states]
+x = { ddt = "g*u - k*x + b", initial = "estimate" }
+[outputs]
+y = "x"
+[parameters]
+g = { start = 1, min = 0.2, max = 5 }
+k = { start = 1, min = 0.1, max = 5 }
+b = { start = 0, min = -2, max = 2 }
+[[effect]]
+id = "square"
+adds = { x = "-c*x^2" }
+parameters = { c = { start = 0.1, min = 0, max = 5 } }
+[[effect]]
+id = "cube"
+adds = { x = "-c*x^3" }
+parameters = { c = { start = 0.1, min = 0, max = 5 } }
+)toml";
+
+constexpr const char* kMayBeDriven = "[experiment]\nsignals = { u = { min = 0, max = 3.5 } }\n";
+
+Machine Store(const std::string& more = "") {
+  const auto machine = ParseMachine(kStore + more, "store");
+  EXPECT_TRUE(machine) << machine.error().text;
+  return machine.value_or(Machine{});
+}
+
+/// Inputs of an episode answered by the true store (the cube, 0.3), with noise.
+Episode Answered(Episode episode, std::uint32_t seed) {
+  constexpr int kSteps = 20;
+  constexpr double kNoise = 1e-3;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, kNoise);
+  double x = 0.9;
+  for (int row = 0; row < episode.rows(); ++row) {
+    episode.signal(row, 1) = x + normal(random);
+    if (row + 1 == episode.rows()) break;
+    const double h =
+        (episode.time[static_cast<std::size_t>(row) + 1] - episode.time[static_cast<std::size_t>(row)]) /
+        kSteps;
+    for (int s = 0; s < kSteps; ++s) {
+      const auto rate = [&](double at) { return episode.signal(row, 0) - 0.7 * at - 0.3 * at * at * at; };
+      x += h * rate(x + 0.5 * h * rate(x));
+    }
+  }
+  return episode;
+}
+
+/// Steps of 3 s about 1 V.
+Episode Recorded(int rows) {
+  Episode episode;
+  episode.signal.resize(rows, 2);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> level(0.85, 1.15);
+  for (int row = 0; row < rows; ++row) {
+    episode.time.push_back(0.1 * row);
+    episode.signal(row, 0) = row % 30 == 0 ? level(random) : episode.signal(row - 1, 0);
+  }
+  return Answered(std::move(episode), 1);
+}
+
+TEST(StateExperiment, WhatIsProposedTellsTheRivalsApart) {
+  const Machine machine = Store(kMayBeDriven);
+  std::vector<Episode> episodes = {Recorded(600)};
+  const StatesExplanation before = ExplainStates(machine, episodes);
+  ASSERT_EQ(before.verdict, Verdict::kAmbiguous);
+  const StateExperiment experiment = ProposeStateExperiment(before, episodes);
+  ASSERT_TRUE(experiment.settles());
+  const TriedRecord& best = experiment.tried.front();
+  EXPECT_GT(best.separation, 10 * experiment.now.separation);
+  EXPECT_GE(best.record.signal.col(0).minCoeff(), 0);
+  EXPECT_LE(best.record.signal.col(0).maxCoeff(), 3.5);
+  episodes.push_back(Answered(best.record, 2));
+  const StatesExplanation after = ExplainStates(machine, episodes);
+  EXPECT_EQ(after.verdict, Verdict::kNamed);
+  EXPECT_EQ(after.set, std::vector<std::string>{"cube"});
+}
+
+TEST(StateExperiment, InputsStayWithinWhatWasRecordedWhereNothingElseIsAllowed) {
+  const Machine machine = Store();
+  const std::vector<Episode> episodes = {Recorded(600)};
+  const StateExperiment experiment = ProposeStateExperiment(ExplainStates(machine, episodes), episodes);
+  ASSERT_FALSE(experiment.tried.empty());
+  for (const TriedRecord& tried : experiment.tried) {
+    EXPECT_GE(tried.record.signal.col(0).minCoeff(), episodes[0].signal.col(0).minCoeff() - 1e-9);
+    EXPECT_LE(tried.record.signal.col(0).maxCoeff(), episodes[0].signal.col(0).maxCoeff() + 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,117 @@
+#include "workbench/states/experiment_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "diagnosis/experiment/rival_separation.h"
+
+namespace hydroscope {
+namespace {
+
+std::string Moved(const StatesExplained& e, const TriedRecord& tried) {
+  return MoveText(tried.move, *e.explanation.final.fit.model, e.log.episodes.front());
+}
+
+std::string SeparationText(const StatesExplained& e) {
+  const StateExperiment& x = e.experiment;
+  if (!x.proposed())
+    return fmt::format(
+        "No record within what the inputs may be tells the rivals apart: the best, {}, has an expected separation of {:.0f} "
+        "where {:.0f} is worth the while. Say under signals of [experiment] in the machine file what else the inputs may be "
+        "run at, or measure another signal.",
+        x.tried.empty() ? "none" : Moved(e, x.tried.front()),
+        x.tried.empty() ? x.now.separation : x.tried.front().separation, kExperiment.worthwhile);
+  const TriedRecord& best = x.tried.front();
+  return fmt::format(
+      "Record {} ({:.3g} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain this log and that one "
+      "together.{}",
+      Moved(e, best), best.seconds, best.separation, x.now.separation, kExperiment.settled,
+      x.settles() ? "" : " It may not be enough.");
+}
+
+std::string UnseenParametersText(const StatesExplained& e) {
+  const StateExperiment& x = e.experiment;
+  const std::string names = fmt::format("{}", fmt::join(x.unseen, ", "));
+  if (!x.proposed())
+    return fmt::format(
+        "These data do not see {}, and no record within what the inputs may be shows all of them. Say under signals of "
+        "[experiment] in the machine file what else the inputs may be run at.",
+        names);
+  const TriedRecord& best = x.tried.front();
+  return fmt::format(
+      "To see {}, record {} ({:.3g} s): standard errors of at most {:.2g} % of the value in place of {:.2g} %; then "
+      "explain this log and that one together.",
+      names, Moved(e, best), best.seconds, 100 * best.standard_error, 100 * x.now.standard_error);
+}
+
+nlohmann::json SignalsJson(const StatesExplained& e, const TriedRecord& tried) {
+  nlohmann::json signals = nlohmann::json::array();
+  const Machine& machine = e.log.machine;
+  for (const RecordMove::Levels& levels : tried.move.inputs)
+    signals.push_back({{"signal", machine.signals[static_cast<std::size_t>(levels.signal)].name},
+                       {"speed", false},
+                       {"levels", {{levels.from, levels.to}}}});
+  if (!tried.move.course) return signals;
+  nlohmann::json levels = nlohmann::json::array();
+  for (const double level : tried.move.course->levels) levels.push_back({level, level});
+  signals.push_back({{"signal", tried.move.course->signal}, {"speed", false}, {"levels", levels}});
+  return signals;
+}
+
+nlohmann::json TriedJson(const StatesExplained& e, const TriedRecord& tried) {
+  nlohmann::json out = {
+      {"record", Moved(e, tried)},
+      {"signals", SignalsJson(e, tried)},
+      {"times_as_fast", tried.move.speed},
+      {"course", tried.move.course ? nlohmann::json(tried.move.course->name) : nlohmann::json()},
+      {"seconds", tried.seconds}};
+  if (e.experiment.rivals.empty())
+    out["standard_error"] = tried.standard_error;
+  else
+    out["separation"] = tried.separation;
+  return out;
+}
+
+}  // namespace
+
+std::optional<std::string> StatesToRecord(const StatesExplained& e) {
+  if (!e.experiment.rivals.empty()) return SeparationText(e);
+  if (!e.experiment.unseen.empty()) return UnseenParametersText(e);
+  return std::nullopt;
+}
+
+std::string RecordTable(const StatesExplained& e) {
+  constexpr std::size_t kShown = 8;
+  const StateExperiment& x = e.experiment;
+  if (x.tried.empty()) return "";
+  const bool rivals = !x.rivals.empty();
+  std::string text = fmt::format("\nWhat to record, best first\n  {:>10} {:>9}  {}\n",
+                                 rivals ? "separation" : "std error", "s", "record");
+  const auto line = [&](const TriedRecord& tried, const std::string& what) {
+    const std::string worth = rivals ? fmt::format("{:.0f}", tried.separation)
+                                     : fmt::format("{:.2g} %", 100 * tried.standard_error);
+    text += fmt::format("  {:>10} {:>9.3g}  {}\n", worth, tried.seconds, what);
+  };
+  for (std::size_t k = 0; k < std::min(kShown, x.tried.size()); ++k) line(x.tried[k], Moved(e, x.tried[k]));
+  line(x.now, "what was recorded, alone");
+  return text;
+}
+
+nlohmann::json ExperimentPlanJson(const StatesExplained& e) {
+  const StateExperiment& x = e.experiment;
+  if (!x.proposed()) return nullptr;
+  nlohmann::json plan = TriedJson(e, x.tried.front());
+  plan["strokes"] = 1;
+  plan["unseen"] = x.unseen;
+  plan["rivals"] = x.rivals;
+  plan[x.rivals.empty() ? "standard_error_now" : "separation_now"] =
+      x.rivals.empty() ? x.now.standard_error : x.now.separation;
+  plan["tried"] = nlohmann::json::array();
+  for (const TriedRecord& tried : x.tried) plan["tried"].push_back(TriedJson(e, tried));
+  return plan;
+}
+
+}  // namespace hydroscope
