@@ -157,9 +157,8 @@ void AddUsersCommand(CLI::App& app, int& exit_code) {
   };
   const auto takes_role = [&](CLI::App* command) {
     return command
-        ->add_option(
-            "--role", arguments->role,
-            "view: look; operate: also act on alarms; admin: also change what the machine is judged by")
+        ->add_option("--role", arguments->role,
+                     "view: look; operate: also act on alarms and work on models; admin: also promote them")
         ->check(CLI::IsMember({"view", "operate", "admin"}));
   };
   takes_role(takes_name(add("add", "A new user; the password is asked for, or the first line of stdin",

@@ -50,7 +50,8 @@ class AxisPipeline {
   bool StrokeEndsSoon() const;
   /// What came since the last call, to be stored.
   WriteItem TakeStep(std::vector<std::uint8_t> sender_marks);
-  /// Ends the run and begins another one, with `model`. Refused: the model has other parameters.
+  /// Ends the run and begins another one, with `model`. An estimator with other parameters starts anew. Error: the model
+  /// cannot be built; then the run goes on.
   Result<std::vector<WriteItem>> BeginNewRun(std::shared_ptr<const LiveModel> model,
                                              const std::vector<std::uint8_t>& sender_marks);
   /// Ends the run for good.

@@ -1,5 +1,7 @@
 #include "live/live_service.h"
 
+#include <fmt/ranges.h>
+
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -11,6 +13,7 @@
 #include "core/units.h"
 #include "live/log.h"
 #include "models/model_structure.h"
+#include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
 
 namespace hydroscope {
@@ -47,6 +50,7 @@ struct LiveService::AxisState {
   std::int64_t stored = 0;     ///< ns, when the last step went to the writer
   std::int64_t run_begun = 0;  ///< ns
   bool new_run_wanted = false;
+  std::shared_ptr<const LiveModel> model;  ///< its next run goes by; what was promoted is of an axis
 };
 
 Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) {
@@ -71,6 +75,27 @@ Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) 
   model->conditions = (*structure)->ConditionNames();
   return std::shared_ptr<const LiveModel>(std::move(model));
 }
+
+namespace {
+
+/// `model` with what was promoted for machine `id`; itself if nothing was.
+Result<std::shared_ptr<const LiveModel>> WithPromoted(const std::shared_ptr<const LiveModel>& model,
+                                                      const Database& database, const std::string& path,
+                                                      std::int64_t id) {
+  auto promoted = PromotedFor(database, path, id, model->machine, model->text);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (!*promoted) return model;
+  auto taken = std::make_shared<LiveModel>();
+  taken->text = std::move((*promoted)->text);
+  taken->machine = std::move((*promoted)->machine);
+  const auto structure = BuildModel(taken->machine);
+  if (!structure) return tl::unexpected(structure.error());
+  taken->columns = (*structure)->ColumnNames();
+  taken->conditions = (*structure)->ConditionNames();
+  return std::shared_ptr<const LiveModel>(std::move(taken));
+}
+
+}  // namespace
 
 Status OnlyLimitsDiffer(const Machine& before, const Machine& now) {
   if (WithoutLimits(before) == WithoutLimits(now)) return {};
@@ -110,6 +135,9 @@ Result<std::unique_ptr<LiveService>> LiveService::Create(const LiveOptions& opti
     std::vector<std::uint8_t> marks;
     auto axis = service->OpenAxis(*database, a, marks);
     if (!axis) return tl::unexpected(axis.error());
+    const auto promoted = database->PromotedModel(axis->machine);
+    if (!promoted) return tl::unexpected(promoted.error());
+    service->promotions_[a] = *promoted ? (*promoted)->version : 0;
     axes.push_back(std::move(*axis));
     service->aligner_->RestoreMarks(a, marks);
   }
@@ -130,7 +158,10 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
   const auto machine = database.MachineId(opened.name);
   if (!machine) return tl::unexpected(machine.error());
   opened.machine = *machine;
-  auto pipeline = AxisPipeline::Create(axis, model_);
+  const auto promoted = WithPromoted(model_, database, options_.database, *machine);
+  if (!promoted) LogError("promoted_model_not_used", {{"axis", opened.name}, {"why", promoted.error().text}});
+  opened.model = promoted.value_or(model_);
+  auto pipeline = AxisPipeline::Create(axis, opened.model);
   if (!pipeline) return tl::unexpected(pipeline.error());
   const auto newest = database.NewestRun(*machine);
   if (!newest) return tl::unexpected(newest.error());
@@ -153,14 +184,13 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
                                    {"strokes", std::to_string((*newest)->run.strokes)}});
     }
   }
-  const auto version =
-      database.PutModelVersion(*machine, {1, model_->text, model_->columns, 0, model_->conditions});
+  const auto version = VersionFor(
+      database, *machine, {1, opened.model->text, opened.model->columns, 0, opened.model->conditions});
   if (!version) return tl::unexpected(version.error());
   const auto run = database.BeginRun(*machine, *version, kLiveSource,
                                      fmt::format("live/{}/{}", opened.name, start_.wall_ns));
   if (!run) return tl::unexpected(run.error());
   opened.run = run->id;
-  opened.model = model_;
   const auto state = database.PipelineStateBefore(run->id);
   if (!state) return tl::unexpected(state.error());
   if (*state)
@@ -168,6 +198,7 @@ Result<LiveWriter::Axis> LiveService::OpenAxis(Database& database, int axis,
       LogWarning("estimator_starts_anew", {{"axis", opened.name}, {"why", restored.error().text}});
   auto made = std::make_unique<AxisState>();
   made->pipeline = std::move(*pipeline);
+  made->model = opened.model;
   made->run_begun = made->stored = start_.monotonic_ns;
   axes_.push_back(std::move(made));
   return opened;
@@ -206,9 +237,10 @@ void LiveService::Run() {
     for (const int axis : writer_->TakeBroken()) axes_[static_cast<std::size_t>(axis)]->new_run_wanted = true;
     {
       std::lock_guard lock(status_mutex_);
-      if (reloaded_) {
-        model_ = std::exchange(reloaded_, nullptr);
-        for (const auto& axis : axes_) axis->new_run_wanted = true;
+      if (reloaded_) model_ = std::exchange(reloaded_, nullptr);
+      for (auto& [axis, model] : std::exchange(next_models_, {})) {
+        axes_[static_cast<std::size_t>(axis)]->model = std::move(model);
+        axes_[static_cast<std::size_t>(axis)]->new_run_wanted = true;
       }
     }
     int steps = kStepsPerRound;
@@ -260,7 +292,7 @@ void LiveService::BeginNewRun(int a) {
   AxisState& axis = *axes_[static_cast<std::size_t>(a)];
   axis.new_run_wanted = false;
   axis.run_begun = clock_().monotonic_ns;
-  auto items = axis.pipeline->BeginNewRun(model_, aligner_->marks(a));
+  auto items = axis.pipeline->BeginNewRun(axis.model, aligner_->marks(a));
   if (!items) {
     LogError("run_goes_on", {{"axis", AxisMachineName(model_->machine, a)}, {"why", items.error().text}});
     return;
@@ -286,7 +318,43 @@ Status LiveService::Reload() {
     std::lock_guard lock(status_mutex_);
     reloaded_ = std::move(*model);
   }
+  promotions_.clear();  // every axis takes the new limits over
+  if (const auto taken = TakePromotions(); !taken) return told(tl::unexpected(taken.error()));
   return told({});
+}
+
+Result<bool> LiveService::TakePromotions() {
+  std::shared_ptr<const LiveModel> present;
+  {
+    std::lock_guard lock(status_mutex_);
+    present = reloaded_ ? reloaded_ : model_;
+  }
+  auto database = Database::OpenReadOnly(options_.database);
+  if (!database) return tl::unexpected(database.error());
+  bool changed = false;
+  for (int a = 0; a < AxisCount(present->machine); ++a) {
+    const std::string name = AxisMachineName(present->machine, a);
+    const auto id = database->MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    const auto promoted = database->PromotedModel(*id);
+    if (!promoted) return tl::unexpected(promoted.error());
+    const int version = *promoted ? (*promoted)->version : 0;
+    if (const auto known = promotions_.find(a); known != promotions_.end() && known->second == version)
+      continue;
+    promotions_[a] = version;
+    auto model = WithPromoted(present, *database, options_.database, *id);
+    if (!model) {
+      LogError("promoted_model_not_used", {{"axis", name}, {"why", model.error().text}});
+      continue;
+    }
+    LogInfo(
+        "model_taken_over",
+        {{"axis", name}, {"effects", fmt::format("{}", fmt::join((*model)->machine.added_effects, " "))}});
+    std::lock_guard lock(status_mutex_);
+    next_models_[a] = std::move(*model);
+    changed = true;
+  }
+  return changed;
 }
 
 std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {

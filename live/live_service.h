@@ -3,6 +3,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -53,6 +54,10 @@ class LiveService {
   /// Reads the machine file again and takes over limits (min, max, stuck_time, monitors); each axis begins a
   /// new run from its present state. Errors: file bad, or something else than limits changed; then all stays.
   Status Reload();
+  /// Looks whether another model was promoted for an axis since (`model promote`, or the page): the axis goes by it from its
+  /// next pause between strokes on, in a run of its own. True: there was one. Errors: the database cannot be read. To be called
+  /// by the thread that calls Reload.
+  Result<bool> TakePromotions();
   LiveStatus status() const;
   std::vector<double> TakeLatencies() { return writer_->TakeLatencies(); }
   const Machine& machine() const { return first_model_->machine; }
@@ -95,7 +100,9 @@ class LiveService {
   mutable std::condition_variable status_changed_;
   mutable std::atomic<bool> status_wanted_{false};
   LiveStatus status_;
-  std::shared_ptr<const LiveModel> reloaded_;  ///< waits for the pipeline's thread
+  std::shared_ptr<const LiveModel> reloaded_;                    ///< waits for the pipeline's thread
+  std::map<int, std::shared_ptr<const LiveModel>> next_models_;  ///< by axis: so do these
+  std::map<int, int> promotions_;  ///< by axis: version promoted last that was looked at
   std::atomic<bool> stop_{false};
   std::int64_t heartbeats_ = 0;
   std::thread thread_;

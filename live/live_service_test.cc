@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/expect_ok.h"
@@ -14,10 +15,12 @@
 #include "live/live_status.h"
 #include "live/verify_live.h"
 #include "machines/die_cushion/press_file_fixture.h"
+#include "models/model_structure.h"
 #include "monitor/learning_check.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/raw_log.h"
 #include "simulator/die_cushion/press.h"
+#include "workbench/model/model_edit.h"
 
 namespace hydroscope {
 namespace {
@@ -87,6 +90,7 @@ class PlayedSource : public Source {
     if (thread_.joinable()) thread_.join();
   }
   static std::atomic<bool> done;
+  static std::atomic<std::size_t> hold_at;  ///< row before which it waits
 
  private:
   void Play(const Sink& sink) {
@@ -94,6 +98,7 @@ class PlayedSource : public Source {
     const std::size_t rows = kRowsPerBatch * thinned_;
     for (std::size_t row = from_; row + rows <= to_ && !stop_; row += rows) {
       const auto at = static_cast<std::int64_t>(1e9 + static_cast<double>(row + rows) * kPeriod * 1e9);
+      while (row >= hold_at && !stop_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
       clock_.Set(at);
       if (drop_every_ > 0 && (row / kRowsPerBatch) % drop_every_ == drop_every_ - 1) continue;
       SampleBatch batch{.session = session_,
@@ -131,6 +136,7 @@ class PlayedSource : public Source {
   std::thread thread_;
 };
 std::atomic<bool> PlayedSource::done{false};
+std::atomic<std::size_t> PlayedSource::hold_at{std::numeric_limits<std::size_t>::max()};
 
 class LiveServiceTest : public testing::Test {
  protected:
@@ -379,6 +385,42 @@ TEST_F(LiveServiceTest, ASecondLifeContinuesFromTheStoredStateAndTakesNoRowTwice
   EXPECT_LT(first_of_second->estimate.std, trend->front().estimate.std);
 }
 
+TEST_F(LostDatabaseTest, AModelPromotedMeanwhileIsThatOfItsAxisFromTheNextPauseOnAndAfterARestart) {
+  PlayedSource::hold_at = 15'000;
+  Begin();
+  auto machine = ParseMachine(kMachine, "press");
+  ASSERT_TRUE(machine) << machine.error().text;
+  machine->added_effects = {"external_leakage"};
+  machine->model_version = 2;
+  auto database = Database::Open(options_.database);
+  ASSERT_TRUE(database) << database.error().text;
+  const std::int64_t left = database->MachineId("press/left").value(),
+                     right = database->MachineId("press/right").value();
+  const auto model = BuildModel(*machine).value();
+  const auto version = database->PutModelVersion(
+      left, {0, EditedMachineText(kMachine, *machine), model->ColumnNames(), 0, model->ConditionNames()});
+  ASSERT_TRUE(version) << version.error().text;
+  EXPECT_FALSE(service_->TakePromotions().value()) << "it is only stored";
+  EXPECT_OK(database->PromoteModel(left, *version));
+  EXPECT_TRUE(service_->TakePromotions().value());
+  EXPECT_FALSE(service_->TakePromotions().value()) << "once";
+  PlayedSource::hold_at = std::numeric_limits<std::size_t>::max();
+  while (!PlayedSource::done) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(service_->Stop());
+  service_.reset();
+
+  const auto runs = database->Runs(left);
+  ASSERT_EQ(runs->size(), 2u);
+  EXPECT_EQ(runs->back().model_version, *version);
+  EXPECT_GT(runs->front().strokes, 1);
+  EXPECT_GT(runs->back().strokes, 1);
+  EXPECT_EQ(database->Runs(right)->size(), 1u) << "its model is another's";
+  ExpectReplayIsTheSame(3);
+  Serve(25'000, 30'000);
+  EXPECT_EQ(database->Runs(left)->back().model_version, *version);
+  EXPECT_EQ(database->Runs(right)->back().model_version, 1);
+}
+
 TEST_F(LiveServiceTest, NewLimitsAreTakenOverWithoutLosingTheState) {
   Serve(0, 10'000, 0, [this](LiveService& service) {
     std::string text = kMachine;
@@ -443,7 +485,13 @@ TEST(RawName, TellsDatabaseAxisRunAndTimes) {
   EXPECT_EQ(piece->run, 12);
   EXPECT_EQ(piece->from, 5);
   EXPECT_EQ(piece->to, 60);
+  EXPECT_FALSE(piece->by_time);
   EXPECT_EQ(ParseRawName("press.db#/3@:10")->to, 10);
+  const auto by_time = ParseRawName("press.db#press/left/3@=1700000005.5:1700000060");
+  ASSERT_TRUE(by_time);
+  EXPECT_TRUE(by_time->by_time);
+  EXPECT_EQ(by_time->from, 1700000005.5);
+  EXPECT_EQ(by_time->axis, "press/left");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "live/surveillance.h"
 
 #include "live/log.h"
+#include "monitor/promoted_model.h"
 
 namespace hydroscope {
 
@@ -38,11 +39,20 @@ void Surveillance::Begin() {
                                           clock_);
 }
 
+/// Judges by the models in force; where one that was promoted cannot be used, which the service tells, by the machine file's.
+Result<std::unique_ptr<PressMonitor>> Surveillance::MakeJudge() const {
+  std::vector<Machine> axes = MachinesOfAxes(machine_);
+  if (auto database = Database::Open(options_.database))
+    if (auto stored = StoredAxes(options_.database, machine_, *database);
+        stored && stored->size() == axes.size())
+      axes = std::move(*stored);
+  return PressMonitor::Create(options_.machine_file, machine_.name, std::move(axes), options_.database);
+}
+
 /// nullptr, with the reason in `not_watched_`, if the model's parameters cannot be watched or journal or rules
 /// are unusable: the strokes are stored all the same and can be judged later.
 std::unique_ptr<PressMonitor> Surveillance::MakePressMonitor() {
-  auto press_monitor =
-      PressMonitor::Create(options_.machine_file, machine_.name, MachinesOfAxes(machine_), options_.database);
+  auto press_monitor = MakeJudge();
   const Status usable =
       press_monitor ? (*press_monitor)->watchable() : Status(tl::unexpected(press_monitor.error()));
   std::lock_guard lock(mutex_);

@@ -30,6 +30,8 @@ class Surveillance {
   void Look();
   /// Goes on with another machine file or other rules.
   void Reload(const Machine& machine);
+  /// Goes on with the models that were promoted meanwhile.
+  void TakePromotions() { Reload(machine_); }
   /// Ends the drift watch; Finish judges what was stored since.
   void Stop();
   void Finish();
@@ -40,6 +42,7 @@ class Surveillance {
   void Begin();
   void BeginAnew(const std::string& why);
   std::unique_ptr<PressMonitor> MakePressMonitor();
+  Result<std::unique_ptr<PressMonitor>> MakeJudge() const;
   std::string WhyNotJudged() const;
   DriftWatchStatus Drift() const;
   std::string press() const;

@@ -9,6 +9,7 @@
 
 #include "core/quantile.h"
 #include "live/log.h"
+#include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
 #include "storage/set_aside.h"
 
@@ -349,8 +350,8 @@ bool LiveWriter::DiskHasRoom() {
 
 /// `ending` of the run's fingerprint.
 Status LiveWriter::BeginRun(Axis& axis, const char* ending) {
-  const auto version = database_->PutModelVersion(
-      axis.machine, {1, axis.model->text, axis.model->columns, 0, axis.model->conditions});
+  const auto version = VersionFor(*database_, axis.machine,
+                                  {1, axis.model->text, axis.model->columns, 0, axis.model->conditions});
   if (!version) return tl::unexpected(version.error());
   const auto run = database_->BeginRun(axis.machine, *version, kLiveSource,
                                        fmt::format("live/{}/{}{}", axis.name, clock_().wall_ns, ending));

@@ -132,6 +132,23 @@ Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
   return mapping;
 }
 
+Result<StrokeStretch> ParseStrokeStretch(const std::string& body) {
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  const auto machine = TextOf(*json, "machine");
+  if (!machine) return tl::unexpected(machine.error());
+  StrokeStretch stretch{*machine, 0, 0};
+  for (const auto& [key, stroke] : {std::pair{"first", &stretch.first}, {"last", &stretch.last}}) {
+    const auto number = NumberOf(*json, key);
+    if (!number) return tl::unexpected(number.error());
+    if (!*number || **number < 0 || **number > 9e15 || **number != std::floor(**number))
+      return BadInput("{}: expected the number of a stroke", key);
+    *stroke = static_cast<std::int64_t>(**number);
+  }
+  if (stretch.last < stretch.first) return BadInput("last: expected no stroke before {}", stretch.first);
+  return stretch;
+}
+
 Result<std::string> ParseText(const std::string& body, const std::string& key) {
   const auto json = ParseObject(body);
   if (!json) return tl::unexpected(json.error());

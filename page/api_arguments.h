@@ -37,6 +37,14 @@ struct ColumnMapping {
 /// "max"}]}; all may be absent.
 Result<ColumnMapping> ParseColumnMapping(const std::string& body);
 
+/// Strokes `first` to `last` of a machine of a trend database.
+struct StrokeStretch {
+  std::string machine;
+  std::int64_t first = 0, last = -1;
+};
+/// Of {"machine", "first", "last"}. Errors name the key and what was expected.
+Result<StrokeStretch> ParseStrokeStretch(const std::string& body);
+
 /// The value of `key` in {"key": "text"}. Error: it is none.
 Result<std::string> ParseText(const std::string& body, const std::string& key);
 

@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)ParseWorkRequest(body);
   (void)ParseColumnMapping(body);
   (void)ParseText(body, "name");
+  (void)ParseStrokeStretch(body);
   (void)ParseOwnEffect(body);
   (void)ParseAlarmRequest(body);
   const std::size_t comma = body.find(',');  // two arguments of a query

@@ -145,5 +145,18 @@ TEST(ApiArguments, TakesQuestionsAboutTrends) {
   EXPECT_FALSE(ParseTrendQuestion({{"machine", "press 7"}}));
 }
 
+TEST(StrokeStretch, IsAMachineAndStrokesInOrder) {
+  const auto stretch = ParseStrokeStretch(R"({"machine": "press/left", "first": 110, "last": 151})");
+  ASSERT_TRUE(stretch) << stretch.error().text;
+  EXPECT_EQ(stretch->machine, "press/left");
+  EXPECT_EQ(stretch->first, 110);
+  EXPECT_EQ(stretch->last, 151);
+  for (const char* wrong :
+       {"[]", R"({"machine": 3, "first": 1, "last": 2})", R"({"machine": "a", "first": 1})",
+        R"({"machine": "a", "first": -1, "last": 2})", R"({"machine": "a", "first": 1.5, "last": 2})",
+        R"({"machine": "a", "first": 1, "last": 1e300})", R"({"machine": "a", "first": 3, "last": 2})"})
+    EXPECT_FALSE(ParseStrokeStretch(wrong)) << wrong;
+}
+
 }  // namespace
 }  // namespace hydroscope

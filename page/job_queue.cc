@@ -1,5 +1,7 @@
 #include "page/job_queue.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +11,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kEndedKept = 20;
+constexpr int kNiceOfWork = 10;  ///< a service beside it cannot wait
 
 nlohmann::json JobJson(std::int64_t id, const std::string& kind, const std::string& state,
                        const std::string& what, double share, const std::string& error) {
@@ -82,6 +85,7 @@ nlohmann::json JobQueue::Json() const {
 }
 
 void JobQueue::Run() {
+  setpriority(PRIO_PROCESS, 0, kNiceOfWork);  // of this thread
   std::unique_lock lock(mutex_);
   const auto next = [this] {
     return std::find_if(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.state == "waiting"; });

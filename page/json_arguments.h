@@ -8,7 +8,8 @@
 
 namespace hydroscope {
 
-inline constexpr std::size_t kLongestText = 400;  ///< characters of a text in a request
+inline constexpr std::size_t kLongestText = 400;      ///< characters of a text in a request
+inline constexpr std::size_t kLongestComment = 2000;  ///< and of what a person says
 
 /// The object a body is. Error: it is none.
 Result<nlohmann::json> ParseObject(const std::string& body);

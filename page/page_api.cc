@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "page/assets.h"
+#include "page/json_arguments.h"
 #include "page/json_reply.h"
 #include "page/request_guard.h"
 
@@ -95,6 +96,19 @@ HttpReply PostEffect(WorkSession& session, const HttpRequest& request) {
   return effect ? DoneReply(session.TakeEffect(*effect)) : FailureReply(effect.error());
 }
 
+HttpReply PostStrokes(WorkSession& session, const HttpRequest& request) {
+  const auto stretch = ParseStrokeStretch(request.body);
+  return stretch ? DoneReply(session.TakeStrokes(*stretch)) : FailureReply(stretch.error());
+}
+
+HttpReply PostPromote(WorkSession& session, const HttpRequest& request) {
+  const auto json = ParseObject(request.body);
+  if (!json) return FailureReply(json.error());
+  const auto comment = TextOf(*json, "comment", kLongestComment);
+  return comment ? JobReply(session.StartPromotion(*comment, request.who.name))
+                 : FailureReply(comment.error());
+}
+
 struct WorkRoute : ApiRoute {
   HttpReply (*answer)(WorkSession&, const HttpRequest&);
 };
@@ -115,6 +129,8 @@ constexpr WorkRoute kWorkRoutes[] = {
     {{"POST", "effect", kWork}, PostEffect},
     {{"POST", "work", kWork}, PostWork},
     {{"POST", "save", UserRole::kAdmin}, PostSave},
+    {{"POST", "strokes", kWork}, PostStrokes},
+    {{"POST", "promote", UserRole::kAdmin, true}, PostPromote},
     {{"POST", "hold_out", kWork}, PostHoldOut},
     {{"POST", "start_over", kWork},
      [](WorkSession& s, const HttpRequest&) {
@@ -170,6 +186,9 @@ HttpReply PageApi::Answer(const HttpRequest& request) {
   if (what.starts_with(kWatchPath))
     return watch_ != nullptr ? watch_->Answer(request)
                              : ErrorReply(404, "no database is watched here (open --db)");
+  if (what == "save" && login_ != nullptr)
+    return ErrorReply(403,
+                      "a service keeps no files for others: download the machine file, or promote the model");
   for (const WorkRoute& work : kWorkRoutes)
     if (session_ != nullptr && what == work.path && request.method == work.method)
       return work.answer(*session_, request);
@@ -185,6 +204,7 @@ nlohmann::json PageApi::Session(const Who& who) const {
                                                : nlohmann::json{{"machine", nullptr},
                                                                 {"file", nullptr},
                                                                 {"unsaved", false},
+                                                                {"strokes", nullptr},
                                                                 {"units", nlohmann::json::object()}};
   for (const char* list : {"logs", "versions", "results", "jobs", "examples"})
     if (!session.contains(list)) session[list] = nlohmann::json::array();

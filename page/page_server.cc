@@ -80,6 +80,7 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
     if (const auto database = Database::OpenReadOnly(options.watch.database); !database)
       return tl::unexpected(database.error());
     impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
+    impl.session->set_database(options.watch.database);
   }
   impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), nullptr);
   const Status listening =
@@ -103,7 +104,11 @@ Result<std::unique_ptr<PageServer>> PageServer::OpenForService(const ServicePage
   impl.gate = std::make_unique<Gate>(*impl.logins, at_home, cookie);
   impl.login = std::make_unique<LoginApi>(*impl.logins, cookie, tls, !at_home);
   impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
-  impl.api = std::make_unique<PageApi>(nullptr, impl.watch.get(), impl.login.get());
+  auto session = WorkSession::Create({}, "", {}, impl.feed);
+  if (!session) return tl::unexpected(session.error());
+  impl.session = std::move(*session);
+  impl.session->set_database(options.watch.database);
+  impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), impl.login.get());
   const Status listening = page->Listen(
       options.listen, [page = page.get(), service = options.service](const HttpRequest& request) {
         const auto answer = service(request);

@@ -37,7 +37,7 @@ class PageServer {
   /// Errors: the machine file is wrong, the database cannot be read, the port is taken, or the program was built without the
   /// page.
   static Result<std::unique_ptr<PageServer>> Open(const PageOptions& options);
-  /// Without the workbench. A program that was built without the page serves the rest. Errors as of HttpServer::Open, and other
+  /// The workbench is one for all who are logged in. A program that was built without the page serves the rest. Errors as of HttpServer::Open, and other
   /// computers would reach it without TLS.
   static Result<std::unique_ptr<PageServer>> OpenForService(const ServicePageOptions& options);
   ~PageServer();

@@ -159,9 +159,39 @@ Status WorkSession::HoldOut(const std::string& name) {
   return {};
 }
 
+Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
+  if (database_.empty()) return BadInput("no database is watched here");
+  const auto kept = FindKeptStrokes(database_, stretch);
+  if (!kept) return tl::unexpected(kept.error());
+  StartOver();
+  const std::string axis = stretch.machine.substr(stretch.machine.rfind('/') + 1);
+  if (const Status used = UseMachine(axis + ".toml", kept->definition, ""); !used) return used;
+  const std::lock_guard lock(mutex_);
+  for (const KeptStrokes::Piece& piece : kept->pieces)
+    logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
+  strokes_of_ = {stretch.machine, kept->pieces.front().first, kept->pieces.back().last};
+  ForgetResults();
+  Changed();
+  return {};
+}
+
+Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, const std::string& user) {
+  if (comment.find_first_not_of(" \t\n") == std::string::npos) return BadInput("comment: expected a text");
+  const std::lock_guard lock(mutex_);
+  if (strokes_of_.machine.empty())
+    return BadInput("these strokes are of no database: take those of an alarm or of a trend");
+  const Promotion promotion{database_, strokes_of_.machine, ReadWhole(machine_file_), user, comment};
+  return jobs_.Add("promote", "", [this, promotion]() -> Status {
+    const Status promoted = Promote(promotion);
+    if (promoted) Changed();
+    return promoted;
+  });
+}
+
 void WorkSession::StartOver() {
   const std::lock_guard lock(mutex_);
   logs_.clear();
+  strokes_of_ = {};
   hold_out_.clear();
   machine_file_.clear();
   target_.clear();
@@ -363,6 +393,7 @@ nlohmann::json WorkSession::Json() const {
                         {"jobs", std::move(jobs)},
                         {"examples", nlohmann::json::array()},
                         {"unsaved", false},
+                        {"strokes", nullptr},
                         {"file", target_.empty() ? nlohmann::json() : nlohmann::json(target_)}};
   for (const ExampleLog& example : examples_) out["examples"].push_back(example.id);
   for (const LogFile& log : logs_) {
@@ -372,6 +403,9 @@ nlohmann::json WorkSession::Json() const {
                            {"bytes", gone ? nlohmann::json() : nlohmann::json(bytes)},
                            {"held_out", log.path == hold_out_}});
   }
+  if (!strokes_of_.machine.empty())
+    out["strokes"] = {
+        {"machine", strokes_of_.machine}, {"first", strokes_of_.first}, {"last", strokes_of_.last}};
   const auto machine = LoadMachine(machine_file_);
   if (machine_file_.empty() || !machine) return out;
   out["machine"] = ModelJson(*machine);

@@ -14,6 +14,7 @@
 #include "page/job_queue.h"
 #include "page/own_effect.h"
 #include "page/scratch_folder.h"
+#include "page/stored_strokes.h"
 #include "page/work_results.h"
 #include "setup/log_columns.h"
 
@@ -35,7 +36,7 @@ class WorkSession {
                                                      const std::string& machine_file,
                                                      std::vector<ExampleLog> examples, EventFeed& feed);
 
-  /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`, `examples`, `unsaved`.
+  /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`, `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null).
   nlohmann::json Json() const;
 
   /// A file for an upload to be written to, in a folder of its own.
@@ -49,6 +50,14 @@ class WorkSession {
   Status HoldOut(const std::string& log);
   /// Forgets logs and machine file.
   void StartOver();
+
+  /// Whose strokes can be worked on; "": none. To be said before anybody asks.
+  void set_database(std::string path) { database_ = std::move(path); }
+  /// Takes strokes of a machine of the database, as far as their raw rows are kept, and its model in place of logs and machine
+  /// file. Errors as of FindKeptStrokes.
+  Status TakeStrokes(const StrokeStretch& stretch);
+  /// Makes the model worked on the one of the machine whose strokes these are. Error: they are of no database, or no comment.
+  Result<std::int64_t> StartPromotion(const std::string& comment, const std::string& user);
 
   /// The proposal for the first log with columns mapped so. Error: there is no log, or it cannot be read.
   Result<nlohmann::json> Propose(const ColumnMapping& mapping);
@@ -101,7 +110,9 @@ class WorkSession {
 
   mutable std::mutex mutex_;
   std::vector<LogFile> logs_;
-  std::string hold_out_;      ///< path of one of them; "" = none
+  std::string hold_out_;  ///< path of one of them; "" = none
+  std::string database_;
+  StrokeStretch strokes_of_;  ///< strokes of the database that are worked on; no machine: none
   std::string machine_file_;  ///< the copy; "" = none yet
   std::string target_;        ///< where Save writes; "" = has to be named
   std::string saved_text_;    ///< of `target_` when it was read or written last

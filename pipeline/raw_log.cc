@@ -90,8 +90,10 @@ class RawReader : public LogReader {
   LogCounters counters_;
 };
 
-/// "5:60" -> 5, 60; both may be left out.
-bool ParseRange(const std::string& text, RawName& name) {
+/// "5:60" -> 5, 60; both may be left out. "=5:60": times of the rows.
+bool ParseRange(std::string text, RawName& name) {
+  name.by_time = text.starts_with('=');
+  if (name.by_time) text.erase(0, 1);
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) return false;
   const auto number = [](const std::string& part, std::optional<double>& value) {
@@ -172,7 +174,7 @@ Result<std::unique_ptr<LogReader>> OpenRaw(const RawName& name, const Machine& m
         "{}: the machine file has no [live] grid_period; take the one the service "
         "ran with, or give [log] sample_period",
         name.database);
-  const double first = runs->front().first;
+  const double first = name.by_time ? 0 : runs->front().first;
   return std::unique_ptr<LogReader>(
       std::make_unique<RawReader>(std::move(*database), *runs, name.from ? first + *name.from : -kForever,
                                   name.to ? first + *name.to : kForever, machine));

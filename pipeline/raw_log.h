@@ -15,13 +15,15 @@ namespace hydroscope {
 ///   press.db#cushion_1          everything kept of axis cushion_1
 ///   press.db#cushion_1/12       run 12 of it
 ///   press.db#cushion_1/12@5:60  of that (or of all runs) only s 5 to 60 after its first row
+///   press.db#cushion_1/12@=1772352005:1772352060  the same by the times of the rows, which stay when the oldest rows go
 ///
 /// The part behind # is the machine's name in the database, or its end behind the last /; it may be empty if
 /// the database has one machine.
 struct RawName {
   std::string database, axis;
   std::int64_t run = 0;            ///< 0: all
-  std::optional<double> from, to;  ///< s after the first row
+  std::optional<double> from, to;  ///< s after the first row ...
+  bool by_time = false;            ///< ... or times of the rows themselves
 };
 /// nullopt if `log` is no such name (no '#' behind a database file).
 std::optional<RawName> ParseRawName(const std::string& log);

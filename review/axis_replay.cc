@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "models/machine_kind.h"
+#include "monitor/promoted_model.h"
 #include "pipeline/log_fingerprint.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/log_trust.h"
@@ -15,7 +16,7 @@
 #include "report/explain_report.h"
 #include "report/stroke_overlays.h"
 #include "review/replay_report.h"
-#include "workbench/model/model_edit.h"
+#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {
@@ -60,25 +61,6 @@ struct AxisReplay::ReportCollector {
   Pipeline::EquationTap tap;
 };
 
-/// Takes effects, their values and history of the model promoted last for machine `id` over into `machine`,
-/// and returns that version; nullopt without one, or if the machine file's are the same.
-Result<std::optional<ModelVersion>> TakePromoted(const Database& database, const std::string& path,
-                                                 std::int64_t id, Machine& machine) {
-  auto promoted = database.PromotedModel(id);
-  if (!promoted || !*promoted) return promoted;
-  const auto model = ParseMachine((*promoted)->definition, machine.name);
-  if (!model)
-    return BadInput("{}: the promoted model (version {}) cannot be read: {}", path, (*promoted)->version,
-                    model.error().text);
-  if (model->added_effects == machine.added_effects && model->effect_values == machine.effect_values)
-    return std::nullopt;
-  machine.added_effects = model->added_effects;
-  machine.effect_values = model->effect_values;
-  machine.model_version = model->model_version;
-  machine.model_history = model->model_history;
-  return promoted;
-}
-
 Status AxisReplay::Store(ReplayOutcome& outcome) {
   if (const Status ready = Prepare(); !ready) return ready;
   outcome.machine = machine_;
@@ -95,14 +77,13 @@ bool AxisReplay::IsOfEarlierModel(const std::string& settings) const {
 /// Takes over the promoted model; the text that describes the machine then.
 Result<std::string> AxisReplay::TakePromotedModel() {
   const std::string definition = ReadText(options_.machine_file);
-  const auto promoted = TakePromoted(database_, options_.database, machine_id_, file_machine_);
+  auto promoted = PromotedFor(database_, options_.database, machine_id_, file_machine_, definition);
   if (!promoted) return tl::unexpected(promoted.error());
   if (!*promoted) return definition;
+  file_machine_ = std::move((*promoted)->machine);
   promoted_note_ = fmt::format("model version {} of the database is used, as it was promoted: {}",
                                (*promoted)->version, ModelName(file_machine_));
-  const auto model = ParseMachine((*promoted)->definition, file_machine_.name);
-  return model && *model == file_machine_ ? (*promoted)->definition
-                                          : EditedMachineText(definition, file_machine_);
+  return (*promoted)->text;
 }
 
 Status AxisReplay::Prepare() {
@@ -117,7 +98,8 @@ Status AxisReplay::Prepare() {
   model_ = (*pipeline)->shared_model();
   settings_ = FingerprintSettings(machine_, StateLayout(**pipeline));
   if (const Status read = ReadEarlierSettings(); !read) return read;
-  const auto version = StoreVersion(*definition);
+  const auto version = VersionFor(database_, machine_id_,
+                                  {1, *definition, model_->ColumnNames(), 0, model_->ConditionNames()});
   if (!version) return tl::unexpected(version.error());
   model_version_ = *version;
   return {};
@@ -137,16 +119,6 @@ Status AxisReplay::ReadEarlierSettings() {
       earlier_settings_.push_back(FingerprintSettings(machine, StateLayout(**pipeline)));
   }
   return {};
-}
-
-/// The promoted version itself if it is the same, else the definition as a version of its own.
-Result<int> AxisReplay::StoreVersion(const std::string& definition) {
-  const auto promoted = database_.PromotedModel(machine_id_);
-  if (!promoted) return tl::unexpected(promoted.error());
-  if (*promoted && (*promoted)->definition == definition && (*promoted)->columns == model_->ColumnNames())
-    return (*promoted)->version;
-  return database_.PutModelVersion(machine_id_,
-                                   {1, definition, model_->ColumnNames(), 0, model_->ConditionNames()});
 }
 
 /// Fingerprint of the log; an error if its strokes are in the database already under other settings.

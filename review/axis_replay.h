@@ -13,11 +13,6 @@
 
 namespace hydroscope {
 
-/// Takes effects, their values and history of the model promoted last for machine `id` over into `machine`,
-/// and returns that version; nullopt without one, or if the machine file's are the same.
-Result<std::optional<ModelVersion>> TakePromoted(const Database& database, const std::string& path,
-                                                 std::int64_t id, Machine& machine);
-
 /// Stores the strokes of one axis, or of a machine that is its only one, and writes its report.
 class AxisReplay {
  public:
@@ -43,7 +38,6 @@ class AxisReplay {
   Result<std::string> TakePromotedModel();
   Status ReadEarlierSettings();
   bool IsOfEarlierModel(const std::string& settings) const;
-  Result<int> StoreVersion(const std::string& definition);
   Result<std::unique_ptr<LogReader>> Open(const std::string& log, std::string& note) const;
   LogReplay ReplayLog(const std::string& log, const std::string& count);
   Status Identify(LogReader& reader, const std::string& what, LogReplay& replay);

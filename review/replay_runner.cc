@@ -5,6 +5,7 @@
 
 #include "host/real_clock.h"
 #include "monitor/press_monitor.h"
+#include "monitor/promoted_model.h"
 #include "pipeline/axis_log.h"
 #include "report/drift_report.h"
 #include "review/axis_replay.h"
@@ -18,25 +19,6 @@ std::string ReportOfAxis(const std::string& report, const std::string& axis) {
   if (report.empty()) return "";
   const std::filesystem::path path(report);
   return path.parent_path() / (path.stem().string() + "_" + axis + path.extension().string());
-}
-
-/// All axes of the press that the database holds, with the models in force.
-Result<std::vector<Machine>> StoredAxes(const ReplayOptions& options, const Machine& machine,
-                                        Database& database) {
-  const auto names = database.MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  std::vector<Machine> axes;
-  for (int axis = 0; axis < AxisCount(machine); ++axis) {
-    const std::string name = AxisMachineName(machine, axis);
-    if (std::find(names->begin(), names->end(), name) == names->end()) continue;
-    const auto id = database.MachineId(name);
-    if (!id) return tl::unexpected(id.error());
-    Machine own = machine;
-    if (const auto taken = TakePromoted(database, options.database, *id, own); !taken)
-      return tl::unexpected(taken.error());
-    axes.push_back(MachineOfAxis(own, axis));
-  }
-  return axes;
 }
 
 /// What watching for drift says about one machine.
@@ -63,7 +45,7 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
 Status WatchForDrift(const ReplayOptions& options, const Machine& machine, PressReplay& replay) {
   auto database = Database::Open(options.database);
   if (!database) return tl::unexpected(database.error());
-  auto axes = StoredAxes(options, machine, *database);
+  auto axes = StoredAxes(options.database, machine, *database);
   if (!axes) return tl::unexpected(axes.error());
   const auto created =
       PressMonitor::Create(options.machine_file, machine.name, std::move(*axes), options.database);

@@ -15,7 +15,6 @@ constexpr std::pair<const char*, Action> kActions[] = {{"acknowledge", Action::k
                                                        {"comment", Action::kComment}};
 constexpr double kLongestShelf =
     31 * 86400.0;  ///< s: what is put aside for longer is out of service (`alarms out-of-service`)
-constexpr std::size_t kLongestComment = 2000;
 
 }  // namespace
 

@@ -243,7 +243,7 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
   if (monitor_)
     if (const Status looked = monitor_->Look(); !looked) not_looked_ = looked.error().text;
   std::vector<TrendPoint> latest;
-  if (end_ > 0) {
+  if (model_ != nullptr) {  // first strokes make another object (Watcher)
     auto points = sources_.database.Trend(id_, "", end_ - 1, end_);
     if (!points) return tl::unexpected(points.error());
     latest = std::move(*points);

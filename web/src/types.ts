@@ -30,6 +30,8 @@ export interface Session {
   examples: string[];
   unsaved: boolean;
   file: string | null;
+  /** Strokes of the database that are worked on. */
+  strokes: { machine: string; first: number; last: number } | null;
   /** A database is watched beside the logs. */
   watched: boolean;
   /** There is a workbench. */

@@ -30,9 +30,11 @@ export function Start() {
     for (const file of order)
       await attempt(say("uploading", { name: file.name }), () => upload(file.name.endsWith(".toml") ? "machine" : "logs", file));
   };
+  if (session && !session.changes) return <section class="start"><h1>{say("startTitle")}</h1><p>{session.user ? say("onlyView") : say("loginToAct")}</p></section>;
   return (
     <section class="start">
       <h1>{say("startTitle")}</h1>
+      {session?.watched && <p>{say("startFromAlarm")}</p>}
       <div class={over ? "drop over" : "drop"}
         onDragOver={(e) => { e.preventDefault(); setOver(true); }}
         onDragLeave={() => setOver(false)}
@@ -46,7 +48,7 @@ export function Start() {
       </div>
       {busy && <p role="status" class="busy">{busy}</p>}
       {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
-      <h2>{say("startExamples")}</h2>
+      {(session?.examples.length ?? 0) > 0 && <h2>{say("startExamples")}</h2>}
       <div class="examples">
         {session?.examples.map((id) => (
           <button key={id} disabled={busy !== ""} onClick={() => void attempt(say("simulating"), () => work("example", { id }, "example"))}>

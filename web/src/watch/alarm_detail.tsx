@@ -5,6 +5,7 @@ import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { sinceText, sizeText } from "./alarms";
 import { StrokePicture } from "./overview";
+import { ToWorkbench } from "./to_workbench";
 import { dateText, isDate } from "./shown";
 import { refreshWatch, useWatch } from "./watch_store";
 import type { Alarm, JournalRow } from "./watch_types";
@@ -61,6 +62,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
       </dl>
       {has_strokes && <div class="no-print jump">
         <button onClick={toTrend}>{say("jumpTrend", { from: alarm.first_stroke, to: alarm.last_stroke })}</button>
+        {" "}<ToWorkbench machine={alarm.machine} first={alarm.first_stroke} last={alarm.last_stroke} />
         <StrokePicture machine={alarm.machine} stroke={alarm.last_stroke} title={say("jumpStroke", { stroke: alarm.last_stroke })} />
       </div>}
       {!session?.changes ? <p class="no-print buttons">{session?.user ? say("onlyView") : <button class="primary" onClick={() => setUrl({ view: "login" })}>{say("loginToActOn")}</button>} <button onClick={() => print()}>{say("printOrder")}</button></p> : <div class="no-print act">

@@ -43,7 +43,8 @@ function Against({ parameter }: { parameter: WatchedParameter }) {
   return <span class={reference.moved ? "moved" : "quiet"}>{reference.moved && <b>▲ {say("moved")} </b>}{size}</span>;
 }
 
-function Tile({ machine }: { machine: WatchedMachine }) {
+/** `signals`: those of the last stroke are shown without asking. */
+function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean }) {
   const say = useWords();
   const [, setUrl] = useUrl();
   const oil = celsius(machine.oil_temperature_K);
@@ -75,15 +76,15 @@ function Tile({ machine }: { machine: WatchedMachine }) {
         </tbody>
       </table>
       {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("eachAlone")}</small></p>}
-      <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} />
+      <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={signals} />
     </article>
   );
 }
 
 /** The raw signals of a stroke, as far as they are kept. */
-export function StrokePicture({ machine, stroke, title }: { machine: string; stroke: number; title: string }) {
+export function StrokePicture({ machine, stroke, title, begin = false }: { machine: string; stroke: number; title: string; begin?: boolean }) {
   const say = useWords();
-  const [open, setOpen] = useState(false);
+  const [open, setOpen] = useState(begin);
   const [signals, setSignals] = useState<StrokeSignals | null | "none">(null);
   const [chosen, setChosen] = useState("");
   useEffect(() => {
@@ -95,7 +96,7 @@ export function StrokePicture({ machine, stroke, title }: { machine: string; str
   const picture = signals === null || signals === "none" ? null : signals;
   const signal = picture?.signals.find((s) => s.name === chosen) ?? picture?.signals[0];
   return (
-    <details class="stroke" onToggle={(e) => setOpen(e.currentTarget.open)}>
+    <details class="stroke" open={open} onToggle={(e) => setOpen(e.currentTarget.open)}>
       <summary>{title}</summary>
       {signals === "none" && <p class="empty">{say("signalsNotKept")}</p>}
       {picture && signal && <>
@@ -109,6 +110,8 @@ export function StrokePicture({ machine, stroke, title }: { machine: string; str
   );
 }
 
+const mostShown = 4;  // axes whose signals are fetched with each of their strokes
+
 export function OverviewPage({ overview }: { overview: Overview }) {
   const say = useWords();
   const order = "FCSM-";
@@ -119,7 +122,7 @@ export function OverviewPage({ overview }: { overview: Overview }) {
       <p class="quiet">{overview.service ? say("serviceRuns") : say("serviceNone")}{!overview.journal && ` ${say("journalNone")}`}</p>
       {overview.presses.filter((press) => press.alarms > 0).map((press) => <p key={press.machine} class="problem">{press.machine}: {say("alarmsStand", { count: press.alarms })}</p>)}
       {machines.length === 0 && <p class="empty">{say("noMachines")}</p>}
-      <div class="tiles">{machines.map((machine) => <Tile key={machine.machine} machine={machine} />)}</div>
+      <div class="tiles">{machines.map((machine) => <Tile key={machine.machine} machine={machine} signals={machine.health.live && machines.length <= mostShown} />)}</div>
     </section>
   );
 }

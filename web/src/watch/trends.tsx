@@ -7,6 +7,7 @@ import { OilPlot } from "./oil_plot";
 import { celsius, dateText, download, inUnit, isDate, symbolOf } from "./shown";
 import { placeOf, type AxisKind } from "./trend_axis";
 import { markColors, TrendPlot } from "./trend_plot";
+import { ToWorkbench } from "./to_workbench";
 import { useWatch } from "./watch_store";
 import type { MaybeNumber, Overview, Trend, WatchedUnit } from "./watch_types";
 
@@ -115,6 +116,7 @@ export function Trends({ overview }: { overview: Overview }) {
           <button disabled={trends.length === 0} onClick={() => download(`${name}.csv`, new Blob([trends.map((t, k) => csvOf(t, unitOf(t.parameter), from, to).replace(k === 0 ? /^$/ : /^.*\n/, "")).join("")], { type: "text/csv" }))}>CSV</button>
           <button disabled={trends.length === 0} onClick={() => plots.current && savePng(plots.current, `${machine.machine}, ${say("strokeNumbers", { from, to: to - 1 })}`, `${name}.png`)}>PNG</button>
         </span>
+        <ToWorkbench machine={machine.machine} first={from} last={to - 1} />
       </div>
       <fieldset class="choose"><legend>{say("parameters")}</legend>
         {known.map((p) => <label key={p.parameter} title={p.unit.meaning}><input type="checkbox" name={`p-${p.parameter}`} checked={parameters.includes(p.parameter)} onChange={(e) => choose(p.parameter, e.currentTarget.checked)} /> {symbolOf(p.unit)}</label>)}

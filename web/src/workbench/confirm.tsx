@@ -65,9 +65,9 @@ function Save({ session }: { session: Session }) {
   return (
     <section class="save">
       <h2>{say("saveTitle")}</h2>
-      <p>{session.unsaved ? say("saveText") : say("allSaved")}</p>
-      {!session.file && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
-      <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>
+      <p>{session.login ? say("saveNot") : session.unsaved ? say("saveText") : say("allSaved")}</p>
+      {!session.file && !session.login && <label>{say("saveName")} <input name="file" value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>}
+      {!session.login && <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>}
       <button class="quiet" onClick={() => void download()}>{say("download")}</button>
       {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br /><code>{say("saveNext", { file: told })}</code></p>}
       {problem && <p role="alert" class="problem" lang="en">{problem}</p>}

@@ -8,11 +8,12 @@ import { Compare } from "./compare";
 import { Confirm } from "./confirm";
 import { Logs } from "./logs";
 import { Locate } from "./locate";
+import { Promote } from "./promote";
 import { Ranking } from "./ranking";
 import { Staircase } from "./staircase";
 import { Verdict } from "./verdict";
 
-export const steps = ["check", "compare", "locate", "add", "confirm"] as const;
+export const steps = ["check", "compare", "locate", "add", "confirm", "promote"] as const;
 export type Step = (typeof steps)[number];
 
 function Stepper({ step, go }: { step: Step; go: (step: Step) => void }) {
@@ -47,7 +48,8 @@ export function Workbench({ session }: { session: Session }) {
           : step === "compare" ? <Compare compare={results.compare} session={session} query={query} setUrl={setUrl} />
           : step === "locate" ? <Locate compare={results.compare} query={query} setUrl={setUrl} />
           : step === "add" ? <AddEffect id={query.effect ?? results.explain?.set[0] ?? ""} session={session} effects={effects} explain={results.explain} />
-          : <Confirm session={session} query={query} setUrl={setUrl} />}
+          : step === "confirm" ? <Confirm session={session} query={query} setUrl={setUrl} />
+          : <Promote session={session} />}
       </section>
       <aside class="right">
         <Verdict explain={results.explain} effects={effects} units={session.units} problem={failed.explain} choose={choose} />

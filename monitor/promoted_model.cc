@@ -1,0 +1,65 @@
+#include "monitor/promoted_model.h"
+
+#include <algorithm>
+
+#include "workbench/model/model_edit.h"
+
+namespace hydroscope {
+
+Result<std::optional<PromotedMachine>> PromotedFor(const Database& database, const std::string& path,
+                                                   std::int64_t id, const Machine& machine,
+                                                   const std::string& text) {
+  const auto promoted = database.PromotedModel(id);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (!*promoted) return std::nullopt;
+  const int version = (*promoted)->version;
+  const auto model = ParseMachine((*promoted)->definition, machine.name);
+  if (!model)
+    return BadInput("{}: the promoted model (version {}) cannot be read: {}", path, version,
+                    model.error().text);
+  if (model->added_effects == machine.added_effects && model->effect_values == machine.effect_values)
+    return std::nullopt;
+  PromotedMachine taken{version, machine, ""};
+  taken.machine.added_effects = model->added_effects;
+  taken.machine.effect_values = model->effect_values;
+  taken.machine.model_version = model->model_version;
+  taken.machine.model_history = model->model_history;
+  Machine with_own_effects = taken.machine;
+  with_own_effects.user_effects = model->user_effects;
+  if (with_own_effects == *model) {
+    taken.machine = std::move(with_own_effects);
+    taken.text = (*promoted)->definition;
+    return taken;
+  }
+  if (const auto known = BuildModel(taken.machine); !known)
+    return BadInput("{}: the promoted model (version {}) does not fit the machine file: {}", path, version,
+                    known.error().text);
+  taken.text = EditedMachineText(text, taken.machine);
+  return taken;
+}
+
+Result<std::vector<Machine>> StoredAxes(const std::string& path, const Machine& machine, Database& database) {
+  const auto names = database.MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  std::vector<Machine> axes;
+  for (int axis = 0; axis < AxisCount(machine); ++axis) {
+    const std::string name = AxisMachineName(machine, axis);
+    if (std::find(names->begin(), names->end(), name) == names->end()) continue;
+    const auto id = database.MachineId(name);
+    if (!id) return tl::unexpected(id.error());
+    auto promoted = PromotedFor(database, path, *id, machine, "");
+    if (!promoted) return tl::unexpected(promoted.error());
+    axes.push_back(MachineOfAxis(*promoted ? (*promoted)->machine : machine, axis));
+  }
+  return axes;
+}
+
+Result<int> VersionFor(Database& database, std::int64_t id, const ModelVersion& model) {
+  const auto promoted = database.PromotedModel(id);
+  if (!promoted) return tl::unexpected(promoted.error());
+  if (*promoted && (*promoted)->definition == model.definition && (*promoted)->columns == model.columns)
+    return (*promoted)->version;
+  return database.PutModelVersion(id, model);
+}
+
+}  // namespace hydroscope

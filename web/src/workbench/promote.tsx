@@ -1,0 +1,51 @@
+import { useState } from "preact/hooks";
+import { work } from "../store";
+import type { Session } from "../types";
+import { short } from "../units";
+import { useWords } from "../words";
+import { refreshWatch, useWatch } from "../watch/watch_store";
+
+/** The model worked on becomes the one that the machine is watched with. */
+export function Promote({ session }: { session: Session }) {
+  const say = useWords();
+  const { overview } = useWatch();
+  const [comment, setComment] = useState("");
+  const [told, setTold] = useState(false);
+  const [busy, setBusy] = useState(false);
+  const [problem, setProblem] = useState("");
+  const current = session.versions.find((version) => version.current);
+  const watched = overview?.machines?.find((machine) => machine.machine === session.strokes?.machine);
+  const names = (effects: string[]) => (effects.length > 0 ? `+ ${effects.join(" + ")}` : say("base"));
+  const promote = async () => {
+    setBusy(true);
+    setProblem("");
+    try {
+      await work("promote", { comment }, "promote");
+      setComment("");
+      setTold(true);
+      await refreshWatch(true);
+    } catch (failure) {
+      setProblem((failure as Error).message);
+    }
+    setBusy(false);
+  };
+  return (
+    <section class="promote">
+      <h1>{say("promoteTitle")}</h1>
+      {!session.strokes ? <p class="empty">{say(session.watched ? "promoteNoStrokes" : "promoteNoDatabase")}</p> : <>
+        <dl class="facts">
+          <div><dt>{say("alarm_axis")}</dt><dd>{session.strokes.machine}</dd></div>
+          <div><dt>{say("promoteNow")}</dt><dd lang="en" data-promoted={watched?.model_version}>{watched ? `${say("confirmVersion")} ${watched.model_version}: ${names(watched.effects)}` : "–"}</dd></div>
+          <div><dt>{say("promoteNext")}</dt><dd lang="en">{current ? names(current.effects) : "–"}{current && current.rms_holdout !== null && ` · ${say("rankingError")} ${short(current.rms_holdout)} ${current.unit}, ${say("noise")} ${short(current.noise_floor)} ${current.unit}`}</dd></div>
+        </dl>
+        <p>{say(overview?.service ? "promoteService" : "promoteReplay")}</p>
+        {session.user?.role !== "admin" ? <p class="empty">{say("promoteAdmin")}</p> : <div class="act">
+          <label>{say("promoteWhy")} <textarea name="promote-comment" rows={2} maxLength={2000} value={comment} onInput={(e) => setComment(e.currentTarget.value)} /></label>
+          <div class="buttons"><button class="primary" disabled={busy || comment.trim() === ""} onClick={() => void promote()}>{say("step_promote")}</button></div>
+          {told && <p role="status" class="verdict good" data-done>{say("promoteDone")}</p>}
+          {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+        </div>}
+      </>}
+    </section>
+  );
+}
