@@ -169,6 +169,7 @@ Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
   const std::lock_guard lock(mutex_);
   for (const KeptStrokes::Piece& piece : kept->pieces)
     logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
+  saved_text_ = kept->definition;  // the database has it
   strokes_of_ = {stretch.machine, kept->pieces.front().first, kept->pieces.back().last};
   ForgetResults();
   Changed();
@@ -182,9 +183,11 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
     return BadInput("these strokes are of no database: take those of an alarm or of a trend");
   const Promotion promotion{database_, strokes_of_.machine, ReadWhole(machine_file_), user, comment};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
-    const Status promoted = Promote(promotion);
-    if (promoted) Changed();
-    return promoted;
+    if (const Status promoted = Promote(promotion); !promoted) return promoted;
+    const std::lock_guard lock(mutex_);
+    saved_text_ = promotion.text;  // what was added since is not
+    Changed();
+    return {};
   });
 }
 

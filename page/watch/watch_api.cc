@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "alarms/alarm_action.h"
+#include "core/units.h"
 #include "host/real_clock.h"
 #include "monitor/alarm_json.h"
 #include "page/json_number.h"
@@ -31,7 +32,7 @@ HttpReply UnknownMachine(const std::string& machine) {
 }
 
 /// Raw signals around a stroke, every so many rows where there are more than can be seen.
-nlohmann::json SignalsJson(const RawWindow& raw) {
+nlohmann::json SignalsJson(const RawWindow& raw, const std::map<std::string, std::string>& units) {
   const std::size_t step = raw.time.size() / kMostSamples + 1;
   nlohmann::json json = {{"time_s", nlohmann::json::array()}, {"signals", nlohmann::json::array()}};
   for (std::size_t row = 0; row < raw.time.size(); row += step)
@@ -40,7 +41,12 @@ nlohmann::json SignalsJson(const RawWindow& raw) {
     nlohmann::json values = nlohmann::json::array();
     for (std::size_t row = 0; row < raw.time.size(); row += step)
       values.push_back(JsonNumber(raw.values[s][row]));
-    json["signals"].push_back({{"name", raw.signals[s]}, {"values", std::move(values)}});
+    const auto si = units.find(raw.signals[s]);
+    const DisplayUnit unit = DisplayUnitFor(si == units.end() ? "" : si->second);
+    json["signals"].push_back(
+        {{"name", raw.signals[s]},
+         {"unit", {{"factor", unit.factor}, {"offset", unit.offset}, {"name", unit.name}}},
+         {"values", std::move(values)}});
   }
   return json;
 }
@@ -174,7 +180,7 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
   const auto raw = database->LoadRaw(run_of_it, s.begin - kMargin, s.end + kMargin);
   if (!raw) return FailureReply(raw.error());
   if (raw->time.empty()) return ErrorReply(404, "the raw signals of this stroke are not kept");
-  nlohmann::json json = SignalsJson(*raw);
+  nlohmann::json json = SignalsJson(*raw, machine->second.signal_units);
   json.update({{"stroke", stroke}, {"begin_s", JsonNumber(s.begin)}, {"end_s", JsonNumber(s.end)}});
   return JsonReply(std::move(json));
 }

@@ -291,7 +291,9 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     }
     const WatchedMachine& machine = **known;
     WatchedState::MachineState& shown = state->machines[name];
-    shown = {machine.id(), machine.end(), machine.dated(), machine.parameters(), opened.marks[name]};
+    shown = {machine.id(), machine.end(), machine.dated(), machine.parameters(), opened.marks[name], {}};
+    for (const SignalSpec& signal : machine.described().signals)
+      shown.signal_units[signal.name] = FindUnit(signal.unit).value_or(Unit{}).si;
     shown.marks.insert(shown.marks.end(), machine.marks().begin(), machine.marks().end());
     std::stable_sort(shown.marks.begin(), shown.marks.end(),
                      [](const TrendMark& a, const TrendMark& b) { return a.stroke < b.stroke; });

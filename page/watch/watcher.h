@@ -21,7 +21,8 @@ struct WatchedState {
     std::int64_t id = 0, end = 0;
     bool dated = false;
     std::map<std::string, WatchedParameter> parameters;
-    std::vector<TrendMark> marks;  ///< in order of stroke
+    std::vector<TrendMark> marks;                     ///< in order of stroke
+    std::map<std::string, std::string> signal_units;  ///< SI, by name
   };
   nlohmann::json overview;  ///< docs/page.md, `watch/overview`
   nlohmann::json alarms;    ///< docs/page.md, `watch/alarms`

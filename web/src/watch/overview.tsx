@@ -103,8 +103,8 @@ export function StrokePicture({ machine, stroke, title, begin = false }: { machi
         <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
           {picture.signals.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
         </select></label>
-        <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values]} height={180}
-          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (SI)`} />
+        <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values.map((v) => (v === null ? null : v * signal.unit.factor + signal.unit.offset))]} height={180}
+          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (${signal.unit.name || "1"})`} />
       </>}
     </details>
   );

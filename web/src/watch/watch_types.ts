@@ -44,7 +44,7 @@ export interface Trend {
     curve: null | { form: string; low_K: number; high_K: number; oil_temperature_K: number[]; value: number[]; std: number[] };
   };
 }
-export interface StrokeSignals { stroke: number; begin_s: number; end_s: number; time_s: number[]; signals: { name: string; values: MaybeNumber[] }[] }
+export interface StrokeSignals { stroke: number; begin_s: number; end_s: number; time_s: number[]; signals: { name: string; unit: { factor: number; offset: number; name: string }; values: MaybeNumber[] }[] }
 export interface Figure { value: MaybeNumber; std: MaybeNumber }
 export interface ValveCheck {
   time_s: MaybeNumber; outcome: string; detail: string; f0_hz: Figure; damping: Figure; gain: Figure; dead_time_s: Figure; bandwidth_hz: Figure;

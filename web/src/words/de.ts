@@ -232,6 +232,7 @@ export const de: Words = {
   promoteNext: "Dieses Modell",
   promoteService: "Der Dienst richtet sich ab der nächsten Pause zwischen zwei Hüben danach, in einem eigenen Lauf; die Parameter des neuen Modells lernt er neu.",
   promoteReplay: "Logs, die von jetzt an eingespielt werden, richten sich danach, auch ein Dienst, der mit dieser Datenbank gestartet wird. Was gespeichert ist, bleibt.",
+  promoteSame: "Mit diesem Modell wird die Maschine schon überwacht; fügen Sie erst hinzu, was fehlt.",
   promoteAdmin: "Das braucht die Rolle „admin“.",
   promoteWhy: "Warum",
   promoteDone: "Übernommen. Modell, Bemerkung und Ihr Name stehen im Journal.",

@@ -231,6 +231,7 @@ export const en = {
   promoteNext: "This model",
   promoteService: "The service goes by it from the next pause between two strokes on, in a run of its own; it learns the parameters of the new model anew.",
   promoteReplay: "Logs replayed from now on go by it, and so does a service that is started on this database. What is stored stays as it is.",
+  promoteSame: "The machine is watched with this model already; add what is missing first.",
   promoteAdmin: "This needs the role admin.",
   promoteWhy: "Why",
   promoteDone: "Promoted. Model, comment and your name stand in the journal.",

@@ -41,7 +41,8 @@ export function Promote({ session }: { session: Session }) {
         <p>{say(overview?.service ? "promoteService" : "promoteReplay")}</p>
         {session.user?.role !== "admin" ? <p class="empty">{say("promoteAdmin")}</p> : <div class="act">
           <label>{say("promoteWhy")} <textarea name="promote-comment" rows={2} maxLength={2000} value={comment} onInput={(e) => setComment(e.currentTarget.value)} /></label>
-          <div class="buttons"><button class="primary" disabled={busy || comment.trim() === ""} onClick={() => void promote()}>{say("step_promote")}</button></div>
+          <div class="buttons"><button class="primary" disabled={busy || comment.trim() === "" || !session.unsaved} onClick={() => void promote()}>{say("step_promote")}</button></div>
+          {!session.unsaved && !told && <small>{say("promoteSame")}</small>}
           {told && <p role="status" class="verdict good" data-done>{say("promoteDone")}</p>}
           {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
         </div>}
