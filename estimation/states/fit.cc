@@ -220,9 +220,13 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   fit.scale = OutputScale(*task.model, task.episodes);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   const int rounds = (task.model->output.rows > 1 || task.predicts) && !noise_known && !fixed ? 3 : 1;
+  // Many readings: normal equations cost a fraction of a QR decomposition.
+  const bool normal = GrowsHorizon(*task.model) && !fixed && !task.predicts;
   for (int round = 0; round < rounds; ++round) {
-    if (!shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point) ||
-        !TakeRuns(task, point, fit)) {
+    const bool fine =
+        normal ? PolishWhole(task, options, point)
+               : shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point);
+    if (!fine || !TakeRuns(task, point, fit)) {
       fit.failed = DivergedText(task, shooting::Unscaled(task, point.q));
       return fit;
     }

@@ -30,13 +30,27 @@ class GrowingFit {
     shooting::GuessSegments(task, segments_, point_);
   }
 
+  /// From a point near the minimum, on all rows.
+  GrowingFit(const shooting::Task& task, const shooting::Point& near, const StateFitOptions& options)
+      : task_(task),
+        options_(options),
+        simulator_(task.model),
+        segments_(shooting::WholeEpisodes(task.episodes)),
+        free_(shooting::FreeStates(*task.model, {0, 0, 0, false})),
+        point_(near) {}
+
+  bool Polish(shooting::Point& point) {
+    point_.valid = Minimise(Longest(), options_.iterations, options_.tolerance);
+    point = point_;
+    return point.valid;
+  }
+
   shooting::Point Run() {
     constexpr double kAstray = 3;   // the cost of a reading grew by so much: the longer run lost its way
     constexpr double kLeast = 1.1;  // growth from which on that is the model's fault
     constexpr double kGrowth = 2;
     constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
-    int longest = 0;
-    for (const Episode& e : task_.episodes) longest = std::max(longest, e.rows());
+    const int longest = Longest();
     shooting::Point before = point_;
     int reached = std::min(options_.first_horizon, longest), rows = reached;
     double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
@@ -65,16 +79,25 @@ class GrowingFit {
   }
 
  private:
+  int Longest() const {
+    int longest = 0;
+    for (const Episode& e : task_.episodes) longest = std::max(longest, e.rows());
+    return longest;
+  }
   int parameters() const { return static_cast<int>(point_.q.size()); }
   int unknowns() const { return parameters() + static_cast<int>(free_.size() * segments_.size()); }
 
   /// False if the model diverges at the point it begins at.
   bool Minimise(int rows, int iterations, double tolerance) {
-    constexpr double kFirst = 1e-3, kLess = 0.1, kMore = 4, kLargest = 1e12;
+    // Of the largest curvature: Gauss and Newton's step is tried first, and damped until none is too long to be trusted.
+    constexpr double kFirst = 1e-10, kLeast = 1e-15;
+    constexpr double kNoMatter =
+        5e-3;  // of half a chi square: moves nothing by more than a tenth of its deviation
+    constexpr double kLess = 0.1, kMore = 4, kLargest = 1e12;
     HorizonSums here = Evaluate(point_, rows);
     if (!std::isfinite(here.cost)) return false;
-    double damping = kFirst * here.hessian.diagonal().head(parameters()).maxCoeff();
-    const double least = 1e-12 * damping;
+    const double largest = here.hessian.diagonal().head(parameters()).maxCoeff();
+    double damping = kFirst * largest;
     for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
       const auto next = Stepped(here, damping);
       if (!next) {
@@ -83,16 +106,17 @@ class GrowingFit {
       }
       ++k;
       HorizonSums there = Evaluate(*next, rows);
+      const double small = std::max(kNoMatter, tolerance * here.cost);
       if (!(there.cost < here.cost)) {
-        if (std::isfinite(there.cost) && there.cost - here.cost < tolerance * here.cost) break;
+        if (std::isfinite(there.cost) && there.cost - here.cost < small) break;
         damping *= kMore * kMore;
         continue;
       }
       const double gain = here.cost - there.cost;
       point_ = *next;
       here = std::move(there);
-      damping = std::max(damping * kLess, least);
-      if (gain < tolerance * here.cost) break;
+      damping = std::max(damping * kLess, kLeast * largest);
+      if (gain < small) break;
     }
     point_.cost = here.cost;
     return true;
@@ -220,6 +244,10 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
 shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
                            const StateFitOptions& options) {
   return GrowingFit(task, start, options).Run();
+}
+
+bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point) {
+  return GrowingFit(task, point, options).Polish(point);
 }
 
 }  // namespace hydroscope

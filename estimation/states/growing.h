@@ -19,4 +19,8 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
 shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
                            const StateFitOptions& options);
 
+/// The same over all rows at once from a point near the minimum, to less than a tenth of a standard deviation where outputs are
+/// weighted by their noise. False if the model diverges there.
+bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point);
+
 }  // namespace hydroscope

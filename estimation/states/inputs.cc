@@ -10,8 +10,11 @@ namespace hydroscope {
 
 void StateSimulator::InputAt(double fraction) {
   for (std::size_t i = 0; i < u_.size(); ++i)
-    u_[i] = linear_ ? u0_[i] + fraction * (u1_[i] - u0_[i]) : u0_[i];
+    u_[i] = linear_ ? (1 - fraction) * u0_[i] + fraction * u1_[i] : u0_[i];
 }
+
+/// Whether the inputs begin a row as the step before left them: its last stage is then the first of the next step.
+bool StateSimulator::BeginsAsItEnded() { return ended_u_ == u0_; }
 
 /// Inputs at a row and at the next one; of the last row at it alone. What is delayed: TakeDelayed.
 void StateSimulator::TakeInputs(const Episode& episode, int row) {

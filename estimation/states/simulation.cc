@@ -18,12 +18,16 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
       slopes_registers_(model_->dynamics.slopes.Registers()),
       output_registers_(model_->output.values.Registers()),
       output_slopes_registers_(model_->output.slopes.Registers()),
+      point_registers_(model_->dynamics.slopes.PointRegisters()),
       held_(static_cast<std::size_t>(states_)) {
   const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
   for (auto* v : {&x_, &next_, &scale_}) v->assign(n, 0.0);
-  for (auto* v : {&u0_, &u1_, &u_}) v->assign(m, 0.0);
+  for (auto* v : {&u0_, &u1_, &u_, &ended_u_}) v->assign(m, 0.0);
   k_.assign(n * kStateStages, 0.0);
-  stage_entries_.assign(model_->dynamics.entries.size() * kStateStages, 0.0);
+  for (std::size_t e = 0; e < model_->dynamics.entries.size(); ++e) {
+    entry_places_.push_back(model_->dynamics.slopes.output(n + e));
+    entry_point_places_.push_back(entry_places_.back() * ExpressionProgram::kPoints);
+  }
   stage_held_.assign(n * kStateStages, 0);
   stage_x_.assign(n * kStateStages, 0.0);
   jacobian_.assign(n * n, 0.0);
@@ -40,6 +44,10 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
   fix(model_->dynamics.slopes, slopes_registers_);
   fix(model_->output.values, output_registers_);
   fix(model_->output.slopes, output_slopes_registers_);
+  for (Eigen::Index p = 0; p < theta_.size(); ++p)
+    std::fill_n(point_registers_.begin() + (first + p) * ExpressionProgram::kPoints,
+                ExpressionProgram::kPoints, theta_[p]);
+  model_->dynamics.slopes.RunFixedPoints(point_registers_.data());
 
   const ExpressionProgram& program = model_->limits.slopes;
   std::vector<double> registers = program.Registers();
@@ -78,11 +86,11 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
 }
 
 /// What drives a state beyond its limit is stopped there.
-void StateSimulator::HoldAtLimits(const double* x, double* rate, bool slopes) {
+void StateSimulator::HoldAtLimits(const double* x, double* rate) {
   for (int i = 0; i < states_; ++i) {
     const bool held = (x[i] >= limits_[states_ + i] && rate[i] > 0) || (x[i] <= limits_[i] && rate[i] < 0);
     if (held) rate[i] = 0;
-    if (slopes) held_[static_cast<std::size_t>(i)] = held;
+    held_[static_cast<std::size_t>(i)] = held;
   }
 }
 
@@ -94,7 +102,7 @@ void StateSimulator::Rate(const double* x, double fraction, double* rate) {
   const ExpressionProgram& program = model_->dynamics.values;
   program.Run(r);
   for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
-  HoldAtLimits(x, rate, false);
+  HoldAtLimits(x, rate);
 }
 
 void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rate) {
@@ -105,15 +113,17 @@ void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rat
   const ExpressionProgram& program = model_->dynamics.slopes;
   program.Run(r);
   for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
-  HoldAtLimits(x, rate, true);
+  HoldAtLimits(x, rate);
 }
 
-/// States beyond a limit are put onto it; a state that is the rate of one that stops is 0.
-void StateSimulator::Clamp() {
+/// States beyond a limit are put onto it; a state that is the rate of one that stops is 0. False: there are none.
+bool StateSimulator::Clamp() {
+  bool clamped = false;
   for (int i = 0; i < states_; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const bool high = x_[at] > limits_[states_ + i], low = x_[at] < limits_[i];
     if (!high && !low) continue;
+    clamped = true;
     const int limit = high ? states_ + i : i;
     x_[at] = limits_[limit];
     if (with_slopes_) {
@@ -128,6 +138,7 @@ void StateSimulator::Clamp() {
     x_[static_cast<std::size_t>(rate)] = 0;
     if (with_slopes_) std::fill_n(s_.data() + rate * columns_, columns_, 0.0);
   }
+  return clamped;
 }
 
 /// From one row to the next.
@@ -136,7 +147,7 @@ bool StateSimulator::Interval(double period) {
   constexpr double kSafety = 0.9, kSmallest = 0.2, kLargest = 5, kWhole = 1 - 1e-9;
   double done = 0;
   int taken = 0;
-  begun_ = false;
+  begun_ = begun_ && BeginsAsItEnded();
   while (done < kWhole) {
     const double share = std::min(next_share_, 1 - done);
     double error = 0;
@@ -158,14 +169,14 @@ bool StateSimulator::Interval(double period) {
       continue;
     }
     if (with_slopes_ && stiff_) s_.swap(stage_s_);
-    if (with_slopes_ && !stiff_ && !ExplicitSlopes(share, period)) {
+    if (with_slopes_ && !stiff_ && !ExplicitSlopes(done, share, period)) {
       if (!std::isfinite(fastest_)) return false;
       next_share_ = kStableAgain / (fastest_ * period);
       continue;
     }
     x_.swap(next_);
-    begun_ = false;
-    Clamp();
+    begun_ = !Clamp() && !stiff_;
+    if (begun_) KeepLastStage();
     for (int i = 0; i < states_; ++i) {
       const auto at = static_cast<std::size_t>(i);
       scale_[at] = std::max(scale_[at], std::abs(x_[at]));
@@ -210,6 +221,7 @@ void StateSimulator::Output(int row, StateRun& run) {
 /// What the readings of a row, `run.outputs` of it being what was foreseen, say of the states.
 void StateSimulator::Correct(const Episode& episode, int row, const StateRun& run) {
   const int outputs = model_->output.rows;
+  begun_ = false;
   for (int j = 0; j < outputs; ++j) {
     const Eigen::Index at = run.rows - 1;
     const double error =
@@ -255,6 +267,7 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
   std::copy(x0.begin(), x0.end(), x_.begin());
   for (int i = 0; i < states_; ++i) scale_[static_cast<std::size_t>(i)] = std::abs(x0[i]);
   stiff_ = false;
+  begun_ = false;
   next_share_ = 1;
   first_ = first;
   for (int row = first; row <= last; ++row) {

@@ -55,7 +55,8 @@ struct StateRun {
 /// Runs a model with states over rows: between two rows by Dormand and Prince's method of order 5(4) (1980) with steps
 /// chosen by its error estimate, or, where that takes too many steps, by the L-stable SDIRK method of order 4(3) of Hairer
 /// and Wanner (1996, IV.6). Sensitivities are those of the steps as they are taken: each stage is differentiated exactly,
-/// with the Jacobians of the compiled equations. Where a state is at a limit and driven beyond, it stays there.
+/// with the Jacobians of the compiled equations, those of an explicit step's stages side by side once it is accepted. Where a
+/// state is at a limit and driven beyond, it stays there.
 class StateSimulator {
  public:
   StateSimulator(std::shared_ptr<const StateModel> model, const SimulationOptions& options = {});
@@ -83,7 +84,7 @@ class StateSimulator {
  private:
   void Rate(const double* x, double fraction, double* rate);
   void RateAndSlopes(const double* x, double fraction, double* rate);
-  void HoldAtLimits(const double* x, double* rate, bool slopes);
+  void HoldAtLimits(const double* x, double* rate);
   void InputAt(double fraction);
   void TakeInputs(const Episode& episode, int row);
   bool Row(const Episode& episode, int row);
@@ -91,13 +92,15 @@ class StateSimulator {
   void TakeDelayed(const Episode& episode, int row, double from, double to);
   bool Interval(double period);
   bool ExplicitStep(double fraction, double share, double period, double& error);
-  bool ExplicitSlopes(double share, double period);
-  void KeepStage(std::size_t stage);
+  bool ExplicitSlopes(double fraction, double share, double period);
+  void SlopesAtStages(double fraction, double share);
+  void KeepLastStage();
+  bool BeginsAsItEnded();
   double Fastest();
   bool ImplicitStep(double fraction, double share, double period, double& error);
   bool SolveStage(double fraction, double step, const double* base, double* k);
   void SlopesOfRate(const double* state_slopes, double* out);
-  void Clamp();
+  bool Clamp();
   void Correct(const Episode& episode, int row, const StateRun& run);
   void Output(int row, StateRun& run);
 
@@ -110,18 +113,22 @@ class StateSimulator {
   RowMatrix gain_;
   RowMatrix limit_slopes_;
   std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
-  std::vector<double> x_, next_, scale_, u0_, u1_, u_, k_, stage_x_;
+  std::vector<double>
+      point_registers_;  ///< of the equations' slopes, the stages of an explicit step side by side
+  std::vector<std::size_t> entry_places_, entry_point_places_;  ///< of Equations::entries in these registers
+  std::vector<double> x_, next_, scale_, u0_, u1_, u_, ended_u_, k_, stage_x_;
   std::vector<unsigned char> held_;       ///< states at a limit in the stage looked at
   std::vector<double> s_, stage_s_, ks_;  ///< sensitivities, row by row
   std::vector<double> jacobian_, added_values_;
-  /// Of each stage of an explicit step: slopes of the equations, states held, values of the added terms.
-  std::vector<double> stage_entries_, stage_added_;
+  /// Of each stage of an explicit step: values of the added terms, states held.
+  std::vector<double> stage_added_;
   std::vector<unsigned char> stage_held_;
   const AddedTerms* added_ = nullptr;
   int first_ = 0;               ///< row of the run
   int added_from_ = 0;          ///< first column of the added terms
   std::vector<double> breaks_;  ///< parts of a row at whose ends a delayed input may jump or bend
-  bool begun_ = false;          ///< the first stage of the step to come is known
+  bool begun_ =
+      false;  ///< the first stage of the step to come is known: it was rejected, or the last stage of the one before
   bool stiff_ = false, with_slopes_ = false;
   double next_share_ = 1, fastest_ = 0;
   std::int64_t steps_ = 0;

@@ -103,7 +103,7 @@ inline void AddTimes(double factor, const double* __restrict from, int columns, 
 
 /// The equations at a point, as their tangent needs them.
 struct TangentPoint {
-  const double* entries;      ///< values of Equations::entries
+  const double* registers;    ///< that hold the values of Equations::entries
   const unsigned char* held;  ///< per state
   const double* added;        ///< values of the added terms
 };
@@ -111,6 +111,7 @@ struct TangentPoint {
 /// Shapes of the sensitivities.
 struct TangentShape {
   const std::vector<Equations::Slope>& entries;
+  const std::size_t* places;  ///< of their values in TangentPoint::registers
   int states, columns;
   const AddedTerms* terms;
   int terms_from;  ///< column
@@ -120,9 +121,9 @@ struct TangentShape {
 inline void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, const double* s, double* out) {
   const int columns = shape.columns;
   std::fill_n(out, shape.states * columns, 0.0);
-  const double* entry = point.entries;
+  const std::size_t* place = shape.places;
   for (const auto& [row, column] : shape.entries) {
-    const double value = *entry++;
+    const double value = point.registers[*place++];
     if (point.held[row] != 0) continue;
     if (column < shape.states)
       AddTimes(value, s + column * columns, columns, out + row * columns);
@@ -149,21 +150,18 @@ HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentP
 
 /// Rates of the sensitivities at the point that RateAndSlopes looked at.
 void StateSimulator::SlopesOfRate(const double* s, double* out) {
-  KeepStage(0);
-  RateOfSlopes({model_->dynamics.entries, states_, columns_, added_, added_from_},
-               {stage_entries_.data(), stage_held_.data(), stage_added_.data()}, s, out);
+  if (added_ != nullptr) added_->evaluate(slopes_registers_.data(), u_.data(), stage_added_.data());
+  RateOfSlopes({model_->dynamics.entries, entry_places_.data(), states_, columns_, added_, added_from_},
+               {slopes_registers_.data(), held_.data(), stage_added_.data()}, s, out);
 }
 
-/// Keeps what ExplicitSlopes needs of the point that RateAndSlopes looked at.
-void StateSimulator::KeepStage(std::size_t stage) {
-  const ExpressionProgram& program = model_->dynamics.slopes;
-  const auto n = static_cast<std::size_t>(states_), count = model_->dynamics.entries.size();
-  for (std::size_t e = 0; e < count; ++e)
-    stage_entries_[stage * count + e] = slopes_registers_[program.output(n + e)];
-  for (std::size_t i = 0; i < n; ++i) stage_held_[stage * n + i] = held_[i];
-  if (added_ == nullptr) return;
-  added_->evaluate(slopes_registers_.data(), u_.data(),
-                   stage_added_.data() + stage * static_cast<std::size_t>(added_->values));
+/// The last stage of the step that was taken is the first of the next one.
+void StateSimulator::KeepLastStage() {
+  const auto n = static_cast<std::size_t>(states_);
+  std::copy_n(k_.data() + (kStages - 1) * n, n, k_.data());
+  std::copy_n(stage_x_.data() + (kStages - 1) * n, n, stage_x_.data());
+  std::copy_n(stage_held_.data() + (kStages - 1) * n, n, stage_held_.data());
+  ended_u_ = u_;
 }
 
 bool StateSimulator::ExplicitStep(double fraction, double share, double period, double& error) {
@@ -173,13 +171,8 @@ bool StateSimulator::ExplicitStep(double fraction, double share, double period, 
     const auto at = static_cast<std::size_t>(s);
     double *x = stage_x_.data() + at * n, *k = k_.data() + at * n;
     Combine(x_.data(), k_.data(), kA[s], s, step, n, x);
-    const double here = fraction + kNodes[at] * share;
-    if (with_slopes_ && s + 1 < kStages) {
-      RateAndSlopes(x, here, k);
-      KeepStage(at);
-    } else {
-      Rate(x, here, k);
-    }
+    Rate(x, fraction + kNodes[at] * share, k);
+    std::copy_n(held_.data(), n, stage_held_.data() + at * n);
   }
   begun_ = true;
   const double* end = stage_x_.data() + (kStages - 1) * n;
@@ -204,7 +197,7 @@ double StateSimulator::Fastest() {
   for (std::size_t e = 0; e < entries.size(); ++e)
     if (entries[e].column < states_)
       jacobian_[static_cast<std::size_t>(entries[e].row) * n + static_cast<std::size_t>(entries[e].column)] =
-          stage_entries_[e];
+          point_registers_[entry_point_places_[e]];
   double fastest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     double sum = std::abs(jacobian_[i * n + i]);
@@ -217,20 +210,38 @@ double StateSimulator::Fastest() {
   return fastest;
 }
 
+/// The equations' slopes and the added terms at the stages of the step that ExplicitStep took.
+void StateSimulator::SlopesAtStages(double fraction, double share) {
+  constexpr int kPoints = ExpressionProgram::kPoints, kLast = kStages - 2;
+  static_assert(kLast < kPoints);
+  const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
+  for (int p = 0; p < kPoints; ++p) {
+    const auto stage = static_cast<std::size_t>(std::min(p, kLast)), at = static_cast<std::size_t>(p);
+    InputAt(fraction + kNodes[stage] * share);
+    for (std::size_t i = 0; i < n; ++i) point_registers_[i * kPoints + at] = stage_x_[stage * n + i];
+    for (std::size_t i = 0; i < m; ++i) point_registers_[(n + i) * kPoints + at] = u_[i];
+    if (added_ != nullptr && p <= kLast)
+      added_->evaluate(stage_x_.data() + stage * n, u_.data(),
+                       stage_added_.data() + stage * static_cast<std::size_t>(added_->values));
+  }
+  model_->dynamics.slopes.RunPoints(point_registers_.data());
+}
+
 /// The step that ExplicitStep took, differentiated. False if it is too long for the method to be stable: states at rest do
 /// not show it, their sensitivities would grow without bound.
-bool StateSimulator::ExplicitSlopes(double share, double period) {
+bool StateSimulator::ExplicitSlopes(double fraction, double share, double period) {
   const double step = share * period;
+  SlopesAtStages(fraction, share);
   fastest_ = Fastest();
   if (!(step * fastest_ <= kStable)) return false;
-  const auto n = static_cast<std::size_t>(states_), entries = model_->dynamics.entries.size(),
+  const auto n = static_cast<std::size_t>(states_),
              values = added_ == nullptr ? 0 : static_cast<std::size_t>(added_->values);
   std::array<TangentPoint, kStages> stages;
   for (std::size_t s = 0; s < kStages; ++s)
-    stages[s] = {stage_entries_.data() + s * entries, stage_held_.data() + s * n,
-                 stage_added_.data() + s * values};
-  DifferentiateStep({model_->dynamics.entries, states_, columns_, added_, added_from_}, stages.data(), step,
-                    s_.data(), ks_.data(), stage_s_.data());
+    stages[s] = {point_registers_.data() + s, stage_held_.data() + s * n, stage_added_.data() + s * values};
+  DifferentiateStep(
+      {model_->dynamics.entries, entry_point_places_.data(), states_, columns_, added_, added_from_},
+      stages.data(), step, s_.data(), ks_.data(), stage_s_.data());
   s_.swap(stage_s_);
   return true;
 }

@@ -48,6 +48,9 @@ enum class Operation : std::uint8_t {
   kSinh,
   kCosh,
   kTanh,
+  kProductPlus,   ///< a*b + c; these three stand in programs alone
+  kProductMinus,  ///< a*b - c
+  kMinusProduct,  ///< c - a*b
 };
 
 /// One value: an input, a constant, or an operation on values before it.

@@ -82,6 +82,12 @@ namespace hydroscope {
       return std::cosh(a);
     case Operation::kTanh:
       return std::tanh(a);
+    case Operation::kProductPlus:
+      return a * b + c;
+    case Operation::kProductMinus:
+      return a * b - c;
+    case Operation::kMinusProduct:
+      return c - a * b;
   }
   return a;
 }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <type_traits>
 
 #include "core/wide.h"
+#include "models/expressions/elementary.h"
 #include "models/expressions/operation.h"
 
 namespace hydroscope {
@@ -28,66 +30,120 @@ std::vector<bool> Needed(const std::vector<GraphValue>& values, const std::vecto
   return needed;
 }
 
-/// Each register is a column of `count` samples; a count of std::integral_constant 1 is one point.
+/// Products that a single sum or difference reads and nothing else: computed with it. `uses`: how many values and outputs read
+/// each value.
+std::vector<bool> Joined(const std::vector<GraphValue>& values, const std::vector<bool>& needed,
+                         const std::vector<int>& uses, const std::vector<bool>& varies) {
+  std::vector<bool> joined(values.size());
+  const auto free_product = [&](int v) {
+    const auto at = static_cast<std::size_t>(v);
+    return values[at].operation == Operation::kMultiply && uses[at] == 1 && varies[at];
+  };
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const GraphValue& value = values[v];
+    if (!needed[v] || (value.operation != Operation::kAdd && value.operation != Operation::kSubtract))
+      continue;
+    if (value.a == value.b) continue;
+    if (free_product(value.b))
+      joined[static_cast<std::size_t>(value.b)] = true;
+    else if (free_product(value.a))
+      joined[static_cast<std::size_t>(value.a)] = true;
+  }
+  return joined;
+}
+
+/// How many values and outputs read each value.
+std::vector<int> Uses(const std::vector<GraphValue>& values, const std::vector<bool>& needed,
+                      const std::vector<int>& outputs) {
+  std::vector<int> uses(values.size());
+  for (int output : outputs) ++uses[static_cast<std::size_t>(output)];
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const GraphValue& value = values[v];
+    if (!needed[v] || value.operation == Operation::kInput || value.operation == Operation::kConstant)
+      continue;
+    ++uses[static_cast<std::size_t>(value.a)];
+    if (value.b != value.a) ++uses[static_cast<std::size_t>(value.b)];
+    if (value.c != value.a && value.c != value.b) ++uses[static_cast<std::size_t>(value.c)];
+  }
+  return uses;
+}
+
+/// Points side by side, a count of its own: exp and ln run on vectors.
+struct PointCount : std::integral_constant<int, ExpressionProgram::kPoints> {};
+
+template <typename Count>
+[[gnu::always_inline]] inline double ComputeFor(Operation operation, double a, double b, double c) {
+  if constexpr (std::is_same_v<Count, PointCount>) {
+    if (operation == Operation::kExp) return Exp(a);
+    if (operation == Operation::kLn) return Log(a);
+  }
+  return Compute(operation, a, b, c);
+}
+
+/// Calls `each(k)` with every operation from kInput to kMinusProduct as a constant k.
+#define HYDROSCOPE_OPERATIONS(each)                                                                        \
+  each(kInput) each(kConstant) each(kNegate) each(kNot) each(kAdd) each(kSubtract) each(kMultiply)         \
+      each(kDivide) each(kPower) each(kLess) each(kLessEqual) each(kGreater) each(kGreaterEqual)           \
+          each(kEqual) each(kNotEqual) each(kAnd) each(kOr) each(kSelect) each(kMin) each(kMax) each(kAbs) \
+              each(kSign) each(kSqrt) each(kExp) each(kLn) each(kLog10) each(kSin) each(kCos) each(kTan)   \
+                  each(kAsin) each(kAcos) each(kAtan) each(kAtan2) each(kSinh) each(kCosh) each(kTanh)     \
+                      each(kProductPlus) each(kProductMinus) each(kMinusProduct)
+
+/// Each register is a column of `count` samples. No instruction writes what it reads.
 template <typename Count>
 void Execute(const std::vector<ExpressionProgram::Instruction>& code, double* registers, Count count) {
   for (const ExpressionProgram::Instruction& i : code) {
-    double* to = registers + static_cast<std::ptrdiff_t>(i.to) * count;
+    double* __restrict to = registers + static_cast<std::ptrdiff_t>(i.to) * count;
     const double* a = registers + static_cast<std::ptrdiff_t>(i.a) * count;
     const double* b = registers + static_cast<std::ptrdiff_t>(i.b) * count;
     const double* c = registers + static_cast<std::ptrdiff_t>(i.c) * count;
     const auto each = [&](auto operation) {
       for (int k = 0; k < count; ++k) to[k] = operation(a[k], b[k], c[k]);
     };
-#define HYDROSCOPE_CASE(name)                                                             \
-  case Operation::name:                                                                   \
-    each([](double x, double y, double z) { return Compute(Operation::name, x, y, z); }); \
-    break
-    switch (i.operation) {
-      HYDROSCOPE_CASE(kInput);
-      HYDROSCOPE_CASE(kConstant);
-      HYDROSCOPE_CASE(kNegate);
-      HYDROSCOPE_CASE(kNot);
-      HYDROSCOPE_CASE(kAdd);
-      HYDROSCOPE_CASE(kSubtract);
-      HYDROSCOPE_CASE(kMultiply);
-      HYDROSCOPE_CASE(kDivide);
-      HYDROSCOPE_CASE(kPower);
-      HYDROSCOPE_CASE(kLess);
-      HYDROSCOPE_CASE(kLessEqual);
-      HYDROSCOPE_CASE(kGreater);
-      HYDROSCOPE_CASE(kGreaterEqual);
-      HYDROSCOPE_CASE(kEqual);
-      HYDROSCOPE_CASE(kNotEqual);
-      HYDROSCOPE_CASE(kAnd);
-      HYDROSCOPE_CASE(kOr);
-      HYDROSCOPE_CASE(kSelect);
-      HYDROSCOPE_CASE(kMin);
-      HYDROSCOPE_CASE(kMax);
-      HYDROSCOPE_CASE(kAbs);
-      HYDROSCOPE_CASE(kSign);
-      HYDROSCOPE_CASE(kSqrt);
-      HYDROSCOPE_CASE(kExp);
-      HYDROSCOPE_CASE(kLn);
-      HYDROSCOPE_CASE(kLog10);
-      HYDROSCOPE_CASE(kSin);
-      HYDROSCOPE_CASE(kCos);
-      HYDROSCOPE_CASE(kTan);
-      HYDROSCOPE_CASE(kAsin);
-      HYDROSCOPE_CASE(kAcos);
-      HYDROSCOPE_CASE(kAtan);
-      HYDROSCOPE_CASE(kAtan2);
-      HYDROSCOPE_CASE(kSinh);
-      HYDROSCOPE_CASE(kCosh);
-      HYDROSCOPE_CASE(kTanh);
-    }
+#define HYDROSCOPE_CASE(name)                                                                       \
+  case Operation::name:                                                                             \
+    each([](double x, double y, double z) { return ComputeFor<Count>(Operation::name, x, y, z); }); \
+    break;
+    switch (i.operation) { HYDROSCOPE_OPERATIONS(HYDROSCOPE_CASE) }
 #undef HYDROSCOPE_CASE
   }
+}
+
+/// One point: each instruction ends with a jump to the next one's code (threaded code, Bell 1973), which the processor
+/// foretells better than one jump for all, as in a loop over a switch.
+using Instruction = ExpressionProgram::Instruction;
+using Step = void (*)(const Instruction* at, const Instruction* end, double* registers);
+template <Operation kOperation>
+void TakeStep(const Instruction* at, const Instruction* end, double* registers);
+
+constexpr Step kSteps[] = {
+#define HYDROSCOPE_STEP(name) TakeStep<Operation::name>,
+    HYDROSCOPE_OPERATIONS(HYDROSCOPE_STEP)
+#undef HYDROSCOPE_STEP
+};
+#undef HYDROSCOPE_OPERATIONS
+static_assert(std::size(kSteps) == static_cast<std::size_t>(Operation::kMinusProduct) + 1);
+
+template <Operation kOperation>
+void TakeStep(const Instruction* at, const Instruction* end, double* registers) {
+  registers[at->to] = Compute(kOperation, registers[at->a], registers[at->b], registers[at->c]);
+  if (++at != end) return kSteps[static_cast<std::size_t>(at->operation)](at, end, registers);
+}
+
+void ExecutePoint(const std::vector<Instruction>& code, double* registers) {
+  if (code.empty()) return;
+  const Instruction* const first = code.data();
+  kSteps[static_cast<std::size_t>(first->operation)](first, first + code.size(), registers);
 }
 
 HYDROSCOPE_WIDE void ExecuteBlock(const std::vector<ExpressionProgram::Instruction>& code, double* registers,
                                   int count) {
   Execute(code, registers, count);
+}
+
+HYDROSCOPE_WIDE void ExecutePoints(const std::vector<ExpressionProgram::Instruction>& code,
+                                   double* registers) {
+  Execute(code, registers, PointCount());
 }
 
 }  // namespace
@@ -107,17 +163,38 @@ ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, const std::ve
   for (std::size_t v = 0; v < values.size(); ++v) {  // operands stand before what uses them
     const GraphValue& value = values[v];
     if (!needed[v] || value.operation == Operation::kConstant) continue;
+    varies[v] = value.operation == Operation::kInput ? value.a < first_fixed
+                                                     : varies[static_cast<std::size_t>(value.a)] ||
+                                                           varies[static_cast<std::size_t>(value.b)] ||
+                                                           varies[static_cast<std::size_t>(value.c)];
+  }
+  const std::vector<bool> joined = Joined(values, needed, Uses(values, needed, outputs), varies);
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const GraphValue& value = values[v];
+    if (!needed[v] || value.operation == Operation::kConstant) continue;
     if (value.operation == Operation::kInput) {
       place[v] = static_cast<std::size_t>(value.a);
-      varies[v] = value.a < first_fixed;
       continue;
     }
-    const auto a = static_cast<std::size_t>(value.a), b = static_cast<std::size_t>(value.b),
-               c = static_cast<std::size_t>(value.c);
-    varies[v] = varies[a] || varies[b] || varies[c];
+    if (joined[v]) continue;
     place[v] = registers_++;
-    const auto at = [&](std::size_t operand) { return static_cast<std::uint16_t>(place[operand]); };
-    (varies[v] ? code_ : fixed_).push_back({value.operation, at(v), at(a), at(b), at(c)});
+    const auto at = [&](int operand) {
+      return static_cast<std::uint16_t>(place[static_cast<std::size_t>(operand)]);
+    };
+    Instruction instruction{value.operation, at(static_cast<int>(v)), at(value.a), at(value.b), at(value.c)};
+    const bool sum = value.operation == Operation::kAdd;
+    if ((sum || value.operation == Operation::kSubtract) &&
+        (joined[static_cast<std::size_t>(value.a)] || joined[static_cast<std::size_t>(value.b)])) {
+      const bool second = joined[static_cast<std::size_t>(value.b)];
+      const GraphValue& product = values[static_cast<std::size_t>(second ? value.b : value.a)];
+      instruction.operation = sum      ? Operation::kProductPlus
+                              : second ? Operation::kMinusProduct
+                                       : Operation::kProductMinus;
+      instruction.a = at(product.a);
+      instruction.b = at(product.b);
+      instruction.c = at(second ? value.a : value.b);
+    }
+    (varies[v] ? code_ : fixed_).push_back(instruction);
   }
   for (int output : outputs) outputs_.push_back(place[static_cast<std::size_t>(output)]);
 }
@@ -128,12 +205,18 @@ std::vector<double> ExpressionProgram::Registers() const {
   return registers;
 }
 
-void ExpressionProgram::RunFixed(double* registers) const {
-  Execute(fixed_, registers, std::integral_constant<int, 1>());
+void ExpressionProgram::RunFixed(double* registers) const { ExecutePoint(fixed_, registers); }
+void ExpressionProgram::Run(double* registers) const { ExecutePoint(code_, registers); }
+
+std::vector<double> ExpressionProgram::PointRegisters() const {
+  constexpr auto kColumn = static_cast<std::size_t>(kPoints);
+  std::vector<double> registers(registers_ * kColumn);
+  for (std::size_t k = 0; k < constants_.size(); ++k)
+    std::fill_n(registers.data() + (inputs_ + k) * kColumn, kColumn, constants_[k]);
+  return registers;
 }
-void ExpressionProgram::Run(double* registers) const {
-  Execute(code_, registers, std::integral_constant<int, 1>());
-}
+void ExpressionProgram::RunFixedPoints(double* registers) const { ExecutePoints(fixed_, registers); }
+void ExpressionProgram::RunPoints(double* registers) const { ExecutePoints(code_, registers); }
 
 void ExpressionProgram::RunColumns(const double* const* inputs, std::size_t count, double* values) const {
   std::array<double, kBlockRegisters> registers;

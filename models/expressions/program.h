@@ -9,7 +9,8 @@
 namespace hydroscope {
 
 /// Values of a graph as a flat program over registers: the inputs come first, constants next, then one register per
-/// operation. Computed at one point, or on columns of samples block by block; nothing is allocated and no text is read.
+/// operation; a product that only one sum reads is computed with it. Computed at one point, at a few points side by side, or
+/// on columns of samples block by block; nothing is allocated and no text is read.
 class ExpressionProgram {
  public:
   ExpressionProgram() = default;
@@ -27,6 +28,14 @@ class ExpressionProgram {
   /// Register of an output.
   std::size_t output(std::size_t index) const { return outputs_[index]; }
   std::size_t operations() const { return fixed_.size() + code_.size(); }
+
+  /// Points that RunPoints computes at once: what an instruction costs is shared by them.
+  static constexpr int kPoints = 8;
+  /// As Registers, RunFixed and Run with kPoints values side by side in place of each register: value p of register r stands
+  /// at r*kPoints + p. exp and ln are those of elementary.h, so that the last bits differ from Run's.
+  std::vector<double> PointRegisters() const;
+  void RunFixedPoints(double* registers) const;
+  void RunPoints(double* registers) const;
 
   /// Output 0 at `count` samples: inputs[i] points to the column of input i. For programs of
   /// one expression, whose size the parser limits.

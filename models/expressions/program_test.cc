@@ -88,6 +88,51 @@ TEST(ExpressionProgram, WhatExpressionsShareIsComputedOnce) {
   EXPECT_EQ(both.operations(), 5u);
 }
 
+TEST(ExpressionProgram, AProductThatOneSumReadsIsComputedWithIt) {
+  const auto operations = [](const std::string& text) {
+    ExpressionGraph graph;
+    return ExpressionProgram(graph, {graph.Add(**ParseExpression(text), kInputs)}, 2).operations();
+  };
+  EXPECT_EQ(operations("x*y + x"), 1u);
+  EXPECT_EQ(operations("x - x*y"), 1u);
+  EXPECT_EQ(operations("x*y - x*x"), 2u);
+  EXPECT_EQ(operations("x*y + x*y"), 2u);
+  EXPECT_EQ(operations("(x*y + x)/(x*y)"), 3u) << "read twice";
+  for (const char* text : {"x*y + x", "x - x*y", "x*y - x", "x*y - x*x", "x*y + x*y", "(x*y + x)/(x*y)"})
+    ExpectSlopes(text, 0.7, 1.3);
+  EXPECT_EQ(SlopeOf("x - x*y", 3, 5).value, -12);
+  EXPECT_EQ(SlopeOf("x*y - x", 3, 5).value, 12);
+  EXPECT_EQ(SlopeOf("x*y - x*x", 3, 5).value, 6);
+  EXPECT_EQ(SlopeOf("x*y + x*y", 3, 5).value, 30);
+}
+
+TEST(ExpressionProgram, PointsSideBySideAreThePointsOneByOne) {
+  for (const char* text : {"x*y - exp(-x/y) + ln(y)*sqrt(max(x, 0))", "x > 0.2 ? tanh(x)*y : x^3 - y", "2"}) {
+    ExpressionGraph graph;
+    const int value = graph.Add(**ParseExpression(text), kInputs);
+    const ExpressionProgram program(graph, {value, graph.Derivative(value, 0), graph.Derivative(value, 1)}, 2,
+                                    1);
+    constexpr auto kPoints = static_cast<std::size_t>(ExpressionProgram::kPoints);
+    std::vector<double> beside = program.PointRegisters();
+    for (std::size_t p = 0; p < kPoints; ++p) {
+      beside[p] = 0.1 * static_cast<double>(p) - 0.15;
+      beside[kPoints + p] = 1.7;
+    }
+    program.RunFixedPoints(beside.data());
+    program.RunPoints(beside.data());
+    for (std::size_t p = 0; p < kPoints; ++p) {
+      std::vector<double> one = program.Registers();
+      one[0] = beside[p];
+      one[1] = 1.7;
+      program.RunFixed(one.data());
+      program.Run(one.data());
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(beside[program.output(k) * kPoints + p], one[program.output(k)], 1e-14)
+            << text << ", point " << p << ", output " << k;
+    }
+  }
+}
+
 TEST(ExpressionProgram, WhatDependsOnFixedInputsAloneIsComputedOnceForManyPoints) {
   ExpressionGraph graph;
   const int value = graph.Add(**ParseExpression("x*exp(y)"), kInputs);
