@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "estimation/linear_form/noisier_copies.h"
+
 namespace hydroscope {
 namespace {
 
@@ -26,31 +28,24 @@ class LinearFitter {
     for (std::size_t e = 0; e < known_.size(); ++e) noise_[e] = std::max(Rms(known_[e]), 1e-300);
   }
 
-  Eigen::VectorXd Solve(int rounds) {
-    Eigen::VectorXd theta;
+  /// Weighs each equation by what `rounds` of least squares leave of it.
+  void FindNoise(int rounds) {
     for (int round = 0; round < rounds; ++round) {
-      const PieceSums all = Sums(0, known_.front().size());
-      theta = Solved(all);
+      const Eigen::VectorXd theta = Without(0, 0);
       for (std::size_t e = 0; e < known_.size(); ++e)
         noise_[e] = std::max(Rms(known_[e] - regressor_[e] * theta), 1e-12 * Rms(known_[e]) + 1e-300);
     }
-    return theta;
   }
-
-  /// Standard deviations from the fits with each piece left out.
-  Eigen::VectorXd Jackknife(const Eigen::VectorXd& theta, int pieces) const {
-    const Eigen::Index windows = known_.front().size();
-    const PieceSums all = Sums(0, windows);
-    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size());
-    for (int p = 0; p < pieces; ++p) {
-      const PieceSums out = Sums(windows * p / pieces, windows * (p + 1) / pieces);
-      const PieceSums rest{all.information - out.information, all.gradient - out.gradient};
-      squares += (Solved(rest) - theta).cwiseAbs2();
-    }
-    return (squares * (pieces - 1.0) / pieces).cwiseSqrt();
-  }
-
+  void TakeNoise(const std::vector<double>& noise) { noise_ = noise; }
   const std::vector<double>& noise() const { return noise_; }
+  Eigen::Index windows() const { return known_.front().size(); }
+
+  /// Least squares without the windows first ... last - 1.
+  Eigen::VectorXd Without(Eigen::Index first, Eigen::Index last) {
+    if (all_.noise != noise_) all_ = {Sums(0, windows()), noise_};
+    const PieceSums out = Sums(first, last);
+    return Solved({all_.sums.information - out.information, all_.sums.gradient - out.gradient});
+  }
 
  private:
   static double Rms(const Eigen::VectorXd& values) {
@@ -73,9 +68,46 @@ class LinearFitter {
     return sums;
   }
 
+  struct AllSums {
+    PieceSums sums;
+    std::vector<double> noise;  ///< that they are weighted by
+  };
   std::vector<Eigen::MatrixXd> regressor_;
   std::vector<Eigen::VectorXd> known_;
   std::vector<double> noise_;
+  AllSums all_;
+};
+
+/// What least squares would give without noise in the regressors, which draws it towards 0 (errors in variables): fits of noisier
+/// copies tell how far as much noise again moves it, and as far the record's own has moved it (simulation and extrapolation, Cook
+/// and Stefanski 1994).
+class WithoutNoise {
+ public:
+  WithoutNoise(LinearFitter record, std::vector<LinearFitter> noisier)
+      : record_(std::move(record)), noisier_(std::move(noisier)) {
+    for (LinearFitter& copy : noisier_) copy.TakeNoise(record_.noise());
+  }
+
+  Eigen::VectorXd Without(Eigen::Index first, Eigen::Index last) {
+    const Eigen::VectorXd own = record_.Without(first, last);
+    if (noisier_.empty()) return own;
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(own.size());
+    for (LinearFitter& copy : noisier_) sum += copy.Without(first, last);
+    return 2 * own - sum / static_cast<double>(noisier_.size());
+  }
+
+  /// Standard deviations from the fits with each piece left out.
+  Eigen::VectorXd Jackknife(const Eigen::VectorXd& theta, int pieces) {
+    const Eigen::Index windows = record_.windows();
+    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size());
+    for (int p = 0; p < pieces; ++p)
+      squares += (Without(windows * p / pieces, windows * (p + 1) / pieces) - theta).cwiseAbs2();
+    return (squares * (pieces - 1.0) / pieces).cwiseSqrt();
+  }
+
+ private:
+  LinearFitter record_;
+  std::vector<LinearFitter> noisier_;
 };
 
 /// All equations one under the other, each over the size of what is known of it.
@@ -106,10 +138,15 @@ LinearFit FitLinearForm(const LinearForm& form, const Machine& machine, std::spa
   fit.base = FindBaseParameters(Stacked(windows));
   for (const int column : fit.base.kept)
     fit.parameters.push_back(form.parameters[static_cast<std::size_t>(column)]);
-  LinearFitter fitter(windows, fit.base.kept);
-  fit.value = fitter.Solve(options.rounds);
+  LinearFitter record(windows, fit.base.kept);
+  record.FindNoise(options.rounds);
+  fit.noise = record.noise();
+  std::vector<LinearFitter> noisier;
+  for (const std::vector<Episode>& copy : NoisierCopies(episodes, options.noise_pairs, options.seed))
+    noisier.emplace_back(WindowsOf(form, machine, copy, options.windows), fit.base.kept);
+  WithoutNoise fitter(std::move(record), std::move(noisier));
+  fit.value = fitter.Without(0, 0);
   fit.std = fitter.Jackknife(fit.value, options.pieces);
-  fit.noise = fitter.noise();
   if (!fit.value.allFinite() || !fit.std.allFinite())
     fit.failed = "the record does not move the machine enough to tell its parameters apart";
   return fit;

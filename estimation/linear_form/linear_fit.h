@@ -6,8 +6,10 @@
 namespace hydroscope {
 
 struct LinearFitOptions {
-  int pieces = 40;  ///< of the record, left out in turn for the intervals
-  int rounds = 4;   ///< of least squares, each with the equations' noise of the one before
+  int pieces = 40;      ///< of the record, left out in turn for the intervals
+  int rounds = 4;       ///< of least squares, each with the equations' noise of the one before
+  int noise_pairs = 2;  ///< of noisier copies that tell what noise in the regressors does (noisier_copies.h)
+  std::uint32_t seed = 1;  ///< of their noise
   WindowEquationOptions windows;
 };
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "estimation/states/simulation.h"
+
+namespace hydroscope {
+
+/// Standard deviation of the white noise of each signal, from its sixth differences: what moves evenly over seven rows leaves
+/// nothing in them. 0 where nothing is read.
+Eigen::VectorXd WhiteNoiseOfSignals(std::span<const Episode> episodes);
+
+/// Copies of the record with as much noise again: one draw added, and the same draw taken away, `pairs` times. What is linear in
+/// the noise cancels between the two; what remains is what noise does to products and bends.
+std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes, int pairs,
+                                                std::uint32_t seed);
+
+}  // namespace hydroscope
