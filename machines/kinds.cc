@@ -3,6 +3,7 @@
 #include "machines/manipulator/kind.h"
 #include "machines/own_balance/kind.h"
 #include "machines/own_states/kind.h"
+#include "machines/pump/kind.h"
 #include "machines/test_cylinder/kind.h"
 #include "machines/valve/kind.h"
 
@@ -10,7 +11,7 @@ namespace hydroscope {
 
 std::span<const MachineKind* const> MachineKinds() {
   static constexpr const MachineKind* kKinds[] = {
-      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator, &kFlexibleAxis,
+      &kDieCushion, &kValve, &kOwnBalance, &kOwnStates, &kTestCylinder, &kManipulator, &kFlexibleAxis, &kPump,
   };
   return kKinds;
 }

@@ -69,6 +69,7 @@ void ExpectTexts(const Machine& machine) {
       if (!limit.empty()) ExpectText("limit of " + s.name, limit, LimitNamesOf(machine), s.unit);
     if (s.initial != "estimate")
       ExpectText("initial of " + s.name, s.initial, InitialNamesOf(machine), s.unit);
+    if (!s.near.empty()) ExpectText("initial of " + s.name, s.near, InitialNamesOf(machine), s.unit);
   }
   for (const OutputSpec& o : machine.states.outputs)
     ExpectText(o.signal, o.expression, names, UnitOfEquation(machine, o.signal));

@@ -247,7 +247,9 @@ class Builder {
     for (int i = 0; i < states(); ++i) {
       const StateSpec& state = spec_.states[static_cast<std::size_t>(i)];
       model_.estimated.push_back(state.initial == "estimate");
-      if (state.initial != "estimate") initial.Add(i, Parsed(state.initial, machine()), numbers);
+      model_.near.push_back(model_.estimated.back() && !state.near.empty());
+      if (!model_.estimated.back()) initial.Add(i, Parsed(state.initial, machine()), numbers);
+      if (model_.near.back()) initial.Add(i, Parsed(state.near, machine()), numbers);
       model_.measured_by.push_back(-1);
       for (std::size_t j = 0; j < spec_.outputs.size(); ++j)
         if (spec_.outputs[j].expression == state.name) model_.measured_by.back() = static_cast<int>(j);

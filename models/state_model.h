@@ -50,9 +50,10 @@ struct StateModel {
   std::vector<DelayedInput> delays;
   std::vector<int> outputs;  ///< machine signal of each y
   Equations dynamics, output;
-  Equations limits;             ///< min of each state, then max of each; of parameters alone
-  Equations initial;            ///< of the machine's signals and the parameters; 0 where it is estimated
+  Equations limits;   ///< min of each state, then max of each; of parameters alone
+  Equations initial;  ///< of the machine's signals and the parameters; of estimated ones what they lie near
   std::vector<bool> estimated;  ///< per state: its initial value is estimated
+  std::vector<bool> near;       ///< ... and `initial` says near what
   /// Per state: the output that is this very state, -1 if there is none.
   std::vector<int> measured_by;
   /// Per state: the state that is its rate, -1 if none is: where the former stops, the latter is 0.

@@ -16,6 +16,9 @@ struct StateSpec {
   /// Where it stops: expressions over parameters and [geometry], SI; "" = nowhere.
   std::string min = {}, max = {};
   std::string unit = {};  ///< SI, "" = not known
+  /// Where the search for an initial value that is estimated begins, an expression as `initial`; "" = at what is measured of it,
+  /// else between its limits.
+  std::string near = {};
 
   bool operator==(const StateSpec&) const = default;
 };
@@ -44,6 +47,9 @@ struct StatesSpec {
   std::vector<OutputSpec> outputs;
   std::vector<ParameterSpec> parameters;
   std::optional<double> episode_seconds;  ///< a continuous log is cut into episodes of this length
+  /// Signal of the speed (rad/s) of the shaft whose ripple is taken out of the outputs: their readings are means over whole
+  /// revolutions. "" = readings are taken as they are.
+  std::string shaft = {};
 
   bool operator==(const StatesSpec&) const = default;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "models/state_model.h"
+#include "pipeline/shaft_rows.h"
 
 namespace hydroscope {
 namespace {
@@ -47,6 +48,8 @@ EpisodeCutter::EpisodeCutter(const StateModel& model, const Options& options, Si
   rows_.quality.resize(signals);
   input_.assign(signals, false);
   for (const int s : model.inputs) input_[static_cast<std::size_t>(s)] = true;
+  shaft_ = model.machine.SignalIndex(model.machine.states.shaft);
+  if (shaft_ >= 0) input_[static_cast<std::size_t>(shaft_)] = true;
 }
 
 void EpisodeCutter::ForgiveSpikes(const std::vector<double>& share) { spikes_ = share; }
@@ -64,10 +67,9 @@ bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
 
 bool EpisodeCutter::InputsGood(const SampleBlock& block, std::size_t row) const {
   constexpr Quality kForgiven = kTimeBreaks | quality::kSpike | quality::kStuck;
-  return std::all_of(model_.inputs.begin(), model_.inputs.end(), [&](int s) {
-    const auto at = static_cast<std::size_t>(s);
-    return GoodReading(block.signal[at][row], block.quality[at][row], kForgiven);
-  });
+  for (std::size_t s = 0; s < input_.size(); ++s)
+    if (input_[s] && !GoodReading(block.signal[s][row], block.quality[s][row], kForgiven)) return false;
+  return true;
 }
 
 bool EpisodeCutter::BreaksTime(const SampleBlock& block, std::size_t row) const {
@@ -158,6 +160,20 @@ void EpisodeCutter::End() {
   rows_.Clear();
 }
 
+/// False if the shaft stood still for most of it.
+bool EpisodeCutter::AtAngles(Episode& episode) {
+  const double rows = RowsPerRevolution(episode, shaft_);
+  if (rows > 0 && rows < kLeastRowsPerRevolution) {
+    if (warnings_.size() < kMostWarnings)
+      warnings_.push_back(fmt::format(
+          "{:.3g} rows per revolution of the shaft at {:.6g} s, {} are needed to take its ripple out: it is left in",
+          rows, episode.time.front(), kLeastRowsPerRevolution));
+    return true;
+  }
+  episode = AtShaftAngles(episode, shaft_, model_.outputs, model_.machine.log.hold);
+  return episode.rows() >= static_cast<int>(kLeastRows);
+}
+
 void EpisodeCutter::Emit(std::size_t first, std::size_t end, const std::vector<Quality>& forgiven) {
   if (end < first + kLeastRows) return;
   Episode episode;
@@ -171,6 +187,10 @@ void EpisodeCutter::Emit(std::size_t first, std::size_t end, const std::vector<Q
     for (std::size_t row = first; row < end; ++row)
       episode.signal(static_cast<Eigen::Index>(row - first), static_cast<Eigen::Index>(s)) =
           GoodReading(rows_.signal[s][row], rows_.quality[s][row], forgiven[s]) ? rows_.signal[s][row] : NAN;
+  if (shaft_ >= 0 && !AtAngles(episode)) {
+    ++discarded_;
+    return;
+  }
   const auto used = static_cast<std::int64_t>(end - first);
   totals_.used += used;
   present_.used = used;

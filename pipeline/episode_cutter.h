@@ -65,6 +65,7 @@ class EpisodeCutter {
   bool InputsGood(const SampleBlock& block, std::size_t row) const;
   bool InGate(const SampleBlock& block, std::size_t row);
   void End();
+  bool AtAngles(Episode& episode);
   Quality Forgiven(std::size_t signal) const;
   void Emit(std::size_t first, std::size_t end, const std::vector<Quality>& forgiven);
 
@@ -72,7 +73,8 @@ class EpisodeCutter {
   Options options_;
   Sink sink_;
   EpisodeMarker marker_;
-  std::vector<bool> input_;
+  std::vector<bool> input_;     ///< per signal: without a good reading of it a row is none
+  int shaft_ = -1;              ///< signal of StatesSpec::shaft
   std::vector<double> spikes_;  ///< share per signal, empty: of each episode
   Rows rows_;
   std::optional<double> last_time_;

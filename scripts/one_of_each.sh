@@ -40,12 +40,12 @@ renamed ExternalLeakage DrainLeakage $effects/external_leakage.cc | sed 's/exter
 sed -i '0,/^  _(ReturnLineResistance)/s//  _(DrainLeakage) \\\n  _(ReturnLineResistance)/' $effects/effects.h
 judge "effect" 1 $effects/drain_leakage.cc machines/die_cushion/library.cc
 
-mkdir machines/pump
-renamed kValve kPump machines/valve/kind.h > machines/pump/kind.h
-renamed kValve kPump machines/valve/kind.cc | sed 's/machines\/valve/machines\/pump/; s/"valve"/"pump"/' > machines/pump/kind.cc
-sed -i '/machines\/valve\/kind.h/i #include "machines/pump/kind.h"' machines/kinds.cc
-sed -i 's/^      &kValve,/      \&kPump,\n      \&kValve,/' machines/kinds.cc
-judge "kind of machine" 2 machines/pump/kind.cc machines/kinds.cc
+mkdir machines/winch
+renamed kValve kWinch machines/valve/kind.h > machines/winch/kind.h
+renamed kValve kWinch machines/valve/kind.cc | sed 's/machines\/valve/machines\/winch/; s/"valve"/"winch"/' > machines/winch/kind.cc
+sed -i '/machines\/valve\/kind.h/i #include "machines/winch/kind.h"' machines/kinds.cc
+sed -i 's/^      &kValve,/      \&kWinch,\n      \&kValve,/' machines/kinds.cc
+judge "kind of machine" 2 machines/winch/kind.cc machines/kinds.cc
 
 renamed AddInitCommand AddAdviseCommand cli/init.cc | sed 's/add_subcommand("init"/add_subcommand("advise"/' > cli/advise.cc
 sed -i 's/^  _(Init) /  _(Advise) \\\n  _(Init) /' cli/commands.h

@@ -11,7 +11,8 @@ namespace hydroscope {
 #define HYDROSCOPE_SIMULATED_MACHINES(_) \
   _(TestCylinder)                        \
   _(Manipulator)                         \
-  _(FlexibleAxis)
+  _(FlexibleAxis)                        \
+  _(Pump)
 
 #define HYDROSCOPE_DECLARE_MACHINE(Name)                      \
   void AddSimulate##Name(CLI::App& simulate, int& exit_code); \

@@ -29,16 +29,20 @@ std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episod
   for (const Episode& episode : episodes) rows += episode.rows();
   std::vector<Episode> pieces;
   if (rows <= most_rows || ReadsThePast(machine)) return pieces;
-  const auto step = static_cast<std::int64_t>(std::ceil(static_cast<double>(rows) * piece_rows / most_rows));
-  for (const Episode& episode : episodes)
+  const auto apart = static_cast<std::int64_t>(std::ceil(static_cast<double>(rows) * piece_rows / most_rows));
+  for (const Episode& episode : episodes) {
+    // Readings that are means end where they did.
+    const std::int64_t step = (apart + episode.mean_rows - 1) / episode.mean_rows * episode.mean_rows;
     for (std::int64_t first = 0; first < episode.rows(); first += step) {
       const std::int64_t count = std::min<std::int64_t>(piece_rows, episode.rows() - first);
       if (count < piece_rows && first > 0) break;
       pieces.push_back({episode.log,
                         episode.first_row + first,
                         {episode.time.begin() + first, episode.time.begin() + first + count},
-                        episode.signal.middleRows(first, count)});
+                        episode.signal.middleRows(first, count),
+                        episode.mean_rows});
     }
+  }
   return pieces;
 }
 

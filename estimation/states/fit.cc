@@ -65,7 +65,8 @@ std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows) {
   for (const Episode& e : episodes) {
     if (rows <= 1) break;
     const int take = std::min(rows, e.rows());
-    out.push_back({e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take)});
+    out.push_back(
+        {e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take), e.mean_rows});
     rows -= take;
   }
   return out;
@@ -266,7 +267,8 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   task.noise = WhiteNoise(*task.model, task.episodes, OutputScale(*task.model, task.episodes));
   const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);
   double readings = 0;
-  for (const Episode& e : task.episodes) readings += static_cast<double>(e.rows() * task.model->output.rows);
+  for (const Episode& e : task.episodes)
+    readings += static_cast<double>(e.rows() / e.mean_rows * task.model->output.rows);
   std::vector<StateMinimum> minima;
   shooting::Point best;
   int tried = 0, diverged = 0;

@@ -51,8 +51,10 @@ class GrowingFit {
     constexpr double kGrowth = 2;
     constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
     const int longest = Longest();
+    int mean_rows = 1;
+    for (const Episode& e : task_.episodes) mean_rows = std::max(mean_rows, e.mean_rows);
     shooting::Point before = point_;
-    int reached = std::min(options_.first_horizon, longest), rows = reached;
+    int reached = std::min(options_.first_horizon * mean_rows, longest), rows = reached;
     double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
     while (true) {
       const bool last = rows >= longest;
@@ -183,7 +185,7 @@ class GrowingFit {
       for (int row = 0; row <= last; ++row)
         for (int j = 0; j < outputs; ++j) {
           const double measured = episode.signal(row, model.outputs[static_cast<std::size_t>(j)]);
-          const bool good = std::isfinite(measured);
+          const bool good = std::isfinite(run_.outputs(row, j) - measured);
           const int at = row * outputs + j;
           error_[at] = good ? (run_.outputs(row, j) - measured) / task_.noise[j] : 0.0;
           run_.slopes.row(at) *= good ? 1 / task_.noise[j] : 0.0;
@@ -217,7 +219,8 @@ class GrowingFit {
 }  // namespace
 
 bool GrowsHorizon(const StateModel& model) {
-  return model.output.rows >= kOutputsThatGrow && model.parameter_count() > 0;
+  const bool known = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
+  return (model.output.rows >= kOutputsThatGrow || known) && model.parameter_count() > 0;
 }
 
 Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,
@@ -227,9 +230,9 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
   for (int j = 0; j < noise.size(); ++j) {
     double energy = 0, count = 0;
     for (const Episode& e : episodes)
-      for (int row = 3; row < e.rows(); ++row) {
+      for (int row = 3 * e.mean_rows; row < e.rows(); ++row) {
         const auto y = [&](int back) {
-          return e.signal(row - back, model.outputs[static_cast<std::size_t>(j)]);
+          return e.signal(row - back * e.mean_rows, model.outputs[static_cast<std::size_t>(j)]);
         };
         const double third = y(0) - 3 * y(1) + 3 * y(2) - y(3);
         if (!std::isfinite(third)) continue;

@@ -5,7 +5,8 @@
 
 namespace hydroscope {
 
-/// Whether a model is fitted over a growing horizon: several outputs tell the states from a few rows on.
+/// Whether a model is fitted over a growing horizon: several outputs, or what the file says they lie near, tell
+/// the states from a few rows on.
 bool GrowsHorizon(const StateModel& model);
 
 /// Standard deviation of the white noise of each output from its third differences, at most `largest` of it: what moves evenly

@@ -67,8 +67,8 @@ class SegmentCost : public ceres::CostFunction {
       for (int j = 0; j < outputs_; ++j) {
         const double measured =
             episode.signal(segment_.first + row, task_.model->outputs[static_cast<std::size_t>(j)]);
-        residuals[row * outputs_ + j] =
-            std::isfinite(measured) ? (run_.outputs(row, j) - measured) / task_.noise[j] : 0.0;
+        const double error = run_.outputs(row, j) - measured;
+        residuals[row * outputs_ + j] = std::isfinite(error) ? error / task_.noise[j] : 0.0;
       }
   }
   void FillJacobians(const Episode& episode, const double* q, double** jacobians) const {
@@ -83,6 +83,7 @@ class SegmentCost : public ceres::CostFunction {
         for (int j = 0; j < outputs_; ++j) {
           const int r = row * outputs_ + j;
           if (!std::isfinite(
+                  run_.outputs(row, j) -
                   episode.signal(segment_.first + row, model.outputs[static_cast<std::size_t>(j)])))
             continue;
           for (int c = 0; c < count; ++c) to(r, c) = run_.slopes(r, from + c) * factor(c) / task_.noise[j];
@@ -119,17 +120,22 @@ class SegmentCost : public ceres::CostFunction {
   mutable RowMatrix start_slopes_;
 };
 
-/// What the data and limits say of the states at a row; `run`: a run of the model there, nullptr if it diverged.
+/// What the machine file, the data and limits say of the states at a row; `run`: a run of the model there, nullptr if it
+/// diverged.
 Eigen::VectorXd GuessedStates(const Task& task, const Episode& episode, int row, const StateRun* run,
-                              const Eigen::VectorXd& limits) {
+                              const StateSimulator& simulator) {
   const int states = task.model->states();
+  const Eigen::VectorXd& limits = simulator.limits();
+  const Eigen::VectorXd near = row == 0 ? simulator.Near(episode) : Eigen::VectorXd::Constant(states, NAN);
   Eigen::VectorXd x(states);
   for (int i = 0; i < states; ++i) {
     const int output = task.model->measured_by[static_cast<std::size_t>(i)];
     const double measured =
-        output < 0 ? NAN : episode.signal(row, task.model->outputs[static_cast<std::size_t>(output)]);
+        output < 0 ? NAN : episode.Reading(row, task.model->outputs[static_cast<std::size_t>(output)]);
     const double low = limits[i], high = limits[states + i];
-    if (std::isfinite(measured))
+    if (std::isfinite(near[i]))
+      x[i] = near[i];
+    else if (std::isfinite(measured))
       x[i] = measured;
     else if (run != nullptr && row < run->rows)
       x[i] = run->states(row, i);
@@ -180,7 +186,7 @@ Eigen::VectorXd Unscaled(const Task& task, const std::vector<double>& q) {
 void Trial(const Task& task, const Eigen::VectorXd& theta, const Episode& episode, StateRun& run) {
   StateSimulator simulator(task.model);
   simulator.SetParameters(theta);
-  const Eigen::VectorXd guess = GuessedStates(task, episode, 0, nullptr, simulator.limits());
+  const Eigen::VectorXd guess = GuessedStates(task, episode, 0, nullptr, simulator);
   simulator.Run(episode, 0, episode.rows() - 1, simulator.Initial(episode, guess), nullptr, run);
 }
 
@@ -195,8 +201,7 @@ void GuessSegments(const Task& task, const std::vector<Segment>& segments, Point
     const Episode& episode = task.episodes[static_cast<std::size_t>(segment.episode)];
     if (segment.episode != tried) Trial(task, theta, episode, run);
     tried = segment.episode;
-    point.z.push_back(
-        Scaled(GuessedStates(task, episode, segment.first, &run, simulator.limits()), task.state_scale));
+    point.z.push_back(Scaled(GuessedStates(task, episode, segment.first, &run, simulator), task.state_scale));
   }
 }
 

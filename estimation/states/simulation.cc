@@ -62,15 +62,33 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
         registers[program.output(static_cast<std::size_t>(2 * states_) + e)];
 }
 
-Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::VectorXd& estimated,
-                                        RowMatrix* slopes) {
+std::vector<double> StateSimulator::InitialRegisters(const Episode& episode) const {
   const ExpressionProgram& program = model_->initial.slopes;
   std::vector<double> registers = program.Registers();
   const Eigen::Index signals = episode.signal.cols();
-  for (Eigen::Index s = 0; s < signals; ++s) registers[static_cast<std::size_t>(s)] = episode.signal(0, s);
+  for (Eigen::Index s = 0; s < signals; ++s)
+    registers[static_cast<std::size_t>(s)] = episode.Reading(0, static_cast<int>(s));
   std::copy(theta_.begin(), theta_.end(), registers.begin() + signals);
   program.RunFixed(registers.data());
   program.Run(registers.data());
+  return registers;
+}
+
+Eigen::VectorXd StateSimulator::Near(const Episode& episode) const {
+  const std::vector<double> registers = InitialRegisters(episode);
+  Eigen::VectorXd x0(states_);
+  for (int i = 0; i < states_; ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    x0[i] = model_->near[s] ? registers[model_->initial.slopes.output(s)]
+                            : std::numeric_limits<double>::quiet_NaN();
+  }
+  return x0;
+}
+
+Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::VectorXd& estimated,
+                                        RowMatrix* slopes) {
+  const ExpressionProgram& program = model_->initial.slopes;
+  const std::vector<double> registers = InitialRegisters(episode);
   Eigen::VectorXd x0(states_);
   for (int i = 0; i < states_; ++i) {
     const auto s = static_cast<std::size_t>(i);
@@ -79,9 +97,11 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
   }
   if (slopes == nullptr) return x0;
   *slopes = RowMatrix::Zero(states_, parameters_);
-  for (std::size_t e = 0; e < model_->initial.entries.size(); ++e)
-    (*slopes)(model_->initial.entries[e].row, model_->initial.entries[e].column) =
-        registers[program.output(static_cast<std::size_t>(states_) + e)];
+  for (std::size_t e = 0; e < model_->initial.entries.size(); ++e) {
+    const auto [row, column] = model_->initial.entries[e];
+    if (!model_->estimated[static_cast<std::size_t>(row)])
+      (*slopes)(row, column) = registers[program.output(static_cast<std::size_t>(states_) + e)];
+  }
   return x0;
 }
 
@@ -218,6 +238,31 @@ void StateSimulator::Output(int row, StateRun& run) {
     run.slopes(row * output.rows + j, added_from_ + column) += added_values_[static_cast<std::size_t>(value)];
 }
 
+/// Puts the mean since the last reading in place of the output where there is a reading, by Simpson's rule. A mean that began
+/// before the run is not known.
+void StateSimulator::Average(const Episode& episode, int row, StateRun& run) {
+  const int at = row - first_, outputs = model_->output.rows, part = row % episode.mean_rows;
+  const double share = 1.0 / (3 * episode.mean_rows),
+               weight = part == 0 ? share : (part % 2 == 1 ? 4 : 2) * share;
+  const RowMatrix now = run.outputs.row(at);
+  RowMatrix slopes;
+  if (with_slopes_) slopes = run.slopes.middleRows(at * outputs, outputs);
+  if (at == 0) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    mean_outputs_.setConstant(1, outputs, part == 0 ? 0.0 : kUnknown);
+    mean_slopes_.setZero(slopes.rows(), slopes.cols());
+    run.outputs.row(0).setConstant(kUnknown);
+  }
+  mean_outputs_ += weight * now;
+  if (with_slopes_) mean_slopes_ += weight * slopes;
+  if (part != 0 || at == 0) return;
+  run.outputs.row(at) = mean_outputs_;
+  mean_outputs_ = weight * now;
+  if (!with_slopes_) return;
+  run.slopes.middleRows(at * outputs, outputs) = mean_slopes_;
+  mean_slopes_ = weight * slopes;
+}
+
 /// What the readings of a row, `run.outputs` of it being what was foreseen, say of the states.
 void StateSimulator::Correct(const Episode& episode, int row, const StateRun& run) {
   const int outputs = model_->output.rows;
@@ -271,9 +316,12 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
   next_share_ = 1;
   first_ = first;
   for (int row = first; row <= last; ++row) {
+    constexpr int kTryAgain = 32;  // rows after which what was stiff, or an end stop, may be over
+    if ((row - first) % kTryAgain == 0) stiff_ = false;
     TakeInputs(episode, row);
     if (!model_->delays.empty()) TakeDelayed(episode, row, 0, 0);
     Output(row - first, run);
+    if (episode.mean_rows > 1) Average(episode, row, run);
     run.rows = row - first + 1;
     if (row == last) break;
     if (gain_.size() > 0) Correct(episode, row, run);

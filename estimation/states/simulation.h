@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -17,8 +20,17 @@ struct Episode {
   std::int64_t first_row = 0;  ///< of the log
   std::vector<double> time;    ///< s
   RowMatrix signal;            ///< row x signal of the machine, SI; an output that is no good reading is NaN
+  /// Above 1, an even number: outputs have a reading at each so many rows, their mean since the reading before.
+  int mean_rows = 1;
 
   int rows() const { return static_cast<int>(time.size()); }
+  /// At a row, or where readings are means the first from there on; NaN if there is none.
+  double Reading(int row, int s) const {
+    const int end = mean_rows > 1 ? std::min(rows(), row + mean_rows + 1) : row + 1;
+    for (; row < end; ++row)
+      if (std::isfinite(signal(row, s))) return signal(row, s);
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 /// Further columns of the sensitivities: what terms added to the equations would change, per unit of each.
@@ -44,8 +56,9 @@ struct SimulationOptions {
 /// What a run gives at each row of an episode.
 struct StateRun {
   bool diverged = false;
-  int rows = 0;          ///< rows reached
-  RowMatrix outputs;     ///< row x output
+  int rows = 0;  ///< rows reached
+  RowMatrix
+      outputs;  ///< row x output; where readings are means: those, NaN at the end of a part that began before
   RowMatrix states;      ///< row x state
   RowMatrix slopes;      ///< (row, output) x (parameters, initial states, columns of added terms)
   Eigen::VectorXd end;   ///< states at the end
@@ -71,6 +84,9 @@ class StateSimulator {
   Eigen::VectorXd Initial(const Episode& episode, const Eigen::VectorXd& estimated,
                           RowMatrix* slopes = nullptr);
 
+  /// Initial states as far as the machine file says what those that are estimated lie near; NaN elsewhere.
+  Eigen::VectorXd Near(const Episode& episode) const;
+
   /// Runs from row `first` to row `last` (inclusive) with initial states x0. `start_slopes`: sensitivities of x0, states x
   /// columns, parameters first; nullptr: none are wanted.
   void Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,
@@ -82,6 +98,7 @@ class StateSimulator {
   std::int64_t steps() const { return steps_; }  ///< taken since it was made
 
  private:
+  std::vector<double> InitialRegisters(const Episode& episode) const;
   void Rate(const double* x, double fraction, double* rate);
   void RateAndSlopes(const double* x, double fraction, double* rate);
   void HoldAtLimits(const double* x, double* rate);
@@ -103,6 +120,7 @@ class StateSimulator {
   bool Clamp();
   void Correct(const Episode& episode, int row, const StateRun& run);
   void Output(int row, StateRun& run);
+  void Average(const Episode& episode, int row, StateRun& run);
 
   std::shared_ptr<const StateModel> model_;
   SimulationOptions options_;
@@ -120,6 +138,7 @@ class StateSimulator {
   std::vector<unsigned char> held_;       ///< states at a limit in the stage looked at
   std::vector<double> s_, stage_s_, ks_;  ///< sensitivities, row by row
   std::vector<double> jacobian_, added_values_;
+  RowMatrix mean_outputs_, mean_slopes_;  ///< on the way, where readings are means
   /// Of each stage of an explicit step: values of the added terms, states held.
   std::vector<double> stage_added_;
   std::vector<unsigned char> stage_held_;

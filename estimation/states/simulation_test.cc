@@ -63,6 +63,23 @@ TEST(StateSimulation, FollowsAnExponentialAndItsDerivatives) {
   }
 }
 
+TEST(StateSimulation, AReadingThatIsAMeanIsThatOfTheModelAndItsDerivatives) {
+  Episode episode = Rows(41, 0.05, 0);
+  episode.mean_rows = 8;
+  RowMatrix slopes(1, 2);
+  slopes << 0, 1;
+  const double k = 2;
+  const StateRun run = RunOf(Lag(), episode, Eigen::VectorXd::Constant(1, k), 1, &slopes);
+  EXPECT_TRUE(std::isnan(run.outputs(0, 0))) << "nothing is known before the first row";
+  EXPECT_NEAR(run.outputs(3, 0), std::exp(-k * 0.15), 1e-5) << "no reading: the model as it is";
+  for (int row = 8; row <= 40; row += 8) {
+    const double from = 0.05 * (row - 8), to = 0.05 * row;
+    const double mean = (std::exp(-k * from) - std::exp(-k * to)) / (k * (to - from));
+    EXPECT_NEAR(run.outputs(row, 0), mean, 2e-5) << row;
+    EXPECT_NEAR(run.slopes(row, 1), mean, 2e-5) << "by the initial state";
+  }
+}
+
 TEST(StateSimulation, AStiffModelIsLeftToTheImplicitMethodWithTheSameDerivatives) {
   const Episode episode = Rows(20, 0.05, 3);
   RowMatrix slopes(1, 2);

@@ -325,6 +325,7 @@ std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
   Pairs states, outputs;
   for (const StateSpec& s : spec.states) {
     Pairs about = {{"ddt", Quoted(s.ddt)}, {"initial", Quoted(s.initial)}};
+    if (!s.near.empty()) about.emplace_back("near", Quoted(s.near));
     if (!s.min.empty()) about.emplace_back("min", Quoted(s.min));
     if (!s.max.empty()) about.emplace_back("max", Quoted(s.max));
     if (!s.unit.empty()) about.emplace_back("unit", Quoted(s.unit));
@@ -339,6 +340,7 @@ std::string StatesSections(const Machine& machine, const MachineNotes& notes) {
 std::string EpisodeSection(const Machine& machine, const MachineNotes& notes) {
   Pairs pairs;
   if (machine.states.episode_seconds) pairs.emplace_back("seconds", Plain(*machine.states.episode_seconds));
+  if (!machine.states.shaft.empty()) pairs.emplace_back("shaft", Quoted(machine.states.shaft));
   if (!machine.episode_marker.empty()) pairs.emplace_back("marker", Quoted(machine.episode_marker));
   return pairs.empty()
              ? ""

@@ -156,7 +156,11 @@ void ReadState(TableReader& reader, StateSpec& state) {
   ReadNumberOrText(reader, "min", unit, state.min);
   ReadNumberOrText(reader, "max", unit, state.max);
   ReadNumberOrText(reader, "initial", unit, state.initial);
+  ReadNumberOrText(reader, "near", unit, state.near);
   if (state.initial.empty()) state.initial = "estimate";
+  if (!state.near.empty() && state.initial != "estimate")
+    reader.Wrong("near",
+                 "no such key beside initial: it says where the search for an unknown initial value begins");
   CheckLimits(reader, state);
 }
 
@@ -188,6 +192,7 @@ void CheckStates(TableReader& file, const Machine& machine) {
     CheckText(reader, "min", s.min, limits, s.unit);
     CheckText(reader, "max", s.max, limits, s.unit);
     if (s.initial != "estimate") CheckText(reader, "initial", s.initial, initial, s.unit);
+    CheckText(reader, "near", s.near, initial, s.unit);
   }
   const toml::table* table = file.Table("outputs");
   if (table == nullptr) return;

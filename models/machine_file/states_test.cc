@@ -55,6 +55,25 @@ TEST(StatesFile, IsReadInSiAndReadsBackEqual) {
   EXPECT_EQ((*model)->parameters.back().name, "leak.l");
 }
 
+TEST(StatesFile, AShaftIsASpeedAndAnUnknownInitialValueMayBeSoughtNearSomething) {
+  const std::string speed = "n = { column = \"n\", unit = \"rpm\" }\n";
+  const auto with = [&](const std::string& signal, const std::string& state, const std::string& shaft) {
+    std::string text = kHead + kStates + kRest + "shaft = \"" + shaft + "\"\n";
+    text.insert(text.find("q_in"), signal);
+    const std::string initial = "initial = \"level_2\"";
+    text.replace(text.find(initial), initial.size(), state);
+    return text;
+  };
+  const auto machine = ParseMachine(with(speed, "near = \"level_2\"", "n"), "tanks.toml");
+  ASSERT_TRUE(machine) << machine.error().text;
+  EXPECT_EQ(machine->states.shaft, "n");
+  EXPECT_EQ(machine->states.states[1].near, "level_2");
+  EXPECT_EQ(*ParseMachine(FormatMachine(*machine), "tanks.toml"), *machine);
+  EXPECT_THAT(RefusalOf(with("", "max = 9", "q_in")), AllOf(HasSubstr("shaft"), HasSubstr("rad/s")));
+  EXPECT_THAT(RefusalOf(with(speed, "max = 9", "m")), HasSubstr("shaft"));
+  EXPECT_THAT(RefusalOf(with(speed, "initial = \"level_2\", near = \"level_2\"", "n")), HasSubstr("near"));
+}
+
 TEST(StatesFile, LimitsOfParametersStandInTheirUnits) {
   const auto machine = ParseMachine(kHead +
                                         "w = { value = 1, unit = \"m/s\" }\n[states]\n"

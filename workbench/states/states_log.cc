@@ -50,7 +50,8 @@ std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<
   std::vector<int> outside(static_cast<std::size_t>(model.states()), 0);
   for (const Episode& episode : episodes) {
     const Eigen::Index signals = episode.signal.cols();
-    for (Eigen::Index s = 0; s < signals; ++s) registers[static_cast<std::size_t>(s)] = episode.signal(0, s);
+    for (Eigen::Index s = 0; s < signals; ++s)
+      registers[static_cast<std::size_t>(s)] = episode.Reading(0, static_cast<int>(s));
     std::copy(fit.parameters.begin(), fit.parameters.end(), registers.begin() + signals);
     model.initial.values.RunFixed(registers.data());
     model.initial.values.Run(registers.data());
@@ -137,6 +138,7 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
         Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)
       out.prediction = std::move(prediction);
   }
+  out.told_together = FindToldTogether(out.fit, log.episodes);
   out.parameters = EstimatesOf(out.prediction ? *out.prediction : out.fit);
   for (int j = 0; j < out.fit.noise.size(); ++j) out.one_step.push_back(OneStepError(out.fit, j));
   for (std::string& warning : InitialWarnings(out.fit, log.episodes))

@@ -7,6 +7,7 @@
 #include "core/records.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/state_experiment.h"
 #include "estimation/linear_form/starts.h"
 #include "models/model_history.h"
@@ -44,6 +45,7 @@ struct StatesFit {
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
   std::optional<StateFit> prediction;
   std::vector<Estimate> parameters;
+  ToldTogether told_together;
   std::vector<double> one_step;  ///< per output, SI
   std::optional<double>
       held_out;  ///< shown unit, free run on the log held out; initial states are estimated there

@@ -30,6 +30,33 @@ std::string UnseenText(const UnseenDirection& unseen) {
   return fmt::format("the data do not see {}: nothing that is measured changes", fmt::join(parts, " with "));
 }
 
+std::string PerCents(const std::vector<double>& shares) {
+  std::vector<std::string> texts;
+  for (const double share : shares) texts.push_back(fmt::format("{:.2g}", 100 * share));
+  return fmt::format("{} %", fmt::join(texts, ", "));
+}
+
+/// Parameters that only another sensor tells from one another.
+std::string ToldTogetherText(const ToldTogether& together) {
+  std::string text = fmt::format("the data tell {} only together, each of them to {} (standard error)",
+                                 fmt::join(together.parameters, ", "), PerCents(together.std));
+  for (const MissingSensor& sensor : together.sensors)
+    text += fmt::format("; with {} measured too, to 1 % of its variation, {}", sensor.signal,
+                        PerCents(sensor.std));
+  return text;
+}
+
+nlohmann::json ToldTogetherJson(const ToldTogether& together) {
+  nlohmann::json std = nlohmann::json::object(), sensors = nlohmann::json::array();
+  for (std::size_t k = 0; k < together.parameters.size(); ++k) std[together.parameters[k]] = together.std[k];
+  for (const MissingSensor& sensor : together.sensors) {
+    nlohmann::json with = nlohmann::json::object();
+    for (std::size_t k = 0; k < together.parameters.size(); ++k) with[together.parameters[k]] = sensor.std[k];
+    sensors.push_back({{"signal", sensor.signal}, {"relative_std", with}});
+  }
+  return {{"parameters", together.parameters}, {"relative_std", std}, {"sensors", sensors}};
+}
+
 /// What a parameter of a built-in machine is.
 std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
                     const std::string& parameter) {
@@ -277,6 +304,7 @@ nlohmann::json LinearJson(const StatesFit& fit) {
 std::vector<std::string> FitWarnings(const StatesFit& fit) {
   std::vector<std::string> warnings = fit.log.warnings;
   for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
+  if (!fit.told_together.parameters.empty()) warnings.push_back(ToldTogetherText(fit.told_together));
   if (!fit.fit.unseen.empty())
     warnings.push_back("to see what these data do not, vary " + WordsOf(fit.log.machine).vary);
   for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
@@ -330,6 +358,7 @@ nlohmann::json FitJson(const StatesFit& fit) {
           {"starts_diverged", fit.fit.starts_diverged},
           {"predictable", LeftJson(fit.left)},
           {"method", fit.prediction ? "prediction" : "free_run"},
+          {"told_together", ToldTogetherJson(fit.told_together)},
           {"held_out", HeldOutObject(fit)},
           {"linear", LinearJson(fit)},
           {"warnings", FitWarnings(fit)}};

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/finite_number.h"
+#include "cli/machines/machines.h"
+#include "host/output.h"
+#include "report/text_sink.h"
+#include "simulator/pump/log.h"
+#include "studies/pump/benchmark.h"
+
+namespace hydroscope {
+namespace {
+
+struct PumpArguments {
+  std::string out, manoeuvre = "levels", truth;
+  std::vector<std::string> effects;
+  std::uint64_t random_machine = 0;
+  PumpOptions options;
+};
+
+Status TakePumpFault(const std::string& text, PumpFaults& faults) {
+  const auto equals = text.find('=');
+  const std::string id = text.substr(0, equals);
+  std::vector<std::string> known;
+  for (const PumpFault& fault : AllPumpFaults()) {
+    known.emplace_back(fault.id);
+    if (id != fault.id) continue;
+    const auto size =
+        equals == std::string::npos ? std::optional(fault.typical) : FiniteNumber(text.substr(equals + 1));
+    if (!size)
+      return UsageError("--effect {}: expected NAME or NAME=NUMBER, e.g. {}={:g}", text, id, fault.typical);
+    faults.*fault.size = *size;
+    return {};
+  }
+  return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
+}
+
+nlohmann::json PumpTruth(const PumpOptions& o, const PumpLog& log) {
+  nlohmann::json parameters, faults = nlohmann::json::array();
+  for (const auto& [name, size] : TrueParameters(o)) parameters[name] = size;
+  for (const PumpFault& fault : AllPumpFaults())
+    if (o.faults.*fault.size != 0) faults.push_back({{"id", fault.id}, {"size", o.faults.*fault.size}});
+  return {{"parameters", parameters}, {"effects", faults}, {"ripple_rms", log.RippleRms()}, {"seed", o.seed}};
+}
+
+Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
+  PumpOptions o = a.options;
+  if (a.random_machine != 0) {
+    const PumpOptions drawn = RandomPump(a.random_machine);
+    o.machine = drawn.machine;
+    if (app.count("--preload") > 0) o.machine.preload = a.options.machine.preload;
+    if (app.count("--flow-lag") == 0) o.sensors.flow_lag = drawn.sensors.flow_lag;
+    if (app.count("--speed") == 0) o.speed = drawn.speed;
+  }
+  for (const PumpManoeuvreInfo& info : AllPumpManoeuvres())
+    if (a.manoeuvre == info.name) o.manoeuvre = info.manoeuvre;
+  for (const std::string& text : a.effects)
+    if (const Status s = TakePumpFault(text, o.faults); !s) return s;
+  if (const Status s = Validate(o); !s) return s;
+  auto sink = TextSink::Open(a.out);
+  if (!sink) return tl::unexpected(sink.error());
+  const PumpLog log = SimulatePump(o);
+  sink->Write(FormatPump(log));
+  if (const Status s = sink->Close(); !s) return s;
+  return a.truth.empty() ? Status() : WriteJson(a.truth, PumpTruth(o, log));
+}
+
+}  // namespace
+
+void AddSimulatePump(CLI::App& simulate, int& exit_code) {
+  CLI::App* app =
+      simulate.add_subcommand("pump", "A pressure-compensated pump of variable displacement: a log as CSV");
+  auto a = std::make_shared<PumpArguments>();
+  std::vector<std::string> names;
+  std::string manoeuvres, effects;
+  for (const PumpManoeuvreInfo& info : AllPumpManoeuvres()) {
+    names.emplace_back(info.name);
+    manoeuvres += fmt::format("  {:<22}{}\n", info.name, info.meaning);
+  }
+  for (const PumpFault& fault : AllPumpFaults())
+    effects += fmt::format("  {:<22}{} ({:g} {})\n", fault.id, fault.meaning, fault.typical, fault.unit);
+  PumpOptions& o = a->options;
+  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  app->add_option("--effect", a->effects, "What is wrong with it, NAME or NAME=SIZE; repeatable")
+      ->allow_extra_args(false);
+  app->add_option("--random-machine", a->random_machine,
+                  "Draw its parameters with this seed; 0: the usual ones");
+  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
+  app->add_option("--sample-period", o.period, "s")->capture_default_str();
+  app->add_option("--speed", o.speed, "rad/s of the shaft, its highest")->capture_default_str();
+  app->add_option("--speed-swing", o.speed_swing, "Share of the speed that it wanders by")
+      ->capture_default_str();
+  app->add_option("--ripple", o.ripple, "Ripple of the pistons, relative to the usual; 0 = none")
+      ->capture_default_str();
+  app->add_option("--preload", o.machine.preload, "N, of the compensator spring")->capture_default_str();
+  app->add_option("--flow-lag", o.sensors.flow_lag, "s, time constant of the flow sensor")
+      ->capture_default_str();
+  app->add_option("--wear", o.wear, "Share per s by which the leakage of the control chamber grows")
+      ->capture_default_str();
+  app->add_option("--wear-from", o.wear_from, "... from this time on, s")->capture_default_str();
+  app->add_option("--seed", o.seed, "Seed of noise, load and pistons")->capture_default_str();
+  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
+  app->footer("Manoeuvres:\n" + manoeuvres + "Effects, with sizes that are clearly visible:\n" + effects +
+              "Examples:\n"
+              "  hydroscope simulate pump --out pump.csv --truth pump.json\n"
+              "  hydroscope simulate pump --out sticky.csv --effect sticking_spool\n"
+              "  hydroscope simulate pump --out pulse.csv --manoeuvre pulse --seed 2");
+  app->callback([a, app, &exit_code] {
+    const Status status = RunPumpSimulation(*a, *app);
+    exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());
+  });
+}
+
+void AddBenchmarkPump(CLI::App& benchmark, int& exit_code) {
+  auto o = std::make_shared<PumpBenchmarkOptions>();
+  CLI::App* command = benchmark.add_subcommand(
+      "pump",
+      "Random pumps with ripple and noise fitted beside the published linear model; hidden effects named");
+  command->add_option("--machines", o->machines, "Random pumps")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--effects", o->effects, "Logs with each hidden effect, and without one; 0 = none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_option("--jobs", o->threads, "Threads, 0 = one per core")->check(CLI::Range(0, 256));
+  command->footer(
+      "Examples:\n"
+      "  hydroscope benchmark pump\n"
+      "  hydroscope benchmark pump --machines 3 --effects 0");
+  command->callback([o, &exit_code] { exit_code = RunPumpBenchmark(*o); });
+}
+
+}  // namespace hydroscope

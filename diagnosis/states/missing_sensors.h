@@ -1,0 +1,38 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+
+struct MissingSensorOptions {
+  double loose =
+      0.02;  ///< relative standard error of a parameter from which on another sensor is asked for ...
+  double together = 4;  ///< ... if it is so many times less where the other parameters are known
+  double noise = 0.01;  ///< of a sensor that is not there, of its signal's variation
+  double helps = 3;     ///< factor by which a sensor must lower one of these errors to be named
+};
+
+/// What parameters would be told to with one more sensor.
+struct MissingSensor {
+  std::string signal;
+  std::vector<double> std;  ///< relative, per parameter of ToldTogether
+};
+
+/// Parameters whose single values the data do not tell well, though they tell combinations of them; empty where no sensor would
+/// help.
+struct ToldTogether {
+  std::vector<std::string> parameters;
+  std::vector<double> std;             ///< relative, as it is
+  std::vector<MissingSensor> sensors;  ///< outputs of the machine's kind that are not measured, best first
+};
+
+/// Computed from the sensitivities of the fit and, of each output of the kind that the machine does not measure, from those the
+/// model has of it along the same episodes.
+ToldTogether FindToldTogether(const StateFit& fit, std::span<const Episode> episodes,
+                              const MissingSensorOptions& options = {});
+
+}  // namespace hydroscope

@@ -1,0 +1,27 @@
+#include "machines/pump/equations.h"
+
+#include <fmt/format.h>
+
+namespace hydroscope::pump {
+namespace {
+
+/// 1; root of a pressure difference over dp_n, in its sign.
+std::string RootOf(const std::string& difference) {
+  return fmt::format("({0})/sqrt(sqrt(({0})^2 + dp_lam^2)*dp_n)", difference);
+}
+
+}  // namespace
+
+std::string LineStiffness() { return "(E/V_t)"; }
+
+std::string ChamberStiffness() { return "E/(V_c + A_p*x_p)"; }
+
+std::string OutletPressure() { return fmt::format("(p - T_q*load_flow*{})", LineStiffness()); }
+
+std::string FlowIn() { return "K_q*max(x_v, 0)*" + RootOf(OutletPressure() + " - p_c"); }
+
+std::string FlowOut() { return "K_q*max(-x_v, 0)*" + RootOf("p_c - p_t"); }
+
+std::string Delivered() { return "shaft_speed*D_max*(1 - x_p/X_p)"; }
+
+}  // namespace hydroscope::pump

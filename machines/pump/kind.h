@@ -1,0 +1,10 @@
+#pragma once
+
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+
+/// `model = "pump"`: pressure-compensated pump of variable displacement (docs/pump.md).
+extern const MachineKind kPump;
+
+}  // namespace hydroscope

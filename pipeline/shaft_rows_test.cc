@@ -1,0 +1,88 @@
+#include "pipeline/shaft_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace hydroscope {
+namespace {
+
+constexpr double kPeriod = 2.5e-4;
+
+/// Signals: speed of a shaft that speeds up, an input that ramps, an output that steps at half of the time, with a ripple.
+Episode Rippled(double ripple) {
+  constexpr int kRows = 8000;
+  Episode episode;
+  episode.signal.resize(kRows, 3);
+  double angle = 0;
+  for (int row = 0; row < kRows; ++row) {
+    const double t = row * kPeriod, speed = 250 + 80 * t;
+    episode.time.push_back(t);
+    const double repeats = std::sin(9 * angle) + 0.3 * std::sin(18 * angle + 1) + 0.2 * std::cos(angle);
+    episode.signal.row(row) << speed, 1 + 2 * t, (t > 1 ? 5.0 : 1.0) + ripple * repeats;
+    angle += kPeriod * (speed + 0.5 * 80 * kPeriod);
+  }
+  return episode;
+}
+
+Episode Taken(const Episode& episode) { return AtShaftAngles(episode, 0, {2}, InputHold::kLinear); }
+
+TEST(ShaftRows, TakesOutWhatRepeatsWithTheShaftWhileItsSpeedChanges) {
+  const Episode with = Taken(Rippled(1)), without = Taken(Rippled(0));
+  ASSERT_EQ(with.rows(), without.rows());
+  double energy = 0;
+  int readings = 0;
+  for (int row = 0; row < with.rows(); ++row) {
+    const double left = with.signal(row, 2) - without.signal(row, 2);
+    EXPECT_EQ(std::isfinite(left), row > 0 && row % kRowsPerRevolution == 0) << row;
+    if (!std::isfinite(left)) continue;
+    energy += left * left;
+    ++readings;
+  }
+  EXPECT_GT(readings, 100);
+  EXPECT_LT(std::sqrt(energy / readings), 0.01) << "of a ripple of 0.75 rms";
+}
+
+TEST(ShaftRows, LeavesAStepWithinTheRevolutionItIsIn) {
+  const Episode taken = Taken(Rippled(0));
+  for (int row = kRowsPerRevolution; row < taken.rows(); row += kRowsPerRevolution) {
+    const double begin = taken.time[static_cast<std::size_t>(row - kRowsPerRevolution)],
+                 end = taken.time[static_cast<std::size_t>(row)];
+    if (end < 1 - kPeriod) EXPECT_NEAR(taken.signal(row, 2), 1, 1e-9);
+    if (begin > 1 + kPeriod) EXPECT_NEAR(taken.signal(row, 2), 5, 1e-9);
+    if (begin < 1 && end > 1) {
+      EXPECT_NEAR(taken.signal(row, 2), 1 + 4 * (end - 1) / (end - begin), 0.05) << "its mean over the angle";
+    }
+  }
+}
+
+TEST(ShaftRows, KeepsInputsThatMoveEvenly) {
+  const Episode taken = Taken(Rippled(1));
+  for (int row = 0; row < taken.rows(); ++row)
+    EXPECT_NEAR(taken.signal(row, 1), 1 + 2 * taken.time[static_cast<std::size_t>(row)], 1e-9);
+}
+
+TEST(ShaftRows, HasNoReadingOfARevolutionInWhichOneIsMissing) {
+  Episode episode = Rippled(0);
+  episode.signal(4000, 2) = std::numeric_limits<double>::quiet_NaN();
+  const Episode whole = Taken(Rippled(0)), holed = Taken(episode);
+  int lost = 0;
+  for (int row = kRowsPerRevolution; row < whole.rows(); row += kRowsPerRevolution)
+    lost += std::isfinite(whole.signal(row, 2)) && !std::isfinite(holed.signal(row, 2));
+  EXPECT_GE(lost, 1);
+  EXPECT_LE(lost, 2);
+}
+
+TEST(ShaftRows, CountsRowsOfARevolution) {
+  Episode episode;
+  episode.signal.resize(1000, 1);
+  for (int row = 0; row < 1000; ++row) {
+    episode.time.push_back(row * 1e-3);
+    episode.signal(row, 0) = 2 * std::numbers::pi * 25;
+  }
+  EXPECT_NEAR(RowsPerRevolution(episode, 0), 40, 0.1);
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+
+#include "studies/pump/benchmark.h"
+#include "studies/pump/machine.h"
+
+namespace hydroscope {
+
+/// One random pump, fitted in each way. Fits in % of the outlet pressure's variation.
+struct PumpCase {
+  double ripple = 0, ripple_left = 0,
+         ripple_smoothed = 0;  ///< Pa rms: raw, over revolutions, by the published filter
+  struct Fits {
+    bool solved = false;
+    double log = 0, pulse = 0;  ///< %; of the record that was fitted, of a flow pulse that was not
+    StateFit fit;
+  };
+  Fits all, outlet, linear;  ///< all sensors, outlet pressure alone, the published linear model on that
+  std::vector<double> error_all, error_outlet;  ///< relative, per parameter
+  int inside = 0, judged = 0;                   ///< 95 % intervals that hold the truth
+  std::vector<std::string> together;            ///< parameters that the outlet pressure alone does not tell
+  std::vector<std::string> sensors;             ///< that are named for them
+  double seconds = 0;                           ///< CPU time of the fit with all sensors
+};
+PumpCase FitPump(const PumpOptions& options);
+
+/// Prints one line per pump and what they come to. True if the goals are reached.
+bool PrintPumpIdentification(const PumpBenchmarkOptions& options);
+
+}  // namespace hydroscope

@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "diagnosis/drift/rules.h"
+#include "models/machine_kind.h"
+#include "studies/pump/identification.h"
+
+namespace hydroscope {
+namespace {
+
+TEST(PumpStudy, AFitHoldsOnAFlowPulseAndSaysWhichSensorTellsWhatPressureDoesNot) {
+  PumpOptions options = RandomPump(4);
+  options.seconds = 6;
+  const PumpCase c = FitPump(options);
+  EXPECT_GT(c.ripple, 5e4);
+  EXPECT_LT(c.ripple_left, 0.02 * c.ripple);
+  EXPECT_GT(c.ripple_smoothed, 10 * c.ripple_left);
+  for (const PumpCase::Fits* fits : {&c.all, &c.outlet}) {
+    ASSERT_TRUE(fits->solved) << fits->fit.failed;
+    EXPECT_GT(fits->log, 95);
+    EXPECT_GT(fits->pulse, 95);
+  }
+  EXPECT_LT(c.linear.log, c.outlet.log);
+  const std::array<double, 5> within = {0.03, 0.03, 0.005, 0.005, 0.005};  // K_v, K_q, C_l, K_p, V_t
+  for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
+  EXPECT_GE(c.together.size(), 2u);
+  EXPECT_TRUE(std::find(c.sensors.begin(), c.sensors.end(), "control_pressure") != c.sensors.end() ||
+              std::find(c.sensors.begin(), c.sensors.end(), "control_position") != c.sensors.end());
+}
+
+TEST(PumpRules, WatchParametersThatThePumpHas) {
+  const auto rules = drift::LoadRules(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/pump_rules.toml");
+  ASSERT_TRUE(rules) << rules.error().text;
+  for (const drift::WatchSpec& watch : rules->watches)
+    EXPECT_NE(FindParameter(*FindKind("pump"), watch.quantity), nullptr) << watch.quantity;
+}
+
+TEST(PumpFile, IsThatOfTheSimulatedPump) {
+  const auto file = LoadMachine(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/pump.toml");
+  ASSERT_TRUE(file) << file.error().text;
+  EXPECT_EQ(file->geometry, PumpFile(true).geometry);
+  EXPECT_EQ(file->states, PumpFile(true).states);
+}
+
+}  // namespace
+}  // namespace hydroscope
