@@ -85,7 +85,9 @@ Eigen::MatrixXd Sensitivities(const StateFit& fit, const std::shared_ptr<const S
                  mean = finite.sum() / std::max(count, 1.0);
     const double variation =
         std::sqrt(std::max(finite.squaredNorm() / std::max(count, 1.0) - mean * mean, 1e-300));
-    const double over = 1 / (measured ? fit.noise[known] : noise * variation);
+    // A mean over some rows has less of the noise of each.
+    const double of_mean = noise * variation / std::sqrt(static_cast<double>(episode.mean_rows));
+    const double over = 1 / (measured ? fit.noise[known] : of_mean);
     known += measured;
     for (int row = 0; row < episode.rows(); ++row) {
       const bool reading = row % episode.mean_rows == 0 && std::isfinite(run.outputs(row, j)) &&
