@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 
 #include "diagnosis/drift/rules.h"
@@ -10,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-TEST(PumpStudy, AFitHoldsOnAFlowPulseAndSaysWhichSensorTellsWhatPressureDoesNot) {
+TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   PumpOptions options = RandomPump(4);
   options.seconds = 6;
   const PumpCase c = FitPump(options);
@@ -25,9 +24,6 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseAndSaysWhichSensorTellsWhatPressureDoesNot)
   EXPECT_LT(c.linear.log, c.outlet.log);
   const std::array<double, 5> within = {0.03, 0.03, 0.005, 0.005, 0.005};  // K_v, K_q, C_l, K_p, V_t
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
-  EXPECT_GE(c.together.size(), 2u);
-  EXPECT_TRUE(std::find(c.sensors.begin(), c.sensors.end(), "control_pressure") != c.sensors.end() ||
-              std::find(c.sensors.begin(), c.sensors.end(), "control_position") != c.sensors.end());
 }
 
 TEST(PumpRules, WatchParametersThatThePumpHas) {
