@@ -49,8 +49,12 @@ TEST(ShaftRows, LeavesAStepWithinTheRevolutionItIsIn) {
   for (int row = kRowsPerRevolution; row < taken.rows(); row += kRowsPerRevolution) {
     const double begin = taken.time[static_cast<std::size_t>(row - kRowsPerRevolution)],
                  end = taken.time[static_cast<std::size_t>(row)];
-    if (end < 1 - kPeriod) EXPECT_NEAR(taken.signal(row, 2), 1, 1e-9);
-    if (begin > 1 + kPeriod) EXPECT_NEAR(taken.signal(row, 2), 5, 1e-9);
+    if (end < 1 - kPeriod) {
+      EXPECT_NEAR(taken.signal(row, 2), 1, 1e-9);
+    }
+    if (begin > 1 + kPeriod) {
+      EXPECT_NEAR(taken.signal(row, 2), 5, 1e-9);
+    }
     if (begin < 1 && end > 1) {
       EXPECT_NEAR(taken.signal(row, 2), 1 + 4 * (end - 1) / (end - begin), 0.05) << "its mean over the angle";
     }

@@ -222,7 +222,7 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   const int rounds = (task.model->output.rows > 1 || task.predicts) && !noise_known && !fixed ? 3 : 1;
   // Many readings: normal equations cost a fraction of a QR decomposition.
-  const bool normal = GrowsHorizon(*task.model) && !fixed && !task.predicts;
+  const bool normal = SeesMuch(*task.model) && !fixed && !task.predicts;
   for (int round = 0; round < rounds; ++round) {
     const bool fine =
         normal ? PolishWhole(task, options, point)

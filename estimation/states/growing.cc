@@ -92,14 +92,16 @@ class GrowingFit {
   /// False if the model diverges at the point it begins at.
   bool Minimise(int rows, int iterations, double tolerance) {
     // Of the largest curvature: Gauss and Newton's step is tried first, and damped until none is too long to be trusted.
-    constexpr double kFirst = 1e-10, kLeast = 1e-15;
-    constexpr double kNoMatter =
-        5e-3;  // of half a chi square: moves nothing by more than a tenth of its deviation
+    constexpr double kLeast = 1e-15;
+    const bool sees_much = SeesMuch(*task_.model);
+    const double first = sees_much ? 1e-10 : 1e-3;  // one output alone leads astray from far off
+    // Of half a chi square: moves nothing by more than a tenth of its deviation.
+    const double no_matter = sees_much ? 5e-3 : 0;
     constexpr double kLess = 0.1, kMore = 4, kLargest = 1e12;
     HorizonSums here = Evaluate(point_, rows);
     if (!std::isfinite(here.cost)) return false;
     const double largest = here.hessian.diagonal().head(parameters()).maxCoeff();
-    double damping = kFirst * largest;
+    double damping = first * largest;
     for (int k = 0; k < iterations && damping < kLargest * here.hessian.diagonal().maxCoeff();) {
       const auto next = Stepped(here, damping);
       if (!next) {
@@ -108,7 +110,7 @@ class GrowingFit {
       }
       ++k;
       HorizonSums there = Evaluate(*next, rows);
-      const double small = std::max(kNoMatter, tolerance * here.cost);
+      const double small = std::max(no_matter, tolerance * here.cost);
       if (!(there.cost < here.cost)) {
         if (std::isfinite(there.cost) && there.cost - here.cost < small) break;
         damping *= kMore * kMore;
@@ -218,9 +220,14 @@ class GrowingFit {
 
 }  // namespace
 
+bool SeesMuch(const StateModel& model) {
+  const bool sought = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
+  return model.output.rows >= kOutputsThatGrow && !sought;
+}
+
 bool GrowsHorizon(const StateModel& model) {
-  const bool known = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
-  return (model.output.rows >= kOutputsThatGrow || known) && model.parameter_count() > 0;
+  const bool sought = std::find(model.near.begin(), model.near.end(), true) != model.near.end();
+  return (model.output.rows >= kOutputsThatGrow || sought) && model.parameter_count() > 0;
 }
 
 Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,
