@@ -88,10 +88,10 @@ TEST(DieCushion, WhatIsMissingInTheMachineIsNamed) {
   Machine no_area = TestMachine(), no_spool = TestMachine(), unknown = TestMachine();
   no_area.geometry.erase("A_A");
   no_spool.signals.erase(no_spool.signals.begin() + 2);
-  unknown.model = "pump";
+  unknown.model = "winch";
   EXPECT_THAT(BuildModel(no_area).error().text, testing::HasSubstr("A_A"));
   EXPECT_THAT(BuildModel(no_spool).error().text, testing::HasSubstr("y_v"));
-  EXPECT_THAT(BuildModel(unknown).error().text, testing::HasSubstr("pump"));
+  EXPECT_THAT(BuildModel(unknown).error().text, testing::HasSubstr("winch"));
 }
 
 TEST(DieCushion, EffectsWhoseSignalsAreNotMeasuredAreNotOffered) {
