@@ -5,9 +5,6 @@
 namespace hydroscope {
 namespace {
 
-/// Of the error: where linearisation explains less, the fit without the effect is too far off for it to foresee a minimum.
-constexpr double kLinear = 0.5;
-
 Eigen::VectorXd FileStart(const StateModel& model) {
   Eigen::VectorXd start(model.parameter_count());
   for (int p = 0; p < start.size(); ++p) start[p] = model.parameters[static_cast<std::size_t>(p)].spec.start;
@@ -40,9 +37,8 @@ Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& a
   const auto model = BuildStateModel(machine_, WithAdded(added));
   if (!model) return tl::unexpected(model.error());
   ScreenedEffect screened = ScreenEffect(near.fit, **model, episodes_, options_.screening);
-  const double explained = screened.explained.value_or(1), foreseen = near.held_out * (1 - explained);
-  return StateContender{added, *model, std::move(screened.starts), foreseen,
-                        explained >= kLinear ? options_.as_foreseen * foreseen : 0};
+  return StateContender{added, *model, std::move(screened.starts),
+                        near.held_out * (1 - screened.explained.value_or(1))};
 }
 
 StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
@@ -65,7 +61,7 @@ StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
 }
 
 StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
-  return Fit(contender.added, contender.model, contender.starts, contender.enough);
+  return Fit(contender.added, contender.model, contender.starts, options_.as_foreseen * contender.foreseen);
 }
 
 StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {

@@ -13,8 +13,6 @@ struct StateContender {
   std::shared_ptr<const StateModel> model;
   std::vector<StateStart> starts;  ///< best first
   double foreseen = 0;  ///< energy left by linearisation, over the base's noise; 0: nothing is known of it
-  double enough =
-      0;  ///< that a fit may leave for its start to have been the right one; 0: none is known to be
 };
 
 /// Fits a machine's model with effects added to it, all with outputs over the same noise.

@@ -10,92 +10,44 @@
 namespace hydroscope {
 namespace {
 
-/// Products of columns (parameters, then combinations of the functions of each equation but kinematic ones) over groups of
-/// neighbouring pieces of the log, and per piece those with the error.
+/// Products of columns (parameters, then functions per equation but kinematic ones) over groups of neighbouring pieces of the
+/// log, and per piece those with the error.
 struct RemainderColumns {
   std::vector<Eigen::MatrixXd> groups;
   std::vector<Eigen::Index> group_end;  ///< per group: one past its last piece
   Eigen::MatrixXd gradient;             ///< column x piece
   Eigen::VectorXd energy;               ///< of the error, per piece
   int parameters = 0, functions = 0;
-  int tried = 0;              ///< functions that the combinations are of
-  std::vector<int> equation;  ///< per column behind the parameters: state, or states + output
+  std::vector<int> equation;  ///< per function: state, or states + output
 
   Eigen::Index pieces() const { return energy.size(); }
 };
 
-/// The functions of one equation: columns, and the combinations of them that stand in their place.
-struct FunctionBlock {
-  int equation = 0;
-  Eigen::Index first = 0, count = 0;
-  Eigen::MatrixXd combinations;  ///< function x combination
-};
-
-/// What the functions of an equation do to the outputs is nearly the same for many of them. Principal components of their columns,
-/// each over its size, stand in their place: ridge regression on all components is that on all functions, and those with less
-/// than `kLeast` of a function's energy would be shrunk away by the smallest penalty.
-std::vector<FunctionBlock> BlocksOf(const std::vector<RowMatrix>& columns, const std::vector<int>& equation,
-                                    Eigen::Index parameters) {
-  constexpr double kLeast = 1e-7;
-  std::vector<FunctionBlock> blocks;
-  for (std::size_t k = 0; k < equation.size(); ++k) {
-    if (blocks.empty() || blocks.back().equation != equation[k])
-      blocks.push_back({equation[k], parameters + static_cast<Eigen::Index>(k), 0, {}});
-    ++blocks.back().count;
-  }
-  for (FunctionBlock& block : blocks) {
-    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(block.count, block.count);
-    for (const RowMatrix& rows : columns)
-      products.selfadjointView<Eigen::Lower>().rankUpdate(
-          rows.middleCols(block.first, block.count).transpose());
-    const Eigen::VectorXd size = products.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    products = (size.asDiagonal() * products * size.asDiagonal()).eval();  // its lower triangle
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
-    Eigen::Index kept = 0;
-    while (kept < block.count && solver.eigenvalues()[block.count - 1 - kept] > kLeast) ++kept;
-    block.combinations = size.asDiagonal() * solver.eigenvectors().rightCols(kept);
-  }
-  return blocks;
-}
-
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
   constexpr Eigen::Index kGroups = 8;
   RemainderColumns out;
-  std::vector<int> equation;
-  const AddedTerms added = bank.Terms(equation);
+  const AddedTerms added = bank.Terms(out.equation);
   out.parameters = fit.model->parameter_count();
-  out.tried = added.columns;
-  std::vector<RowMatrix> columns;
-  for (std::size_t e = 0; e < episodes.size(); ++e)
-    columns.push_back(TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]}));
-  const std::vector<FunctionBlock> blocks = BlocksOf(columns, equation, out.parameters);
-  for (const FunctionBlock& block : blocks)
-    out.equation.insert(out.equation.end(), static_cast<std::size_t>(block.combinations.cols()),
-                        block.equation);
-  out.functions = static_cast<int>(out.equation.size());
+  out.functions = added.columns;
   const Eigen::Index size = out.parameters + out.functions, outputs = fit.model->output.rows,
                      count = static_cast<Eigen::Index>(fit.pieces.size()), groups = std::min(kGroups, count);
   out.gradient.resize(size, count);
   out.energy.resize(count);
   out.groups.assign(static_cast<std::size_t>(groups), Eigen::MatrixXd::Zero(size, size));
   for (Eigen::Index g = 0; g < groups; ++g) out.group_end.push_back((g + 1) * count / groups);
-  for (Eigen::Index p = 0, g = 0; p < count; ++p) {
-    while (p >= out.group_end[static_cast<std::size_t>(g)]) ++g;
-    const StatePiece& piece = fit.pieces[static_cast<std::size_t>(p)];
-    const RowMatrix& all = columns[static_cast<std::size_t>(piece.episode)];
-    const auto rows = all.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
-    Eigen::MatrixXd reduced(rows.rows(), size);
-    reduced.leftCols(out.parameters) = rows.leftCols(out.parameters);
-    Eigen::Index to = out.parameters;
-    for (const FunctionBlock& block : blocks) {
-      reduced.middleCols(to, block.combinations.cols()) =
-          rows.middleCols(block.first, block.count) * block.combinations;
-      to += block.combinations.cols();
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]});
+    for (Eigen::Index p = 0, g = 0; p < count; ++p) {
+      while (p >= out.group_end[static_cast<std::size_t>(g)]) ++g;
+      const StatePiece& piece = fit.pieces[static_cast<std::size_t>(p)];
+      if (piece.episode != static_cast<int>(e)) continue;
+      const auto rows = columns.middleRows(piece.first * outputs, (piece.last - piece.first) * outputs);
+      const auto functions = rows.leftCols(size);
+      out.groups[static_cast<std::size_t>(g)].selfadjointView<Eigen::Lower>().rankUpdate(
+          functions.transpose());
+      out.gradient.col(p) = functions.transpose() * rows.col(size);
+      out.energy[p] = rows.col(size).squaredNorm();
     }
-    const auto error = rows.rightCols<1>();
-    out.groups[static_cast<std::size_t>(g)].selfadjointView<Eigen::Lower>().rankUpdate(reduced.transpose());
-    out.gradient.col(p) = reduced.transpose() * error;
-    out.energy[p] = error.squaredNorm();
   }
   for (Eigen::MatrixXd& group : out.groups) group.triangularView<Eigen::StrictlyUpper>() = group.transpose();
   return out;
@@ -121,9 +73,7 @@ class LeaveOut {
     const Eigen::Index size = columns.parameters + columns.functions;
     Eigen::MatrixXd total = Eigen::MatrixXd::Zero(size, size);
     for (const Eigen::MatrixXd& group : columns.groups) total += group;
-    scale_ = Eigen::VectorXd::Ones(size);  // components are of functions of size 1 each
-    scale_.head(columns.parameters) =
-        total.diagonal().head(columns.parameters).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    scale_ = total.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     total_ = scale_.asDiagonal() * total * scale_.asDiagonal();
     gradient_ = scale_.asDiagonal() * columns.gradient;
   }
@@ -219,7 +169,7 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   const FunctionBank bank(fit, episodes, options.fourier, options.seed);
   const RemainderColumns columns = ColumnsOf(fit, episodes, bank);
   StateRemainder out;
-  out.functions = columns.tried;
+  out.functions = columns.functions;
   if (columns.pieces() < 2) return out;
   const std::vector<LeftOutForms> forms = FormsOf(columns);
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(columns.pieces());

@@ -31,10 +31,11 @@ class EffectScreen {
     out.explained = energy > 0 ? std::clamp(scores[order.front()].explained / energy, 0.0, 1.0) : 0.0;
     for (std::size_t k = 0; k < order.size() && k < static_cast<std::size_t>(options_.kept); ++k) {
       StateStart start{draws_[order[k]], near_.initial};
-      const Score& score = scores[order[k]];
-      if (factor_ >= 0)
-        start.parameters[factor_] = Inside(factor_, score.amplitude * start.parameters[factor_]);
-      if (k == 0 && score.shift.size() > 0) out.starts.push_back(Shifted(start, score.shift));
+      if (factor_ >= 0) {
+        const ParameterSpec& spec = SpecOf(factor_);
+        start.parameters[factor_] =
+            std::clamp(scores[order[k]].amplitude * start.parameters[factor_], spec.min, spec.max);
+      }
       out.starts.push_back(std::move(start));
     }
     out.starts.push_back({first_, near_.initial});
@@ -43,20 +44,9 @@ class EffectScreen {
 
  private:
   struct Score {
-    double explained = 0;   ///< energy, in noise variances
-    double amplitude = 1;   ///< of the draw's effect
-    Eigen::VectorXd shift;  ///< of the known parameters, beside the effect
+    double explained = 0;  ///< energy, in noise variances
+    double amplitude = 1;  ///< of the draw's effect
   };
-
-  double Inside(int p, double value) const { return std::clamp(value, SpecOf(p).min, SpecOf(p).max); }
-
-  /// Where the linearised fit ends.
-  StateStart Shifted(StateStart start, const Eigen::VectorXd& shift) const {
-    for (int p = 0; p < with_.parameter_count(); ++p)
-      if (const int own = known_[static_cast<std::size_t>(p)]; own >= 0)
-        start.parameters[p] = Inside(p, start.parameters[p] + shift[own]);
-    return start;
-  }
 
   /// An effect that delays an input reads what the model without it does not have at hand.
   ScreenedEffect Unranked() const {
@@ -75,7 +65,6 @@ class EffectScreen {
       const auto at = std::find_if(known.begin(), known.end(), [&](const StateParameter& other) {
         return other.name == with_.parameters[static_cast<std::size_t>(p)].name;
       });
-      known_.push_back(at != known.end() ? static_cast<int>(at - known.begin()) : -1);
       if (at != known.end()) {
         first_[p] = near_.parameters[at - known.begin()];
       } else {
@@ -174,19 +163,17 @@ class EffectScreen {
       const int c = parameters + d;
       const double square = rest(c, c), cross = rest(c, all - 1);
       if (!(square > 1e-12 * sums(c, c)) || !std::isfinite(square) || !std::isfinite(cross)) continue;
-      Score& score = scores[static_cast<std::size_t>(d)];
-      score = ScoreOf(draws_[static_cast<std::size_t>(d)], square, cross);
-      score.shift = weights.col(all - 1) - score.amplitude * weights.col(c);
+      scores[static_cast<std::size_t>(d)] = ScoreOf(draws_[static_cast<std::size_t>(d)], square, cross);
     }
     return scores;
   }
 
   Score ScoreOf(const Eigen::VectorXd& draw, double square, double cross) const {
-    if (factor_ < 0) return {2 * cross - square, 1, {}};
+    if (factor_ < 0) return {2 * cross - square, 1};
     const ParameterSpec& spec = SpecOf(factor_);
     const double wanted = cross / square * draw[factor_];
     const double amplitude = std::clamp(wanted, spec.min, spec.max) / draw[factor_];
-    return {2 * amplitude * cross - amplitude * amplitude * square, amplitude, {}};
+    return {2 * amplitude * cross - amplitude * amplitude * square, amplitude};
   }
 
   const StateFit& near_;
@@ -195,8 +182,7 @@ class EffectScreen {
   const ScreeningOptions& options_;
   Eigen::VectorXd first_;
   std::vector<int> new_;
-  std::vector<int> known_;  ///< per parameter: which of `near` it is, -1: of the effect
-  int factor_ = -1;         ///< parameter which the effect is proportional to
+  int factor_ = -1;  ///< parameter which the effect is proportional to
   std::vector<Eigen::VectorXd> draws_;
 };
 
