@@ -61,7 +61,7 @@ StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
 }
 
 StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
-  return Fit(contender.added, contender.model, contender.starts, options_.as_foreseen * contender.foreseen);
+  return Fit(contender.added, contender.model, contender.starts, 0);
 }
 
 StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {

@@ -25,7 +25,7 @@ class CandidateFits {
 
   /// `added` beyond the effects of `near`, by linearisation about it. Error: no such model.
   Result<StateContender> Screened(const std::vector<std::string>& added, const StateCandidate& near) const;
-  /// From the best start; from the others too if that leaves more than was foreseen.
+  /// From all its starts.
   StateCandidate Fitted(const StateContender& contender) const;
   /// From what short segments give, of the contender's start and of the machine file's.
   StateCandidate FittedFromSegments(const StateContender& contender) const;
