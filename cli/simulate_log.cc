@@ -25,9 +25,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kBatch = 0.01;            // s of rows in one message, as the simulated press sends them
-constexpr std::size_t kMostValues = 8192;  // of one message, hydroscope_live.idl
-constexpr double kDrain = 5;               // s that readers have for the last rows
+constexpr double kBatch = 0.01;  // s of rows in one message, as the simulated press sends them
+constexpr double kDrain = 5;     // s that readers have for the last rows
 
 struct SentLog {
   std::string log, machine, axis;
@@ -108,8 +107,8 @@ class LogSender {
       if (!Sleep(stop, 0.05)) return {};
     const HostTime start = RealTime();
     const double period = reader_->SamplePeriod();
-    const auto rows_at_once =
-        std::clamp<std::size_t>(static_cast<std::size_t>(kBatch / period), 1, kMostValues / signals_.size());
+    const auto rows_at_once = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(kBatch / period)),
+                                                      1, SamplePublisher::kMostValues / signals_.size());
     SampleBlock block;
     std::vector<double> values;
     while (!stop.stop_requested()) {

@@ -13,8 +13,7 @@ namespace hydroscope {
 /// JSON object with `schema`; a failure has `error`. Whether who asks may is not looked at here (Gate).
 class PageApi {
  public:
-  /// `session`: nullptr where there is no workbench; `watch`: nullptr where no database is watched; `login`: nullptr where nobody
-  /// logs in.
+  /// `session`: nullptr where there is no workbench; `watch`: where no database is watched; `login`: where nobody logs in.
   PageApi(WorkSession* session, WatchApi* watch, LoginApi* login)
       : session_(session), watch_(watch), login_(login) {}
   HttpReply Answer(const HttpRequest& request);

@@ -1,13 +1,12 @@
 #include "studies/flexible_axis.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/finite_number.h"
+#include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "host/output.h"
 #include "report/text_sink.h"
@@ -23,26 +22,6 @@ struct FlexibleAxisArguments {
   FlexibleAxisOptions options;
 };
 
-Status TakeFault(const std::string& text, FlexibleAxisFaults& faults) {
-  const auto equals = text.find('=');
-  const std::string id = text.substr(0, equals);
-  std::vector<std::string> known;
-  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults()) {
-    known.emplace_back(fault.id);
-    if (id != fault.id) continue;
-    if (equals == std::string::npos) {
-      faults.*fault.size = fault.typical;
-      return {};
-    }
-    const auto size = FiniteNumber(text.substr(equals + 1));
-    if (!size)
-      return UsageError("--effect {}: expected NAME or NAME=NUMBER, e.g. {}={:g}", text, id, fault.typical);
-    faults.*fault.size = *size;
-    return {};
-  }
-  return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
-}
-
 nlohmann::json FlexibleAxisTruth(const FlexibleAxisOptions& o) {
   nlohmann::json parameters, noise, faults = nlohmann::json::array();
   for (const auto& [name, size] : TrueParameters(o.machine)) parameters[name] = size;
@@ -57,7 +36,7 @@ Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
   for (const AxisManoeuvreInfo& info : AllAxisManoeuvres())
     if (a.manoeuvre == info.name) a.options.manoeuvre = info.manoeuvre;
   for (const std::string& text : a.effects)
-    if (const Status s = TakeFault(text, a.options.faults); !s) return s;
+    if (const Status s = TakeFault(text, AllFlexibleAxisFaults(), a.options.faults); !s) return s;
   if (const Status s = Validate(a.options); !s) return s;
   auto sink = TextSink::Open(a.out);
   if (!sink) return tl::unexpected(sink.error());

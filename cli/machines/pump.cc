@@ -1,11 +1,10 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/finite_number.h"
+#include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "host/output.h"
 #include "report/text_sink.h"
@@ -21,23 +20,6 @@ struct PumpArguments {
   std::uint64_t random_machine = 0;
   PumpOptions options;
 };
-
-Status TakePumpFault(const std::string& text, PumpFaults& faults) {
-  const auto equals = text.find('=');
-  const std::string id = text.substr(0, equals);
-  std::vector<std::string> known;
-  for (const PumpFault& fault : AllPumpFaults()) {
-    known.emplace_back(fault.id);
-    if (id != fault.id) continue;
-    const auto size =
-        equals == std::string::npos ? std::optional(fault.typical) : FiniteNumber(text.substr(equals + 1));
-    if (!size)
-      return UsageError("--effect {}: expected NAME or NAME=NUMBER, e.g. {}={:g}", text, id, fault.typical);
-    faults.*fault.size = *size;
-    return {};
-  }
-  return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
-}
 
 nlohmann::json PumpTruth(const PumpOptions& o, const PumpLog& log) {
   nlohmann::json parameters, faults = nlohmann::json::array();
@@ -59,7 +41,7 @@ Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
   for (const PumpManoeuvreInfo& info : AllPumpManoeuvres())
     if (a.manoeuvre == info.name) o.manoeuvre = info.manoeuvre;
   for (const std::string& text : a.effects)
-    if (const Status s = TakePumpFault(text, o.faults); !s) return s;
+    if (const Status s = TakeFault(text, AllPumpFaults(), o.faults); !s) return s;
   if (const Status s = Validate(o); !s) return s;
   auto sink = TextSink::Open(a.out);
   if (!sink) return tl::unexpected(sink.error());

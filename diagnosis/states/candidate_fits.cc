@@ -42,14 +42,13 @@ Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& a
 }
 
 StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
-                                  std::shared_ptr<const StateModel> model, std::span<const StateStart> starts,
-                                  double enough) const {
+                                  std::shared_ptr<const StateModel> model,
+                                  std::span<const StateStart> starts) const {
   StateFitOptions quick = options_.fit;
   quick.iterations = options_.candidate_iterations;
   quick.tolerance = options_.candidate_tolerance;
   quick.start_iterations = options_.screen_iterations;
   quick.start_tolerance = options_.screen_tolerance;
-  quick.enough = enough;
   StateCandidate candidate;
   candidate.added = added;
   candidate.fit = RefitStates(std::move(model), episodes_, starts, noise_, quick);
@@ -61,7 +60,7 @@ StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
 }
 
 StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
-  return Fit(contender.added, contender.model, contender.starts, 0);
+  return Fit(contender.added, contender.model, contender.starts);
 }
 
 StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {
@@ -69,7 +68,7 @@ StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender
   for (const Eigen::VectorXd& from : {contender.starts.front().parameters, FileStart(*contender.model)})
     if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit))
       starts.push_back(std::move(*shot));
-  if (!starts.empty()) return Fit(contender.added, contender.model, starts, 0);
+  if (!starts.empty()) return Fit(contender.added, contender.model, starts);
   StateCandidate none;
   none.added = contender.added;
   return none;
@@ -82,7 +81,7 @@ StateCandidate CandidateFits::Without(const StateCandidate& fitted,
   none.added = rest;
   if (!model) return none;
   const StateStart start = StartFrom(fitted.fit, **model);
-  return Fit(rest, *model, std::span(&start, 1), 0);
+  return Fit(rest, *model, std::span(&start, 1));
 }
 
 StateCandidate CandidateFits::Foreseen(const StateContender& contender) const {

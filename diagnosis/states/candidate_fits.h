@@ -37,7 +37,7 @@ class CandidateFits {
  private:
   std::vector<std::string> WithAdded(const std::vector<std::string>& added) const;
   StateCandidate Fit(const std::vector<std::string>& added, std::shared_ptr<const StateModel> model,
-                     std::span<const StateStart> starts, double enough) const;
+                     std::span<const StateStart> starts) const;
 
   const Machine& machine_;
   std::span<const Episode> episodes_;

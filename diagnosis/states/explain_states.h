@@ -21,7 +21,6 @@ struct ExplainStatesOptions {
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
   double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last
   double worth_a_fit = 0.5;   ///< of the gain that counts where nothing structured is left: less is not tried
-  double as_foreseen = 1.1;   ///< of the energy foreseen: a fit that leaves no more needs no further start
   int screen_iterations = 6;  ///< of each start of a candidate; the best is fitted on
   double screen_tolerance = 1e-3;
   int candidate_iterations = 25;  ///< of the best start

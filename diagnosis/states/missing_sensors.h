@@ -22,8 +22,7 @@ struct MissingSensor {
   std::vector<double> std;  ///< relative, per parameter of ToldTogether
 };
 
-/// Parameters whose single values the data do not tell well, though they tell combinations of them; empty where no sensor would
-/// help.
+/// Parameters that the data tell in combinations but not singly; empty where no sensor would help.
 struct ToldTogether {
   std::vector<std::string> parameters;
   std::vector<double> std;             ///< relative, as it is

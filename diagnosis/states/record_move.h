@@ -26,8 +26,7 @@ struct RecordMove {
 std::string MoveText(const RecordMove& move, const StateModel& model, const Episode& recorded);
 
 /// Moves of single inputs, and of all at once, within the limits that [experiment] of the machine file gives under `signals`,
-/// else within what was recorded; at the recorded speed. Courses of the kind, their levels made smaller where the limits ask
-/// for it.
+/// else within what was recorded; at the recorded speed. Courses of the kind, with levels made smaller to fit.
 std::vector<RecordMove> RecordMoves(const StateModel& model, const Episode& recorded);
 /// How much faster or slower a record may be run through; that recorded is not among them.
 std::vector<double> RecordSpeeds();

@@ -18,8 +18,7 @@ struct ScreeningOptions {
 /// Where a fit with further effects may begin, and what may be expected of it.
 struct ScreenedEffect {
   std::vector<StateStart> starts;  ///< best first, last the machine file's own values
-  /// Share of the error's energy that the best of them explains; nothing: it cannot be asked of an effect that delays an
-  /// input.
+  /// Share of the error's energy that the best of them explains; nothing: of an effect that delays an input.
   std::optional<double> explained;
 };
 

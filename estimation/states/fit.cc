@@ -394,7 +394,6 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
         !shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, point))
       continue;
     if (best.z.empty() || point.cost < best.cost) best = std::move(point);
-    if (2 * best.cost <= options.enough) break;
   }
   if (best.z.empty()) {
     StateFit none;

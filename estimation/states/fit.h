@@ -23,10 +23,8 @@ struct StateFitOptions {
   int start_iterations = 25;
   double start_tolerance = 1e-4;  ///< relative change of the cost at which a start is left alone
   double tolerance = 1e-7;        ///< ... and the last fit
-  double enough =
-      0;  ///< energy of the error, outputs over their noise, at which no further start of RefitStates is tried
-  double same_minimum = 0.02;  ///< costs that differ by less are one minimum
-  int least_clusters = 40;     ///< pieces of the log that intervals and errors left out are computed over
+  double same_minimum = 0.02;     ///< costs that differ by less are one minimum
+  int least_clusters = 40;        ///< pieces of the log that intervals and errors left out are computed over
 };
 
 /// A minimum that starts ended in.

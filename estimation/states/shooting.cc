@@ -120,8 +120,7 @@ class SegmentCost : public ceres::CostFunction {
   mutable RowMatrix start_slopes_;
 };
 
-/// What the machine file, the data and limits say of the states at a row; `run`: a run of the model there, nullptr if it
-/// diverged.
+/// What the machine file, the data and limits say of the states at a row; `run`: a run there, nullptr if it diverged.
 Eigen::VectorXd GuessedStates(const Task& task, const Episode& episode, int row, const StateRun* run,
                               const StateSimulator& simulator) {
   const int states = task.model->states();

@@ -30,8 +30,7 @@ std::vector<bool> Needed(const std::vector<GraphValue>& values, const std::vecto
   return needed;
 }
 
-/// Products that a single sum or difference reads and nothing else: computed with it. `uses`: how many values and outputs read
-/// each value.
+/// Products that a single sum or difference reads and nothing else: computed with it. `uses`: readers of each value.
 std::vector<bool> Joined(const std::vector<GraphValue>& values, const std::vector<bool>& needed,
                          const std::vector<int>& uses, const std::vector<bool>& varies) {
   std::vector<bool> joined(values.size());

@@ -13,6 +13,8 @@ namespace hydroscope {
 /// Publishes samples and their layout (docs/live_protocol.md).
 class SamplePublisher {
  public:
+  static constexpr std::size_t kMostValues = 8192;  ///< of one message, hydroscope_live.idl
+
   struct Options {
     DdsNetwork network;
     std::string topic = "hydroscope/samples";
@@ -23,8 +25,7 @@ class SamplePublisher {
   static Result<std::unique_ptr<SamplePublisher>> Create(const Options& options);
   virtual ~SamplePublisher() = default;
 
-  /// Rows of all channels, row after row. False: not sent, because a reader is too slow or the batch too
-  /// large.
+  /// Rows of all channels, row after row. False: not sent, a reader is too slow or the batch too large.
   virtual bool Write(std::uint64_t first_sequence, std::int64_t source_time_ns, std::int64_t period_ns,
                      std::uint32_t rows, const std::vector<double>& values) = 0;
   /// Readers of the samples at present.

@@ -10,8 +10,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kMostValues = 8192;  // of one message, hydroscope_live.idl
-constexpr double kAmplitudeUnit = 1e-4;    // of the amplitude register
+constexpr double kAmplitudeUnit = 1e-4;  // of the amplitude register
 
 struct FastChannel {
   const char* name;
@@ -26,7 +25,8 @@ constexpr FastChannel kFastChannels[] = {{"p_A", "Pa", &PressRow::p_A},
 
 std::size_t RowsOfBatch(const PressServer::Options& o) {
   const auto wanted = std::llround(o.batch / o.press.press.sample_period);
-  const std::size_t most = kMostValues / (std::size(kFastChannels) * static_cast<std::size_t>(o.press.axes));
+  const std::size_t most =
+      SamplePublisher::kMostValues / (std::size(kFastChannels) * static_cast<std::size_t>(o.press.axes));
   return std::clamp<std::size_t>(static_cast<std::size_t>(std::max(1ll, wanted)), 1, most);
 }
 
