@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/shaft_ripple.h"
+
 namespace hydroscope {
 namespace {
 
@@ -95,17 +97,31 @@ void TakePolygon(const Episode& episode, int signal, const std::vector<Place>& p
   }
 }
 
+ShaftRipple RippleOf(const Episode& episode, int signal, const std::vector<double>& angle) {
+  std::vector<double> turns, readings;
+  for (int row = 0; row < episode.rows(); ++row) {
+    turns.push_back(angle[static_cast<std::size_t>(row)] / kRowsPerRevolution);
+    readings.push_back(episode.signal(row, signal));
+  }
+  return {turns, readings};
+}
+
 /// Means over whole revolutions, at the row where each ends. Over the angle, not over time: that is what repeats with the shaft.
+/// A ripple that grows or fades within a revolution has a mean of its own: it is taken out before.
 void TakeMeans(const Episode& episode, int signal, const std::vector<double>& angle,
                const std::vector<Place>& places, Episode& out) {
   out.signal.col(signal).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const ShaftRipple ripple = RippleOf(episode, signal, angle);
+  const auto reading = [&](int row) {
+    return episode.signal(row, signal) - ripple.At(angle[static_cast<std::size_t>(row)] / kRowsPerRevolution);
+  };
   for (std::size_t k = kRowsPerRevolution; k < places.size(); k += kRowsPerRevolution) {
     const Place &from = places[k - kRowsPerRevolution], &to = places[k];
     double sum = 0;
     for (int row = from.row; row <= to.row; ++row) {
       const auto at = static_cast<std::size_t>(row);
       const double begin = row == from.row ? from.share : 0.0, end = row == to.row ? to.share : 1.0;
-      const double y = episode.signal(row, signal), rise = episode.signal(row + 1, signal) - y;
+      const double y = reading(row), rise = reading(row + 1) - y;
       sum += (angle[at + 1] - angle[at]) * (end - begin) * (y + 0.5 * (begin + end) * rise);
     }
     out.signal(static_cast<Eigen::Index>(k), signal) = sum / kRowsPerRevolution;

@@ -61,6 +61,24 @@ TEST(ShaftRows, LeavesAStepWithinTheRevolutionItIsIn) {
   }
 }
 
+TEST(ShaftRows, LeaveNoMeanOfARippleThatGrowsWithinARevolution) {
+  Episode episode = Rippled(1);
+  const Episode still = Rippled(0);
+  const auto grown = [](double t) { return 1 + 0.5 * std::sin(8 * t); };
+  for (int row = 0; row < episode.rows(); ++row) {
+    const double ripple = episode.signal(row, 2) - still.signal(row, 2);
+    episode.signal(row, 2) = 1 + ripple * grown(row * kPeriod);
+  }
+  const Episode taken = Taken(episode);
+  double energy = 0, readings = 0;
+  for (int row = 10 * kRowsPerRevolution; row < taken.rows() - 10 * kRowsPerRevolution;
+       row += kRowsPerRevolution) {
+    energy += std::pow(taken.signal(row, 2) - 1, 2);
+    readings += 1;
+  }
+  EXPECT_LT(std::sqrt(energy / readings), 1e-3);
+}
+
 TEST(ShaftRows, KeepsInputsThatMoveEvenly) {
   const Episode taken = Taken(Rippled(1));
   for (int row = 0; row < taken.rows(); ++row)

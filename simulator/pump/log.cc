@@ -156,13 +156,13 @@ PumpLog SimulatePump(const PumpOptions& o) {
   for (int row = 0; row < rows; ++row) {
     const double t = row * o.period;
     for (int k = 0; k < steps; ++k) {
+      load.Advance(t + k * h, h);
       const double ripple = plant.Ripple(load.drive(), s), before = plant.LoadFlow(load.drive(), s.p_s);
       speed.See(load.drive().speed);
       p_s.See(s.p_s + ripple);
       p_c.See(s.p_c);
       x_p.See(s.x_p);
       pistons.See(ripple);
-      load.Advance(t + k * h, h);
       plant.Step(load.drive(), h, s);
       flow.See(seen_flow);
       seen_flow += follows * (0.5 * (before + plant.LoadFlow(load.drive(), s.p_s)) - seen_flow);
@@ -188,7 +188,7 @@ double PumpLog::RippleRms() const {
 std::string FormatPump(const PumpLog& log) {
   std::string text = "t,n,Q,p_s,p_c,x_p\n";
   for (std::size_t i = 0; i < log.t.size(); ++i)
-    fmt::format_to(std::back_inserter(text), "{:.6g},{:.6g},{:.6g},{:.7g},{:.7g},{:.6g}\n", log.t[i],
+    fmt::format_to(std::back_inserter(text), "{:.10g},{:.6g},{:.6g},{:.7g},{:.7g},{:.6g}\n", log.t[i],
                    log.speed[i], log.flow[i], log.p_s[i], log.p_c[i], log.x_p[i]);
   return text;
 }

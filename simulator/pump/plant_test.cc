@@ -69,6 +69,38 @@ TEST(Pump, EveryFaultShowsInTheLog) {
   }
 }
 
+TEST(Pump, ItsFlowSensorReadsTheFlowThatLeavesTheLineInTheSameStep) {
+  PumpOptions o = Quiet(PumpManoeuvre::kLevels);
+  o.period = 5e-5;  // a row is one step
+  const PumpLog log = SimulatePump(o);
+  const PumpMachine& m = o.machine;
+  const auto enters = [&](std::size_t i) {  // m^3/s, into the line, behind the spool taken off
+    const PumpState& s = log.truth[i];
+    const double opening = 0.5 * (s.x_v + std::hypot(s.x_v, m.edge_rounding));
+    return o.speed * m.displacement * (1 - s.x_p / m.piston_stroke) - m.spool_area * s.v_v -
+           m.flow_gain * opening * std::sqrt((s.p_s - s.p_c) / m.gain_drop);
+  };
+  double wrong = 0, steps = 0;  // what the balance of a step misses, beside the change of the flow
+  for (std::size_t i = 1; i + 1 < log.t.size(); ++i) {
+    const double stored = (log.truth[i].p_s - log.truth[i - 1].p_s) * m.line_volume / m.modulus / o.period;
+    const double change = log.flow[i + 1] - log.flow[i];
+    wrong += (0.5 * (enters(i - 1) + enters(i)) - stored - log.flow[i + 1]) * change;
+    steps += change * change;
+  }
+  EXPECT_NEAR(wrong / steps, 0, 0.1);
+}
+
+TEST(Pump, WritesTimesThatDifferInALongLog) {
+  PumpLog log;
+  for (const double t : {1000.00002, 1000.00004}) {
+    log.t.push_back(t);
+    for (auto* column : {&log.speed, &log.flow, &log.p_s, &log.p_c, &log.x_p}) column->push_back(1);
+  }
+  const std::string text = FormatPump(log);
+  EXPECT_NE(text.find("1000.00002,"), std::string::npos);
+  EXPECT_NE(text.find("1000.00004,"), std::string::npos);
+}
+
 TEST(Pump, IsTheSameForTheSameSeed) {
   PumpOptions o;
   o.seconds = 0.5;

@@ -1,0 +1,136 @@
+#include "pipeline/shaft_ripple.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace hydroscope {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kOrders = ShaftRipple::kOrders;
+constexpr int kSlowOrders = 3;       // where steps of the signal itself show
+constexpr int kFewRevolutions = 20;  // that a shape is not taken from
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Mean and orders 1 ... kOrders of one revolution.
+struct Revolution {
+  double mean = 0;
+  std::array<Complex, kOrders> order{};
+};
+
+/// By the trapezoidal rule over the angle, parts of rows at both ends as lines.
+std::vector<Revolution> RevolutionsOf(const std::vector<double>& turns, const std::vector<double>& y) {
+  std::vector<Revolution> out(static_cast<std::size_t>(turns.back()));
+  for (std::size_t row = 0; row + 1 < turns.size(); ++row) {
+    const double span = turns[row + 1] - turns[row];
+    for (double from = turns[row]; from < turns[row + 1];) {
+      const auto at = static_cast<std::size_t>(from);
+      if (at >= out.size()) return out;
+      const double to = std::min(turns[row + 1], static_cast<double>(at + 1)), middle = 0.5 * (from + to);
+      const double area = (to - from) * (y[row] + (middle - turns[row]) / span * (y[row + 1] - y[row]));
+      out[at].mean += area;
+      const Complex turned = std::polar(1.0, -kTurn * middle);
+      Complex factor = 1;
+      for (Complex& order : out[at].order) order += area * (factor *= turned);
+      from = to;
+    }
+  }
+  return out;
+}
+
+/// Takes out a signal that moves evenly from one revolution to the next.
+void TakeOutTrend(std::vector<Revolution>& revolutions) {
+  std::vector<double> slopes;
+  for (std::size_t r = 0; r < revolutions.size(); ++r) {
+    const std::size_t before = r > 0 ? r - 1 : r, after = std::min(r + 1, revolutions.size() - 1);
+    slopes.push_back((revolutions[after].mean - revolutions[before].mean) /
+                     static_cast<double>(std::max<std::size_t>(1, after - before)));
+  }
+  for (std::size_t r = 0; r < revolutions.size(); ++r)
+    for (int k = 0; k < kOrders; ++k)
+      revolutions[r].order[static_cast<std::size_t>(k)] -= Complex(0, slopes[r] / (kTurn * (k + 1)));
+}
+
+double MedianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median of each order over revolutions of size 1.
+std::array<Complex, kOrders> ShapeOf(const std::vector<Revolution>& revolutions,
+                                     const std::vector<double>& size) {
+  constexpr double kSmall = 0.2;  // revolutions so much smaller than the usual say little of the shape
+  std::array<Complex, kOrders> shape;
+  for (std::size_t k = 0; k < shape.size(); ++k) {
+    std::vector<double> real, imaginary;
+    for (std::size_t r = 0; r < revolutions.size(); ++r) {
+      if (size[r] < kSmall || !std::isfinite(std::abs(revolutions[r].order[k]))) continue;
+      real.push_back(revolutions[r].order[k].real() / size[r]);
+      imaginary.push_back(revolutions[r].order[k].imag() / size[r]);
+    }
+    if (!real.empty()) shape[k] = {MedianOf(real), MedianOf(imaginary)};
+  }
+  return shape;
+}
+
+/// Size of each revolution by its faster orders; empty if they hardly repeat.
+std::vector<double> SizesOf(const std::vector<Revolution>& revolutions,
+                            const std::array<Complex, kOrders>& shape) {
+  constexpr double kRepeats = 4;  // energy of the shape over what scatters about it
+  constexpr double kLargest = 4;  // of the usual
+  double energy = 0, scatter = 0;
+  for (std::size_t k = kSlowOrders; k < shape.size(); ++k) energy += std::norm(shape[k]);
+  if (energy == 0) return {};
+  std::vector<double> sizes;
+  for (const Revolution& revolution : revolutions) {
+    if (!std::isfinite(std::abs(revolution.order.front()))) {  // a reading is missing
+      sizes.push_back(sizes.empty() ? 1.0 : sizes.back());
+      continue;
+    }
+    double product = 0, left = 0;
+    for (std::size_t k = kSlowOrders; k < shape.size(); ++k)
+      product += std::real(std::conj(shape[k]) * revolution.order[k]);
+    sizes.push_back(std::clamp(product / energy, 0.0, kLargest));
+    for (std::size_t k = kSlowOrders; k < shape.size(); ++k)
+      left += std::norm(revolution.order[k] - sizes.back() * shape[k]);
+    scatter += left / static_cast<double>(revolutions.size());
+  }
+  if (energy < kRepeats * scatter) return {};
+  return sizes;
+}
+
+}  // namespace
+
+ShaftRipple::ShaftRipple(const std::vector<double>& turns, const std::vector<double>& readings) {
+  constexpr int kRounds = 3;  // shape and sizes by turns: they settle at once
+  if (turns.empty() || turns.back() < kFewRevolutions) return;
+  std::vector<Revolution> revolutions = RevolutionsOf(turns, readings);
+  TakeOutTrend(revolutions);
+  sizes_.assign(revolutions.size(), 1.0);
+  for (int round = 0; round < kRounds && !empty(); ++round) {
+    shape_ = ShapeOf(revolutions, sizes_);
+    sizes_ = SizesOf(revolutions, shape_);
+  }
+}
+
+double ShaftRipple::SizeAt(double turn) const {
+  const double since = std::clamp(turn - 0.5, 0.0, static_cast<double>(sizes_.size()) - 1.001);
+  const auto before = static_cast<std::size_t>(since);
+  const double share = since - static_cast<double>(before);
+  return (1 - share) * sizes_[before] + share * sizes_[before + 1];
+}
+
+double ShaftRipple::At(double turn) const {
+  if (empty()) return 0;
+  const Complex step = std::polar(1.0, kTurn * turn);
+  Complex turned = 1, sum = 0;
+  for (const Complex& order : shape_) sum += order * (turned *= step);
+  return 2 * SizeAt(turn) * sum.real();
+}
+
+}  // namespace hydroscope
