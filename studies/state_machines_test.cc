@@ -96,6 +96,25 @@ TEST(StateMachines, OfEffectsThatComeToTheSameTheSimplestStands) {
   EXPECT_EQ(x.set, std::vector<std::string>{"overflow"});
 }
 
+/// The effect that holds the hidden one as a special case had begun nearer to it, and ended there.
+TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) {
+  StateMachinesOptions options;
+  options.seed = 89;
+  const StateMachineOutcome outcome = RunCase(1, options);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+}
+
+/// Alone in a wrong minimum the right effect left what a second one, or nothing at all, seemed to be needed for.
+TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
+  for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)}) {
+    StateMachinesOptions options;
+    options.seed = static_cast<std::uint64_t>(seed);
+    const StateMachineOutcome outcome = RunCase(number, options);
+    EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+    EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+  }
+}
+
 TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
   StateMachinesOptions options;
   options.seed = 89;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "diagnosis/states/law_terms.h"
+
 namespace hydroscope {
 namespace {
 
@@ -22,6 +24,12 @@ StateStart StartFrom(const StateFit& fit, const StateModel& model) {
     start.parameters[p] = fit.parameters[at - known.begin()];
   }
   return start;
+}
+
+StateCandidate NotFitted(const std::vector<std::string>& added) {
+  StateCandidate none;
+  none.added = added;
+  return none;
 }
 
 }  // namespace
@@ -69,17 +77,32 @@ StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender
     if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit))
       starts.push_back(std::move(*shot));
   if (!starts.empty()) return Fit(contender.added, contender.model, starts);
-  StateCandidate none;
-  none.added = contender.added;
-  return none;
+  return NotFitted(contender.added);
+}
+
+StateCandidate CandidateFits::FittedNear(const StateContender& contender, const StateCandidate& other,
+                                         double apart) const {
+  const auto nearest = NearestLawTo(base_.fit, other, *contender.model, episodes_);
+  if (!nearest || nearest->apart > apart) return NotFitted(contender.added);
+  const StateStart start{nearest->parameters, other.fit.initial};
+  return Fit(contender.added, contender.model, std::span(&start, 1));
+}
+
+StateCandidate CandidateFits::FittedFromAfar(const StateCandidate& fitted) const {
+  StateFitOptions rough = options_.fit;  // its best minimum is fitted on with the others' noise
+  rough.polished = 1;
+  rough.iterations = options_.screen_iterations;
+  rough.tolerance = options_.screen_tolerance;
+  const StateFit afar = FitStates(fitted.fit.model, episodes_, rough);
+  if (!afar.solved()) return NotFitted(fitted.added);
+  const StateStart start{afar.parameters, afar.initial};
+  return Fit(fitted.added, fitted.fit.model, std::span(&start, 1));
 }
 
 StateCandidate CandidateFits::Without(const StateCandidate& fitted,
                                       const std::vector<std::string>& rest) const {
   const auto model = BuildStateModel(machine_, WithAdded(rest));
-  StateCandidate none;
-  none.added = rest;
-  if (!model) return none;
+  if (!model) return NotFitted(rest);
   const StateStart start = StartFrom(fitted.fit, **model);
   return Fit(rest, *model, std::span(&start, 1));
 }

@@ -29,6 +29,10 @@ class CandidateFits {
   StateCandidate Fitted(const StateContender& contender) const;
   /// From what short segments give, of the contender's start and of the machine file's.
   StateCandidate FittedFromSegments(const StateContender& contender) const;
+  /// From where its law comes nearest to that of another set, if that is nearer than `apart`; else nothing is fitted.
+  StateCandidate FittedNear(const StateContender& contender, const StateCandidate& other, double apart) const;
+  /// A fitted set from starts all over the ranges, as the model without it.
+  StateCandidate FittedFromAfar(const StateCandidate& fitted) const;
   /// With some of the effects of `fitted`, the fit beginning where that ended.
   StateCandidate Without(const StateCandidate& fitted, const std::vector<std::string>& rest) const;
   /// As foreseen, not fitted.

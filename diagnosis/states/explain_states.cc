@@ -10,6 +10,7 @@
 #include <set>
 
 #include "diagnosis/states/candidate_fits.h"
+#include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "models/state_effects.h"
 
@@ -89,7 +90,9 @@ class StatesExplainer {
 
   /// Gain that must be foreseen of a set before it is fitted.
   double WorthAFit(const std::vector<StateContender>& contenders) const {
-    if (!out_.final_left.structured) return options_.worth_a_fit * options_.min_gain * EvidenceOf(out_.final);
+    if (!out_.final_left.structured)
+      return std::min(options_.worth_a_fit * options_.min_gain * EvidenceOf(out_.final),
+                      options_.min_removed * out_.final.held_out);
     double best = 0;
     for (const StateContender& c : contenders)
       if (c.foreseen > 0) best = std::max(best, out_.final.held_out - c.foreseen);
@@ -117,8 +120,12 @@ class StatesExplainer {
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
     }
+    if (Better(out_.final, out_.final_left, sets) && (left.structured || Coloured(sets.front())) &&
+        LookAfar(sets))
+      left = LeftBy(sets);
+    if (Better(out_.final, out_.final_left, sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
     if (single) TakeRanking(all, sets);
-    if (sets.empty() || !Better(out_.final, out_.final_left, sets.front())) return false;
+    if (!Better(out_.final, out_.final_left, sets)) return false;
     out_.final = sets.front();
     out_.final_left = std::move(left);
     levels_.push_back(std::move(sets));
@@ -156,15 +163,41 @@ class StatesExplainer {
     if (!sets.empty()) PreferFewParameters(sets);
   }
 
+  /// Whether what a set leaves is no white noise, which a wrong minimum never leaves.
+  static bool Coloured(const StateCandidate& set) {
+    constexpr double kReadings =
+        1.5;  // of white noise their scatter leaves less than 1.2 from 1000 readings on
+    return EvidenceOf(set) * std::max(1, set.fit.readings()) > kReadings * set.held_out;
+  }
+
+  /// What the best set leaves may be that of a wrong minimum, which a further effect would seem to mend: it is fitted from starts
+  /// all over the ranges. Whether there was a better one.
+  bool LookAfar(std::vector<StateCandidate>& sets) const {
+    StateCandidate afar = fits_->FittedFromAfar(sets.front());
+    if (!afar.fitted() || afar.held_out >= (1 - options_.fit.same_minimum) * sets.front().held_out)
+      return false;
+    sets.front() = std::move(afar);
+    return true;
+  }
+
+  /// Other sets that may be the law of the best one, or imitate it, are fitted from where they come nearest to it: not to be
+  /// beaten by it for having begun far off. Whether another is the best now.
+  bool TakeNearLaws(const std::vector<StateContender>& contenders, std::vector<StateCandidate>& sets) {
+    const StateCandidate best = sets.front();
+    for (const StateContender& c : contenders)
+      if (c.added != best.added) Take(sets, fits_->FittedNear(c, best, options_.near_law));
+    Sort(sets);
+    return sets.front().added != best.added;
+  }
+
   /// What the best set leaves, if it does better than what was found before.
   StateRemainder LeftBy(const std::vector<StateCandidate>& sets) const {
-    return !sets.empty() && Better(out_.final, out_.final_left, sets.front()) ? Left(sets.front().fit)
-                                                                              : StateRemainder{};
+    return Better(out_.final, out_.final_left, sets) ? Left(sets.front().fit) : StateRemainder{};
   }
 
   /// Whether the best set needs no further look at the others.
   bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
-    return !sets.empty() && Better(out_.final, out_.final_left, sets.front()) &&
+    return Better(out_.final, out_.final_left, sets) &&
            Unexplained(sets.front(), left) <= LeftShare(sets.front());
   }
 
@@ -179,6 +212,12 @@ class StatesExplainer {
     const double predictable = now.held_out * left.share;
     return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
            (large || t > options_.min_t);
+  }
+
+  /// ... or the best of some, if there is one.
+  bool Better(const StateCandidate& now, const StateRemainder& left,
+              const std::vector<StateCandidate>& next) const {
+    return !next.empty() && Better(now, left, next.front());
   }
 
   /// A set with an effect of the set found taken out, fitted from there.

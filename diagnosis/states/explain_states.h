@@ -35,6 +35,8 @@ struct ExplainStatesOptions {
   double left_share =
       0.02;               ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
+  double near_law =
+      0.5;  ///< share of a set's terms that the nearest of another set may differ by to be fitted from there
   double rival_gain = 12;  ///< sets within this of the best, in noise variances, stay rivals ...
   double rival_t = 2.5;    ///< ... and those that are not worse by so many standard errors
   double rival_share =

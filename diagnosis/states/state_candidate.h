@@ -26,9 +26,4 @@ std::pair<double, double> PairedGain(const std::vector<double>& before, const st
 /// Energy that counts as one piece of evidence: that of a reading, times the readings over which errors are correlated.
 double EvidenceOf(const StateCandidate& candidate);
 
-/// Whether the terms that the effects of two fitted candidates add to the equations of `base` are the same function in these
-/// episodes: they differ by no more than `share` of the first's. False where an input is delayed.
-bool SameLaw(const StateFit& base, const StateCandidate& a, const StateCandidate& b,
-             std::span<const Episode> episodes, double share);
-
 }  // namespace hydroscope
