@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "estimation/gram_fit.h"
 #include "estimation/linear_form/noisier_copies.h"
 
 namespace hydroscope {
@@ -33,12 +35,19 @@ class LinearFitter {
     for (int round = 0; round < rounds; ++round) {
       const Eigen::VectorXd theta = Without(0, 0);
       for (std::size_t e = 0; e < known_.size(); ++e)
-        noise_[e] = std::max(Rms(known_[e] - regressor_[e] * theta), 1e-12 * Rms(known_[e]) + 1e-300);
+        noise_[e] = std::max(Rms(Left(e, theta)), 1e-12 * Rms(known_[e]) + 1e-300);
     }
   }
   void TakeNoise(const std::vector<double>& noise) { noise_ = noise; }
   const std::vector<double>& noise() const { return noise_; }
   Eigen::Index windows() const { return known_.front().size(); }
+  /// What parameters leave of an equation.
+  Eigen::VectorXd Left(std::size_t equation, const Eigen::VectorXd& theta) const {
+    return known_[equation] - regressor_[equation] * theta;
+  }
+  static double Rms(const Eigen::VectorXd& values) {
+    return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
+  }
 
   /// Least squares without the windows first ... last - 1.
   Eigen::VectorXd Without(Eigen::Index first, Eigen::Index last) {
@@ -48,9 +57,6 @@ class LinearFitter {
   }
 
  private:
-  static double Rms(const Eigen::VectorXd& values) {
-    return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size())));
-  }
   static Eigen::VectorXd Solved(const PieceSums& sums) {
     const Eigen::VectorXd scale = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.information * scale.asDiagonal();
@@ -96,19 +102,50 @@ class WithoutNoise {
     return 2 * own - sum / static_cast<double>(noisier_.size());
   }
 
-  /// Standard deviations from the fits with each piece left out.
+  /// Standard deviations from the fits with each piece left out, wider for Student's t: a parameter that few pieces tell of (an
+  /// edge that is open in few of them) has as many degrees of freedom as their squares weigh (Satterthwaite 1946, with 3 s^4
+  /// for the mean fourth power of what has the variance s^2).
   Eigen::VectorXd Jackknife(const Eigen::VectorXd& theta, int pieces) {
     const Eigen::Index windows = record_.windows();
-    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size());
-    for (int p = 0; p < pieces; ++p)
-      squares += (Without(windows * p / pieces, windows * (p + 1) / pieces) - theta).cwiseAbs2();
-    return (squares * (pieces - 1.0) / pieces).cwiseSqrt();
+    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size()), fourths = squares;
+    for (int p = 0; p < pieces; ++p) {
+      const Eigen::VectorXd square =
+          (Without(windows * p / pieces, windows * (p + 1) / pieces) - theta).cwiseAbs2();
+      squares += square;
+      fourths += square.cwiseAbs2();
+    }
+    Eigen::VectorXd std = (squares * (pieces - 1.0) / pieces).cwiseSqrt();
+    for (Eigen::Index k = 0; k < std.size(); ++k)
+      if (fourths[k] > 0)
+        std[k] *= StudentFactor(std::clamp(3 * squares[k] * squares[k] / fourths[k], 2.0, pieces - 1.0));
+    return std;
   }
 
  private:
   LinearFitter record_;
   std::vector<LinearFitter> noisier_;
 };
+
+/// Noise of the signals: what their sixth differences show, but no more than leaves of each balance what is left of it. A spool
+/// that follows a command made of noisy readings does move from row to row, and the balances know it.
+Eigen::VectorXd NoiseOfSignals(const LinearForm& form, const Machine& machine,
+                               std::span<const Episode> episodes, const std::vector<int>& kept,
+                               LinearFitter& record, const LinearFitOptions& options) {
+  Eigen::VectorXd noise = WhiteNoiseOfSignals(episodes);
+  const Eigen::VectorXd theta = record.Without(0, 0);
+  for (Eigen::Index s = 0; s < noise.size(); ++s) {
+    Eigen::VectorXd alone = Eigen::VectorXd::Zero(noise.size());
+    alone[s] = noise[s];
+    const std::vector<Episode> copy = NoisierCopies(episodes, alone, 1, options.seed).front();
+    const LinearFitter noisier(WindowsOf(form, machine, copy, options.windows), kept);
+    for (std::size_t e = 0; e < form.equations.size(); ++e) {
+      const double left = record.noise()[e],
+                   from_signal = LinearFitter::Rms(noisier.Left(e, theta) - record.Left(e, theta));
+      if (from_signal > left) noise[s] = std::min(noise[s], alone[s] * left / from_signal);
+    }
+  }
+  return noise;
+}
 
 /// All equations one under the other, each over the size of what is known of it.
 Eigen::MatrixXd Stacked(const WindowEquations& windows) {
@@ -141,8 +178,9 @@ LinearFit FitLinearForm(const LinearForm& form, const Machine& machine, std::spa
   LinearFitter record(windows, fit.base.kept);
   record.FindNoise(options.rounds);
   fit.noise = record.noise();
+  const Eigen::VectorXd noise = NoiseOfSignals(form, machine, episodes, fit.base.kept, record, options);
   std::vector<LinearFitter> noisier;
-  for (const std::vector<Episode>& copy : NoisierCopies(episodes, options.noise_pairs, options.seed))
+  for (const std::vector<Episode>& copy : NoisierCopies(episodes, noise, options.noise_pairs, options.seed))
     noisier.emplace_back(WindowsOf(form, machine, copy, options.windows), fit.base.kept);
   WithoutNoise fitter(std::move(record), std::move(noisier));
   fit.value = fitter.Without(0, 0);

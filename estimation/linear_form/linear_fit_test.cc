@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "estimation/linear_form/noisier_copies.h"
@@ -126,6 +127,83 @@ TEST(LinearForm, NoiseInRegressorsDrawsNoParameterTowardsZero) {
   EXPECT_GE(held, 16);
 }
 
+/// Fits of a form, one to the record of each of `records` seeds.
+template <typename Record>
+std::vector<LinearFit> FitsOf(const LinearForm& form, int records, const Record& record) {
+  std::vector<LinearFit> fits;
+  for (unsigned seed = 1; seed <= static_cast<unsigned>(records); ++seed) {
+    const Episode episode = record(seed);
+    fits.push_back(FitLinearForm(form, MassMachine(), std::span(&episode, 1)));
+  }
+  return fits;
+}
+
+LinearForm EdgeForm(const char* opening) {
+  LinearForm form;
+  form.parameters = {"c"};
+  form.equations = {{"flow", {{"c", "", opening}}, "", "F"}};
+  return form;
+}
+
+TEST(LinearForm, WhatASignalDoesFromRowToRowIsNotTakenForNoise) {
+  // x jitters by 0.2 and is read to 0.001, as a spool does that follows noisy readings; the balance holds to that.
+  const auto fits = FitsOf(EdgeForm("max(x, 0)"), 10, [](unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise;
+    return RecordOf(40, [&](double t) {
+      const double x = std::sin(2 * t) + 0.2 * noise(random);
+      return std::pair(x + 0.001 * noise(random), 3 * std::max(x, 0.0));
+    });
+  });
+  for (const LinearFit& fit : fits) {
+    ASSERT_TRUE(fit.solved()) << fit.failed;
+    EXPECT_NEAR(fit.value[0], 3, 0.001);
+  }
+}
+
+TEST(LinearForm, IntervalsHoldWhereFewPiecesTellOfAParameter) {
+  // x is above 0.95 in three short parts of the record.
+  constexpr int kRecords = 200;
+  const auto fits = FitsOf(EdgeForm("max(x - 0.95, 0)"), kRecords, [](unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise;
+    return RecordOf(40, [&](double t) {
+      const double x = std::sin(2 * std::numbers::pi * 3 * t / 40);
+      return std::pair(x, 3 * std::max(x - 0.95, 0.0) + noise(random));
+    });
+  });
+  int held = 0;
+  for (const LinearFit& fit : fits) {
+    ASSERT_TRUE(fit.solved()) << fit.failed;
+    held += std::abs(fit.value[0] - 3) < 1.96 * fit.std[0];
+  }
+  EXPECT_GE(held, 0.92 * kRecords);
+}
+
+TEST(LinearForm, NoiseOfTheSpeedDoesNotTurnDryFrictionAbout) {
+  // As near to the turning speed as the arm's angles are read: 1 mm/s and 5 um from row to row.
+  LinearForm form;
+  form.rates = {{"x", "v"}};
+  form.parameters = {"b", "c"};
+  form.equations = {{"force", {{"b", "", "v"}, {"c", "", "tanh(v/0.001)"}}, "", "F"}};
+  constexpr int kRecords = 40;
+  const auto fits = FitsOf(form, kRecords, [](unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise;
+    return RecordOf(40, [&](double t) {
+      const double v = 0.02 * std::cos(2 * t);
+      return std::pair(0.01 * std::sin(2 * t) + 5e-6 * noise(random),
+                       3 * v + 0.1 * std::tanh(v / 0.001) + 0.01 * noise(random));
+    });
+  });
+  double mean = 0;
+  for (const LinearFit& fit : fits) {
+    ASSERT_TRUE(fit.solved()) << fit.failed;
+    mean += fit.value[1] / kRecords;
+  }
+  EXPECT_NEAR(mean, 0.1, 0.0003);
+}
+
 TEST(NoisierCopies, NoiseIsFoundBesideMotionAndDoubledInEnergy) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise;
@@ -134,7 +212,7 @@ TEST(NoisierCopies, NoiseIsFoundBesideMotionAndDoubledInEnergy) {
   const Eigen::VectorXd found = WhiteNoiseOfSignals(std::span(&episode, 1));
   EXPECT_NEAR(found[0], 0.01, 3e-4);
   EXPECT_EQ(found[1], 0);
-  const auto copies = NoisierCopies(std::span(&episode, 1), 1, 1);
+  const auto copies = NoisierCopies(std::span(&episode, 1), found, 1, 1);
   ASSERT_EQ(copies.size(), 2u);
   const Eigen::VectorXd sum = copies[0].front().signal.col(0) + copies[1].front().signal.col(0);
   EXPECT_LT((sum - 2 * episode.signal.col(0)).cwiseAbs().maxCoeff(), 1e-12)

@@ -26,9 +26,8 @@ Eigen::VectorXd WhiteNoiseOfSignals(std::span<const Episode> episodes) {
   return noise;
 }
 
-std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes, int pairs,
-                                                std::uint32_t seed) {
-  const Eigen::VectorXd noise = WhiteNoiseOfSignals(episodes);
+std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes,
+                                                const Eigen::VectorXd& noise, int pairs, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::vector<std::vector<Episode>> copies;

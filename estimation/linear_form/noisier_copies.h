@@ -12,9 +12,10 @@ namespace hydroscope {
 /// nothing in them. 0 where nothing is read.
 Eigen::VectorXd WhiteNoiseOfSignals(std::span<const Episode> episodes);
 
-/// Copies of the record with as much noise again: one draw added, and the same draw taken away, `pairs` times. What is linear in
-/// the noise cancels between the two; what remains is what noise does to products and bends.
-std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes, int pairs,
-                                                std::uint32_t seed);
+/// Copies of the record with noise of these standard deviations added to its signals: one draw added, and the same draw taken
+/// away, `pairs` times. What is linear in the noise cancels between the two; what remains is what noise does to products and
+/// bends.
+std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes,
+                                                const Eigen::VectorXd& noise, int pairs, std::uint32_t seed);
 
 }  // namespace hydroscope

@@ -23,9 +23,9 @@ std::optional<ExpressionEvaluator> ProgramOfText(const std::string& text, const 
   return ExpressionEvaluator(*WithValues(*tree, constants), channel_of);
 }
 
-/// Central differences over `half` rows and twice as many, extrapolated so that their second-order errors cancel (Richardson
-/// 1911): one alone is low by (w half period)^2/6 of what moves with w, and with it what oil takes up. At the ends over what
-/// there is.
+/// Central differences over `half` rows, twice and three times as many, extrapolated so that their errors of second and fourth
+/// order cancel (Richardson 1911): one alone is low by (w half period)^2/6 of what moves with w, and with it what oil takes up.
+/// At the ends over what there is.
 std::vector<double> RateOf(const std::vector<double>& values, int half, double period) {
   const int n = static_cast<int>(values.size());
   const auto difference = [&](int k, int reach) {
@@ -34,9 +34,10 @@ std::vector<double> RateOf(const std::vector<double>& values, int half, double p
   };
   std::vector<double> rate(values.size());
   for (int k = 0; k < n; ++k) {
-    const bool inside = k >= 2 * half && k + 2 * half < n;
+    const bool inside = k >= 3 * half && k + 3 * half < n;
     rate[static_cast<std::size_t>(k)] =
-        inside ? (4 * difference(k, half) - difference(k, 2 * half)) / 3 : difference(k, half);
+        inside ? (15 * difference(k, half) - 6 * difference(k, 2 * half) + difference(k, 3 * half)) / 10
+               : difference(k, half);
   }
   return rate;
 }

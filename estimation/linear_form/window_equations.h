@@ -14,8 +14,9 @@ struct WindowEquationOptions {
   /// s, a box of the window; four in a row weigh the record (a cubic B-spline), so that what is a rate is a difference of three
   /// boxes, and no signal is differenced from row to row. Well below the fastest motion asked for, well above a row.
   double box = 0.075;
-  double rate_half_width =
-      0.004;  ///< s, of the rates that enter as values; wider ones are late against pressures
+  /// s, of the rates that enter as values: below it their noise turns dry friction about (a tanh of the speed), far above it
+  /// they are late against pressures.
+  double rate_half_width = 0.008;
 };
 
 /// A linear form over windows of a record: one row per window and equation.

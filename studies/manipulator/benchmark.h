@@ -5,7 +5,7 @@
 namespace hydroscope {
 
 struct ManipulatorBenchmarkOptions {
-  int cases = 30;  ///< drawn machines, each identified from its own record
+  int cases = 60;  ///< drawn machines, each identified from its own record
   std::uint64_t seed = 1;
   double seconds = 60;  ///< of each record
   int effects = 0;      ///< logs with a hidden effect, or none, that are explained

@@ -12,9 +12,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kQuantile =
-    2.02;  // of Student's distribution, 95 %, 39 degrees of freedom: pieces of the record
-constexpr double kLeastHeld = 0.9;  // of all intervals
+constexpr double kQuantile = 1.96;                     // standard deviations that an interval of 95 % reaches
+constexpr double kLeastHeld = 0.93, kMostHeld = 0.97;  // of all intervals
 
 /// Truth of a column of the linear form.
 double TrueColumn(const std::map<std::string, double>& truth, const std::string& name) {
@@ -96,7 +95,7 @@ bool PrintIdentification(const ManipulatorBenchmarkOptions& options) {
   fmt::print(
       "95 % intervals hold the truth in {} of {} ({:.1f} %); scaled condition at most {:.1f}; {} not fitted\n",
       held, all, 100.0 * held / std::max(all, 1), worst_condition, failed);
-  return failed == 0 && held >= kLeastHeld * all;
+  return failed == 0 && held >= kLeastHeld * all && held <= kMostHeld * all;
 }
 
 }  // namespace hydroscope

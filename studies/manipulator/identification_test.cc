@@ -39,22 +39,22 @@ TEST(ManipulatorIdentification, FindsTheTruthWithinAPercent) {
   }
 }
 
-/// Its states are the truth of the simulator: the model runs along the simulated log but for noise.
-TEST(ManipulatorIdentification, HasTheEquationsOfTheSimulatedArm) {
+/// The model with the true parameters, and an effect of the library with its own, runs along the simulated log.
+void ExpectEquationsOf(const ManipulatorTruth& truth, const std::vector<std::string>& effects,
+                       const std::map<std::string, double>& of_effects) {
   ManipulatorOptions options;
+  options.truth = truth;
   options.seconds = 8;
   options.noise = {0, 0, 0};
-  Machine machine = ManipulatorMachine(options.truth);
-  std::map<std::string, double> truths;
-  for (const auto& [name, value] : TrueParameters(options.truth)) truths[name] = value;
-  for (ParameterSpec& p : machine.states.parameters) p.start = truths.at(p.name);
-  const auto model = BuildStateModel(machine, {});
+  const auto model = BuildStateModel(ManipulatorMachine(options.truth), effects);
   ASSERT_TRUE(model) << model.error().text;
+  std::map<std::string, double> truths = of_effects;
+  for (const auto& [name, value] : TrueParameters(options.truth)) truths[name] = value;
   const Episode episode = EpisodeOf(SimulateManipulator(options));
   StateSimulator simulator(*model);
   Eigen::VectorXd theta((*model)->parameter_count());
   for (int p = 0; p < theta.size(); ++p)
-    theta[p] = (*model)->parameters[static_cast<std::size_t>(p)].spec.start;
+    theta[p] = truths.at((*model)->parameters[static_cast<std::size_t>(p)].spec.name);
   simulator.SetParameters(theta);
   Eigen::VectorXd at_rest = Eigen::VectorXd::Zero((*model)->states());
   for (int i = 0; i < at_rest.size(); ++i)
@@ -67,6 +67,21 @@ TEST(ManipulatorIdentification, HasTheEquationsOfTheSimulatedArm) {
     const auto measured = episode.signal.col((*model)->outputs[static_cast<std::size_t>(j)]);
     const double variation = measured.maxCoeff() - measured.minCoeff();
     EXPECT_LT((measured - run.outputs.col(j)).cwiseAbs().maxCoeff(), 0.02 * variation) << j;
+  }
+}
+
+/// Its states are the truth of the simulator: the model runs along the simulated log but for noise.
+TEST(ManipulatorIdentification, HasTheEquationsOfTheSimulatedArm) {
+  ExpectEquationsOf(PublishedManipulator(), {}, {});
+}
+
+TEST(ManipulatorIdentification, HasTheWornEdgesOfTheSimulatedArm) {
+  constexpr double kRadius = 0.03;
+  for (const char* effect : {"worn_edge_PB_1", "worn_edge_BT_2"}) {
+    SCOPED_TRACE(effect);
+    ManipulatorTruth truth = PublishedManipulator();
+    ASSERT_TRUE(HideEffect(std::string(effect) + "=0.03", truth));
+    ExpectEquationsOf(truth, {effect}, {{"r", kRadius}});
   }
 }
 
