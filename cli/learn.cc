@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
@@ -11,10 +10,8 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
-#include "monitor/axis_monitor.h"
-#include "monitor/learning_check.h"
+#include "monitor/learning.h"
 #include "monitor/rules_for.h"
-#include "storage/journal_pairing.h"
 #include "workbench/history/history_options.h"
 
 namespace hydroscope {
@@ -26,46 +23,23 @@ struct LearnArguments {
   bool force = false;
 };
 
-/// A machine that may be learned, or not.
-struct Candidate {
-  Machine machine;
-  HistoryPart part;
-  std::vector<LearningDoubt> doubts;
-
-  bool Refused() const {
-    return std::any_of(doubts.begin(), doubts.end(), [](const LearningDoubt& d) { return d.Refuses(); });
-  }
-};
-
-nlohmann::json DoubtsJson(const std::vector<LearningDoubt>& doubts) {
-  nlohmann::json out = nlohmann::json::array();
-  for (const LearningDoubt& doubt : doubts)
-    out.push_back(
-        {{"kind", LearningDoubtName(doubt.kind)}, {"text", doubt.text}, {"refuses", doubt.Refuses()}});
-  return out;
-}
-
 /// What is to be learned, each looked at first.
-Result<std::vector<Candidate>> Candidates(const LearnArguments& a, const ChosenHistory& history,
-                                          const AlarmJournal& journal) {
-  std::vector<Candidate> candidates;
+Result<std::vector<LearningCandidate>> Candidates(const LearnArguments& a, const ChosenHistory& history,
+                                                  const AlarmJournal& journal) {
+  std::vector<LearningCandidate> candidates;
   for (const HistoryChoice& choice : history.choices) {
-    Candidate candidate{choice.machine, choice.parts.front(), {}};
-    candidate.machine.name = candidate.part.machine;
-    const auto axis = journal.Axis(candidate.part.machine);
-    if (!axis) return tl::unexpected(axis.error());
-    if (candidate.part.strokes() > 0)
-      candidate.doubts =
-          DoubtsOfLearning(history.database, a.history.db, candidate.part, candidate.machine, axis->alarms);
-    candidates.push_back(std::move(candidate));
+    auto candidate =
+        LookBeforeLearning(history.database, a.history.db, choice.machine, choice.parts.front(), journal);
+    if (!candidate) return tl::unexpected(candidate.error());
+    candidates.push_back(std::move(*candidate));
   }
   return candidates;
 }
 
 /// Tells what speaks against learning; an error if any of it refuses and nobody insists.
-Status TellDoubts(const LearnArguments& a, const std::vector<Candidate>& candidates) {
+Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>& candidates) {
   std::string refused;
-  for (const Candidate& c : candidates) {
+  for (const LearningCandidate& c : candidates) {
     for (const LearningDoubt& doubt : c.doubts)
       std::cerr << fmt::format("{} strokes {} to {}: {}\n", c.part.machine, c.part.first, c.part.last - 1,
                                doubt.text);
@@ -76,38 +50,6 @@ Status TellDoubts(const LearnArguments& a, const std::vector<Candidate>& candida
       "nothing was learned: the strokes of {} do not look like those of a healthy machine. Choose others "
       "with --from and --to, or insist with --force",
       refused);
-}
-
-/// Learns one machine's reference; what was learned as JSON.
-Result<nlohmann::json> LearnOne(const LearnArguments& a, const Database& database, const Candidate& candidate,
-                                const drift::RuleBook& rules, AlarmJournal& journal) {
-  const HistoryPart& part = candidate.part;
-  const Machine& machine = candidate.machine;
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  AxisMonitor axis(machine, *model, rules, database, a.history.db, part.id, journal);
-  if (const Status learned = axis.Learn(part.first, part.last, WallSeconds(), {a.user, a.comment}); !learned)
-    return tl::unexpected(learned.error());
-  const drift::Reference& reference = axis.monitor()->reference();
-  nlohmann::json curves = nlohmann::json::array();
-  const auto& quantities = axis.monitor()->model().quantities();
-  for (std::size_t q = 0; q < quantities.size(); ++q) {
-    const drift::TemperatureModel& curve = reference.curves()[q];
-    if (quantities[q].effect) continue;
-    curves.push_back({{"quantity", quantities[q].name},
-                      {"unit", quantities[q].unit},
-                      {"form", curve.FormName()},
-                      {"from_K", curve.low()},
-                      {"to_K", curve.high()},
-                      {"value", curve.At((curve.low() + curve.high()) / 2).value}});
-  }
-  return nlohmann::json{{"machine", part.machine},
-                        {"reference_version", reference.version()},
-                        {"first_stroke", reference.first_sequence()},
-                        {"last_stroke", reference.last_sequence()},
-                        {"operating_classes", reference.classes().count()},
-                        {"doubts", DoubtsJson(candidate.doubts)},
-                        {"curves", std::move(curves)}};
 }
 
 std::string LearnedText(const nlohmann::json& learned) {
@@ -130,31 +72,20 @@ std::string LearnedText(const nlohmann::json& learned) {
   return text;
 }
 
-/// The journal beside the database; one of another database is set aside.
-Result<AlarmJournal> OpenOwnJournal(const LearnArguments& a) {
-  auto database = Database::Open(a.history.db);
-  if (!database) return tl::unexpected(database.error());
-  const auto names = database->MachineNames();
-  if (!names) return tl::unexpected(names.error());
-  const std::string press = names->empty() ? "" : names->front().substr(0, names->front().find('/'));
-  const auto set_aside = PairJournal(*database, a.history.db, press, WallSeconds());
-  if (!set_aside) return tl::unexpected(set_aside.error());
-  if (*set_aside) std::cerr << "note: " << SetAsideText(**set_aside) << "\n";
-  return AlarmJournal::Open(AlarmJournal::PathFor(a.history.db));
-}
-
 int RunLearn(const LearnArguments& a) {
   const auto history = OpenHistory(a.history, a.machine);
   if (!history) return ReportError(history.error());
   const auto rules = RulesFor(a.machine, history->choices.front().machine);
   if (!rules) return ReportError(rules.error());
-  auto journal = OpenOwnJournal(a);
+  std::string note;
+  auto journal = OpenJournalOf(a.history.db, WallSeconds(), note);
   if (!journal) return ReportError(journal.error());
+  if (!note.empty()) std::cerr << "note: " << note << "\n";
   const auto candidates = Candidates(a, *history, *journal);
   if (!candidates) return ReportError(candidates.error());
   nlohmann::json document = {{"learned", nlohmann::json::array()}, {"refused", nlohmann::json::array()}};
   if (const Status may = TellDoubts(a, *candidates); !may) {
-    for (const Candidate& c : *candidates)
+    for (const LearningCandidate& c : *candidates)
       if (c.Refused())
         document["refused"].push_back({{"machine", c.part.machine},
                                        {"first_stroke", c.part.first},
@@ -164,8 +95,9 @@ int RunLearn(const LearnArguments& a) {
       if (const Status written = WriteJson(a.json, document); !written) return ReportError(written.error());
     return ReportError(may.error());
   }
-  for (const Candidate& candidate : *candidates) {
-    auto learned = LearnOne(a, history->database, candidate, *rules, *journal);
+  for (const LearningCandidate& candidate : *candidates) {
+    auto learned = LearnReference(history->database, a.history.db, candidate, *rules, *journal,
+                                  {a.user, a.comment}, WallSeconds());
     if (!learned) return ReportError(learned.error());
     if (a.json != "-") Say(LearnedText(*learned));
     document["learned"].push_back(std::move(*learned));

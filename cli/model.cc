@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/user_name.h"
 #include "host/output.h"
+#include "host/real_clock.h"
 #include "workbench/model/model_change.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_history_output.h"
@@ -17,7 +19,7 @@ namespace {
 struct ModelOptions {
   std::string machine, json;
   ModelChange change;
-  int version = 0;
+  Promotion promotion;
 };
 
 void Show(const std::string& text, const nlohmann::json& document, const std::string& json, int& exit_code) {
@@ -130,15 +132,22 @@ void AddPromoteCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opt
   command->add_option("--db,-d", history.db, "Database")->required();
   command->add_option("--machine,-m", options->machine, "Machine file (TOML) whose model to take");
   command->add_option("--machine-name", history.machines, "Machine of the database, if it holds several");
-  command->add_option("--version", options->version, "Version in the database; its latest without it");
+  command->add_option("--version", options->promotion.version,
+                      "Version in the database; its latest without it");
+  command->add_option("--user", options->promotion.user, "Who promotes (default: the user logged in)");
+  command->add_option("--comment", options->promotion.comment, "Why, kept in the alarm journal");
   AddJsonOption(*command, options->json);
   command->footer(
-      "Logs replayed later use it; what was replayed before stays as it is, and so do old versions.\n"
+      "Logs replayed later use it; what was replayed before stays as it is, and so do old versions. It stands\n"
+      "in the alarm journal. A model whose effects need a signal that the machine does not record is refused.\n"
       "Examples:\n"
       "  hydroscope model promote --machine press.toml --db press.db\n"
       "  hydroscope model promote --db press.db --version 1");
   command->callback([options, &exit_code] {
-    Tell(PromoteModel(options->change.history, options->machine, options->version), options->json, exit_code);
+    Promotion& promotion = options->promotion;
+    if (promotion.user.empty()) promotion.user = UserName();
+    promotion.wall = WallSeconds();
+    Tell(PromoteModel(options->change.history, options->machine, promotion), options->json, exit_code);
   });
 }
 

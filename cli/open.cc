@@ -66,6 +66,11 @@ Status RunOpen(PageOptions options) {
       const auto answer = AskService(socket, "GET", "/status");
       return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
     };
+    options.watch.valve_check = [socket =
+                                     SocketOf(options.watch.database)](const std::string& axis) -> Status {
+      const auto asked = AskService(socket, "POST", "/valve_check?axis=" + axis);
+      return asked ? Status() : tl::unexpected(asked.error());
+    };
   }
   const auto page = PageServer::Open(options);
   if (!page) return tl::unexpected(page.error());

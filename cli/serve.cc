@@ -164,6 +164,7 @@ int Run(ServeArguments& a) {
   page_options.watch.database = a.live.database;
   page_options.watch.machine_file = a.live.machine_file;
   page_options.watch.service = [&] { return StatusJson(surveillance.status()); };
+  page_options.watch.valve_check = [&](const std::string& axis) { return checks.Request(axis); };
   page_options.service = [&](const HttpRequest& request) {
     return AnswerTools(request, surveillance, checks);
   };

@@ -13,7 +13,7 @@
 #include "core/time_text.h"
 #include "host/output.h"
 #include "host/real_clock.h"
-#include "page/access/logins.h"
+#include "page/access/login_api.h"
 #include "page/access/secrets.h"
 
 namespace hydroscope {
@@ -87,9 +87,13 @@ Status PutUser(const UsersArguments& a, bool is_new) {
 Status RemoveUser(const UsersArguments& a) {
   auto store = AccessStore::OpenExisting(a.database);
   if (!store) return tl::unexpected(store.error());
+  const auto known = store->User(a.name);
+  if (!known) return tl::unexpected(known.error());
+  if (!*known) return BadInput("there is no user '{}'", Printable(a.name));
+  if (const Status told = Tell(*store, "user removed", a.name); !told) return told;
   if (const Status removed = store->RemoveUser(a.name); !removed) return removed;
   Say(fmt::format("user removed: {}\n", a.name));
-  return Tell(*store, "user removed", a.name);
+  return {};
 }
 
 Status Write(const std::string& text, const nlohmann::json& document, const std::string& json) {
@@ -122,14 +126,7 @@ Status ShowAudit(const UsersArguments& a) {
     text += fmt::format("{}  {} {} {} {} {}\n", LocalTimeText(row->wall), row->user.empty() ? "-" : row->user,
                         row->from.empty() ? "here" : row->from, row->what, Printable(row->detail),
                         Printable(row->outcome));
-    list.push_back({{"sequence", row->sequence},
-                    {"wall_s", row->wall},
-                    {"user", row->user},
-                    {"role", row->role},
-                    {"address", row->from},
-                    {"what", row->what},
-                    {"detail", row->detail},
-                    {"outcome", row->outcome}});
+    list.push_back(AuditJson(*row));
   }
   return Write(text, {{"audit", std::move(list)}}, a.json);
 }

@@ -23,7 +23,7 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
       window_(window),
       gate_(machine.gate),
       sink_(std::move(sink)),
-      reach_(std::max(kLeastReach, window.half_window)),
+      reach_(GateReach(window)),
       marker_(machine),
       conditions_(*model_) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -51,6 +51,10 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
   stretch_.period = window_.period;
   stretch_.channel.assign(model_->channel_names.size(), std::vector<double>(capacity));
   stretch_.samples = 0;
+}
+
+int StrokeSegmenter::GateReach(const WindowSamples& window) {
+  return std::max(kLeastReach, window.half_window);
 }
 
 void StrokeSegmenter::Process(const SampleBlock& block) {

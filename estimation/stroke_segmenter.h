@@ -40,6 +40,9 @@ class StrokeSegmenter {
   StrokeSegmenter(const Machine& machine, std::shared_ptr<const ModelStructure> model, WindowSamples window,
                   Sink sink);
 
+  /// Blocks to either side that a rate of the gate is taken over.
+  static int GateReach(const WindowSamples& window);
+
   void Process(const SampleBlock& block);
   /// End of the log: whatever is under way is finished.
   void Finish();

@@ -227,6 +227,9 @@ json StatusJson(const LiveStatus& s) {
   }
   out["writer"] = WriterJson(s.writer);
   out["drift"] = DriftJson(s.drift);
+  out["log"] = json::array();
+  for (const LogLine& line : s.log)
+    out["log"].push_back({{"wall_s", line.wall}, {"level", line.level}, {"text", Printable(line.text)}});
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include "alarms/feeds/feed.h"
 #include "live/drift_watch_status.h"
 #include "live/inbox.h"
+#include "live/log.h"
 #include "live/writer.h"
 
 namespace hydroscope {
@@ -72,6 +73,7 @@ struct LiveStatus {
   std::string valve_check;      ///< what it does now, "" = off
   std::vector<FeedStatus> feeds;
   DriftWatchStatus drift;
+  std::vector<LogLine> log;  ///< its newest lines, oldest first
 };
 
 nlohmann::json StatusJson(const LiveStatus& status);

@@ -1,9 +1,11 @@
 #include "live/log.h"
 
+#include <spdlog/sinks/ringbuffer_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,11 +13,20 @@
 namespace hydroscope {
 namespace {
 
+constexpr std::size_t kLinesKept = 100;
+
 bool as_json = false;
+
+/// Holds the newest lines.
+const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt>& Kept() {
+  static const auto kept = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(kLinesKept);
+  return kept;
+}
 
 spdlog::logger& Log() {
   static const std::shared_ptr<spdlog::logger> log = [] {
     auto made = spdlog::stderr_logger_mt("hydroscope");
+    made->sinks().push_back(Kept());
     made->set_level(spdlog::level::warn);  // libraries and tests; the service says what it wants
     return made;
   }();
@@ -61,6 +72,17 @@ Status ConfigureLog(const std::string& level, bool json) {
   else
     Log().set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
   return {};
+}
+
+std::vector<LogLine> NewestLogLines() {
+  std::vector<LogLine> lines;
+  for (const spdlog::details::log_msg_buffer& line : Kept()->last_raw()) {
+    const auto level = spdlog::level::to_string_view(line.level);
+    lines.push_back({std::chrono::duration<double>(line.time.time_since_epoch()).count(),
+                     std::string(level.begin(), level.end()),
+                     std::string(line.payload.begin(), line.payload.end())});
+  }
+  return lines;
 }
 
 void LogDebug(const char* event, const LogFields& fields) { Write(spdlog::level::debug, event, fields); }

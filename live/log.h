@@ -15,6 +15,14 @@ using LogFields = std::vector<std::pair<const char*, std::string>>;
 /// `level`: "debug", "info", "warning", "error", "off"; `json`: one JSON object per line.
 Status ConfigureLog(const std::string& level, bool json);
 
+/// A line of the log, without its time and level.
+struct LogLine {
+  double wall = 0;  ///< s since 1970
+  std::string level, text;
+};
+/// The newest lines that were written, oldest first: what people see who do not read stderr.
+std::vector<LogLine> NewestLogLines();
+
 void LogDebug(const char* event, const LogFields& fields = {});
 void LogInfo(const char* event, const LogFields& fields = {});
 void LogWarning(const char* event, const LogFields& fields = {});

@@ -135,6 +135,7 @@ LiveStatus Surveillance::status() const {
   LiveStatus now = service_.status();
   now.drift = Drift();
   now.valve_check = checks_.state();
+  now.log = NewestLogLines();
   std::lock_guard lock(mutex_);
   if (feeds_) now.feeds = feeds_->status();
   return now;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "workbench/model/model_edit.h"
+#include "workbench/model/promotion.h"
 
 namespace hydroscope {
 
@@ -19,22 +20,12 @@ Result<std::optional<PromotedMachine>> PromotedFor(const Database& database, con
                     model.error().text);
   if (model->added_effects == machine.added_effects && model->effect_values == machine.effect_values)
     return std::nullopt;
-  PromotedMachine taken{version, machine, ""};
-  taken.machine.added_effects = model->added_effects;
-  taken.machine.effect_values = model->effect_values;
-  taken.machine.model_version = model->model_version;
-  taken.machine.model_history = model->model_history;
-  Machine with_own_effects = taken.machine;
-  with_own_effects.user_effects = model->user_effects;
-  if (with_own_effects == *model) {
-    taken.machine = std::move(with_own_effects);
-    taken.text = (*promoted)->definition;
-    return taken;
-  }
-  if (const auto known = BuildModel(taken.machine); !known)
+  auto next = WithModelOf(machine, *model);
+  if (!next)
     return BadInput("{}: the promoted model (version {}) does not fit the machine file: {}", path, version,
-                    known.error().text);
-  taken.text = EditedMachineText(text, taken.machine);
+                    next.error().text);
+  PromotedMachine taken{version, std::move(*next), (*promoted)->definition};
+  if (taken.machine != *model) taken.text = EditedMachineText(text, taken.machine);
   return taken;
 }
 

@@ -22,13 +22,6 @@ constexpr std::pair<Kind, const char*> kWorkNames[] = {
 constexpr std::size_t kMostColumns = 2000;  ///< of a log
 constexpr std::size_t kLongestFileName = 120;
 
-Result<bool> Flag(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end()) return false;
-  if (!found->is_boolean()) return BadInput("{}: found {}, expected true or false", key, found->type_name());
-  return found->get<bool>();
-}
-
 /// The array under `key`, empty if absent.
 Result<nlohmann::json> Array(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
@@ -50,7 +43,7 @@ Result<ColumnMapping::Entry> ParseEntry(const nlohmann::json& json) {
 Result<GateBound> ParseBound(const nlohmann::json& json) {
   const auto signal = TextOf(json, "signal");
   if (!signal) return tl::unexpected(signal.error());
-  const auto rate = Flag(json, "rate"), magnitude = Flag(json, "magnitude");
+  const auto rate = FlagOf(json, "rate"), magnitude = FlagOf(json, "magnitude");
   for (const auto* flag : {&rate, &magnitude})
     if (!*flag) return tl::unexpected(flag->error());
   const auto min = NumberOf(json, "min"), max = NumberOf(json, "max");

@@ -3,7 +3,9 @@
 
 #include "page/api_arguments.h"
 #include "page/own_effect.h"
+#include "page/region.h"
 #include "page/watch/alarm_request.h"
+#include "page/watch/learn_request.h"
 #include "page/watch/trend_question.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -15,6 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)ParseStrokeStretch(body);
   (void)ParseOwnEffect(body);
   (void)ParseAlarmRequest(body);
+  (void)ParseLearnRequest(body);
+  (void)ParseRegion(body);
   const std::size_t comma = body.find(',');  // two arguments of a query
   (void)ParseTrendQuestion({{"machine", "m"},
                             {"parameter", "K"},

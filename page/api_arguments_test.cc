@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "page/watch/alarm_request.h"
+#include "page/watch/learn_request.h"
 #include "page/watch/trend_question.h"
 
 namespace hydroscope {
@@ -156,6 +157,19 @@ TEST(StrokeStretch, IsAMachineAndStrokesInOrder) {
         R"({"machine": "a", "first": -1, "last": 2})", R"({"machine": "a", "first": 1.5, "last": 2})",
         R"({"machine": "a", "first": 1, "last": 1e300})", R"({"machine": "a", "first": 3, "last": 2})"})
     EXPECT_FALSE(ParseStrokeStretch(wrong)) << wrong;
+}
+
+TEST(ApiArguments, TakesStrokesToBeLearned) {
+  const auto learn = ParseLearnRequest(
+      R"({"machine": "m", "first": 3, "last": 9, "insist": true, "comment": "a new seal"})");
+  ASSERT_TRUE(learn);
+  EXPECT_EQ(learn->strokes.last, 9);
+  EXPECT_TRUE(learn->insist);
+  EXPECT_FALSE(learn->only_look);
+  for (const char* body : {R"({"machine": "m"})", R"({"machine": "m", "first": 3, "last": 2})",
+                           R"({"machine": "m", "first": 3, "last": 9, "only_look": 1})",
+                           R"({"machine": "m", "first": 3, "last": 9, "insist": true, "comment": " "})"})
+    EXPECT_FALSE(ParseLearnRequest(body)) << body;
 }
 
 }  // namespace

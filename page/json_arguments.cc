@@ -34,4 +34,11 @@ Result<std::optional<double>> NumberOf(const nlohmann::json& object, const char*
   return std::optional<double>(*number);
 }
 
+Result<bool> FlagOf(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return false;
+  if (!found->is_boolean()) return BadInput("{}: found {}, expected true or false", key, found->type_name());
+  return found->get<bool>();
+}
+
 }  // namespace hydroscope

@@ -20,4 +20,7 @@ Result<double> FiniteNumber(const nlohmann::json& value, const std::string& key)
 /// Number under `key`; nothing if absent or null. Errors as of FiniteNumber.
 Result<std::optional<double>> NumberOf(const nlohmann::json& object, const char* key);
 
+/// Whether `key` is true; false if absent. Error: neither true nor false.
+Result<bool> FlagOf(const nlohmann::json& object, const char* key);
+
 }  // namespace hydroscope

@@ -7,6 +7,8 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "estimation/stroke_segmenter.h"
+#include "page/gate_course.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -45,9 +47,18 @@ nlohmann::json ShownJson(const std::vector<double>& values, const DisplayUnit& u
   return out;
 }
 
-DisplayUnit ShownUnitOf(const SignalSpec& signal) {
+std::string SiOf(const SignalSpec& signal) {
   const auto unit = FindUnit(signal.unit);
-  return DisplayUnitFor(unit ? unit->si : "1");
+  return std::string(unit ? unit->si : "1");
+}
+
+std::vector<GateCourse> GateCoursesOf(const Machine& machine, double period) {
+  const WindowSamples window = WindowSamples::From(machine.window, period);
+  std::vector<GateCourse> courses;
+  for (const GateBound& bound : machine.gate.bounds)
+    if (const int signal = machine.SignalIndex(bound.signal); signal >= 0)
+      courses.emplace_back(bound, signal, window.block, StrokeSegmenter::GateReach(window), period);
+  return courses;
 }
 
 }  // namespace
@@ -61,12 +72,15 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   });
   if (!pipeline) no_strokes = pipeline.error().text;
   std::vector<Envelope> signals(machine.signals.size(), Envelope(kPicturePoints));
+  std::vector<GateCourse> gate = GateCoursesOf(machine, (*reader)->SamplePeriod());
   double first = kNaN, last = kNaN;
   std::int64_t rows = 0;
   LogPassHooks hooks;
   hooks.observe = [&](const SampleBlock& block) {
     for (std::size_t s = 0; s < signals.size(); ++s)
       for (const double value : block.signal[s]) signals[s].Add(value);
+    for (GateCourse& course : gate)
+      for (const double value : block.signal[static_cast<std::size_t>(course.signal())]) course.Add(value);
     if (block.rows() == 0) return;
     if (rows == 0) first = block.time.front();
     last = block.time.back();
@@ -76,12 +90,15 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   if (!pass) return tl::unexpected(pass.error());
   nlohmann::json shown = nlohmann::json::array();
   for (std::size_t s = 0; s < signals.size(); ++s) {
-    const DisplayUnit unit = ShownUnitOf(machine.signals[s]);
+    const DisplayUnit unit = DisplayUnitFor(SiOf(machine.signals[s]));
     shown.push_back({{"name", machine.signals[s].name},
                      {"unit", unit.name},
                      {"low", ShownJson(signals[s].low(), unit)},
                      {"high", ShownJson(signals[s].high(), unit)}});
   }
+  nlohmann::json courses = nlohmann::json::array();
+  for (const GateCourse& course : gate)
+    courses.push_back(course.Json(SiOf(machine.signals[static_cast<std::size_t>(course.signal())])));
   const double period = rows > 1 ? (last - first) / static_cast<double>(rows - 1) : 0;
   const double width = signals.empty() ? 1 : static_cast<double>(signals.front().rows_per_stretch());
   return nlohmann::json{{"from", first},
@@ -90,6 +107,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
                         {"rows", rows},
                         {"signals", shown},
                         {"strokes", strokes},
+                        {"gate", std::move(courses)},
                         {"discarded", pass->summary.discarded_strokes},
                         {"no_strokes", no_strokes}};
 }

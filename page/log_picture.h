@@ -34,7 +34,7 @@ inline constexpr std::size_t kPicturePoints = 1600;
 
 /// A whole log at the size of a screen: `time` (`from`, `step`, s), `signals` (`name`, `unit`, `low`, `high` in the unit
 /// shown), `strokes` (`begin`, `end`, s: what the gate lets through), `discarded` (too short), `no_strokes` (why the gate
-/// says nothing, or null). Errors: as OpenRecording.
+/// says nothing, or null), `gate` (what each bound looks at, GateCourse::Json). Errors: as OpenRecording.
 Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& machine);
 
 /// `low`, `high` of the values of one column, `points` of them.

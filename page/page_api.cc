@@ -53,7 +53,16 @@ HttpReply GetResult(WorkSession& session, const HttpRequest& request) {
 HttpReply GetStroke(WorkSession& session, const HttpRequest& request) {
   const auto stroke = NumberQuery(request, "stroke", 0), version = NumberQuery(request, "version", 0);
   if (!stroke || !version) return ErrorReply(400, "stroke, version: expected whole numbers from 0");
-  return FoundReply(session.Stroke(*stroke, static_cast<int>(*version)));
+  return FoundReply(session.Stroke(*stroke, static_cast<int>(*version), Query(request, "effect")));
+}
+
+HttpReply GetRegion(WorkSession& session, const HttpRequest& request) {
+  const auto version = NumberQuery(request, "version", 0);
+  if (!version) return ErrorReply(400, "version: expected the number of a version");
+  const auto region = ParseRegion(Query(request, "where"));
+  if (!region) return FailureReply(region.error());
+  const auto errors = session.ErrorsIn(*region, static_cast<int>(*version));
+  return errors ? FoundReply(*errors) : FailureReply(errors.error());
 }
 
 HttpReply GetMachine(WorkSession& session, const HttpRequest&) {
@@ -117,6 +126,7 @@ constexpr WorkRoute kWorkRoutes[] = {
     {{"GET", "effects", kLook}, [](WorkSession& s, const HttpRequest&) { return JsonReply(s.Effects()); }},
     {{"GET", "results", kLook}, GetResult},
     {{"GET", "strokes", kLook}, GetStroke},
+    {{"GET", "region", kLook}, GetRegion},
     {{"GET", "machine", kLook}, GetMachine},
     {{"POST", "logs", kWork},
      [](WorkSession& s, const HttpRequest& r) { return DoneReply(s.TakeLog(Query(r, "name"), r.file)); }},

@@ -79,7 +79,7 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
     // Said at once, before anybody opens the page.
     if (const auto database = Database::OpenReadOnly(options.watch.database); !database)
       return tl::unexpected(database.error());
-    impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
+    impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed, impl.session->jobs());
     impl.session->set_database(options.watch.database);
   }
   impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), nullptr);
@@ -103,11 +103,11 @@ Result<std::unique_ptr<PageServer>> PageServer::OpenForService(const ServicePage
   impl.logins = std::make_unique<Logins>(options.watch.database, RealTime);
   impl.gate = std::make_unique<Gate>(*impl.logins, at_home, cookie);
   impl.login = std::make_unique<LoginApi>(*impl.logins, cookie, tls, !at_home);
-  impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed);
   auto session = WorkSession::Create({}, "", {}, impl.feed);
   if (!session) return tl::unexpected(session.error());
   impl.session = std::move(*session);
   impl.session->set_database(options.watch.database);
+  impl.watch = std::make_unique<WatchApi>(options.watch, impl.feed, impl.session->jobs());
   impl.api = std::make_unique<PageApi>(impl.session.get(), impl.watch.get(), impl.login.get());
   const Status listening = page->Listen(
       options.listen, [page = page.get(), service = options.service](const HttpRequest& request) {

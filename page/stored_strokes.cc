@@ -2,12 +2,8 @@
 
 #include <algorithm>
 
-#include "host/real_clock.h"
 #include "models/machine.h"
-#include "models/model_structure.h"
-#include "storage/alarm_journal.h"
 #include "storage/database.h"
-#include "workbench/model/model_record.h"
 
 namespace hydroscope {
 namespace {
@@ -86,34 +82,14 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
   return kept;
 }
 
-Status Promote(const Promotion& promotion) {
-  const auto machine = ParseMachine(promotion.text, promotion.machine);
-  if (!machine) return tl::unexpected(machine.error());
-  const auto model = BuildModel(*machine);
-  if (!model) return tl::unexpected(model.error());
-  auto database = Database::Open(promotion.database);
+Status PromoteWorkedOn(const std::string& path, Promotion promotion) {
+  auto database = Database::Open(path);
   if (!database) return tl::unexpected(database.error());
   const auto id = MachineNamed(*database, promotion.machine);
   if (!id) return tl::unexpected(id.error());
-  const auto strokes = database->EndSequence(*id);
-  if (!strokes) return tl::unexpected(strokes.error());
-  const auto version = database->PutModelVersion(
-      *id, {0, promotion.text, (*model)->ColumnNames(), 0, (*model)->ConditionNames()});
-  if (!version) return tl::unexpected(version.error());
-  if (const Status promoted = database->PromoteModel(*id, *version); !promoted) return promoted;
-  auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(promotion.database));
-  if (!journal) return {};  // nothing is judged here
-  return journal->Change(promotion.machine, WallSeconds(), [&](AxisContent& axis) -> Status {
-    AlarmEvent event;
-    event.event = "model_promoted";
-    event.stroke = *strokes;
-    event.model_version = *version;
-    event.user = promotion.user;
-    event.comment = promotion.comment;
-    event.text = fmt::format("model version {}: {}", *version, ModelName(*machine));
-    axis.events.push_back(std::move(event));
-    return {};
-  });
+  promotion.id = *id;
+  const auto promoted = Promote(*database, path, promotion);
+  return promoted ? Status() : tl::unexpected(promoted.error());
 }
 
 }  // namespace hydroscope

@@ -5,6 +5,7 @@
 
 #include "core/result.h"
 #include "page/api_arguments.h"
+#include "workbench/model/promotion.h"
 
 namespace hydroscope {
 
@@ -22,14 +23,7 @@ struct KeptStrokes {
 /// Errors: no such machine or strokes, the database cannot be read, or no raw rows of them are kept.
 Result<KeptStrokes> FindKeptStrokes(const std::string& database, const StrokeStretch& stretch);
 
-/// A model for a machine of a trend database.
-struct Promotion {
-  std::string database, machine;
-  std::string text;           ///< machine file
-  std::string user, comment;  ///< for the alarm journal beside the database
-};
-/// Makes it the model of replay and service (Database::PromoteModel) and tells it to the alarm journal, if there is one.
-/// Errors: the machine file is wrong, no such machine, database or journal cannot be written.
-Status Promote(const Promotion& promotion);
+/// Promotes a machine file for a machine of the database at `path`. Errors: no such machine, or as of Promote.
+Status PromoteWorkedOn(const std::string& path, Promotion promotion);
 
 }  // namespace hydroscope

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "workbench/compare_log.h"
+#include "workbench/states/states_log.h"
 
 namespace hydroscope {
 
@@ -11,5 +12,10 @@ namespace hydroscope {
 /// difference), `signals` (`name`, `unit`, `values`: means over each window), and `free_run` (`unit`, `step`, `measured`,
 /// `simulated`) or null.
 nlohmann::json StrokePicturesJson(const CompareResult& result);
+
+/// The same of a machine with states, whose model runs by itself through each episode: `modelled` is that run. Of long episodes
+/// every so many rows. `noise` is empty; `outputs` (`name`, `unit`, `measured`, `modelled`) has all outputs, of which the first
+/// is the picture's own.
+nlohmann::json EpisodePicturesJson(const StatesFit& fit);
 
 }  // namespace hydroscope

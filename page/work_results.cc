@@ -33,7 +33,8 @@ std::vector<std::string> FittedLogs(const WorkInput& input) {
 }
 
 /// A machine described by states.
-Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& input) {
+Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& input,
+                                     StrokeFindings& strokes) {
   if (kind == WorkRequest::Kind::kExplain) {
     const auto explained = ExplainStatesLogs(FittedLogs(input), input.machine_file);
     if (!explained) return tl::unexpected(explained.error());
@@ -42,19 +43,20 @@ Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& in
   const auto fit = FitStatesLogs(input.logs, input.machine_file, input.hold_out);
   if (!fit) return tl::unexpected(fit.error());
   if (kind == WorkRequest::Kind::kFit) return WithText(FitJson(*fit), FitText(*fit));
+  strokes.pictures = EpisodePicturesJson(*fit);
   return WithText(CompareJson(*fit), CompareText(*fit));
 }
 
 }  // namespace
 
-Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, nlohmann::json& strokes) {
+Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, StrokeFindings& strokes) {
   if (kind == WorkRequest::Kind::kCheck) {
     const auto check = CheckLog(input.logs.front(), input.machine_file);
     if (!check) return tl::unexpected(check.error());
     return WithText(CheckJson(*check),
                     CheckText(*check, std::filesystem::path(input.machine_file).filename()));
   }
-  if (HasStates(input.machine_file)) return WorkOutStates(kind, input);
+  if (HasStates(input.machine_file)) return WorkOutStates(kind, input, strokes);
   if (kind == WorkRequest::Kind::kFit) {
     const auto fit = FitLogs(input.logs, input.machine_file, input.hold_out);
     if (!fit) return tl::unexpected(fit.error());
@@ -63,11 +65,13 @@ Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, n
   if (kind == WorkRequest::Kind::kExplain) {
     const auto explained = ExplainLogs(FittedLogs(input), input.machine_file);
     if (!explained) return tl::unexpected(explained.error());
+    strokes.errors.Take(*explained);
     return WithText(ExplainJson(*explained), ExplainText(*explained));
   }
   const auto compared = CompareLogs(input.logs, input.machine_file, input.hold_out);
   if (!compared) return tl::unexpected(compared.error());
-  strokes = StrokePicturesJson(*compared);
+  strokes.pictures = StrokePicturesJson(*compared);
+  strokes.errors.Take(*compared);
   return WithText(CompareJson(*compared), CompareText(*compared));
 }
 

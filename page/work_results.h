@@ -1,11 +1,12 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
 #include "page/api_arguments.h"
+#include "page/region_errors.h"
 #include "workbench/model/model_change.h"
 
 namespace hydroscope {
@@ -16,9 +17,15 @@ struct WorkInput {
   std::string hold_out, machine_file;
 };
 
+/// What `compare` and `explain` found stroke by stroke.
+struct StrokeFindings {
+  nlohmann::json pictures = nlohmann::json::array();  ///< StrokePicturesJson
+  RegionErrors errors;
+};
+
 /// What `check`, `fit`, `compare` and `explain` give of it: the JSON of the commands, with `text`, what they print.
-/// `strokes` gets the pictures of the strokes where `compare` has some.
-Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, nlohmann::json& strokes);
+/// `strokes` gets what `compare` and `explain` find of them.
+Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, StrokeFindings& strokes);
 
 /// What `model add` or `remove` does to the machine file, written to `out` (which is replaced) in its place: `effect`,
 /// `error`, `held_out`, `warnings`, `parameters_before` and `parameters_after`.

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "host/real_clock.h"
 #include "models/machine_kind.h"
 #include "page/log_picture.h"
 #include "page/log_proposal.h"
 #include "page/machine_versions.h"
+#include "page/whole_file.h"
 #include "replay/log_head.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_output.h"
@@ -18,21 +18,6 @@ namespace hydroscope {
 namespace {
 
 using Kind = WorkRequest::Kind;
-
-std::string ReadWhole(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-Status WriteWhole(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
-  return {};
-}
 
 std::string KeyOf(const std::string& kind, const std::string& about) {
   return about.empty() ? kind : kind + " " + about;
@@ -181,9 +166,10 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
   const std::lock_guard lock(mutex_);
   if (strokes_of_.machine.empty())
     return BadInput("these strokes are of no database: take those of an alarm or of a trend");
-  const Promotion promotion{database_, strokes_of_.machine, ReadWhole(machine_file_), user, comment};
+  const Promotion promotion{strokes_of_.machine, 0, ReadWhole(machine_file_), 0, user, comment,
+                            WallSeconds()};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
-    if (const Status promoted = Promote(promotion); !promoted) return promoted;
+    if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
     const std::lock_guard lock(mutex_);
     saved_text_ = promotion.text;  // what was added since is not
     Changed();
@@ -280,10 +266,14 @@ Status WorkSession::Work(const WorkRequest& request) {
     Store(*subject, KeyOf("preview", request.effect), std::move(*preview));
     return {};
   }
-  nlohmann::json strokes;
+  StrokeFindings strokes;
+  {
+    const std::lock_guard lock(mutex_);
+    strokes = strokes_[subject->version];
+  }
   auto result = WorkOut(request.kind, subject->input, strokes);
   if (!result) return tl::unexpected(result.error());
-  if (request.kind == Kind::kCompare) {
+  {
     const std::lock_guard lock(mutex_);
     if (subject->generation == generation_) strokes_[subject->version] = std::move(strokes);
   }
@@ -345,29 +335,41 @@ Result<Machine> WorkSession::MachineOrDraft() const {
   return file.empty() ? ParseMachine(draft, "proposal") : LoadMachine(file);
 }
 
+int WorkSession::VersionOr(int version) const {
+  if (version != 0) return version;
+  const auto machine = LoadMachine(machine_file_);
+  return machine ? machine->model_version : 0;
+}
+
 nlohmann::json WorkSession::Find(const std::string& kind, const std::string& about, int version) const {
   const std::lock_guard lock(mutex_);
   if (kind == "picture") {
     const auto picture = pictures_.find(about);
     return picture == pictures_.end() ? nlohmann::json() : picture->second;
   }
-  if (version == 0)
-    if (const auto machine = LoadMachine(machine_file_)) version = machine->model_version;
-  const auto results = results_.find(version);
+  const auto results = results_.find(VersionOr(version));
   if (results == results_.end()) return nullptr;
   const auto result = results->second.find(KeyOf(kind, about));
   return result == results->second.end() ? nlohmann::json() : result->second;
 }
 
-nlohmann::json WorkSession::Stroke(std::int64_t stroke, int version) const {
+nlohmann::json WorkSession::Stroke(std::int64_t stroke, int version, const std::string& effect) const {
   const std::lock_guard lock(mutex_);
-  if (version == 0)
-    if (const auto machine = LoadMachine(machine_file_)) version = machine->model_version;
-  const auto strokes = strokes_.find(version);
+  const auto strokes = strokes_.find(VersionOr(version));
   if (strokes == strokes_.end()) return nullptr;
-  for (const nlohmann::json& picture : strokes->second)
-    if (picture["stroke"] == stroke) return picture;
+  for (const nlohmann::json& known : strokes->second.pictures) {
+    if (known["stroke"] != stroke) continue;
+    nlohmann::json picture = known;
+    if (!effect.empty()) picture["with_effect"] = strokes->second.errors.ModelledWith(effect, stroke);
+    return picture;
+  }
   return nullptr;
+}
+
+Result<nlohmann::json> WorkSession::ErrorsIn(const Region& region, int version) const {
+  const std::lock_guard lock(mutex_);
+  const auto strokes = strokes_.find(VersionOr(version));
+  return strokes == strokes_.end() ? nlohmann::json() : strokes->second.errors.In(region);
 }
 
 /// The versions of the machine file; of those that no change has judged, what `compare` found.

@@ -39,6 +39,9 @@ class WorkSession {
   /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`, `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null).
   nlohmann::json Json() const;
 
+  /// What takes long.
+  JobQueue& jobs() { return jobs_; }
+
   /// A file for an upload to be written to, in a folder of its own.
   std::string UploadFile();
   /// Takes an upload as a log. Error: it cannot be read as one.
@@ -67,8 +70,12 @@ class WorkSession {
   Result<std::int64_t> Start(const WorkRequest& request);
   /// What was worked out; null if it was not. `about`: effect of a preview, log of a picture.
   nlohmann::json Find(const std::string& kind, const std::string& about, int version) const;
-  /// Picture of one stroke of version `version` (0 = current); null if there is none.
-  nlohmann::json Stroke(std::int64_t stroke, int version) const;
+  /// Picture of one stroke of version `version` (0 = current); null if there is none. With an effect `with_effect`, what the
+  /// model would give with it (RegionErrors::ModelledWith).
+  nlohmann::json Stroke(std::int64_t stroke, int version, const std::string& effect) const;
+
+  /// Where in the operating space version `version` (0 = current) errs, and what effects would err there (RegionErrors::In).
+  Result<nlohmann::json> ErrorsIn(const Region& region, int version) const;
 
   /// The text of the machine file worked on; "" if there is none.
   std::string MachineText() const;
@@ -99,6 +106,7 @@ class WorkSession {
   Status ChangeVersion(const WorkRequest& request, const Subject& subject);
   void Store(const Subject& subject, const std::string& key, nlohmann::json result);
   Result<Machine> MachineOrDraft() const;
+  int VersionOr(int version) const;  ///< of the machine file worked on where it is 0
   nlohmann::json VersionsWithErrors() const;
   void ForgetResults();
   void Changed();
@@ -121,7 +129,7 @@ class WorkSession {
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped
   int uploads_ = 0;
   std::map<int, std::map<std::string, nlohmann::json>> results_;  ///< by model version, then kind and about
-  std::map<int, nlohmann::json> strokes_;                         ///< by model version
+  std::map<int, StrokeFindings> strokes_;                         ///< by model version
   std::map<std::string, nlohmann::json> pictures_;                ///< by log
 
   JobQueue jobs_;  ///< last: ends before what its work needs

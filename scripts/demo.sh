@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds Hydroscope and shows its main job: a simulated press with four die cushions and the service that watches it,
 # two processes that talk by DDS and Modbus TCP. The service learns the healthy press, the piston seal of one cushion
-# wears within seconds, the alarm arrives with its explanation, and a SCADA client reads and acknowledges it.
+# wears within seconds, the alarm arrives with its explanation, a SCADA client reads and acknowledges it,
+# and the page over all of it is served until Ctrl-C.
 #   scripts/demo.sh [DIRECTORY]    where machine file, database and logs go; default out/demo
 # HYDROSCOPE names a program that is built already.
 set -euo pipefail
@@ -34,7 +35,7 @@ sed -e "s/^commissioning = 1500\b/commissioning = $commissioning/" machines/die_
 
 stop() {
   exec 3>&- || true
-  for process in "${service:-}" "${press:-}"; do
+  for process in "${service:-}" "${press:-}" "${page:-}"; do
     if [[ -n $process ]]; then kill "$process" 2>/dev/null || true; fi
   done
   rm -f "$out/press.orders"
@@ -96,7 +97,17 @@ wait "$service"
 service="" press=""
 show verify-live --db "$out/press.db"
 
-step "Go on with:"
+step "6. The page shows it. Go on there, or with:"
 echo "  $hydroscope explain --db $out/press.db --machine-name press/cushion_2"
 echo "  $hydroscope trends --db $out/press.db"
 echo "  scripts/demo_logs.sh     ten days of logs: compare, locate, explain, extend, report"
+"$hydroscope" open --db "$out/press.db" --machine "$out/press.toml" >"$out/press.page.txt" 2>&1 &
+page=$!
+for ((i = 0; i < 100; ++i)); do
+  grep -q '^http' "$out/press.page.txt" && break
+  alive "$page" "The page" press.page.txt
+  sleep 0.1
+done
+echo
+cat "$out/press.page.txt"
+if [[ -t 1 ]]; then wait "$page"; fi  # a person looks at it until Ctrl-C

@@ -72,6 +72,38 @@ TEST_F(WorkbenchHistory, UndoTakesTheLastChangeBack) {
   EXPECT_THAT(again.err, HasSubstr("no version before"));
 }
 
+TEST_F(WorkbenchHistory, AModelWhoseSignalIsNotRecordedIsNotPromoted) {
+  std::string text = ReadText(machine_);
+  const std::size_t line = text.find("\np_B ");
+  ASSERT_NE(line, std::string::npos);
+  const std::string without = File("without.toml");
+  WriteText(without, text.erase(line, text.find('\n', line + 1) - line));
+  Good({"replay", Healthy(1), "-m", without, "--db", Db()});
+  const std::string next = File("next.toml");
+  Good({"model", "add", "internal_leakage", "-m", machine_, "--out", next});
+  const Ran refused = Run({"model", "promote", "-m", next, "--db", Db()});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("cannot be watched with this model"), HasSubstr("p_B")));
+  const nlohmann::json stored = Good({"model", "history", "--db", Db(), "--json", "-"}).Json()["stored"];
+  ASSERT_EQ(stored.size(), 1u) << "nothing was stored";
+  EXPECT_FALSE(stored[0]["in_force"]) << "nothing was promoted";
+}
+
+TEST_F(WorkbenchHistory, APromotionStandsInTheJournal) {
+  Replay({Healthy(1)});
+  const std::string next = File("next.toml");
+  Good({"model", "add", "internal_leakage", "-m", machine_, "--out", next});
+  Good({"model", "promote", "-m", next, "--db", Db(), "--user", "anna", "--comment", "the seal leaks"});
+  const nlohmann::json journal = Good({"alarms", "--db", Db(), "journal", "--json", "-"}).Json();
+  nlohmann::json promoted;
+  for (const nlohmann::json& row : journal["journal"])
+    if (row["event"] == "model_promoted") promoted = row;
+  ASSERT_TRUE(promoted.is_object());
+  EXPECT_EQ(promoted["user"], "anna");
+  EXPECT_EQ(promoted["comment"], "the seal leaks");
+  EXPECT_THAT(promoted["text"].get<std::string>(), HasSubstr("internal_leakage"));
+}
+
 TEST_F(WorkbenchHistory, APromotedModelIsTheOneOfLaterReplays) {
   Replay({Healthy(1)});
   const std::string next = File("next.toml");

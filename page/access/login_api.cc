@@ -20,6 +20,11 @@ nlohmann::json UserJson(const Who& who) {
   return {{"name", who.name}, {"role", RoleName(who.role)}, {"token", who.token}};
 }
 
+nlohmann::json AuditJson(const AuditRow& row) {
+  return {{"sequence", row.sequence}, {"wall_s", row.wall}, {"user", row.user},     {"role", row.role},
+          {"address", row.from},      {"what", row.what},   {"detail", row.detail}, {"outcome", row.outcome}};
+}
+
 nlohmann::json LoginApi::Json() { return {{"to_read", to_read_}, {"users", logins_.AnyUsers()}}; }
 
 HttpReply LoginApi::Answer(const HttpRequest& request) {
@@ -66,15 +71,7 @@ HttpReply LoginApi::Audit() {
   const auto rows = logins_.Audit(kMostAuditRows);
   if (!rows) return FailureReply(rows.error());
   nlohmann::json list = nlohmann::json::array();
-  for (const AuditRow& row : *rows)
-    list.push_back({{"sequence", row.sequence},
-                    {"wall_s", row.wall},
-                    {"user", row.user},
-                    {"role", row.role},
-                    {"address", row.from},
-                    {"what", row.what},
-                    {"detail", row.detail},
-                    {"outcome", row.outcome}});
+  for (const AuditRow& row : *rows) list.push_back(AuditJson(row));
   return JsonReply({{"audit", std::move(list)}});
 }
 

@@ -33,6 +33,9 @@ class LoginApi {
 inline constexpr ApiRoute kLoginRoutes[] = {
     {"POST", "login", UserRole::kNobody}, {"POST", "logout"}, {"GET", "audit", UserRole::kAdmin}};
 
+/// A row of the audit table as page and command line give it.
+nlohmann::json AuditJson(const AuditRow& row);
+
 /// What the page has to know of who asks: `name`, `role`, `token`; null of nobody.
 nlohmann::json UserJson(const Who& who);
 

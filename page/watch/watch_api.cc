@@ -86,9 +86,10 @@ nlohmann::json ValveCheckJson(const ValveCheckRecord& c) {
 
 }  // namespace
 
-WatchApi::WatchApi(WatchOptions options, EventFeed& feed)
+WatchApi::WatchApi(WatchOptions options, EventFeed& feed, JobQueue& jobs)
     : options_(options),
       trends_(options.database, [&feed] { feed.Publish(R"({"state": "trend"})"); }),
+      learning_(options, jobs),
       watcher_(std::move(options), feed) {}
 
 struct WatchApi::Route : ApiRoute {
@@ -105,7 +106,10 @@ const std::vector<WatchApi::Route>& WatchApi::Table() {
       {{"GET", "watch/valve_checks"}, &WatchApi::ValveChecks},
       {{"GET", "watch/tags"}, &WatchApi::Tags},
       {{"GET", "watch/service"}, &WatchApi::Service},
+      {{"GET", "watch/learning"}, &WatchApi::LastLearned},
       {{"POST", "watch/alarms", UserRole::kOperate, true}, &WatchApi::Act},
+      {{"POST", "watch/learning", UserRole::kOperate, true}, &WatchApi::Learn},
+      {{"POST", "watch/valve_checks", UserRole::kOperate, true}, &WatchApi::AskForValveCheck},
   };
   return kTable;
 }
@@ -213,6 +217,30 @@ HttpReply WatchApi::ValveChecks(const HttpRequest& request) {
   return JsonReply({{"valve_checks", std::move(list)}});
 }
 
+HttpReply WatchApi::AskForValveCheck(const HttpRequest& request) {
+  const auto machine = ParseText(request.body, "machine");
+  if (!machine) return FailureReply(machine.error());
+  if (!watcher_.state()->machines.contains(*machine)) return UnknownMachine(*machine);
+  const Status asked = options_.valve_check(*machine);
+  return asked ? JsonReply({{"machine", *machine}}) : FailureReply(asked.error());
+}
+
+HttpReply WatchApi::LastLearned(const HttpRequest& request) {
+  return JsonReply({{"learning", learning_.Last(QueryOf(request, "machine"))}});
+}
+
+HttpReply WatchApi::Learn(const HttpRequest& request) {
+  auto asked = ParseLearnRequest(request.body);
+  if (!asked) return FailureReply(asked.error());
+  asked->user = Acting(request, asked->user);
+  const auto job = learning_.Start(*asked);
+  return job ? JsonReply({{"job", *job}}, 202) : FailureReply(job.error());
+}
+
+std::string WatchApi::Acting(const HttpRequest& request, const std::string& said) const {
+  return options_.user == request.who.name && !said.empty() ? said : request.who.name;
+}
+
 /// One transaction of the journal, as `hydroscope alarms` makes it: a running service takes it over (ActOnAlarm).
 HttpReply WatchApi::Act(const HttpRequest& request) {
   const auto asked = ParseAlarmRequest(request.body);
@@ -220,9 +248,7 @@ HttpReply WatchApi::Act(const HttpRequest& request) {
   auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(options_.database));
   if (!journal) return FailureReply(journal.error());
   const double wall = WallSeconds();
-  // Who is logged in is who acts; on the page of one person he may say who it is.
-  const bool may_say = options_.user == request.who.name && !asked->user.empty();
-  const AlarmUser user{may_say ? asked->user : request.who.name, asked->comment};
+  const AlarmUser user{Acting(request, asked->user), asked->comment};
   const auto changed = ActOnAlarm(*journal, asked->machine, asked->alarm, wall, ActionOf(*asked, user, wall));
   if (!changed) return FailureReply(changed.error());
   watcher_.LookNow();

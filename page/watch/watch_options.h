@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/result.h"
+
 namespace hydroscope {
 
 /// A trend database to look at.
@@ -13,6 +15,10 @@ struct WatchOptions {
   std::string user;          ///< whose page it is, who may say who acts on alarms; "": who is logged in
   /// What the service that writes the database tells of itself (StatusJson); null: none runs.
   std::function<nlohmann::json()> service = [] { return nlohmann::json(); };
+  /// Has that service ask the controller for a valve check of an axis, "press/cushion_1". Error: none runs, or it cannot.
+  std::function<Status(const std::string& axis)> valve_check = [](const std::string&) -> Status {
+    return BadInput("no service runs that could ask the controller");
+  };
 };
 
 }  // namespace hydroscope

@@ -6,7 +6,8 @@ import { Start } from "./start/start";
 import { Mapping } from "./start/mapping";
 import { refresh, useStore } from "./store";
 import { applyTheme, firstTheme, type Theme } from "./theme";
-import { writeNumbersIn } from "./units";
+import { UnitMenu } from "./unit_menu";
+import { firstUnits, showUnitsIn, writeNumbersIn, type ChosenUnits } from "./units";
 import { useUrl } from "./url_state";
 import { Watch, WatchNavigation, views, type View } from "./watch/watch";
 import { Workbench } from "./workbench/workbench";
@@ -20,7 +21,9 @@ function useView(): View {
   return views.find((view) => view === query.view) ?? "overview";
 }
 
-function Header({ language, setLanguage }: { language: Language; setLanguage: (l: Language) => void }) {
+interface Looks { language: Language; setLanguage: (l: Language) => void; units: ChosenUnits; setUnits: (u: ChosenUnits) => void }
+
+function Header({ language, setLanguage, units, setUnits }: Looks) {
   const say = useWords();
   const { session } = useStore();
   const view = useView();
@@ -42,6 +45,7 @@ function Header({ language, setLanguage }: { language: Language; setLanguage: (l
       <span class="spring" />
       {begun && view === "workbench" && <button class="quiet" onClick={startOver}>{say("startOver")}</button>}
       <Account />
+      <UnitMenu units={units} choose={setUnits} />
       <select aria-label={say("theme")} value={theme} onChange={(e) => setTheme(e.currentTarget.value as Theme)}>
         <option value="auto">{say("themeAuto")}</option>
         <option value="light">{say("themeLight")}</option>
@@ -69,17 +73,20 @@ function Working() {
 
 export function App() {
   const [language, setLanguage] = useState(firstLanguage);
+  const [units, setUnits] = useState(firstUnits);
   const { session, connected, locked } = useStore();
   const view = useView();
   const say = sayIn(language);
   writeNumbersIn(language);
+  showUnitsIn(units);
+  useEffect(() => localStorage.setItem("units", JSON.stringify(units)), [units]);
   useEffect(() => {
     localStorage.setItem("language", language);
     document.documentElement.lang = language;
   }, [language]);
   return (
     <WordsContext.Provider value={say}>
-      <Header language={language} setLanguage={setLanguage} />
+      <Header {...{ language, setLanguage, units, setUnits }} />
       {!connected && !locked && <p class="lost" role="alert">{say("lost")}</p>}
       {locked && <main><Login /></main>}
       <main hidden={locked}>

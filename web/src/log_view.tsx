@@ -1,6 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { Plot, pageColor } from "./plot";
 import type { LogPicture } from "./types";
+import { nameOf, shownNumber, unitsKey } from "./units";
 import { useWords } from "./words";
 
 /** A whole log, one or two signals of it, with the strokes that the gate lets through shaded. */
@@ -11,9 +12,9 @@ export function LogView({ picture }: { picture: LogPicture }) {
   const signal = moving.find((s) => s.name === chosen) ?? moving[0];
   const data = useMemo(() => {
     const x = (signal?.low ?? []).map((_, k) => picture.from + (k + 0.5) * picture.step);
-    return { x, values: signal ? [signal.low, signal.high] : [[], []],
+    return { x, values: signal ? [signal.low, signal.high].map((list) => list.map((value) => shownNumber(value, signal.unit))) : [[], []],
       shades: picture.strokes.map((stroke) => ({ from: stroke.begin, to: stroke.end, color: pageColor("--stroke-shade") })) };
-  }, [picture, signal]);
+  }, [picture, signal, unitsKey()]);
   if (!signal) return null;
   const color = pageColor("--line-a");
   return (
@@ -26,7 +27,7 @@ export function LogView({ picture }: { picture: LogPicture }) {
       <Plot label={`${signal.name}, ${say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}`} x={data.x} values={data.values} shades={data.shades} height={220}
         lines={[{ label: signal.name, color, width: 1 }, { label: "", color, width: 1, hidden: true }]}
         bands={[{ high: 1, low: 0, color }]}
-        xLabel={`${say("time")} (s)`} yLabel={`${signal.name}${signal.unit && signal.unit !== "1" ? ` (${signal.unit})` : ""}`} />
+        xLabel={`${say("time")} (s)`} yLabel={`${signal.name}${nameOf(signal.unit) && ` (${nameOf(signal.unit)})`}`} />
     </section>
   );
 }

@@ -5,7 +5,11 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { short } from "./units";
 
-export interface Line { label: string; color: string; dashed?: boolean; width?: number; hidden?: boolean }
+export interface Line { label: string; color: string; dashed?: boolean; width?: number; hidden?: boolean; sparse?: boolean }  // sparse: drawn over points without a value
+/** A height across the whole picture. */
+export interface Level { value: number; color: string }
+/** Between heights of the picture and places in the window, pixels. */
+export interface PlotView { yPixel: (value: number) => number; yValue: (pixel: number) => number }
 export interface Shade { from: number; to: number; color: string }
 
 interface Props {
@@ -18,6 +22,8 @@ interface Props {
   yLabel: string;
   height: number;
   shades?: Shade[];  // stretches of x
+  levels?: Level[];  // across, which the picture has room for
+  view?: { current: PlotView | null };
 }
 
 /** A colour of the page, by its name in style.css. */
@@ -41,7 +47,30 @@ function drawShades(plot: uPlot, shades: Shade[]) {
   plot.ctx.restore();
 }
 
-export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades }: Props) {
+function drawLevels(plot: uPlot, levels: Level[]) {
+  plot.ctx.save();
+  plot.ctx.lineWidth = 2 * devicePixelRatio;
+  for (const level of levels) {
+    const y = plot.valToPos(level.value, "y", true);
+    plot.ctx.strokeStyle = level.color;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(plot.bbox.left, y);
+    plot.ctx.lineTo(plot.bbox.left + plot.bbox.width, y);
+    plot.ctx.stroke();
+  }
+  plot.ctx.restore();
+}
+
+/** The heights of what is drawn, with room for the levels. */
+function withRoom(low: number | null, high: number | null, levels: Level[]): [number, number] {
+  const all = [low ?? 0, high ?? 1, ...levels.map((level) => level.value)], a = Math.min(...all), b = Math.max(...all);
+  return [a - 0.08 * (b - a || 1), b + 0.08 * (b - a || 1)];
+}
+
+export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, shades, levels, view }: Props) {
+  const shown = useRef<uPlot | null>(null), across = useRef<Level[]>([]);
+  across.current = levels ?? [];
+  useEffect(() => shown.current?.redraw(false), [JSON.stringify(levels)]);
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const place = box.current;
@@ -49,17 +78,20 @@ export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, s
     const draw = () => {
       const plot = new uPlot({
         width: Math.max(200, place.clientWidth), height,
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, ...(levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
         axes: [axis(xLabel, 34), axis(yLabel, 54)],
         series: [{ label: xLabel }, ...lines.map((line) => ({
-          label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined,
+          label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined, spanGaps: line.sparse,
           points: { show: false },
         }))],
         bands: bands?.map((band) => ({ series: [band.high + 1, band.low + 1] as [number, number], fill: band.color })),
         legend: { show: false },
-        hooks: { drawClear: [(u) => drawShades(u, shades ?? [])] },
+        hooks: { drawClear: [(u) => drawShades(u, shades ?? [])], draw: [(u) => drawLevels(u, across.current)] },
         cursor: { drag: { x: true, y: false } },
       }, [x, ...values] as uPlot.AlignedData, place);
+      shown.current = plot;
+      const top = () => plot.over.getBoundingClientRect().top;
+      if (view) view.current = { yPixel: (value) => plot.valToPos(value, "y") + top(), yValue: (pixel) => plot.posToVal(pixel - top(), "y") };
       return plot;
     };
     let plot = draw();

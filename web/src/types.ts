@@ -57,7 +57,12 @@ export interface CheckResult {
 export interface Located { signal: string; from: number; to: number; unit: string; rms: number; mean: number; share_error: number; share_windows: number }
 export interface MapCell { from: number[]; to: number[]; rms: number; mean: number; mean_std: number; windows: number; strokes: number; above_floor: boolean }
 export interface ErrorMap { signals: string[]; units: string[]; explained: number; cells: MapCell[] }
-export interface StrokeError { stroke: number; begin: number | null; rms_residual: number; noise_floor: number; model_error: number; free_run_bar: number | null }
+/** How a model errs in a part of the operating space, and would with one more effect. */
+export interface RegionErrors {
+  windows: number; rms: number; noise: number; unit: string;
+  strokes: { stroke: number; windows: number; rms: number; noise: number }[]; effects: { effect: string; rms: number }[];
+}
+export interface StrokeError { stroke: number; begin: number | null; rms_residual: number; noise_floor?: number; model_error: number; free_run_bar: number | null }
 
 export interface HeldOut { log: string; strokes: number; rms: number; unit: string }
 
@@ -101,13 +106,18 @@ export interface StrokePicture {
   stroke: number; begin: number; step: number; unit: string; measured: number[]; modelled: number[]; noise: number[];
   signals: { name: string; unit: string; values: number[] }[];
   free_run: { unit: string; step: number; measured: number[]; simulated: number[] } | null;
+  with_effect?: number[] | null;  // modelled with the effect asked for
+  outputs?: { name: string; unit: string; measured: number[]; modelled: number[] }[];  // of a model with states
 }
 
 export interface LogPicture {
   from: number; step: number; duration_s: number; rows: number; discarded: number; no_strokes: string | null;
   signals: { name: string; unit: string; low: (number | null)[]; high: (number | null)[] }[];
   strokes: { begin: number; end: number }[];
+  gate: GateCourse[];
 }
+/** What a bound of the gate looks at, SI. */
+export interface GateCourse extends GateBound { si: string; step: number; low: (number | null)[]; high: (number | null)[] }
 
 export interface Pin {
   signal: string; meaning: string; required: boolean; si: string; column: string | null; unit: string | null; why: string | null;

@@ -1,15 +1,93 @@
-// Numbers as the command line prints them: in the units people read, with few digits.
+// Numbers as people read them: in the units that the program prints or that they chose, with few digits.
 
 import type { Parameter, Unit } from "./types";
 
 export type Units = Record<string, Unit>;
 
-let comma = false;
+/** Units to choose from, by quantity: how many of them make one of the first, which is the program's own. */
+export const unitChoices = {
+  pressure: { bar: 1, MPa: 0.1, kPa: 100, psi: 14.503773773 },
+  flow: { "l/min": 1, "m³/h": 0.06, "cm³/s": 1000 / 60, "gal/min": 0.2641720524 },
+  length: { mm: 1, cm: 0.1, m: 1e-3, in: 1 / 25.4 },
+  volume: { l: 1, "cm³": 1000, "in³": 61.02374409, gal: 0.2641720524 },
+  temperature: { "°C": 1, "°F": 1.8 },
+} as const satisfies Record<string, Record<string, number>>;
+export type Quantity = keyof typeof unitChoices;
+export const quantities = Object.keys(unitChoices) as Quantity[];
+export type ChosenUnits = Record<Quantity, string>;
+
+const namesOf = (quantity: Quantity) => Object.keys(unitChoices[quantity]);
+const own = Object.fromEntries(quantities.map((quantity) => [quantity, namesOf(quantity)[0]])) as ChosenUnits;
+
+/** Those chosen last on this computer, else the program's own. */
+export function firstUnits(): ChosenUnits {
+  try {
+    const kept = JSON.parse(localStorage.getItem("units") ?? "{}") as Partial<ChosenUnits>;
+    return Object.fromEntries(quantities.map((q) => [q, namesOf(q).includes(kept[q] ?? "") ? kept[q] : own[q]])) as ChosenUnits;
+  } catch {
+    return own;
+  }
+}
+
+let comma = false, chosen: ChosenUnits = own;
+let known = new Map<string, Unit>();
 
 /** German numbers have a decimal comma. */
 export function writeNumbersIn(language: string): void {
   comma = language === "de";
 }
+
+export function showUnitsIn(units: ChosenUnits): void {
+  if (unitsKey() === Object.values(units).join()) return;
+  chosen = units;
+  known = new Map();
+}
+
+/** Changes with the choice: pictures that hold numbers of before are drawn anew. */
+export const unitsKey = () => Object.values(chosen).join();
+
+/** Units whose names hold others: "l/min per bar", "bar/s", "l/min per sqrt(bar)", "mm2", "GPa". */
+const parts: Record<string, [Quantity, number]> = { GPa: ["pressure", 1e4], bar: ["pressure", 1], "l/min": ["flow", 1], mm: ["length", 1], l: ["volume", 1] };
+const part = /(?<![A-Za-z])(GPa|bar|l\/min|mm|l)(?![A-Za-z])/g;
+
+function convert(name: string): Unit {
+  if (name === "°C") return { factor: (unitChoices.temperature as Record<string, number>)[chosen.temperature], offset: chosen.temperature === "°F" ? 32 : 0, name: chosen.temperature };
+  let factor = 1;
+  const written = name.replace("l/min/bar", "l/min per bar").replace(part, (word, _, at: number, all: string) => {
+    const [quantity, size] = parts[word], before = all.slice(0, at), after = all.slice(at + word.length);
+    const power = (before.endsWith("sqrt(") ? 0.5 : /^\)?(\^2|2|²)/.test(after) ? 2 : 1) * (/ per |\/$/.test(before) ? -1 : 1);
+    factor *= (size * (unitChoices[quantity] as Record<string, number>)[chosen[quantity]]) ** power;
+    return chosen[quantity];
+  });
+  return { factor, offset: 0, name: written };
+}
+
+/** How a number in the unit of this name, as the program prints it, becomes one in the unit chosen. */
+export function shownUnit(name: string): Unit {
+  let unit = known.get(name);
+  if (!unit) known.set(name, (unit = convert(name)));
+  return unit;
+}
+
+/** A unit of the program as the one chosen. */
+export function inChosen<T extends Unit>(unit: T): T {
+  const shown = shownUnit(unit.name);
+  return { ...unit, factor: unit.factor * shown.factor, offset: unit.offset * shown.factor + shown.offset, name: shown.name };
+}
+
+/** A number that the program gives in the unit of this name. */
+export function shownNumber<T extends number | null>(value: T, name: string): T {
+  const unit = shownUnit(name);
+  return (value === null ? null : value * unit.factor + unit.offset) as T;
+}
+
+/** "12.3 MPa" of a number that the program gives in bar. */
+export function amount(value: number | null | undefined, name: string, digits = 3): string {
+  return value === null || value === undefined ? "–" : `${short(shownNumber(value, name), digits)} ${nameOf(name)}`.trim();
+}
+
+/** The name of the unit chosen for one of this name; "" of a plain number. */
+export const nameOf = (name: string) => unitName(shownUnit(name));
 
 const written = (number: string) => (comma ? number.replace(".", ",") : number);
 
@@ -21,7 +99,7 @@ export function short(value: number | null | undefined, digits = 3): string {
 }
 
 export function unitOf(units: Units, si: string): Unit {
-  return units[si] ?? { factor: 1, offset: 0, name: si };
+  return inChosen(units[si] ?? { factor: 1, offset: 0, name: si });
 }
 
 export function unitName(unit: Unit): string {

@@ -185,6 +185,20 @@ test("other computers see nothing without a login, and speak TLS", async (t) => 
   await page.waitForSelector(".detail[data-state=ACKED]");
 });
 
+test("a user is not removed where that cannot be recorded", () => {
+  databaseWithUsers("full");
+  const audit = (statement) => assert.equal(spawnSync("sqlite3", ["full.access.db", statement], { cwd: place.path, encoding: "utf8" }).status, 0);
+  audit("CREATE TRIGGER full BEFORE INSERT ON audit BEGIN SELECT RAISE(ABORT, 'the disk is full'); END");
+  const remove = () => spawnSync(program, ["users", "--db", "full.db", "remove", "view"], { cwd: place.path, encoding: "utf8" });
+  const names = () => json(["users", "--db", "full.db", "list"]).users.map((user) => user.name);
+  assert.notEqual(remove().status, 0);
+  assert.deepEqual(names(), ["admin", "operate", "view"]);
+  audit("DROP TRIGGER full");
+  assert.equal(remove().status, 0);
+  assert.deepEqual(names(), ["admin", "operate"]);
+  assert.equal(json(["users", "--db", "full.db", "audit"]).audit.pop().what, "user removed");
+});
+
 test("where there are no users the page says how the first one is made", async (t) => {
   copyHistory(place.path, "nobody");
   const { page, address } = await visitServed(await serve([machine, "--db", "nobody.db"], place.path), t);

@@ -83,6 +83,8 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.waitForSelector("[data-preview]");
   const foretold = Number(await page.locator("[data-preview]").getAttribute("data-preview"));
   assert.equal(await page.locator(".staircase li").count(), 1, "looking changes nothing");
+  await page.waitForSelector("[data-over=relief_valve] canvas");  // what it would change over the worst stroke
+  assert.match(await page.locator("[data-over] figcaption").first().innerText(), /\+ Relief valve.*version 1/s);
   await page.click("[data-add=relief_valve]");
   await page.waitForSelector("[data-error]");
   assert.equal(Number(await page.locator("[data-error]").getAttribute("data-error")), foretold);
@@ -91,6 +93,10 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   const noise = parseFloat((await page.locator(".noise-key").innerText()).match(/: ([\d.]+)/)[1]);
   assert.ok(parseFloat(base) > 1.15 * noise, `${base} of the base model is far above the noise ${noise}`);
   assert.ok(parseFloat(added) < 1.05 * noise, `${added} with the effect is near the noise ${noise}`);
+
+  // both versions of a stroke side by side
+  await page.waitForSelector(".version-pair canvas");
+  assert.equal(await page.locator(".version-pair canvas").count(), 2, "what they predict, and what they leave");
 
   // saved, and then used at the command line
   await page.fill("input[name=file]", "found.toml");
@@ -103,6 +109,122 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.click("text=Go back to this version");
   await until(page, () => document.querySelectorAll(".staircase li")[0].classList.contains("current"));
   assert.equal(await page.locator(".staircase li").count(), 2);
+});
+
+test("a region drawn on the map filters strokes, overlay and ranking", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  await page.goto(`${address}#step=locate`);
+  await page.waitForSelector(".ranking table");
+  await page.locator("label:has-text('Error over') select").selectOption({ label: (await page.locator("label:has-text('Error over') option").allInnerTexts()).find((name) => /^p_A \(/.test(name)) });
+  const cells = page.locator(".cell"), count = await cells.count();
+  const everything = (await page.locator(".ranking tbody tr").first().innerText()).trim();
+  // the two cells of the highest pressure, by drawing over them
+  const byPressure = (await cells.evaluateAll((all) => all.map((cell, k) => [parseFloat(cell.title.split(" ")[1]), k]))).sort((a, b) => b[0] - a[0]).map(([, k]) => k);
+  const middleOf = async (k) => { const box = await cells.nth(k).boundingBox(); return [box.x + box.width / 2, box.y + box.height / 2]; };
+  await page.mouse.move(...await middleOf(byPressure[1]));
+  await page.mouse.down();
+  await page.mouse.move(...await middleOf(byPressure[0]), { steps: 4 });
+  await page.mouse.up();
+  await page.waitForSelector("[data-region]:has-text('There the model errs by')");
+  assert.equal(await page.locator(".cell[aria-pressed=true]").count(), 2);
+  await page.waitForSelector("[data-ranked-there]");
+  const ranked = await page.locator(".ranking tbody tr").first().innerText();
+  assert.match(ranked, /Relief valve/);
+  assert.notEqual(ranked.trim(), everything, "the error there is another one than that of all strokes");
+
+  // the same by the keyboard: Shift and Enter chooses all from the cell chosen last
+  const region = await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("region"));
+  await page.click("button:has-text('Show everything')");
+  await cells.nth(byPressure[1]).focus();
+  await page.keyboard.press("Enter");
+  await until(page, () => document.querySelectorAll(".cell[aria-pressed=true]").length === 1);
+  await cells.nth(byPressure[0]).focus();
+  await page.keyboard.press("Shift+Enter");
+  await until(page, () => document.querySelectorAll(".cell[aria-pressed=true]").length === 2);
+  assert.equal(await page.evaluate(() => new URLSearchParams(location.hash.slice(1)).get("region")), region);
+  assert.ok(count > 2);
+
+  // the strokes listed are those with windows there, the worst there first; errors are of these windows alone
+  const errors = await (await fetch(`${address}api/v1/region?where=${encodeURIComponent(region)}`)).json();
+  const all = await (await fetch(`${address}api/v1/region?where=`)).json();
+  assert.ok(errors.windows < all.windows && errors.rms > all.rms && errors.strokes.length <= all.strokes.length);
+  assert.equal(errors.effects[0].effect, "relief_valve");
+  assert.ok(errors.effects[0].rms < 1.1 * errors.noise, `${errors.effects[0].rms} is near the noise ${errors.noise}`);
+  await page.click("text=Show these rows in the strokes");
+  await page.waitForSelector(".centre .plot canvas");
+  const worst = [...errors.strokes].sort((a, b) => b.rms ** 2 - b.noise ** 2 - (a.rms ** 2 - a.noise ** 2))[0];
+  assert.match(await page.locator(".scrubber label span").innerText(), new RegExp(`Stroke ${worst.stroke} .* 1 of ${errors.strokes.length} `));
+  assert.match(await page.locator(".plot figcaption").first().innerText(), /measured elsewhere/);
+  assert.equal((await fetch(`${address}api/v1/region?where=nothing:1:2`)).status, 400);
+});
+
+test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await drop(page, [join(place.path, "hidden.csv")]);
+  await page.waitForSelector(".pin.sure");
+  await page.fill("input[name=A_A-bore]", "126.157");
+  const plot = page.locator(".gate-plot").first();
+  await plot.locator("canvas").waitFor();
+  await plot.scrollIntoViewIfNeeded();
+  const bound = await plot.getAttribute("data-bound");
+  const field = page.getByLabel(`${bound} from`), other = page.getByLabel(`${bound} to`);
+  const before = [await field.inputValue(), await other.inputValue()];
+  const counted = await page.locator(".log-view [role=status]").innerText();
+  const box = await plot.locator(".u-over").boundingBox();
+  let line = -1;  // where the pointer says that it can take hold of something
+  for (let y = box.y + box.height - 2; y > box.y && line < 0; y -= 4) {
+    await page.mouse.move(box.x + box.width / 2, y);
+    if (await plot.evaluate((place) => place.style.cursor === "ns-resize")) line = y - 6;
+  }
+  assert.ok(line > 0, "there is a line to drag");
+  await page.mouse.move(box.x + box.width / 2, line);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2, line - box.height / 2, { steps: 5 });
+  await page.mouse.up();
+  await until(page, `JSON.stringify([${JSON.stringify(`${bound} from`)}, ${JSON.stringify(`${bound} to`)}].map((name) => document.querySelector(\`[aria-label="\${name}"]\`).value)) !== ${JSON.stringify(JSON.stringify(before))}`);
+  await until(page, `document.querySelector(".log-view [role=status]").textContent !== ${JSON.stringify(counted)}`);
+});
+
+test("units are those that the reader chose, everywhere, and are remembered", async (t) => {
+  const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
+  await page.goto(`${address}#step=locate`);
+  await page.waitForSelector(".ranking table");
+  await page.waitForSelector(".cell");
+  const error = () => page.locator(".staircase .error").first().innerText();
+  const flow = parseFloat(await error());
+  assert.match(await error(), / l\/min$/);
+  await page.click(".unit-menu summary");
+  await assertAccessible(page, "units");
+  await page.selectOption("select[name=unit-flow]", "cm³/s");
+  await page.selectOption("select[name=unit-pressure]", "MPa");
+  assert.match(await error(), / cm³\/s$/);
+  assert.ok(Math.abs(parseFloat(await error()) - (flow * 1000) / 60) < 0.01 * flow * 17);
+  await page.goto(`${address}#step=check`);
+  await page.reload();
+  await page.waitForSelector(".ranking table");
+  await page.waitForSelector(".centre table");
+  assert.match(await error(), / cm³\/s$/);
+  assert.match(await page.locator(".centre tr", { hasText: "p_A" }).first().innerText(), /MPa/);
+  assert.match(await page.locator(".centre tr", { hasText: "Q_vn" }).first().innerText(), /cm³\/s/);
+  const effects = await page.locator(".ranking tbody").innerText();
+  assert.match(effects, /cm³\/s per MPa/);
+  assert.doesNotMatch(effects, /l\/min|bar/);
+});
+
+test("a model with states is drawn running by itself, each output beside its measurement", async (t) => {
+  run(["simulate", "pump", "--out", "pump.csv"], place.path);
+  const { page, address } = await visit(t, ["pump.csv", "--machine", join(machines, "pump.toml")]);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas");
+  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.0/);
+  await page.selectOption("label:has-text('Signal') select", "control_position");
+  const { outputs } = await (await fetch(`${address}api/v1/strokes?stroke=0`)).json();
+  assert.deepEqual(outputs.map((output) => [output.name, output.unit]), [["outlet_pressure", "bar"], ["control_pressure", "bar"], ["control_position", "mm"]]);
+  for (const { name, measured, modelled } of outputs) {
+    const errors = measured.flatMap((value, k) => (value === null ? [] : [Math.abs(value - modelled[k])])), span = Math.max(...modelled) - Math.min(...modelled);
+    assert.ok(errors.length > 50 && errors.reduce((sum, e) => sum + e, 0) / errors.length < 0.05 * span, `${name}: ${errors.length} readings`);
+  }
 });
 
 /** Runs of a cylinder with a dry seal at constant pressures, in the layout of machines/seal_friction.toml. */

@@ -10,10 +10,12 @@ import { browser, folder, open, run, serve } from "./program.mjs";
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
 const liveMachine = fileURLToPath(new URL("../../machines/press_live.toml", import.meta.url));
+const pumpMachine = fileURLToPath(new URL("../../machines/pump.toml", import.meta.url));
 mkdirSync(out, { recursive: true });
 const place = folder();
 run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
 run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
+run(["simulate", "pump", "--out", "pump.csv"], place.path);
 
 makeHistory(place.path);
 addValveChecks(place.path);
@@ -34,7 +36,7 @@ async function takeWatching(page, shoot) {
     ["watch-overview", "overview", ".tile tbody tr"], ["watch-trend", "trends&p=K", ".trend-plot canvas"],
     ["watch-trends", "trends&p=K,V0,Q_vn&x=stroke", ".trend-plot canvas"], ["watch-oil", "trends&p=K&x=oil", ".trend-plot canvas"],
     ["watch-alarms", "alarms", ".alarm-table"], ["watch-alarm", "alarms&alarm=die_cushion/internal_leakage", ".journal li"],
-    ["watch-valve", "valve", ".bode canvas"], ["watch-scada", "scada", ".tags tbody tr"],
+    ["watch-valve", "valve", ".bode canvas"], ["watch-learn", "learn&from=0&to=100", ".learn .trend-plot canvas"], ["watch-scada", "scada", ".tags tbody tr"],
   ]) {
     await page.goto(`${watched.address}#view=${view}`);
     await page.waitForSelector(there);
@@ -71,9 +73,11 @@ async function takeService(page, shoot, name) {
   await page.goto(`${served.address}#view=audit`);
   await page.waitForSelector(".audit tbody tr");
   await shoot(page, "service-changes");
-  await page.goto(`${served.address}#view=overview`);
-  await page.waitForSelector(".tile");
-  await shoot(page, "service-overview");
+  for (const [view, there] of [["overview", ".tile"], ["service", ".service table"]]) {
+    await page.goto(`${served.address}#view=${view}`);
+    await page.waitForSelector(there);
+    await shoot(page, `service-${view}`);
+  }
   await served.stop();
 }
 
@@ -102,6 +106,8 @@ async function take(name, viewport, colorScheme, locale) {
   await page.fill("input[name=A_A-bore]", "126.16");
   await page.waitForSelector(".log-view .plot canvas");
   await shoot(page, "mapping-ready");
+  await page.locator(".gate-plot canvas").first().scrollIntoViewIfNeeded();
+  await shoot(page, "mapping-gate");
   await first.stop();
   await page.waitForSelector(".lost");
   await shoot(page, "lost");
@@ -116,6 +122,14 @@ async function take(name, viewport, colorScheme, locale) {
     await page.waitForSelector(step === "compare" ? ".plot canvas" : step === "locate" ? ".heat .cell" : step === "add" ? ".preview table" : ".save");
     await shoot(page, step);
   }
+  const region = "p_A:33:85|speed:-51:-35";
+  for (const [step, there] of [["locate", "[data-ranked-there]"], ["compare", ".plot canvas"]]) {
+    await page.goto(`${work.address}#step=${step}&map=${encodeURIComponent("p_A × speed")}&region=${encodeURIComponent(region)}`);
+    await page.waitForSelector(there);
+    await shoot(page, `${step}-region`);
+  }
+  await page.click(".unit-menu summary");
+  await shoot(page, "units");
   await page.goto(`${work.address}#step=compare&view=free`);
   await page.waitForSelector(".plot canvas");
   await shoot(page, "free-run");
@@ -123,6 +137,7 @@ async function take(name, viewport, colorScheme, locale) {
   await page.click("[data-add]:not([disabled])");
   await page.waitForSelector("[data-error]");
   await page.waitForSelector("[data-verdict=adequate]");
+  await page.waitForSelector(".version-pair canvas");
   await shoot(page, "confirmed");
   await page.goto(`${work.address}#step=compare`);
   await page.waitForSelector(".plot canvas");
@@ -134,6 +149,11 @@ async function take(name, viewport, colorScheme, locale) {
   await page.waitForSelector("[data-verdict]");
   await shoot(page, "ambiguous");
   await rivals.stop();
+  const pump = await open(["pump.csv", "--machine", pumpMachine], place.path);
+  await page.goto(`${pump.address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas");
+  await shoot(page, "states");
+  await pump.stop();
   await context.close();
 }
 

@@ -11,7 +11,7 @@ run(["simulate", "press", "--out", "press.csv", "--seconds", "60"], place.path);
 const machine = new URL("../../machines/die_cushion.toml", import.meta.url).pathname;
 const served = await open(["press.csv", "--machine", machine], place.path);
 const { port, host } = new URL(served.address);
-const token = (await (await fetch(served.address)).text()).match(/token" content="(\w+)"/)[1];
+const { token } = (await (await fetch(`${served.address}api/v1/session`)).json()).user;
 const memory = () => Number(readFileSync(`/proc/${served.pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)[1]) / 1024;
 
 const counts = new Array(streams).fill(0);

@@ -189,15 +189,6 @@ Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {
   return changed;
 }
 
-/// Stores a definition; returns its version in the database.
-Result<int> StoreModel(Database& database, const HistoryPart& part, const std::string& definition,
-                       const Machine& machine) {
-  const auto model = BuildModel(machine);
-  if (!model) return tl::unexpected(model.error());
-  return database.PutModelVersion(part.id,
-                                  {0, definition, (*model)->ColumnNames(), 0, (*model)->ConditionNames()});
-}
-
 Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_next) {
   auto database = Database::Open(change.history.db);
   if (!database) return tl::unexpected(database.error());
@@ -214,7 +205,7 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
   if (!evidence) return tl::unexpected(evidence.error());
   AddRecords(*machine, evidence->before, evidence->next, change.name, *next);
   const auto stored =
-      StoreModel(*database, *part, EditedMachineText(versions->back().definition, *next), *next);
+      StoreModel(*database, part->id, EditedMachineText(versions->back().definition, *next), *next);
   if (!stored) return tl::unexpected(stored.error());
   ModelChanged changed{
       *next,
@@ -227,7 +218,7 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
   return changed;
 }
 
-Result<std::string> TextOf(const std::string& path) {
+Result<std::string> ReadText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   text << file.rdbuf();
@@ -271,40 +262,35 @@ Result<ModelChanged> UndoModel(const std::string& machine_file) {
 }
 
 Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::string& machine_file,
-                                  int version) {
+                                  Promotion promotion) {
   auto database = Database::Open(history.db);
   if (!database) return tl::unexpected(database.error());
-  Result<Machine> machine = UsageError("no machine");
-  HistoryPart part;
   if (!machine_file.empty()) {
-    machine = LoadMachine(machine_file);
+    const auto machine = LoadMachine(machine_file);
     if (!machine) return tl::unexpected(machine.error());
     const auto id = database->MachineId(machine->name);
     if (!id) return tl::unexpected(id.error());
-    part = {machine->name, *id, 0, 0};
-    const auto text = TextOf(machine_file);
+    promotion.machine = machine->name;
+    promotion.id = *id;
+    auto text = ReadText(machine_file);
     if (!text) return tl::unexpected(text.error());
-    const auto stored = StoreModel(*database, part, *text, *machine);
-    if (!stored) return tl::unexpected(stored.error());
-    version = *stored;
+    promotion.text = std::move(*text);
   } else {
-    const auto found = OneMachine(*database, history, "");
-    if (!found) return tl::unexpected(found.error());
-    part = *found;
-    const auto versions = database->ModelVersions(part.id);
+    const auto part = OneMachine(*database, history, "");
+    if (!part) return tl::unexpected(part.error());
+    promotion.machine = part->machine;
+    promotion.id = part->id;
+    const auto versions = database->ModelVersions(part->id);
     if (!versions) return tl::unexpected(versions.error());
-    if (version == 0 && !versions->empty()) version = versions->back().version;
-    const auto chosen = database->GetModelVersion(part.id, version);
-    if (!chosen) return tl::unexpected(chosen.error());
-    machine = ParseMachine(chosen->definition, part.machine);
-    if (!machine) return tl::unexpected(machine.error());
+    if (promotion.version == 0 && !versions->empty()) promotion.version = versions->back().version;
   }
-  if (const Status promoted = database->PromoteModel(part.id, version); !promoted)
-    return tl::unexpected(promoted.error());
-  return ModelChanged{*machine,
-                      fmt::format("{}: version {} of {} ({}) is the model of replay and monitor now\n",
-                                  history.db, version, part.machine, ModelName(*machine)),
-                      history.db, false};
+  const auto promoted = Promote(*database, history.db, promotion);
+  if (!promoted) return tl::unexpected(promoted.error());
+  return ModelChanged{
+      promoted->machine,
+      fmt::format("{}: version {} of {} ({}) is the model of replay and monitor now\n", history.db,
+                  promoted->version, promotion.machine, ModelName(promoted->machine)),
+      history.db, false};
 }
 
 }  // namespace hydroscope

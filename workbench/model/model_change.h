@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "workbench/history/history_options.h"
+#include "workbench/model/promotion.h"
 
 namespace hydroscope {
 
@@ -41,10 +42,11 @@ Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next);
 /// Brings the version before back; its file must be kept beside. Error: there is none.
 Result<ModelChanged> UndoModel(const std::string& machine_file);
 
-/// Makes a model the one of replay and monitor: that of `machine_file`, or a version the database holds (0 =
-/// its latest).
+/// Makes a model the one of replay and monitor: that of `machine_file`, or of none the version of `promotion`, which the database
+/// holds (0 = its latest). Whose it is, is found out; user, comment and time are those of `promotion`. Errors as of
+/// Promote.
 Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::string& machine_file,
-                                  int version);
+                                  Promotion promotion);
 
 /// The machine as the newest version in the database has it.
 Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& part);

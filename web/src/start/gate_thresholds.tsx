@@ -1,20 +1,25 @@
 import type { GateBound } from "../types";
-import { short } from "../units";
-import { useWords } from "../words";
+import { inChosen, short } from "../units";
+import { useWords, type Say } from "../words";
 
 /** In which unit a threshold is written: as people say it. */
-function shownUnit(bound: GateBound): { factor: number; name: string } {
+export function boundUnit(bound: GateBound): { factor: number; name: string } {
   const rate = bound.rate ? "/s" : "";
-  if (bound.si === "m") return { factor: 1000, name: `mm${rate}` };
-  if (bound.si === "Pa") return { factor: 1e-5, name: `bar${rate}` };
+  if (bound.si === "m") return inChosen({ factor: 1000, offset: 0, name: `mm${rate}` });
+  if (bound.si === "Pa") return inChosen({ factor: 1e-5, offset: 0, name: `bar${rate}` });
   return { factor: 1, name: bound.si === "1" || !bound.si ? (rate ? "1/s" : "") : `${bound.si}${rate}` };
+}
+
+/** "speed of z" */
+export function boundName(bound: GateBound, say: Say): string {
+  return bound.rate ? say("gateRate", { signal: bound.signal }) : bound.magnitude ? say("gateMagnitude", { signal: bound.signal }) : bound.signal;
 }
 
 /** The thresholds of the gate as numbers; strokes are counted anew at every change. */
 export function GateThresholds({ bounds, set }: { bounds: GateBound[]; set: (bounds: GateBound[]) => void }) {
   const say = useWords();
   const change = (index: number, side: "min" | "max", text: string) => {
-    const { factor } = shownUnit(bounds[index]);
+    const { factor } = boundUnit(bounds[index]);
     const value = text.trim() === "" ? null : Number(text.replace(",", ".")) / factor;
     if (value !== null && !Number.isFinite(value)) return;
     set(bounds.map((bound, k) => {
@@ -27,8 +32,7 @@ export function GateThresholds({ bounds, set }: { bounds: GateBound[]; set: (bou
     <fieldset class="gate">
       <legend>{say("gateThresholds")}</legend>
       {bounds.map((bound, index) => {
-        const { factor, name } = shownUnit(bound);
-        const what = bound.rate ? say("gateRate", { signal: bound.signal }) : bound.magnitude ? say("gateMagnitude", { signal: bound.signal }) : bound.signal;
+        const { factor, name } = boundUnit(bound), what = boundName(bound, say);
         return (
           <div key={index}>
             <span>{what}</span>

@@ -3,9 +3,10 @@ import { find, post } from "../api";
 import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
 import type { GateBound, LogPicture, Pin, Proposal } from "../types";
-import { short } from "../units";
+import { amount, short, shownNumber } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
+import { GatePlots } from "./gate_plot";
 import { GateThresholds } from "./gate_thresholds";
 import { MachinePicture } from "./machine_picture";
 import { Thumbnail } from "./thumbnail";
@@ -103,6 +104,8 @@ export function Mapping() {
       </div>
       {picture && <>
         <LogView picture={picture} />
+        <p class="quiet">{say("gateDrag")}</p>
+        <GatePlots picture={picture} bounds={proposal.gate} set={(gate) => void propose({ gate })} />
         <GateThresholds bounds={proposal.gate} set={(gate) => void propose({ gate })} />
       </>}
       <details><summary>{say("mapDecided")}</summary>
@@ -139,7 +142,7 @@ function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (si
       )}
       <span class="says">
         {pin.column
-          ? <>{pin.low !== undefined && `${short(pin.low)} … ${short(pin.high)} ${pin.shown_unit === "1" ? "" : pin.shown_unit ?? ""}`} <em>{say(pin.sure ? "mapSure" : "mapCheck")}</em></>
+          ? <>{pin.low !== undefined && `${short(shownNumber(pin.low, pin.shown_unit ?? ""))} … ${amount(pin.high, pin.shown_unit ?? "")}`} <em>{say(pin.sure ? "mapSure" : "mapCheck")}</em></>
           : <em>{say(pin.required ? "mapMissing" : "mapOptional")}</em>}
       </span>
       {pin.why && <small class="why" lang="en">{pin.why}</small>}

@@ -1,7 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { useUrl } from "../url_state";
 import { useWords, type Say } from "../words";
-import { short } from "../units";
+import { amount } from "../units";
 import { Scroll } from "../workbench/parts";
 import { AlarmDetail } from "./alarm_detail";
 import { dateText, isDate } from "./shown";
@@ -22,8 +22,8 @@ export function sinceText(alarm: Alarm, say: Say): string {
 export function sizeText(alarm: Alarm): string {
   if (alarm.value === null || alarm.unit === "") return "–";
   const [factor, name] = alarm.unit === "Pa" ? [1e-5, "bar"] : alarm.unit === "m3" ? [1e3, "l"] : alarm.unit === "m3/s" ? [6e4, "l/min"]
-    : alarm.unit === "m3/(s Pa)" ? [6e4 * 2e7, "l/min / 200 bar"] : alarm.unit === "1" ? [100, "%"] : [1, alarm.unit];
-  return `${short(alarm.value * factor)} ${name}`;
+    : alarm.unit === "m3/(s Pa)" ? [6e9, "l/min per bar"] : alarm.unit === "1" ? [100, "%"] : [1, alarm.unit];
+  return amount(alarm.value * factor, name);
 }
 
 function keyOf(alarm: Alarm, column: Column): string | number {

@@ -1,7 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { pageColor } from "../plot";
-import { short } from "../units";
+import { nameOf, short, shownNumber, unitsKey } from "../units";
 import { useWords } from "../words";
 import { inUnit, symbolOf } from "./shown";
 import type { MaybeNumber, Trend, WatchedUnit } from "./watch_types";
@@ -15,13 +15,13 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
   useEffect(() => {
     const place = box.current;
     if (!place || points.length === 0) return;
-    const curve = trend.healthy?.curve;
+    const curve = trend.healthy?.curve, degrees = (kelvin: number) => shownNumber(kelvin - 273.15, "°C");
     // one list of x for points and curve, in order
     const rows = [
-      ...points.map(([t, v]) => [t - 273.15, v, null, null, null] as MaybeNumber[]),
+      ...points.map(([t, v]) => [degrees(t), v, null, null, null] as MaybeNumber[]),
       ...(curve ? curve.oil_temperature_K.map((t, k) => {
         const half = 1.96 * curve.std[k] * Math.abs(unit.factor), v = inUnit(curve.value[k], unit)!;
-        return [t - 273.15, null, v - half, v + half, v] as MaybeNumber[];
+        return [degrees(t), null, v - half, v + half, v] as MaybeNumber[];
       }) : []),
     ].sort((a, b) => a[0]! - b[0]!);
     const data = [0, 1, 2, 3, 4].map((column) => rows.map((row) => row[column]));
@@ -29,7 +29,7 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
     const look = { stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui", labelFont: "12px system-ui" };
     const draw = () => new uPlot({
       width: Math.max(240, place.clientWidth), height, scales: { x: { time: false } },
-      axes: [{ ...look, size: 40, label: `${say("oil")} (°C)`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
+      axes: [{ ...look, size: 40, label: `${say("oil")} (${nameOf("°C")})`, labelSize: 18, values: (_, ticks) => ticks.map((t) => short(t, 4)) },
         { ...look, size: 62, label: `${symbolOf(unit)}${unit.name ? ` (${unit.name})` : ""}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
       series: [{}, { paths: () => null, points: { show: true, size: 5, fill: pageColor("--line-a"), stroke: pageColor("--line-a") } },
         { stroke: "transparent", spanGaps: true, points: { show: false } }, { stroke: "transparent", spanGaps: true, points: { show: false } },
@@ -43,7 +43,7 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
     resized.observe(place);
     addEventListener("themechange", again);
     return () => { resized.disconnect(); removeEventListener("themechange", again); plot.destroy(); };
-  }, [trend, unit, height, say]);
+  }, [trend, unit, height, say, unitsKey()]);
   if (points.length === 0) return <p class="empty">{say("oilNotMeasured")}</p>;
   return <div ref={box} class="trend-plot" role="img" aria-label={`${symbolOf(unit)}, ${say("axis_oil")}`} />;
 }

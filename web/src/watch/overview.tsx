@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
-import { short } from "../units";
+import { amount, inChosen } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
@@ -55,7 +55,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
       <p class="facts-line">
         {say("strokesCount", { count: machine.strokes.toLocaleString() })}
         {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
-        {oil !== null && <> · {say("oil")} {short(oil)} °C</>}
+        {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
         {machine.effects.length > 0 && <> · <span lang="en">+ {machine.effects.join(" + ")}</span></>}
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
@@ -95,16 +95,17 @@ export function StrokePicture({ machine, stroke, title, begin = false }: { machi
   }, [open, machine, stroke]);
   const picture = signals === null || signals === "none" ? null : signals;
   const signal = picture?.signals.find((s) => s.name === chosen) ?? picture?.signals[0];
+  const unit = signal && inChosen(signal.unit);
   return (
     <details class="stroke" open={open} onToggle={(e) => setOpen(e.currentTarget.open)}>
       <summary>{title}</summary>
       {signals === "none" && <p class="empty">{say("signalsNotKept")}</p>}
-      {picture && signal && <>
+      {picture && signal && unit && <>
         <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
           {picture.signals.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
         </select></label>
-        <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values.map((v) => (v === null ? null : v * signal.unit.factor + signal.unit.offset))]} height={180}
-          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (${signal.unit.name || "1"})`} />
+        <Plot label={`${signal.name}, ${say("stroke")} ${picture.stroke}`} x={picture.time_s.map((t) => t - picture.begin_s)} values={[signal.values.map((v) => (v === null ? null : v * unit.factor + unit.offset))]} height={180}
+          lines={[{ label: signal.name, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={`${signal.name} (${unit.name || "1"})`} />
       </>}
     </details>
   );

@@ -4,7 +4,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import { pageColor } from "../plot";
-import { short } from "../units";
+import { amount, short } from "../units";
 import { useWords } from "../words";
 import { dateText, inUnit, ofParameter, symbolOf } from "./shown";
 import { gapsAfter, middle, placeOf, strokeAt, tickTexts, type AxisKind } from "./trend_axis";
@@ -119,7 +119,7 @@ export function TrendPlot(props: Props) {
       readout.current.textContent = [
         axis === "time" ? dateText(courses.x[k]) : "",
         first[bin] === last[bin] ? say("strokeNumber", { stroke: first[bin] }) : say("strokeNumbers", { from: first[bin], to: last[bin] }),
-        `${symbolOf(unit)} ${ofParameter(si, std[bin], unit)}`, oil === null ? "" : `${say("oil")} ${short(oil - 273.15)} °C`,
+        `${symbolOf(unit)} ${ofParameter(si, std[bin], unit)}`, oil === null ? "" : `${say("oil")} ${amount(oil - 273.15, "°C")}`,
       ].filter((part) => part !== "").join(" · ");
     };
     const line = { stroke: pageColor("--grid"), width: 1 };
@@ -128,12 +128,12 @@ export function TrendPlot(props: Props) {
       width: Math.max(240, place.clientWidth), height,
       scales: { x: { time: axis === "time", min: range[0], max: range[1] } },
       axes: [
-        { ...look_of, size: 46, space: 70, label: axis === "time" ? undefined : say("stroke"), labelSize: 18,
+        { ...look_of, size: 46, space: 96, label: axis === "time" ? undefined : say("stroke"), labelSize: 18,
           values: (_, ticks, _a, _s, step) => (axis === "time" ? tickTexts(ticks, step) : ticks.map((tick) => tick.toLocaleString())) },
         { ...look_of, size: 62, label: name, labelSize: 20, values: (_, ticks) => ticks.map((tick) => short(tick, 5)) },
       ],
       series: [
-        {}, ...(["low", "high", "below", "above"] as const).map(() => ({ stroke: "transparent", points: { show: false } })),
+        {}, ...(["low", "high", "below", "above"] as const).map(() => ({ width: 0, points: { show: false } })),  // edges of bands alone
         { stroke: pageColor("--line-a"), width: 1.8, points: { show: courses.x.length < 80, size: 5 } },
         { stroke: pageColor("--good"), width: 1.6, dash: [6, 4], points: { show: false } },
       ],

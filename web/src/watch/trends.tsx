@@ -11,10 +11,10 @@ import { ToWorkbench } from "./to_workbench";
 import { useWatch } from "./watch_store";
 import type { MaybeNumber, Overview, Trend, WatchedUnit } from "./watch_types";
 
-const mostBins = 2000;  // of which half lie beside what is looked at, so that panning shows something at once
+const binsSeen = 1000;  // about a pixel each; beside them as many more as the margins hold, so that panning shows something at once
 
 /** The trends asked for, with a margin on both sides; the last ones stay until the new ones are there. */
-function useTrends(machine: string, parameters: string[], from: number, to: number, tick: number) {
+export function useTrends(machine: string, parameters: string[], from: number, to: number, strokes: number, tick: number) {
   const [trends, setTrends] = useState<Trend[]>([]);
   const [problem, setProblem] = useState("");
   const [late, setLate] = useState(false);
@@ -22,7 +22,8 @@ function useTrends(machine: string, parameters: string[], from: number, to: numb
   useEffect(() => {
     const number = ++asked.current, margin = Math.ceil((to - from) / 2);
     const slow = setTimeout(() => setLate(true), 300);
-    void Promise.all(parameters.map((parameter) => get<Trend>("watch/trend", { machine, parameter, first: Math.max(0, from - margin), end: to + margin, bins: mostBins })))
+    const first = Math.max(0, from - margin), end = Math.min(strokes, to + margin), bins = Math.ceil((binsSeen * (end - first)) / Math.max(1, to - from));
+    void Promise.all(parameters.map((parameter) => get<Trend>("watch/trend", { machine, parameter, first, end, bins })))
       .then((found) => { if (number === asked.current) { setTrends(found); setProblem(""); } })
       .catch((failure: Error) => { if (number === asked.current) setProblem(failure.message); })
       .finally(() => { clearTimeout(slow); if (number === asked.current) setLate(false); });
@@ -76,7 +77,7 @@ export function Trends({ overview }: { overview: Overview }) {
   const strokes = machine?.strokes ?? 0;
   const whole = (text: string | undefined, otherwise: number) => (text && /^\d+$/.test(text) ? Number(text) : otherwise);
   const to = Math.min(strokes, Math.max(1, whole(query.to, strokes))), from = Math.max(0, Math.min(whole(query.from, 0), to - 1));
-  const { trends, problem, late } = useTrends(machine?.machine ?? "", parameters, from, to, tick);
+  const { trends, problem, late } = useTrends(machine?.machine ?? "", parameters, from, to, strokes, tick);
   if (!machine || strokes === 0) return <p class="empty" role="status">{say("noMachines")}</p>;
   const axis: AxisKind = query.x === "oil" ? "oil" : query.x === "stroke" || !machine.dated ? "stroke" : "time";
   const compensated = query.comp === "1";

@@ -1,8 +1,9 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
-import { find } from "../api";
+import { find, post } from "../api";
 import { pageColor } from "../plot";
-import { short } from "../units";
+import { useStore } from "../store";
+import { nameOf, short, shownNumber } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { Scroll } from "../workbench/parts";
@@ -86,6 +87,35 @@ function Bandwidth({ checks }: { checks: ValveCheck[] }) {
   })} />;
 }
 
+/** Has the running service ask the controller for a sweep, and says what it does about it. */
+function AskForSweep({ machine, service }: { machine: string; service: boolean }) {
+  const say = useWords();
+  const { session } = useStore();
+  const { tick } = useWatch();
+  const [told, setTold] = useState("");
+  const [problem, setProblem] = useState("");
+  useEffect(() => {
+    if (!service) return;
+    let gone = false;
+    const look = () => void find<{ service: { valve_check: string } | null }>("watch/service").then((found) => { if (!gone) setTold(found?.service?.valve_check ?? ""); }).catch(() => {});
+    look();
+    const again = setInterval(look, 2000);
+    return () => { gone = true; clearInterval(again); };
+  }, [service, tick]);
+  const ask = async () => {
+    setProblem("");
+    if (!confirm(say("valveSure"))) return;
+    await post("watch/valve_checks", { machine }).catch((failure: Error) => setProblem(failure.message));
+  };
+  return (
+    <p class="ask">
+      {session?.changes && <button name="sweep" disabled={!service} title={service ? "" : say("serviceNone")} onClick={() => void ask()}>{say("valveAsk")}</button>}{" "}
+      <span role="status">{!service ? <span class="quiet">{say("valveNoService")}</span> : told && <span lang="en" data-told>{told}</span>}</span>
+      {problem && <span role="alert" class="problem" lang="en"> {problem}</span>}
+    </p>
+  );
+}
+
 /** What the valve answered to the sweeps it was asked for. */
 export function Valve({ overview }: { overview: Overview }) {
   const say = useWords();
@@ -109,18 +139,19 @@ export function Valve({ overview }: { overview: Overview }) {
       {overview.machines.length > 1 && <label>{say("alarm_axis")} <select value={machine.machine} onChange={(e) => setUrl({ machine: e.currentTarget.value })}>
         {overview.machines.map((m) => <option key={m.machine} value={m.machine}>{m.machine}</option>)}
       </select></label>}
+      <AskForSweep machine={machine.machine} service={overview.service} />
       {checks === null ? <p class="empty" role="status">{say("loading")}</p> : checks.length === 0 ? <p class="empty" role="status">{say("valveNone")}</p> : <>
         {measured.length > 1 && <div class="plots"><h2>{say("bandwidth")}</h2><Bandwidth checks={measured} /></div>}
         {measured.length > 0 && <div class="plots bode"><h2>{say("bode")}</h2><Bode checks={measured} /></div>}
         <h2>{say("valveChecks")}</h2>
         <Scroll label={say("valveChecks")}><table>
-          <thead><tr><th scope="col">{say("alarm_since")}</th><th scope="col">{say("outcome")}</th><th scope="col">{say("bandwidth")} (Hz)</th><th scope="col">f₀ (Hz)</th><th scope="col">D</th><th scope="col">{say("gain")}</th><th scope="col">{say("deadTime")} (ms)</th><th scope="col">{say("oil")} (°C)</th></tr></thead>
+          <thead><tr><th scope="col">{say("alarm_since")}</th><th scope="col">{say("outcome")}</th><th scope="col">{say("bandwidth")} (Hz)</th><th scope="col">f₀ (Hz)</th><th scope="col">D</th><th scope="col">{say("gain")}</th><th scope="col">{say("deadTime")} (ms)</th><th scope="col">{say("oil")} ({nameOf("°C")})</th></tr></thead>
           <tbody>{[...checks].reverse().map((check) => (
             <tr key={check.time_s}>
               <td>{isDate(check.time_s) ? dateText(check.time_s) : `${short(check.time_s, 6)} s`}</td>
               <td lang="en" title={check.detail}>{check.outcome.replace(/_/g, " ")}{check.outcome !== "measured" && <small> {check.detail}</small>}</td>
               <td>{cell(check.bandwidth_hz)}</td><td>{cell(check.f0_hz)}</td><td>{cell(check.damping)}</td><td>{cell(check.gain)}</td><td>{cell(check.dead_time_s, 1e3)}</td>
-              <td>{short(check.oil_temperature_K === null ? null : check.oil_temperature_K - 273.15)}</td>
+              <td>{short(check.oil_temperature_K === null ? null : shownNumber(check.oil_temperature_K - 273.15, "°C"))}</td>
             </tr>))}</tbody>
         </table></Scroll>
       </>}

@@ -1,15 +1,19 @@
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { useStore } from "../store";
 import { useUrl } from "../url_state";
+import { inChosen, unitsKey } from "../units";
 import { useWords } from "../words";
 import { Alarms } from "./alarms";
 import { OverviewPage } from "./overview";
 import { Trends } from "./trends";
+import { Learn } from "./learn";
+import { Service } from "./service";
 import { Scada } from "./scada";
 import { Valve } from "./valve";
 import { refreshWatch, useWatch } from "./watch_store";
+import type { Overview } from "./watch_types";
 
-export const views = ["overview", "trends", "alarms", "valve", "scada", "workbench", "audit", "login"] as const;
+export const views = ["overview", "trends", "alarms", "valve", "learn", "scada", "service", "workbench", "audit", "login"] as const;
 export type View = (typeof views)[number];
 
 export function WatchNavigation({ view }: { view: View }) {
@@ -30,10 +34,16 @@ export function WatchNavigation({ view }: { view: View }) {
   );
 }
 
-/** A database: overview, trends, alarms, valve or SCADA. */
+/** Parameters in the units that people chose. */
+function useChosenUnits(overview: Overview | null): Overview | null {
+  return useMemo(() => overview && { ...overview, machines: overview.machines?.map((machine) => ({ ...machine,
+    parameters: machine.parameters.map((parameter) => ({ ...parameter, unit: inChosen(parameter.unit) })) })) }, [overview, unitsKey()]);
+}
+
+/** A database: what is known of its machines, each view of it. */
 export function Watch({ view }: { view: View }) {
   const say = useWords();
-  const { overview } = useWatch();
+  const overview = useChosenUnits(useWatch().overview);
   useEffect(() => {
     void refreshWatch().catch(() => {});
     const again = setInterval(() => void refreshWatch().catch(() => {}), 30_000);  // the program rests while nobody asks
@@ -47,7 +57,9 @@ export function Watch({ view }: { view: View }) {
         : view === "trends" ? <Trends overview={overview} />
         : view === "alarms" ? <Alarms overview={overview} />
         : view === "valve" ? <Valve overview={overview} />
+        : view === "learn" ? <Learn overview={overview} />
         : view === "scada" ? <Scada />
+        : view === "service" ? <Service overview={overview} />
         : <OverviewPage overview={overview} />}
     </div>
   );

@@ -1,16 +1,19 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { find } from "../api";
 import { Formula } from "../formula";
 import { work } from "../store";
-import type { Effect, ExplainResult, Preview, Session } from "../types";
-import { short } from "../units";
+import type { CompareResult, Effect, ExplainResult, Preview, Session } from "../types";
+import { amount } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { OwnEffect } from "./own_effect";
 import { ParameterTable } from "./parameter_table";
+import { Outputs, usePicture } from "./stroke_overlay";
+
+interface Props { id: string; session: Session; effects: Effect[]; explain?: ExplainResult; compare?: CompareResult }
 
 /** What an effect would do to the error, and the button that adds it. */
-export function AddEffect({ id, session, effects, explain }: { id: string; session: Session; effects: Effect[]; explain?: ExplainResult }) {
+export function AddEffect({ id, session, effects, explain, compare }: Props) {
   const say = useWords();
   const [, setUrl] = useUrl();
   const machine = session.machine!;
@@ -53,6 +56,7 @@ export function AddEffect({ id, session, effects, explain }: { id: string; sessi
         {!preview && !problem && testable && <p class="empty" role="status">{say("addWorking")}</p>}
         {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
         {preview && <Effects preview={preview} session={session} />}
+        {preview && compare && explain && <OverAStroke id={id} title={title} session={session} compare={compare} />}
         <button class="primary" data-add={id} disabled={busy || !preview} onClick={() => void change("add")}>{say("addButton", { title })}</button>
       </>}
       {failure && <p role="alert" class="problem" lang="en">{failure}</p>}
@@ -75,17 +79,33 @@ function Effects({ preview, session }: { preview: Preview; session: Session }) {
   return (
     <div class="preview">
       {error && <>
-        <p><strong data-preview={error.after}>{say("addPreview")} {short(error.after)} {error.unit}</strong></p>
+        <p><strong data-preview={error.after}>{say("addPreview")} {amount(error.after, error.unit)}</strong></p>
         <ul class="bars">
           {([["now", error.before, "old"], ["withIt", error.after, "new"], ["noise", error.noise_floor, "floor"]] as const).map(([word, value, kind]) => (
-            <li key={word}><span>{say(word)}</span><span class="bar"><i class={kind} style={{ width: `${(100 * value) / most}%` }} /></span><span class="num">{short(value)} {error.unit}</span></li>
+            <li key={word}><span>{say(word)}</span><span class="bar"><i class={kind} style={{ width: `${(100 * value) / most}%` }} /></span><span class="num">{amount(value, error.unit)}</span></li>
           ))}
         </ul>
       </>}
-      {preview.held_out && <p>{say("addHeldOut", { log: preview.held_out.log.split("/").pop()!, before: `${short(preview.held_out.before)} ${preview.held_out.unit}`, after: `${short(preview.held_out.after)} ${preview.held_out.unit}` })}</p>}
+      {preview.held_out && <p>{say("addHeldOut", { log: preview.held_out.log.split("/").pop()!, before: amount(preview.held_out.before, preview.held_out.unit), after: amount(preview.held_out.after, preview.held_out.unit) })}</p>}
       {preview.warnings.length > 0 && <div class="verdict bad"><strong>{say("addAgainst")}</strong><ul lang="en">{preview.warnings.map((w) => <li key={w}>{w}</li>)}</ul></div>}
       <ParameterTable left={preview.parameters_before} right={preview.parameters_after} names={[say("now"), say("withIt")]} units={session.units} />
     </div>
+  );
+}
+
+/** The worst stroke as the model has it, and as it would with the effect. */
+function OverAStroke({ id, title, session, compare }: { id: string; title: string; session: Session; compare: CompareResult }) {
+  const say = useWords();
+  const machine = session.machine!;
+  const worst = useMemo(() => [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke, [compare]);
+  const picture = usePicture(worst, machine.version, compare, id);
+  const withIt = useMemo(() => (picture?.with_effect ? { ...picture, modelled: picture.with_effect } : null), [picture]);
+  if (!picture || !withIt) return null;
+  return (
+    <section class="over-a-stroke" data-over={id}>
+      <h3>{say("addOverStroke", { stroke: worst })}</h3>
+      <Outputs picture={withIt} before={picture} parent={machine.version} region={[]} output={machine.output} modelled={`+ ${title}`} choose={() => {}} />
+    </section>
   );
 }
 

@@ -1,15 +1,16 @@
 import { useState } from "preact/hooks";
 import { post } from "../api";
 import { refresh } from "../store";
-import type { Session, Version } from "../types";
-import { short } from "../units";
+import type { CompareResult, Session, Version } from "../types";
+import { amount } from "../units";
 import { useWords } from "../words";
 import { ParameterTable } from "./parameter_table";
+import { Outputs, usePicture } from "./stroke_overlay";
 
-interface Props { session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
+interface Props { compare?: CompareResult; session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
 
 /** Whether adding helped, and saving it. */
-export function Confirm({ session, query, setUrl }: Props) {
+export function Confirm({ compare, session, query, setUrl }: Props) {
   const say = useWords();
   const current = session.versions.find((version) => version.current);
   const before = session.versions.find((version) => version.version === current?.parent);
@@ -21,7 +22,7 @@ export function Confirm({ session, query, setUrl }: Props) {
       <h1>{say("confirmTitle")}</h1>
       {before && current && before.rms_holdout !== null && current.rms_holdout !== null
         ? <p class={current.rms_holdout < before.rms_holdout ? "verdict good" : "verdict bad"} data-error={current.rms_holdout} role="status">
-            {say(current.rms_holdout < before.rms_holdout ? "confirmText" : "confirmRose", { before: `${short(before.rms_holdout)} ${current.unit}`, after: `${short(current.rms_holdout)} ${current.unit}`, noise: `${short(current.noise_floor)} ${current.unit}` })}</p>
+            {say(current.rms_holdout < before.rms_holdout ? "confirmText" : "confirmRose", { before: amount(before.rms_holdout, current.unit ?? ""), after: amount(current.rms_holdout, current.unit ?? ""), noise: amount(current.noise_floor, current.unit ?? "") })}</p>
         : <p class="empty">{say("confirmNothing")}</p>}
       {left && right && session.versions.length > 1 && <>
         <h2>{say("confirmTwo")}</h2>
@@ -33,9 +34,31 @@ export function Confirm({ session, query, setUrl }: Props) {
           ))}
         </div>
         <ParameterTable left={left.parameters} right={right.parameters} names={[name(left), name(right)]} units={session.units} />
+        {compare && left !== right && <StrokePair compare={compare} left={left} right={right} session={session} query={query} setUrl={setUrl} />}
       </>}
       <Save session={session} />
     </>
+  );
+}
+
+/** A stroke as both versions have it: what they predict, and what each leaves. */
+function StrokePair({ compare, left, right, session, query, setUrl }: Props & { compare: CompareResult; left: Version; right: Version }) {
+  const say = useWords();
+  const strokes = compare.per_stroke.map((stroke) => stroke.stroke);
+  const worst = [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke;
+  const stroke = strokes.find((number) => String(number) === query.stroke) ?? worst;
+  const one = usePicture(stroke, right.version, compare), other = usePicture(stroke, left.version, compare);
+  if (stroke === undefined) return null;
+  return (
+    <section class="version-pair">
+      <h3>{say("confirmStroke")}</h3>
+      <label>{say("compareStroke")} <select name="pair-stroke" value={stroke} onChange={(e) => setUrl({ stroke: e.currentTarget.value })}>
+        {strokes.map((number) => <option key={number} value={number}>{number}</option>)}
+      </select></label>
+      {one === undefined || other === undefined ? <p class="empty">{say("loading")}</p>
+        : one === null || other === null ? <p class="empty">{say("confirmNoPicture")}</p>
+        : <Outputs picture={one} before={other} parent={left.version} region={[]} output={session.machine!.output} chosen={query.output} choose={(output) => setUrl({ output })} />}
+    </section>
   );
 }
 

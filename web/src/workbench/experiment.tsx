@@ -1,5 +1,5 @@
 import type { ExplainResult, Plan } from "../types";
-import { short, unitName, unitOf, type Units } from "../units";
+import { nameOf, short, shownNumber, unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
 
@@ -25,7 +25,7 @@ function PlanTable({ plan, units }: { plan: Plan; units: Units }) {
     const unit = unitOf(units, si);
     return `${(values ?? []).map((v) => short(v * unit.factor)).join(", ")} ${unitName(unit)}`;
   };
-  const speeds = (values: number[] | undefined) => `${(values ?? []).map((v) => short(1000 * v)).join(", ")} mm/s`;
+  const speeds = (values: number[] | undefined) => `${(values ?? []).map((v) => short(shownNumber(1000 * v, "mm/s"))).join(", ")} ${nameOf("mm/s")}`;
   const rows: [string, string][] = [[say("experimentStrokes"), String(plan.strokes)]];
   if (plan.speeds?.length) rows.push([say("experimentSpeeds"), speeds(plan.speeds)]);
   if (plan.pressures?.length) rows.push([say("experimentPressures"), list(plan.pressures, "Pa")]);

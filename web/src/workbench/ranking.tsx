@@ -1,33 +1,38 @@
 import { useState } from "preact/hooks";
-import type { Effect, ExplainResult, Parameter, Ranked } from "../types";
-import { short, withInterval, type Units } from "../units";
+import type { Effect, ExplainResult, Parameter, Ranked, RegionErrors } from "../types";
+import { nameOf, short, shownNumber, withInterval, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
 
 const shownAtFirst = 7;
 
-interface Props { explain: ExplainResult; effects: Effect[]; units: Units; chosen: string; choose: (effect: string) => void }
+/** `errors`: of a region that was chosen, by which the effects are ranked then. */
+interface Props { explain: ExplainResult; errors: RegionErrors | null; effects: Effect[]; units: Units; chosen: string; choose: (effect: string) => void }
 
 /** Every effect of the library, best first, and those that these strokes cannot test. */
-export function Ranking({ explain, effects, units, chosen, choose }: Props) {
+export function Ranking({ explain, errors, effects, units, chosen, choose }: Props) {
   const say = useWords();
   const [all, setAll] = useState(false);
-  const tried = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout !== null);
+  const there = errors && errors.effects.length > 0 ? errors : null;
+  const fitted = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout !== null);
+  const tried = there ? there.effects.flatMap(({ effect, rms }) => fitted.filter((ranked) => ranked.effect === effect).map((ranked) => ({ ...ranked, rms_holdout: rms }))) : fitted;
+  const before = there ? there.rms : explain.base.rms_holdout, noise = there ? there.noise : explain.noise_floor;
   const ruledOut = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout === null);
   const untestable = explain.ranking.filter((ranked) => !ranked.testable);
   const title = (id: string) => effects.find((effect) => effect.id === id)?.title || id;
   return (
     <section class="ranking">
       <h2>{say("rankingTitle")}</h2>
+      {there && <p class="region" data-ranked-there>{say("rankingThere")}</p>}
       {tried.length === 0 ? <p class="empty">{say("rankingNone")}</p> : (
         <Scroll label={say("rankingTitle")}>
           <table>
-            <thead><tr><th>{say("rankingEffect")}</th><th class="num">{say("rankingError")} ({explain.unit})</th><th>{say("rankingSize")}</th></tr></thead>
+            <thead><tr><th>{say("rankingEffect")}</th><th class="num">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th>{say("rankingSize")}</th></tr></thead>
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} class={ranked.effect === chosen ? "chosen" : ""}>
                   <th scope="row"><button class="link" lang="en" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
-                  <td class="num">{short(ranked.rms_holdout)}<Bar ranked={ranked} explain={explain} /></td>
+                  <td class="num">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
                   <td>{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
                 </tr>
               ))}
@@ -51,10 +56,9 @@ function sizes(ranked: Ranked, effect?: Effect): [string, Parameter][] {
   return [[effect.parameter, size], ...others];
 }
 
-/** The error as a length, from noise to that of the model as it is. */
-function Bar({ ranked, explain }: { ranked: Ranked; explain: ExplainResult }) {
-  const share = Math.max(0, Math.min(1, ranked.rms_holdout! / Math.max(explain.base.rms_holdout, explain.noise_floor)));
-  return <span class="mini" aria-hidden="true"><i style={{ width: `${100 * share}%` }} /></span>;
+/** The error as a length, of that of the model as it is. */
+function Bar({ share }: { share: number }) {
+  return <span class="mini" aria-hidden="true"><i style={{ width: `${100 * Math.max(0, Math.min(1, share))}%` }} /></span>;
 }
 
 function Excluded({ title, text, list, name }: { title: string; text: string; list: Ranked[]; name: (id: string) => string }) {

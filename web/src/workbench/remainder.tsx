@@ -1,6 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { Plot, pageColor } from "../plot";
 import type { ExplainResult } from "../types";
+import { nameOf, shownNumber, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 
 /** What is missing as a curve, for a person to recognise. */
@@ -8,12 +9,13 @@ export function Remainder({ remainder, unit }: { remainder: NonNullable<ExplainR
   const say = useWords();
   const data = useMemo(() => {
     const { points } = remainder;
-    return { x: points.map((p) => p.x), values: [points.map((p) => p.value - 1.96 * p.std), points.map((p) => p.value + 1.96 * p.std), points.map((p) => p.value)] };
-  }, [remainder]);
+    const { factor } = shownUnit(unit), at = (times: number) => points.map((p) => (p.value + times * 1.96 * p.std) * factor);
+    return { x: points.map((p) => shownNumber(p.x, remainder.unit)), values: [at(-1), at(1), at(0)] };
+  }, [remainder, unitsKey()]);
   const title = say("remainder", { signal: remainder.signal });
   const band = pageColor("--band");
   return <><h3>{title}</h3>
     <Plot label={title} x={data.x} values={data.values} height={180} bands={[{ high: 1, low: 0, color: band }]}
-      xLabel={`${remainder.signal} (${remainder.unit})`} yLabel={unit}
+      xLabel={`${remainder.signal} (${nameOf(remainder.unit)})`} yLabel={nameOf(unit)}
       lines={[{ label: "95 %", color: band }, { label: "", color: "transparent", hidden: true }, { label: say("difference"), color: pageColor("--line-a"), width: 2 }]} /></>;
 }

@@ -1,7 +1,7 @@
 import { useState } from "preact/hooks";
 import { work } from "../store";
 import type { Session, Version } from "../types";
-import { short } from "../units";
+import { amount } from "../units";
 import { useWords } from "../words";
 
 /** How many versions it stands away from the first. */
@@ -39,14 +39,14 @@ export function Staircase({ session }: { session: Session }) {
               {noise !== null && <b style={{ left: `${(100 * noise) / largest}%` }} />}
             </div>
             <div class="foot">
-              <span class="error">{version.rms_holdout === null ? say("notJudged") : `${short(version.rms_holdout)} ${version.unit ?? ""}`}</span>
+              <span class="error">{version.rms_holdout === null ? say("notJudged") : amount(version.rms_holdout, version.unit ?? "")}</span>
               {version.current ? <em>{say("inForce")}</em>
                 : <button class="quiet small" disabled={busy} onClick={() => void goBack(version.version)}>{say("goBack")}</button>}
             </div>
           </li>
         ))}
       </ol>
-      {noise !== null && <p class="noise-key"><b aria-hidden="true" /> {say("noise")}: {short(noise)} {judged[0].unit}</p>}
+      {noise !== null && <p class="noise-key"><b aria-hidden="true" /> {say("noise")}: {amount(noise, judged[0].unit ?? "")}</p>}
       {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
     </div>
   );

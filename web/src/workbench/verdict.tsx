@@ -1,9 +1,10 @@
 import { Formula } from "../formula";
 import type { Effect, ExplainResult } from "../types";
-import { short, type Units } from "../units";
+import { amount, type Units } from "../units";
 import { useWords } from "../words";
 import { Experiment } from "./experiment";
 import { AsPrinted } from "./parts";
+import { rangeWords } from "./region";
 import { Remainder } from "./remainder";
 
 interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: string; choose: (effect: string) => void }
@@ -14,20 +15,20 @@ export function Verdict({ explain, effects, units, problem, choose }: Props) {
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
-  const errors = { before: `${short(explain.base.rms_holdout)} ${unit}`, after: `${short(explain.final.rms_holdout)} ${unit}`, noise: `${short(explain.noise_floor)} ${unit}` };
+  const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: amount(explain.noise_floor, unit) };
   const swap = explain.swap;
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
       <p class="headline" data-verdict={explain.verdict}>{say(explain.verdict)}</p>
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
-      {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{explain.located[0].signal} {short(explain.located[0].from)} … {short(explain.located[0].to)} {explain.located[0].unit}</strong></p>}
+      {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.doubt && <p>{say("partial", { why: "" }).replace(/[.:]?\s*\.?$/, ": ")}<span lang="en">{explain.doubt}</span></p>}
       {explain.relatives?.map((relative) => <p key={relative.effect} lang="en">{relative.sentence}</p>)}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<span lang="en">{text}</span></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("oddStrokes", { strokes: odd.strokes.join(", ") })}</p>)}
-      {swap && <p>{say(swap.in.length > 0 ? "swap" : "swapOut", { out: swap.out, in: swap.in.join(" + "), before: `${short(swap.rms_holdout_before)} ${unit}`, after: `${short(swap.rms_holdout_after)} ${unit}` })}</p>}
+      {swap && <p>{say(swap.in.length > 0 ? "swap" : "swapOut", { out: swap.out, in: swap.in.join(" + "), before: amount(swap.rms_holdout_before, unit), after: amount(swap.rms_holdout_after, unit) })}</p>}
       {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul lang="en">{explain.warnings.map((w) => <li key={w}>{w}</li>)}</ul></details>}
       {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}
       <Experiment explain={explain} units={units} />

@@ -10,6 +10,7 @@ import { Logs } from "./logs";
 import { Locate } from "./locate";
 import { Promote } from "./promote";
 import { Ranking } from "./ranking";
+import { useRegionErrors } from "./region";
 import { Staircase } from "./staircase";
 import { Verdict } from "./verdict";
 
@@ -38,6 +39,7 @@ export function Workbench({ session }: { session: Session }) {
   const choose = (effect: string) => setUrl({ effect, step: "add" });
   const kind = step === "check" ? "check" : step === "add" ? "explain" : "compare";
   const problem = failed[kind];
+  const errors = useRegionErrors(query.region, session.machine!.version, `${results.compare !== undefined} ${results.explain !== undefined}`);
   return (
     <div class="workbench">
       <Stepper step={step} go={(name) => setUrl({ step: name })} />
@@ -45,15 +47,15 @@ export function Workbench({ session }: { session: Session }) {
       <section class="centre" aria-live="polite">
         {problem ? <p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p>
           : step === "check" ? <Check check={results.check} picture={results.picture} session={session} />
-          : step === "compare" ? <Compare compare={results.compare} session={session} query={query} setUrl={setUrl} />
-          : step === "locate" ? <Locate compare={results.compare} query={query} setUrl={setUrl} />
-          : step === "add" ? <AddEffect id={query.effect ?? results.explain?.set[0] ?? ""} session={session} effects={effects} explain={results.explain} />
-          : step === "confirm" ? <Confirm session={session} query={query} setUrl={setUrl} />
+          : step === "compare" ? <Compare compare={results.compare} errors={errors} session={session} query={query} setUrl={setUrl} />
+          : step === "locate" ? <Locate compare={results.compare} errors={errors} query={query} setUrl={setUrl} />
+          : step === "add" ? <AddEffect id={query.effect ?? results.explain?.set[0] ?? ""} session={session} effects={effects} explain={results.explain} compare={results.compare} />
+          : step === "confirm" ? <Confirm compare={results.compare} session={session} query={query} setUrl={setUrl} />
           : <Promote session={session} />}
       </section>
       <aside class="right">
         <Verdict explain={results.explain} effects={effects} units={session.units} problem={failed.explain} choose={choose} />
-        {results.explain && <Ranking explain={results.explain} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
+        {results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
       </aside>
     </div>
   );

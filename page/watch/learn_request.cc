@@ -1,0 +1,23 @@
+#include "page/watch/learn_request.h"
+
+#include "page/json_arguments.h"
+
+namespace hydroscope {
+
+Result<LearnRequest> ParseLearnRequest(const std::string& body) {
+  const auto strokes = ParseStrokeStretch(body);
+  if (!strokes) return tl::unexpected(strokes.error());
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  const auto only_look = FlagOf(*json, "only_look"), insist = FlagOf(*json, "insist");
+  for (const auto* flag : {&only_look, &insist})
+    if (!*flag) return tl::unexpected(flag->error());
+  const auto user = TextOf(*json, "user"), comment = TextOf(*json, "comment", kLongestComment);
+  for (const auto* text : {&user, &comment})
+    if (!*text) return tl::unexpected(text->error());
+  if (*insist && comment->find_first_not_of(" \t\n") == std::string::npos)
+    return BadInput("comment: expected why these strokes are learned in spite of what speaks against them");
+  return LearnRequest{*strokes, *only_look, *insist, *user, *comment};
+}
+
+}  // namespace hydroscope

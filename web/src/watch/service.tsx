@@ -1,0 +1,80 @@
+import { useEffect, useState } from "preact/hooks";
+import type { ComponentChildren } from "preact";
+import { find } from "../api";
+import { amount, short } from "../units";
+import { useWords } from "../words";
+import { Scroll } from "../workbench/parts";
+import { dateText } from "./shown";
+import type { Overview, ServiceStatus } from "./watch_types";
+
+const lookAgain = 2000;  // ms
+
+/** What the running service tells of itself, asked for every few seconds while one looks. */
+function useService(): ServiceStatus | null | undefined {
+  const [service, setService] = useState<ServiceStatus | null | undefined>(undefined);
+  useEffect(() => {
+    let gone = false;
+    const look = () => void find<{ service: ServiceStatus | null }>("watch/service").then((found) => { if (!gone) setService(found?.service ?? null); }).catch(() => {});
+    look();
+    const again = setInterval(look, lookAgain);
+    return () => { gone = true; clearInterval(again); };
+  }, []);
+  return service;
+}
+
+const age = (seconds: number | null) => (seconds === null ? "–" : seconds < 100 ? `${short(seconds, 2)} s` : seconds < 6000 ? `${short(seconds / 60, 2)} min` : `${short(seconds / 3600, 3)} h`);
+const megabytes = (bytes: number) => `${short(bytes / 2 ** 20)} MB`;
+/** Names of units as machine files have them, as people read them. */
+const si: Record<string, [number, number, string]> = { Pa: [1e-5, 0, "bar"], m: [1e3, 0, "mm"], "m/s": [1e3, 0, "mm/s"], m3: [1e3, 0, "l"], "m3/s": [6e4, 0, "l/min"], K: [1, -273.15, "°C"] };
+const value = (number: number | null, unit: string) => { const [factor, offset, name] = si[unit] ?? [1, 0, unit]; return amount(number === null ? null : number * factor + offset, name, 4); };
+
+function Table({ title, heads, rows }: { title: string; heads: string[]; rows: ComponentChildren[][] }) {
+  if (rows.length === 0) return null;
+  return (
+    <section><h2>{title}</h2>
+      <Scroll label={title}><table>
+        <thead><tr>{heads.map((head) => <th key={head} scope="col">{head}</th>)}</tr></thead>
+        <tbody>{rows.map((row, k) => <tr key={k}>{row.map((cell, c) => (c === 0 ? <th key={c} scope="row">{cell}</th> : <td key={c}>{cell}</td>))}</tr>)}</tbody>
+      </table></Scroll></section>
+  );
+}
+
+/** Sources, rates, queues, disk and log of the service that writes the database. */
+export function Service({ overview }: { overview: Overview }) {
+  const say = useWords();
+  const service = useService();
+  if (service === undefined) return <p class="empty" role="status">{say("loading")}</p>;
+  if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code>hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
+  const { writer, inbox } = service;
+  const problems = [writer.problem, writer.begun_anew, service.drift.problem].filter((text) => text !== "");
+  const mark = (fine: boolean) => <span class={fine ? "" : "moved"}>{fine ? "✓ " : "✗ "}</span>;
+  const lost = inbox.dropped_batches + writer.dropped_rows + writer.dropped_strokes;
+  return (
+    <section class="service" data-state={service.state}>
+      <h1>{say("view_service")}</h1>
+      <p>{service.machine} · <span lang="en">{service.state}</span> · {say("serviceUp", { time: age(service.uptime_s) })}</p>
+      {problems.map((text) => <p key={text} class="problem" role="alert" lang="en">{text}</p>)}
+      <dl class="facts">
+        <div><dt>{say("serviceWriter")}</dt><dd><span lang="en">{writer.state}</span> · {say("serviceStored", { strokes: writer.strokes, rows: writer.rows })}</dd></div>
+        <div><dt>{say("serviceLatency")}</dt><dd>{writer.latency_max_s > 0 ? `${short(1e3 * writer.latency_p50_s)} ms p50, ${short(1e3 * writer.latency_p99_s)} ms p99` : "–"}</dd></div>
+        <div><dt>{say("serviceQueues")}</dt><dd>{say("serviceWaiting", { batches: inbox.batches, steps: writer.waiting_items, bytes: megabytes(writer.waiting_bytes) })}</dd></div>
+        <div><dt>{say("serviceLost")}</dt><dd class={lost > 0 ? "moved" : ""}>{say("serviceLostWhat", { batches: inbox.dropped_batches, rows: writer.dropped_rows, strokes: writer.dropped_strokes })}</dd></div>
+        <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: megabytes(writer.free_bytes), database: megabytes(writer.database_bytes) })}</dd></div>
+        <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {megabytes(service.memory_bytes)}, {service.descriptors} fd</dd></div>
+        {service.valve_check && <div><dt>{say("valveChecks")}</dt><dd lang="en">{service.valve_check}</dd></div>}
+        {service.limits && <div><dt>{say("serviceReload")}</dt><dd lang="en">{service.limits}</dd></div>}
+      </dl>
+      <Table title={say("serviceSources")} heads={[say("serviceSource"), say("alarm_state"), say("serviceAge"), say("serviceRows"), say("serviceLost"), say("serviceReconnects"), say("serviceMalformed")]}
+        rows={service.sources.map((s) => [s.name, <>{mark(s.connected)}<span lang="en">{s.state}</span></>, age(s.age_s), s.rows, s.lost_rows, s.reconnects, s.malformed])} />
+      <Table title={say("serviceChannels")} heads={[say("signalShown"), say("serviceRate"), say("serviceAge"), say("tagNow"), say("serviceNoise")]}
+        rows={service.channels.map((c) => [c.name, `${short(c.rate_hz)} Hz`, <span class={c.stale ? "moved" : ""}>{age(c.age_s)}</span>, value(c.value, c.unit), c.noise_std === null ? "–" : short(c.noise_std * (si[c.unit]?.[0] ?? 1), 2)])} />
+      <Table title={say("serviceAxes")} heads={[say("alarm_axis"), say("experimentStrokes"), say("serviceMissing"), say("serviceLate"), say("serviceGaps")]}
+        rows={service.axes.map((a) => [a.name, a.strokes, a.counters.missing_rows, a.counters.late_rows, a.counters.gaps])} />
+      <Table title={say("links")} heads={[say("links"), say("alarm_state"), say("clients"), say("behind")]}
+        rows={service.feeds.map((f) => [f.name, <>{mark(f.connected)}<span lang="en">{f.state}</span></>, f.clients, f.behind])} />
+      {service.log && service.log.length > 0 && <section><h2>{say("serviceLog")}</h2>
+        <Scroll label={say("serviceLog")}><table class="log"><tbody>{[...service.log].reverse().map((line, k) => (
+          <tr key={k} class={line.level === "info" ? "" : "moved"}><td>{dateText(line.wall_s)}</td><td lang="en">{line.level}</td><td lang="en" class="code">{line.text}</td></tr>))}</tbody></table></Scroll></section>}
+    </section>
+  );
+}
