@@ -7,6 +7,7 @@
 #include "acquisition/aligner_axis.h"
 #include "core/bytes.h"
 #include "core/units.h"
+#include "models/source_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -34,8 +35,17 @@ SampleBatch OnlyColumns(const SampleBatch& batch, const std::vector<std::size_t>
 AlignerOptions AlignerOptions::For(const Machine& machine) {
   AlignerOptions options;
   if (!machine.live) return options;
-  if (machine.live->modbus) options.held_period = machine.live->modbus->poll_period;
-  options.host_clock = !machine.live->dds && !(machine.live->modbus && machine.live->modbus->ring);
+  options.host_clock = true;
+  double slowest = 0;
+  for (const SignalSpec& signal : machine.signals) {
+    if (!signal.origin) continue;
+    const Delivery delivery = DeliveryOf(machine, signal);
+    if (delivery.streamed)
+      options.host_clock = false;
+    else
+      slowest = std::max(slowest, delivery.period);
+  }
+  if (slowest > 0) options.held_period = slowest;
   return options;
 }
 

@@ -23,7 +23,7 @@ inline Machine TwoAxes() {
     machine.signals.back().name = name;
     machine.signals.back().unit = unit;
   }
-  machine.live = LiveSpec{.grid_period = 1e-3, .axes = {"a", "b"}, .dds = DdsSpec{}, .modbus = {}};
+  machine.live = LiveSpec{.grid_period = 1e-3, .axes = {"a", "b"}, .sources = {}};
   return machine;
 }
 

@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "acquisition/dds/dds_source.h"
 #include "cli/simulate_serve.h"
 #include "core/units.h"
 #include "host/output.h"
@@ -55,7 +56,8 @@ class LogSender {
   static Result<LogSender> Open(const SentLog& wanted) {
     const auto machine = LoadMachine(wanted.machine);
     if (!machine) return tl::unexpected(machine.error());
-    if (!machine->live || !machine->live->dds)
+    const auto* dds = machine->Source<DdsSpec>();
+    if (dds == nullptr)
       return BadInput("{}: a log is sent by DDS, and the file has no section [live.dds] that says where",
                       wanted.machine);
     const auto axis = AxisNamed(*machine, wanted.axis);
@@ -65,15 +67,15 @@ class LogSender {
     auto reader = OpenLog(wanted.log, *sender.machine_);
     if (!reader) return tl::unexpected(reader.error());
     sender.reader_ = std::move(*reader);
-    SamplePublisher::Options options{.network = NetworkOf(*machine->live->dds),
-                                     .topic = machine->live->dds->topic,
+    SamplePublisher::Options options{.network = NetworkOf(*dds),
+                                     .topic = dds->topic,
                                      .session = static_cast<std::uint64_t>(RealTime().wall_ns / 1'000'000),
                                      .channels = {},
                                      .units = {},
                                      .name = "recorded log"};
     for (std::size_t s = 0; s < machine->signals.size(); ++s) {
       const SignalSpec& spec = machine->signals[s];
-      if (spec.dds.empty() || spec.column.empty()) {
+      if (spec.From<DdsOrigin>() == nullptr || spec.column.empty()) {
         sender.left_out_.push_back(spec.name);
         continue;
       }

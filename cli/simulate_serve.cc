@@ -9,6 +9,8 @@
 #include <iostream>
 #include <thread>
 
+#include "acquisition/dds/dds_source.h"
+#include "acquisition/modbus/settings.h"
 #include "cli/live_command.h"
 #include "host/signals.h"
 #include "simulator/die_cushion/press_map.h"
@@ -104,18 +106,11 @@ std::string Announcement(const PressServer::Options& o) {
 
 }  // namespace
 
-DdsNetwork NetworkOf(const DdsSpec& dds) {
-  return {.domain = dds.domain,
-          .udp = dds.transport != DdsTransport::kSharedMemory,
-          .shared_memory = dds.transport != DdsTransport::kUdp,
-          .interfaces = dds.interfaces,
-          .peers = dds.peers,
-          .security = dds.security};
-}
-
 Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const PressOptions& press,
                                           const Machine& machine) {
-  if (!machine.live || (!machine.live->dds && !machine.live->modbus))
+  const auto* dds = machine.Source<DdsSpec>();
+  const auto* modbus = machine.Source<ModbusSpec>();
+  if (dds == nullptr && modbus == nullptr)
     return BadInput(
         "{}: a machine that is served needs a section [live] with [live.dds], [live.modbus] or both",
         arguments.machine);
@@ -126,14 +121,14 @@ Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const Pr
   if (arguments.axes != 0 || !live.axes.empty()) options.axes = AxisNames(machine, options.press.axes);
   options.speed = arguments.speed;
   options.clock_drift = arguments.clock_drift * 1e-6;
-  if (live.dds) {
-    options.topic = live.dds->topic;
-    options.dds = NetworkOf(*live.dds);
+  if (dds != nullptr) {
+    options.topic = dds->topic;
+    options.dds = NetworkOf(*dds);
   }
-  if (live.modbus) {
-    options.modbus = {.host = live.modbus->host, .port = live.modbus->port, .order = live.modbus->order};
-    if (live.modbus->ring)
-      if (const Status status = CheckRing(*live.modbus->ring, options); !status)
+  if (modbus != nullptr) {
+    options.modbus = {.host = modbus->host, .port = modbus->port, .order = modbus->order};
+    if (modbus->ring)
+      if (const Status status = CheckRing(*modbus->ring, options); !status)
         return tl::unexpected(status.error());
   }
   return options;

@@ -22,9 +22,6 @@ struct ServedPress {
 Result<PressServer::Options> ServeOptions(const ServedPress& arguments, const PressOptions& press,
                                           const Machine& machine);
 
-/// Where a machine file says that its samples are sent.
-DdsNetwork NetworkOf(const DdsSpec& dds);
-
 /// Serves until `press.seconds` are over, SIGINT, SIGTERM or the line "quit"; reads commands line by line
 /// from stdin and answers each on stdout with "ok ..." or "error ...".
 Status ServePress(const ServedPress& arguments, PressOptions press);

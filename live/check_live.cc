@@ -10,6 +10,7 @@
 #include "core/printable.h"
 #include "core/units.h"
 #include "live/inbox.h"
+#include "models/source_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -36,13 +37,10 @@ std::string Shown(double value, const std::string& si) {
 }
 
 void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows, CheckedChannel& channel) {
-  const bool fast = !spec.dds.empty() || (spec.modbus && spec.modbus->in_ring);
-  const double wanted = fast ? 1 / machine.live->grid_period
-                             : (machine.live->modbus ? 1 / machine.live->modbus->poll_period : 1.0);
+  const Delivery delivery = DeliveryOf(machine, spec);
+  const double wanted = 1 / (delivery.streamed ? machine.live->grid_period : delivery.period);
   if (!std::isfinite(channel.age)) {
-    channel.hints.push_back(
-        fast ? "nothing came: is the sender running, are topic, domain, interfaces and the name right?"
-             : "nothing came: are host, port, unit and register right?");
+    channel.hints.push_back(fmt::format("nothing came: {}", FindSourceKind(spec.origin->part())->silent));
     return;
   }
   if (channel.rate < 0.9 * wanted || channel.rate > 1.1 * wanted)
@@ -55,7 +53,7 @@ void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows,
     channel.hints.push_back(fmt::format(
         "{:.0f} % of its values are flagged: check unit, scale, min and max",
         100.0 * static_cast<double>(channel.flagged) / static_cast<double>(std::max<std::int64_t>(1, rows))));
-  if (fast && channel.min == channel.max)
+  if (delivery.streamed && channel.min == channel.max)
     channel.hints.push_back(
         "it never changed: a dead sensor, a wrong register, or the machine is switched off");
   const std::string si(channel.unit);
@@ -65,7 +63,7 @@ void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows,
   if (si == "Pa" && channel.max > 1e8)
     channel.hints.push_back(
         fmt::format("{:.0f} bar is beyond hydraulics: check the unit", channel.max * 1e-5));
-  if (si == "Pa" && fast && channel.max < 1e4 && channel.max > 0)
+  if (si == "Pa" && delivery.streamed && channel.max < 1e4 && channel.max > 0)
     channel.hints.push_back("it stays below 0.1 bar: check the unit");
 }
 
@@ -121,7 +119,7 @@ Result<LiveCheck> CheckLive(const Machine& machine, double seconds, const LiveSe
     const auto signal = static_cast<std::size_t>(live.signal);
     const std::size_t index = static_cast<std::size_t>(live.axis) * signals + signal;
     const SignalSpec& spec = machine.signals[signal];
-    if (spec.dds.empty() && !spec.modbus) continue;
+    if (!spec.origin) continue;
     const ChannelState& state = aligner.channels()[index];
     const ChannelQuality& seen = monitors[static_cast<std::size_t>(live.axis)].channels()[signal];
     const Range& range = ranges[index];

@@ -13,6 +13,7 @@
 #include "core/units.h"
 #include "live/log.h"
 #include "models/model_structure.h"
+#include "models/source_kind.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 constexpr double kRound = 0.005;         ///< s the pipeline's thread waits for batches
 constexpr double kStatusPeriod = 1.0;    ///< s
+constexpr double kStreamPeriod = 0.1;    ///< s within which rows of a stream come
 constexpr double kRatePeriod = 2.0;      ///< s
 constexpr double kDrainPatience = 10.0;  ///< s
 constexpr int kStepsPerRound = 8;  ///< without a stroke: 2 ms of packing that strokes may have to wait for
@@ -371,7 +373,7 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
   for (std::size_t c = 0; c < states.size(); ++c) {
     const LiveChannel& live = live_channels_[c];
     const SignalSpec& spec = model_->machine.signals[static_cast<std::size_t>(live.signal)];
-    if (spec.dds.empty() && !spec.modbus) continue;
+    if (!spec.origin) continue;
     const ChannelQuality& seen = axes_[static_cast<std::size_t>(live.axis)]
                                      ->pipeline->channels()[static_cast<std::size_t>(live.signal)];
     ChannelStatus channel;
@@ -384,8 +386,8 @@ std::vector<ChannelStatus> LiveService::Channels(std::int64_t now) {
     channel.value = states[c].last_value;
     channel.noise_std = seen.noise_std;
     for (const std::int64_t count : seen.flagged) channel.flagged += count;
-    const double period =
-        spec.modbus && !spec.modbus->in_ring ? model_->machine.live->modbus->poll_period : 0.1;
+    const Delivery delivery = DeliveryOf(model_->machine, spec);
+    const double period = delivery.streamed ? kStreamPeriod : delivery.period;
     channel.stale = !(channel.age <= 2 * period);
     channel.senders = aligner_->senders_of(c, now);
     channels.push_back(std::move(channel));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "acquisition/modbus/settings.h"
 #include "core/constants.h"
 #include "estimation/frequency_response/frequency_response.h"
 #include "live/log.h"
@@ -116,7 +117,8 @@ void ValveChecks::Stop() {
 }
 
 Status ValveChecks::Request(const std::string& axis) {
-  if (!machine_.live->modbus || !machine_.live->modbus->sweep)
+  const auto* modbus = machine_.Source<ModbusSpec>();
+  if (modbus == nullptr || !modbus->sweep)
     return BadInput("the machine file has no [live.modbus] sweep, so the controller cannot be asked");
   for (int a = 0; a < AxisCount(machine_); ++a) {
     const std::string name = AxisMachineName(machine_, a);
@@ -188,8 +190,9 @@ void ValveChecks::Check(int axis) {
 /// Asks and follows the controller's word until it is final; kUndecided: it gave none.
 SweepStatus ValveChecks::Ask(int axis, double& begin) {
   problem_ = "the machine file has no [live.modbus] sweep";
-  if (!machine_.live->modbus || !machine_.live->modbus->sweep) return SweepStatus::kUndecided;
-  ValveRequest request(*machine_.live->modbus);
+  const auto* modbus = machine_.Source<ModbusSpec>();
+  if (modbus == nullptr || !modbus->sweep) return SweepStatus::kUndecided;
+  ValveRequest request(*modbus);
   {
     std::lock_guard lock(mutex_);
     recording_ = axis;

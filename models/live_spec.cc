@@ -19,14 +19,6 @@ std::string AxisName(const Machine& machine, int axis) {
   return machine.live->axes[static_cast<std::size_t>(axis)];
 }
 
-/// The text with the axis's name in each place for it.
-std::string WithAxis(std::string text, const std::string& axis) {
-  for (std::size_t at = text.find(kAxisPlace); at != std::string::npos;
-       at = text.find(kAxisPlace, at + axis.size()))
-    text.replace(at, kAxisPlace.size(), axis);
-  return text;
-}
-
 }  // namespace
 
 int AxisCount(const Machine& machine) {
@@ -50,16 +42,19 @@ std::vector<LiveChannel> LiveChannels(const Machine& machine) {
   return channels;
 }
 
-std::string DdsChannelName(const Machine& machine, int signal, int axis) {
-  return WithAxis(machine.signals[static_cast<std::size_t>(signal)].dds, AxisName(machine, axis));
+std::string WithAxis(std::string text, const Machine& machine, int axis) {
+  const std::string name = AxisName(machine, axis);
+  for (std::size_t at = text.find(kAxisPlace); at != std::string::npos;
+       at = text.find(kAxisPlace, at + name.size()))
+    text.replace(at, kAxisPlace.size(), name);
+  return text;
 }
 
 Machine MachineOfAxis(const Machine& machine, int axis) {
-  const std::string name = AxisName(machine, axis);
   Machine own = machine;
   own.name = AxisMachineName(machine, axis);
-  if (!name.empty())
-    for (SignalSpec& signal : own.signals) signal.column = WithAxis(signal.column, name);
+  if (HasNamedAxes(machine))
+    for (SignalSpec& signal : own.signals) signal.column = WithAxis(signal.column, machine, axis);
   return own;
 }
 

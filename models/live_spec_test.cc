@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "acquisition/dds/settings.h"
+#include "acquisition/modbus/settings.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -58,12 +60,12 @@ TEST(LiveSpec, SaysWhereEverySignalOfEveryAxisComesFrom) {
   EXPECT_EQ(AxisCount(press), 2);
   EXPECT_EQ(AxisMachineName(press, 1), "live/right");
   EXPECT_EQ(DdsChannelName(press, press.SignalIndex("z"), 1), "right/z");
-  EXPECT_EQ(press.live->dds->domain, 7);
-  const ModbusOrigin& pressure = *press.signals[2].modbus;
+  EXPECT_EQ(press.Source<DdsSpec>()->domain, 7);
+  const ModbusOrigin& pressure = *press.signals[2].From<ModbusOrigin>();
   EXPECT_EQ(pressure.address, 30);
   EXPECT_EQ(pressure.type, RegisterType::kInt16);
   EXPECT_EQ(pressure.order, WordOrder::kCdab);
-  EXPECT_TRUE(press.signals[1].modbus->in_ring);
+  EXPECT_TRUE(press.signals[1].From<ModbusOrigin>()->in_ring);
 }
 
 TEST(LiveSpec, ChannelsAreCountedAxisByAxis) {

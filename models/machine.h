@@ -7,9 +7,9 @@
 
 #include "core/result.h"
 #include "models/condition.h"
-#include "models/feeds_spec.h"
 #include "models/live_spec.h"
 #include "models/model_history.h"
+#include "models/part_settings.h"
 #include "models/states_spec.h"
 
 namespace hydroscope {
@@ -26,9 +26,13 @@ struct SignalSpec {
   std::optional<double> noise_std;  ///< SI; known sensor noise; estimated from the data if absent
   double stuck_time = 0.1;          ///< s; the very same reading for longer is flagged stuck; 0 = never
   bool required = true;  ///< a log without the column is an error (true) or the signal is missing (false)
-  std::string dds;       ///< live: name of the DDS channel, "{axis}" stands for the axis; "" = not from DDS
-  std::optional<ModbusOrigin> modbus;  ///< live: from registers of a controller
+  std::optional<PartSettings> origin;  ///< where it comes from live; absent: only from logs
 
+  /// Where it comes from, if that is a place of this kind (acquisition/<source>/settings.h); else nullptr.
+  template <typename Origin>
+  const Origin* From() const {
+    return origin ? origin->As<Origin>() : nullptr;
+  }
   bool operator==(const SignalSpec&) const = default;
 };
 
@@ -214,8 +218,13 @@ struct Machine {
   int model_version = 1;
   std::vector<ModelRecord> model_history;  ///< what the versions of the model achieved, oldest first
   std::optional<LiveSpec> live;            ///< how the machine is watched live; absent: only logs are read
-  std::optional<FeedsSpec> feeds;          ///< whom `serve` tells; absent: nobody
+  std::optional<PartsSpec> feeds;          ///< whom `serve` tells; absent: nobody
 
+  /// Settings of a live source; nullptr if the file does not ask for it.
+  template <typename Settings>
+  const Settings* Source() const {
+    return live ? live->sources.Of<Settings>() : nullptr;
+  }
   /// Index of a signal, -1 if the machine has none of that name.
   int SignalIndex(std::string_view signal_name) const;
   /// Geometry value or nullopt.

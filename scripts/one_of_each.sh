@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Adds an effect, a kind of machine, a command, a log format and a feed to a copy of the sources, compiles what was touched, and
-# prints the files and lines that each took. Fails where one of them takes more than docs/architecture.md says.
+# Adds an effect, a kind of machine, a command, a log format, a feed and a source to a copy of the sources, compiles what was
+# touched, and prints the files and lines that each took. Fails where one of them takes more than docs/architecture.md says.
 # Usage: scripts/one_of_each.sh [compiler]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -81,3 +81,26 @@ std::unique_ptr<Feed> MakeOpcuaFeed(const FeedContext& context) {
 FEED
 sed -i 's/^  _(Sparkplug)/  _(Opcua) \\\n  _(Sparkplug)/' alarms/feeds/list.h
 judge "feed" 1 alarms/feeds/opcua/settings.cc alarms/feeds/opcua/opcua_feed.cc alarms/feeds/sections.cc alarms/feeds/feeds.cc
+
+mkdir acquisition/opcua
+for file in settings.h settings.cc; do
+  renamed Modbus Opcua acquisition/modbus/$file | sed 's/modbus/opcua/g' > acquisition/opcua/$file
+done
+cat > acquisition/opcua/opcua_source.cc <<'SOURCE'
+#include "acquisition/list.h"
+#include "acquisition/opcua/settings.h"
+namespace hydroscope {
+std::vector<std::unique_ptr<Source>> MakeOpcuaSources(const Machine& machine, const Clock&, std::uint64_t) {
+  class OpcuaSource : public Source {
+    Status Start(Sink) override { return {}; }
+    SourceStatus status() const override { return {.name = "opcua", .state = "not yet written"}; }
+    void Stop() override {}
+  };
+  std::vector<std::unique_ptr<Source>> sources;
+  if (machine.Source<OpcuaSpec>() != nullptr) sources.push_back(std::make_unique<OpcuaSource>());
+  return sources;
+}
+}  // namespace hydroscope
+SOURCE
+sed -i 's/^  _(Modbus)/  _(Opcua) \\\n  _(Modbus)/' acquisition/list.h
+judge "source" 1 acquisition/opcua/settings.cc acquisition/opcua/opcua_source.cc acquisition/source_kinds.cc acquisition/live_sources.cc

@@ -49,7 +49,7 @@ class FeedTest : public testing::Test {
   }
 
   /// A press with axes "left" and "right" and these feeds.
-  static Machine Press(FeedsSpec feeds) {
+  static Machine Press(PartsSpec feeds) {
     Machine machine;
     machine.name = "press";
     machine.live.emplace().axes = {"left", "right"};

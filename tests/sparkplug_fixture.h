@@ -36,7 +36,7 @@ class SparkplugFeedTest : public FeedTest {
   }
   void StartFeed() { StartFeed(Spec()); }
   void StartFeed(SparkplugFeedSpec spec) {
-    FeedsSpec feeds;
+    PartsSpec feeds;
     feeds.Add(std::move(spec));
     feeds_.reset();
     feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime));

@@ -18,6 +18,7 @@
 
 #include "acquisition/batch_assembler.h"
 #include "acquisition/dds/messages.h"
+#include "acquisition/list.h"
 #include "dds/participant.h"
 #include "models/ipv4_range.h"
 
@@ -29,15 +30,6 @@ using eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr double kLongestDeaf = 60;  // s between two rebuilds
 constexpr std::size_t kSendersKept = 64;
-
-DdsNetwork NetworkOf(const DdsSpec& spec, bool shared_memory) {
-  return {.domain = spec.domain,
-          .udp = spec.transport != DdsTransport::kSharedMemory,
-          .shared_memory = shared_memory && spec.transport != DdsTransport::kUdp,
-          .interfaces = spec.interfaces,
-          .peers = spec.peers,
-          .security = spec.security};
-}
 
 /// What the library's threads and the watchdog share.
 class Receiver {
@@ -212,7 +204,9 @@ class Subscription {
  public:
   static Result<std::unique_ptr<Subscription>> Create(const DdsSpec& spec, bool shared_memory,
                                                       Receiver& receiver) {
-    auto participant = DdsParticipant::Create(NetworkOf(spec, shared_memory), "hydroscope");
+    DdsNetwork network = NetworkOf(spec);
+    network.shared_memory = network.shared_memory && shared_memory;
+    auto participant = DdsParticipant::Create(network, "hydroscope");
     if (!participant) return tl::unexpected(participant.error());
     receiver.BeginAnew(participant->get());
     auto made = std::unique_ptr<Subscription>(new Subscription(std::move(*participant), receiver));
@@ -329,9 +323,18 @@ class DdsSource : public Source {
 
 }  // namespace
 
+DdsNetwork NetworkOf(const DdsSpec& spec) {
+  return {.domain = spec.domain,
+          .udp = spec.transport != DdsTransport::kSharedMemory,
+          .shared_memory = spec.transport != DdsTransport::kUdp,
+          .interfaces = spec.interfaces,
+          .peers = spec.peers,
+          .security = spec.security};
+}
+
 DdsSourceOptions DdsOptionsFor(const Machine& machine) {
   DdsSourceOptions options;
-  if (machine.live && machine.live->dds) options.spec = *machine.live->dds;
+  if (const auto* spec = machine.Source<DdsSpec>()) options.spec = *spec;
   for (const LiveChannel& channel : LiveChannels(machine))
     options.wanted.push_back(DdsChannelName(machine, channel.signal, channel.axis));
   return options;
@@ -339,6 +342,15 @@ DdsSourceOptions DdsOptionsFor(const Machine& machine) {
 
 std::unique_ptr<Source> MakeDdsSource(DdsSourceOptions options, Clock clock) {
   return std::make_unique<DdsSource>(std::move(options), std::move(clock));
+}
+
+std::vector<std::unique_ptr<Source>> MakeDdsSources(const Machine& machine, const Clock& clock,
+                                                    std::uint64_t) {
+  std::vector<std::unique_ptr<Source>> sources;
+  if (std::any_of(machine.signals.begin(), machine.signals.end(),
+                  [](const SignalSpec& signal) { return signal.From<DdsOrigin>() != nullptr; }))
+    sources.push_back(MakeDdsSource(DdsOptionsFor(machine), clock));
+  return sources;
 }
 
 }  // namespace hydroscope

@@ -2,7 +2,9 @@
 
 #include <memory>
 
+#include "acquisition/dds/settings.h"
 #include "acquisition/source.h"
+#include "dds/participant.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -14,6 +16,9 @@ struct DdsSourceOptions {
   /// begins again with each sender that is found.
   double deaf_after = 1.0;
 };
+/// How the settings find their sender.
+DdsNetwork NetworkOf(const DdsSpec& spec);
+
 /// Settings for the channels of a live machine (LiveChannels).
 DdsSourceOptions DdsOptionsFor(const Machine& machine);
 

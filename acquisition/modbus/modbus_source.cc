@@ -1,7 +1,9 @@
 #include "acquisition/modbus/modbus_source.h"
 
+#include <algorithm>
 #include <array>
 
+#include "acquisition/list.h"
 #include "acquisition/modbus/polling_source.h"
 #include "acquisition/modbus/read_plan.h"
 #include "acquisition/modbus/ring_reader.h"
@@ -18,7 +20,8 @@ std::span<std::uint16_t> First(Registers& registers, int count) {
 class RegisterSource : public PollingSource {
  public:
   RegisterSource(const Machine& machine, Clock clock, std::uint64_t seed)
-      : PollingSource(*machine.live->modbus, machine.live->modbus->poll_period, std::move(clock), seed),
+      : PollingSource(*machine.Source<ModbusSpec>(), machine.Source<ModbusSpec>()->poll_period,
+                      std::move(clock), seed),
         blocks_(PlanReads(machine)) {}
   ~RegisterSource() override { Stop(); }
 
@@ -66,7 +69,8 @@ class RegisterSource : public PollingSource {
 class RingSource : public PollingSource {
  public:
   RingSource(const Machine& machine, Clock clock, std::uint64_t seed)
-      : PollingSource(*machine.live->modbus, machine.live->modbus->ring->poll_period, std::move(clock), seed),
+      : PollingSource(*machine.Source<ModbusSpec>(), machine.Source<ModbusSpec>()->ring->poll_period,
+                      std::move(clock), seed),
         head_(RingReader::Head(*spec_.ring)),
         reader_(*spec_.ring, PlanRing(machine)) {}
   ~RingSource() override { Stop(); }
@@ -127,6 +131,20 @@ std::unique_ptr<Source> MakeModbusRegisterSource(const Machine& machine, Clock c
 
 std::unique_ptr<Source> MakeModbusRingSource(const Machine& machine, Clock clock, std::uint64_t seed) {
   return std::make_unique<RingSource>(machine, std::move(clock), seed);
+}
+
+std::vector<std::unique_ptr<Source>> MakeModbusSources(const Machine& machine, const Clock& clock,
+                                                       std::uint64_t seed) {
+  const auto any = [&](bool in_ring) {
+    return std::any_of(machine.signals.begin(), machine.signals.end(), [&](const SignalSpec& signal) {
+      const auto* origin = signal.From<ModbusOrigin>();
+      return origin != nullptr && origin->in_ring == in_ring;
+    });
+  };
+  std::vector<std::unique_ptr<Source>> sources;
+  if (any(false)) sources.push_back(MakeModbusRegisterSource(machine, clock, seed));
+  if (any(true)) sources.push_back(MakeModbusRingSource(machine, clock, seed + 1));
+  return sources;
 }
 
 }  // namespace hydroscope

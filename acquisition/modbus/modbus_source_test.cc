@@ -97,7 +97,8 @@ TEST_F(IllController, RefusedRegistersAreToldAndTheOthersGoOn) {
   source_->Stop();
   machine_.signals.push_back(machine_.signals[0]);
   machine_.signals[1].name = "y";
-  machine_.signals[1].modbus->address = 65535;  // a float32 needs one more register than there are
+  machine_.signals[1].origin->As<ModbusOrigin>()->address =
+      65535;  // a float32 needs one more register than there are
   source_ = MakeModbusRegisterSource(machine_, RealTime, 1);
   ASSERT_TRUE(source_->Start(sink_.sink()));
   EXPECT_TRUE(sink_.WaitForMore(3));
@@ -131,7 +132,7 @@ TEST_F(IllController, ARequestWithAnUnknownFunctionHoldsUpNoOtherClient) {
 }
 
 TEST_F(IllController, ASweepIsRefusedWhileThePressWorksAndRunsWhileItRests) {
-  ValveRequest request(*machine_.live->modbus);
+  ValveRequest request(*machine_.Source<ModbusSpec>());
   const auto decided = [&] {
     const auto status = request.Poll();
     return status && *status != SweepStatus::kUndecided;
@@ -157,7 +158,7 @@ TEST_F(IllController, ASweepIsRefusedWhileThePressWorksAndRunsWhileItRests) {
 }
 
 TEST_F(IllController, ASweepThatCannotBeAskedForSaysWhy) {
-  ModbusSpec spec = *machine_.live->modbus;
+  ModbusSpec spec = *machine_.Source<ModbusSpec>();
   EXPECT_THAT(ValveRequest(spec).Ask(0, 3).error().text, HasSubstr("amplitude 3"));
   press_.Kill();
   EXPECT_THAT(ValveRequest(spec).Ask(0, 0.05).error().text, HasSubstr("not reached"));

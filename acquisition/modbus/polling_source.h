@@ -8,8 +8,8 @@
 
 #include "acquisition/modbus/link.h"
 #include "acquisition/modbus/retry.h"
+#include "acquisition/modbus/settings.h"
 #include "acquisition/source.h"
-#include "models/live_spec.h"
 
 namespace hydroscope {
 

@@ -18,11 +18,11 @@ struct Item {
 
 std::vector<Item> ItemsOf(const Machine& machine, bool ring) {
   std::vector<Item> items;
-  const ModbusSpec& modbus = *machine.live->modbus;
+  const ModbusSpec& modbus = *machine.Source<ModbusSpec>();
   const auto signals = static_cast<int>(machine.signals.size());
   for (const LiveChannel& channel : LiveChannels(machine)) {
-    const auto& origin = machine.signals[static_cast<std::size_t>(channel.signal)].modbus;
-    if (!origin || origin->in_ring != ring) continue;
+    const auto* origin = machine.signals[static_cast<std::size_t>(channel.signal)].From<ModbusOrigin>();
+    if (origin == nullptr || origin->in_ring != ring) continue;
     const int first = origin->address + origin->stride * channel.axis;
     const auto index = static_cast<std::uint16_t>(channel.axis * signals + channel.signal);
     items.push_back({first,
@@ -45,12 +45,12 @@ void Add(const Item& item, ReadBlock& block) {
 }  // namespace
 
 std::vector<ReadBlock> PlanReads(const Machine& machine) {
-  if (!machine.live || !machine.live->modbus) return {};
+  const auto* modbus = machine.Source<ModbusSpec>();
+  if (modbus == nullptr) return {};
   std::vector<Item> items = ItemsOf(machine, false);
   if (items.empty()) return {};
-  const ModbusSpec& modbus = *machine.live->modbus;
-  if (modbus.heartbeat) items.push_back({*modbus.heartbeat, 1, Meaning::kHeartbeat, {}});
-  if (modbus.time) items.push_back({*modbus.time, 4, Meaning::kTime, {}});
+  if (modbus->heartbeat) items.push_back({*modbus->heartbeat, 1, Meaning::kHeartbeat, {}});
+  if (modbus->time) items.push_back({*modbus->time, 4, Meaning::kTime, {}});
   std::stable_sort(items.begin(), items.end(),
                    [](const Item& a, const Item& b) { return a.first < b.first; });
   std::vector<ReadBlock> blocks;
@@ -70,7 +70,8 @@ std::vector<ReadBlock> PlanReads(const Machine& machine) {
 
 std::vector<PlannedValue> PlanRing(const Machine& machine) {
   std::vector<PlannedValue> values;
-  if (!machine.live || !machine.live->modbus || !machine.live->modbus->ring) return values;
+  const auto* modbus = machine.Source<ModbusSpec>();
+  if (modbus == nullptr || !modbus->ring) return values;
   for (const Item& item : ItemsOf(machine, true)) {
     values.push_back(item.value);
     values.back().offset = kSequenceRegisters + item.first;

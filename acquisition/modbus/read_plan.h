@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "acquisition/modbus/settings.h"
 #include "acquisition/source.h"
 #include "core/registers.h"
 #include "models/machine.h"

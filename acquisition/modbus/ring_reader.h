@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/modbus/read_plan.h"
+#include "acquisition/modbus/settings.h"
 #include "acquisition/sequence_monitor.h"
 #include "acquisition/source.h"
 

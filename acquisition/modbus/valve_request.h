@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "acquisition/modbus/link.h"
+#include "acquisition/modbus/settings.h"
 #include "core/result.h"
-#include "models/live_spec.h"
 
 namespace hydroscope {
 

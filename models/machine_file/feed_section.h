@@ -3,9 +3,9 @@
 #include <span>
 #include <string_view>
 
-#include "models/feeds_spec.h"
 #include "models/machine_file/section_text.h"
 #include "models/machine_file/table.h"
+#include "models/part_settings.h"
 
 namespace hydroscope {
 
@@ -14,8 +14,8 @@ struct FeedSection {
   std::string_view name;
   std::string_view comment;  ///< above the section in files that the program writes
   std::vector<std::string> keys;
-  FeedSettings (*read)(TableReader& section) = nullptr;
-  Pairs (*write)(const FeedSettings& settings) = nullptr;
+  PartSettings (*read)(TableReader& section) = nullptr;
+  Pairs (*write)(const PartSettings& settings) = nullptr;
 };
 
 /// All of them, in the order of files (alarms/feeds/sections.cc).

@@ -8,7 +8,7 @@ namespace hydroscope {
 void ReadFeeds(TableReader& file, Machine& machine) {
   const toml::table* table = file.Table("feeds");
   if (table == nullptr) return;
-  FeedsSpec& feeds = machine.feeds.emplace();
+  PartsSpec& feeds = machine.feeds.emplace();
   TableReader section(*table, "feeds", file.problems());
   section.AllowOnly(MachineFileKeys("feeds"));
   for (const FeedSection* feed : FeedSections())

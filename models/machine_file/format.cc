@@ -12,6 +12,7 @@
 #include "models/machine_file/table.h"
 #include "models/machine_file/toml_text.h"
 #include "models/machine_kind.h"
+#include "models/source_kind.h"
 #include "models/state_names.h"
 
 namespace hydroscope {
@@ -68,19 +69,10 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
                  pairs, notes, "log");
 }
 
-std::string OriginValue(const ModbusOrigin& origin) {
-  Pairs pairs = {{origin.in_ring ? "ring" : "register", Plain(origin.address)}};
-  if (origin.stride != 0) pairs.emplace_back("stride", Plain(origin.stride));
-  pairs.emplace_back("type", Quoted(std::string(kRegisterTypeNames[static_cast<std::size_t>(origin.type)])));
-  if (origin.order) pairs.emplace_back("order", OrderName(*origin.order));
-  return Inline(pairs);
-}
-
 std::string SignalValue(const SignalSpec& signal) {
   const SignalSpec defaults;
-  const bool live = !signal.dds.empty() || signal.modbus;
   Pairs pairs;
-  if (!live || signal.column != signal.name) pairs.emplace_back("column", Quoted(signal.column));
+  if (!signal.origin || signal.column != signal.name) pairs.emplace_back("column", Quoted(signal.column));
   pairs.emplace_back("unit", Quoted(signal.unit));
   if (signal.scale != defaults.scale) pairs.emplace_back("scale", Plain(signal.scale));
   if (signal.offset != defaults.offset) pairs.emplace_back("offset", Plain(signal.offset));
@@ -89,8 +81,9 @@ std::string SignalValue(const SignalSpec& signal) {
   if (signal.noise_std) pairs.emplace_back("noise", NumberIn(*signal.noise_std, signal.unit, true));
   if (signal.stuck_time != defaults.stuck_time) pairs.emplace_back("stuck_time", Plain(signal.stuck_time));
   if (!signal.required) pairs.emplace_back("required", Plain(signal.required));
-  if (!signal.dds.empty()) pairs.emplace_back("dds", Quoted(signal.dds));
-  if (signal.modbus) pairs.emplace_back("modbus", OriginValue(*signal.modbus));
+  if (signal.origin)
+    pairs.emplace_back(signal.origin->part(),
+                       FindSourceKind(signal.origin->part())->write_origin(*signal.origin));
   return Inline(pairs);
 }
 

@@ -1,7 +1,10 @@
 #include "models/machine_file/keys.h"
 
+#include <algorithm>
+
 #include "models/machine_file/feed_section.h"
 #include "models/machine_kind.h"
+#include "models/source_kind.h"
 
 namespace hydroscope {
 namespace {
@@ -14,8 +17,17 @@ std::vector<std::string> ExperimentKeys() {
   return keys;
 }
 
-/// The sections of the feeds added to the others.
-std::vector<MachineSection> WithFeeds(std::vector<MachineSection> sections) {
+MachineSection& Named(std::vector<MachineSection>& sections, std::string_view name) {
+  return *std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.name == name; });
+}
+
+/// The sections of sources and feeds added to the others.
+std::vector<MachineSection> WithParts(std::vector<MachineSection> sections) {
+  for (const SourceKind* source : SourceKinds()) {
+    for (const char* holder : {"live", "signals.<name>"})
+      Named(sections, holder).keys.emplace_back(source->name);
+    sections.insert(sections.end(), source->sections.begin(), source->sections.end());
+  }
   std::vector<std::string> feeds;
   for (const FeedSection* feed : FeedSections()) {
     feeds.emplace_back(feed->name);
@@ -28,7 +40,7 @@ std::vector<MachineSection> WithFeeds(std::vector<MachineSection> sections) {
 }  // namespace
 
 const std::vector<MachineSection>& MachineFileSections() {
-  static const std::vector<MachineSection> sections = WithFeeds({
+  static const std::vector<MachineSection> sections = WithParts({
       {"", {"machine",    "log",           "signals", "geometry", "gate",       "conditions", "window",
             "estimator",  "monitor",       "valve",   "balance",  "effect",     "live",       "feeds",
             "experiment", "model_history", "states",  "outputs",  "parameters", "episodes"}},
@@ -36,9 +48,7 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"log", {"separator", "decimal", "skip_lines", "header", "unit_row", "time", "sample_period", "hold"}},
       {"log.time", {"column", "unit"}},
       {"signals.<name>",
-       {"column", "unit", "scale", "offset", "min", "max", "noise", "stuck_time", "required", "dds",
-        "modbus"}},
-      {"signals.<name>.modbus", {"register", "ring", "stride", "type", "order"}},
+       {"column", "unit", "scale", "offset", "min", "max", "noise", "stuck_time", "required"}},
       {"geometry.<name>", {"value", "std", "unit"}},
       {"gate", {"conditions", "stroke_gap", "min_stroke", "max_stroke"}},
       {"gate.conditions.<signal>", {"min", "max", "unit"}},
@@ -59,15 +69,7 @@ const std::vector<MachineSection>& MachineFileSections() {
       {"episodes", {"seconds", "marker", "shaft"}},
       {"shape.<name>", {"min", "max", "unit"}},
       {"terms.<parameter>", {"expression", "unit"}},
-      {"live", {"grid_period", "axes", "dds", "modbus"}},
-      {"live.dds",
-       {"domain", "topic", "transport", "interfaces", "peers", "backlog", "deadline", "senders", "security"}},
-      {"live.modbus",
-       {"host", "port", "unit", "order", "poll_period", "timeout", "retry_first", "retry_limit", "heartbeat",
-        "time", "ring", "sweep"}},
-      {"live.modbus.ring",
-       {"session", "newest", "time", "first", "records", "width", "period", "poll_period"}},
-      {"live.modbus.sweep", {"coil", "status", "axis", "amplitude"}},
+      {"live", {"grid_period", "axes"}},
       {"model_history",
        {"version", "name", "effects", "source", "strokes", "rms_holdout", "noise_floor", "unit",
         "parameters"}},

@@ -41,8 +41,4 @@ std::string Section(const std::string& header, const std::string& comment, const
   return text + "\n";
 }
 
-std::string OrderName(WordOrder order) {
-  return Quoted(std::string(kWordOrderNames[static_cast<std::size_t>(order)]));
-}
-
 }  // namespace hydroscope

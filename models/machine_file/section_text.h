@@ -32,8 +32,5 @@ std::string Section(const std::string& header, const std::string& comment, const
 /// [live] and [feeds] of a machine, "" where it has none.
 std::string LiveSections(const Machine& machine, const MachineNotes& notes);
 std::string FeedsSections(const Machine& machine, const MachineNotes& notes);
-/// As a file names it, with its quotes.
-std::string TransportName(DdsTransport transport);
-std::string OrderName(WordOrder order);
 
 }  // namespace hydroscope

@@ -78,10 +78,9 @@ void ReadSignal(TableReader& signal, const toml::table& table, const LogFormat& 
   signal.AllowOnly(MachineFileKeys("signals.<name>"));
   if (const toml::node* column = table.get("column"))
     ReadSignalColumn(signal, *column, "column", log, spec.column);
-  ReadSignalOrigin(signal, table, spec);
-  const bool live = !spec.dds.empty() || spec.modbus;
-  if (live && !signal.Has("column")) spec.column = spec.name;
-  if (!live && !signal.Has("column"))
+  ReadSignalOrigin(signal, spec);
+  if (spec.origin && !signal.Has("column")) spec.column = spec.name;
+  if (!spec.origin && !signal.Has("column"))
     signal.Problem("column is missing; write e.g. { column = \"pressure_A\", unit = \"bar\" }");
   signal.UnitName("unit", spec.unit, "");
   signal.Number("scale", spec.scale, {.si = ""});

@@ -33,8 +33,8 @@ void ReadModelHistory(TableReader& file, Machine& machine);
 void ReadEffectValues(TableReader& section, Machine& machine);
 void ReadLive(TableReader& file, Machine& machine);
 void ReadFeeds(TableReader& file, Machine& machine);
-/// `dds` and `modbus` of one signal.
-void ReadSignalOrigin(TableReader& signal, const toml::table& table, SignalSpec& spec);
+/// Where one signal comes from live, by the key of its source.
+void ReadSignalOrigin(TableReader& signal, SignalSpec& spec);
 
 /// Bounds on signals and on their rates: { z = { ... }, "ddt(z)" = { ... },
 /// "abs(ddt(z))" = { ... } }. `path` stands in messages.

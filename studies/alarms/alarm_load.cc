@@ -27,7 +27,7 @@ Machine PressWithFeeds(const AlarmLoadOptions& o) {
   machine.name = "press";
   LiveSpec& live = machine.live.emplace();
   for (int axis = 0; axis < kAlarmAxes; ++axis) live.axes.push_back(AlarmAxis(axis).substr(6));
-  FeedsSpec& feeds = machine.feeds.emplace();
+  PartsSpec& feeds = machine.feeds.emplace();
   feeds.Add<ModbusFeedSpec>().port = 0;
   feeds.Add<SparkplugFeedSpec>().broker = o.broker;
   auto& dds = feeds.Add<DdsFeedSpec>();

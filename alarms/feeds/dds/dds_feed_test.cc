@@ -67,7 +67,7 @@ class Listening {
 class DdsFeedTest : public FeedTest {
  protected:
   void Start() {
-    FeedsSpec feeds;
+    PartsSpec feeds;
     auto& dds = feeds.Add<DdsFeedSpec>();
     dds.domain = OwnDomain();
     dds.topic = "plant";
@@ -127,7 +127,7 @@ TEST_F(DdsFeedTest, ALateReaderGetsThePresentStateOfEveryAlarm) {
 }
 
 TEST_F(DdsFeedTest, AnAddressThatThisComputerDoesNotHaveIsTold) {
-  FeedsSpec spec;
+  PartsSpec spec;
   spec.Add<DdsFeedSpec>().interfaces = {"203.0.113.1"};
   const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return feeds.status()[0].errors > 0; }));

@@ -8,20 +8,19 @@
 namespace hydroscope {
 namespace {
 
-FeedSettings ReadDdsSettings(TableReader& section) {
+PartSettings ReadDdsSettings(TableReader& section) {
   DdsFeedSpec dds;
   section.Integer("domain", dds.domain, 0, 232);
   section.Text("topic", dds.topic);
   if (dds.topic.empty()) section.Wrong("topic", "the beginning of the topics' names, e.g. \"hydroscope\"");
-  if (const auto choice = section.Choice("transport", {"default", "udp", "shm"}))
-    dds.transport = static_cast<DdsTransport>(*choice);
+  ReadTransport(section, dds.transport);
   section.Texts("interfaces", dds.interfaces);
   section.Texts("peers", dds.peers);
   section.Text("security", dds.security);
-  return FeedSettings(dds);
+  return PartSettings(dds);
 }
 
-Pairs WriteDdsSettings(const FeedSettings& settings) {
+Pairs WriteDdsSettings(const PartSettings& settings) {
   const DdsFeedSpec& dds = *settings.As<DdsFeedSpec>();
   return {{"domain", Plain(dds.domain)},
           {"topic", Quoted(dds.topic)},

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "models/live_spec.h"
+#include "models/dds_transport.h"
 
 namespace hydroscope {
 

@@ -65,7 +65,7 @@ class ModbusFeedTest : public FeedTest {
  protected:
   void Start(ModbusFeedSpec spec = {}, std::shared_ptr<const HealthBoard> board = nullptr) {
     spec.port = 0;
-    FeedsSpec feeds;
+    PartsSpec feeds;
     feeds.Add(spec);
     feeds_.reset();
     feeds_.emplace(Feeds::Start(Press(feeds), database(), RealTime, std::move(board)));
@@ -313,7 +313,7 @@ TEST_F(ModbusFeedTest, ClientsThatAreNotAllowedAreClosedAtOnce) {
 
 TEST_F(ModbusFeedTest, APortThatIsTakenIsToldAndTriedAgain) {
   Start();
-  FeedsSpec same;
+  PartsSpec same;
   same.Add<ModbusFeedSpec>().port = port();
   const Feeds second = Feeds::Start(Press(same), database(), RealTime);
   ASSERT_TRUE(WaitUntil([&] { return second.status()[0].errors > 0; }));

@@ -9,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-FeedSettings ReadModbusSettings(TableReader& section) {
+PartSettings ReadModbusSettings(TableReader& section) {
   ModbusFeedSpec modbus;
   section.Text("host", modbus.host);
   const auto host = ParseIpv4Range(modbus.host);
@@ -22,10 +22,10 @@ FeedSettings ReadModbusSettings(TableReader& section) {
   section.Texts("allow", modbus.allow);
   CheckAddressRanges(section, "allow", modbus.allow);
   section.Flag("acknowledge", modbus.acknowledge);
-  return FeedSettings(modbus);
+  return PartSettings(modbus);
 }
 
-Pairs WriteModbusSettings(const FeedSettings& settings) {
+Pairs WriteModbusSettings(const PartSettings& settings) {
   const ModbusFeedSpec& modbus = *settings.As<ModbusFeedSpec>();
   return {{"host", Quoted(modbus.host)},
           {"port", Plain(modbus.port)},

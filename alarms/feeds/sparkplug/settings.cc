@@ -8,7 +8,7 @@
 namespace hydroscope {
 namespace {
 
-FeedSettings ReadSparkplugSettings(TableReader& section) {
+PartSettings ReadSparkplugSettings(TableReader& section) {
   SparkplugFeedSpec sparkplug;
   section.Text("broker", sparkplug.broker);
   if (!sparkplug.broker.starts_with("tcp://") && !sparkplug.broker.starts_with("ssl://"))
@@ -32,10 +32,10 @@ FeedSettings ReadSparkplugSettings(TableReader& section) {
   }
   if (sparkplug.certificate_file.empty() != sparkplug.key_file.empty())
     section.Problem("certificate_file and key_file go together: a certificate and its private key");
-  return FeedSettings(sparkplug);
+  return PartSettings(sparkplug);
 }
 
-Pairs WriteSparkplugSettings(const FeedSettings& settings) {
+Pairs WriteSparkplugSettings(const PartSettings& settings) {
   const SparkplugFeedSpec& sparkplug = *settings.As<SparkplugFeedSpec>();
   Pairs pairs = {{"broker", Quoted(sparkplug.broker)}, {"group", Quoted(sparkplug.group)}};
   const std::pair<const char*, const std::string*> optional[] = {

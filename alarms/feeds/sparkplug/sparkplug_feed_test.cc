@@ -168,7 +168,7 @@ TEST_F(SparkplugFeedTest, AHangingBrokerDelaysNeitherTheJournalNorAnotherFeed) {
   ASSERT_EQ(bind(listening, reinterpret_cast<sockaddr*>(&address), size), 0);
   ASSERT_EQ(listen(listening, 8), 0);
   getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size);
-  FeedsSpec spec;
+  PartsSpec spec;
   spec.Add<ModbusFeedSpec>().port = 0;
   spec.Add<SparkplugFeedSpec>().broker = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
   const Feeds feeds = Feeds::Start(Press(spec), database(), RealTime);

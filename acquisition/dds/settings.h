@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/dds_transport.h"
+
+namespace hydroscope {
+
+struct Machine;
+
+/// How the DDS samples are found; docs/live_protocol.md describes the types.
+struct DdsSpec {
+  static constexpr std::string_view kName = "dds";
+
+  int domain = 0;
+  std::string topic = "hydroscope/samples";         ///< the layout is announced on <topic>/layout
+  DdsTransport transport = DdsTransport::kDefault;  ///< shared memory where possible, else UDP
+  std::vector<std::string> interfaces;              ///< addresses of the network cards used; empty: all
+  std::vector<std::string> peers;    ///< addresses asked where the network carries no multicast
+  bool backlog = false;              ///< also the batches that the sender still holds from before
+  double deadline = 0.25;            ///< s without a batch after which the source is late
+  std::vector<std::string> senders;  ///< computers that may send: addresses and networks; empty: all
+  std::string security;              ///< folder of the certificates of DDS Security; "": without
+
+  bool operator==(const DdsSpec&) const = default;
+};
+
+/// The channel that a signal comes from.
+struct DdsOrigin {
+  static constexpr std::string_view kName = "dds";
+
+  std::string channel;  ///< "{axis}" stands for the axis
+
+  bool operator==(const DdsOrigin&) const = default;
+};
+
+/// The DDS name of a signal for an axis: "{axis}" replaced; "" if it does not come by DDS.
+std::string DdsChannelName(const Machine& machine, int signal, int axis);
+
+}  // namespace hydroscope
