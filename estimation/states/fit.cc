@@ -128,8 +128,9 @@ shooting::Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const E
   return task;
 }
 
-/// Starts: that of the machine file, then draws from the ranges.
-std::vector<Eigen::VectorXd> StartsOf(const shooting::Task& task, const StateFitOptions& options) {
+/// Starts: that of the machine file, then draws from the ranges; `near`: the first of them close to it, each further away.
+std::vector<Eigen::VectorXd> StartsOf(const shooting::Task& task, const StateFitOptions& options,
+                                      bool near = false) {
   const auto count = static_cast<Eigen::Index>(task.scale.size());
   Eigen::VectorXd first(count);
   for (Eigen::Index p = 0; p < count; ++p)
@@ -141,10 +142,11 @@ std::vector<Eigen::VectorXd> StartsOf(const shooting::Task& task, const StateFit
     Eigen::VectorXd drawn = first;
     for (Eigen::Index p = 0; p < count; ++p) {
       const auto at = static_cast<std::size_t>(p);
-      const double share = uniform(random);
-      if (task.scale.ranged(at))
-        drawn[p] = task.scale.FromScaled(
-            at, task.scale.low(at) + share * (task.scale.high(at) - task.scale.low(at)));
+      const double share = uniform(random), reach = near ? (k + 1.0) / options.starts : 1.0;
+      if (!task.scale.ranged(at)) continue;
+      const double anywhere = task.scale.low(at) + share * (task.scale.high(at) - task.scale.low(at));
+      drawn[p] =
+          task.scale.FromScaled(at, reach * anywhere + (1 - reach) * task.scale.ToScaled(at, first[p]));
     }
     starts.push_back(std::move(drawn));
   }
@@ -265,7 +267,8 @@ namespace {
 /// Starts one after the other over a growing horizon, until one leaves no more than white noise or ends where the best did.
 StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   task.noise = WhiteNoise(*task.model, task.episodes, OutputScale(*task.model, task.episodes));
-  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);
+  // One output alone leads astray from far off.
+  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options, !SeesMuch(*task.model));
   double readings = 0;
   for (const Episode& e : task.episodes)
     readings += static_cast<double>(e.rows() / e.mean_rows * task.model->output.rows);

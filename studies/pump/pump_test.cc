@@ -26,6 +26,19 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
 }
 
+TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
+  PumpOptions options = RandomPump(41);
+  options.seconds = 12;
+  const Machine machine = PumpFile(false);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model);
+  const Episode episode = PumpEpisode(SimulatePump(options), machine);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_GT(fit.minima.size(), 1);
+  EXPECT_GT(PumpFit(fit), 98);
+}
+
 TEST(PumpRules, WatchParametersThatThePumpHas) {
   const auto rules = drift::LoadRules(std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/pump_rules.toml");
   ASSERT_TRUE(rules) << rules.error().text;
