@@ -189,6 +189,8 @@ test("healthy strokes are chosen on the trend and learned; those with a leak are
   assert.ok(await page.locator("button[name=learn]").isDisabled(), "who insists says why");
 
   await page.fill("input[name=learn-first]", "0");
+  await page.keyboard.press("Tab");
+  await until(page, () => !/from=/.test(location.hash) && document.querySelector("input[name=learn-first]").value === "0");
   await page.fill("input[name=learn-last]", "99");
   await page.keyboard.press("Tab");
   await until(page, () => /to=100/.test(location.hash) && !/from=/.test(location.hash));
