@@ -6,6 +6,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::string_view kStroke = "stroke";
+constexpr std::string_view kLabel = "aria-label=\"";
 
 bool IsLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
@@ -34,10 +35,12 @@ std::string WithEpisodesCalled(std::string_view word, std::string_view html) {
   std::string out;
   out.reserve(html.size());
   bool in_tag = false;
+  std::size_t label_end = 0;  // what is read aloud is text, too
   for (std::size_t at = 0; at < html.size(); ++at) {
     const char c = html[at];
     if (c == '<' || c == '>') in_tag = c == '<';
-    if (in_tag || !StandsAt(html, at)) {
+    if (in_tag && html.substr(at).starts_with(kLabel)) label_end = html.find('"', at + kLabel.size());
+    if ((in_tag && at >= label_end) || !StandsAt(html, at)) {
       out += c;
       continue;
     }
