@@ -189,6 +189,9 @@ test("healthy strokes are chosen on the trend and learned; those with a leak are
   assert.ok(await page.locator("button[name=learn]").isDisabled(), "who insists says why");
 
   await page.fill("input[name=learn-first]", "0");
+  await page.evaluate(() => { location.hash = location.hash.replace("to=150", "to=140"); });  // draws the view anew
+  await until(page, () => document.querySelector("input[name=learn-last]").value === "139");
+  assert.equal(await page.inputValue("input[name=learn-first]"), "0", "what is typed stays");
   await page.keyboard.press("Tab");
   await until(page, () => !/from=/.test(location.hash) && document.querySelector("input[name=learn-first]").value === "0");
   await page.fill("input[name=learn-last]", "99");

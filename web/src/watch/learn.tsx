@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { useStore, work } from "../store";
 import { useUrl } from "../url_state";
+import { WholeNumber } from "../whole_number";
 import { useWords } from "../words";
 import { dateText, isDate, symbolOf } from "./shown";
 import { placeOf } from "./trend_axis";
@@ -41,8 +42,8 @@ export function Learn({ overview }: { overview: Overview }) {
         <label>{say("parameter")} <select value={parameter.parameter} onChange={(e) => setUrl({ p: e.currentTarget.value })}>
           {known.map((p) => <option key={p.parameter} value={p.parameter}>{symbolOf(p.unit)}</option>)}
         </select></label>
-        <label>{say("learnFirst")} <input type="number" name="learn-first" min={0} max={to - 1} value={from} onChange={(e) => look(Number(e.currentTarget.value), to)} /></label>
-        <label>{say("learnLast")} <input type="number" name="learn-last" min={from} max={strokes - 1} value={to - 1} onChange={(e) => look(from, Number(e.currentTarget.value) + 1)} /></label>
+        <label>{say("learnFirst")} <WholeNumber name="learn-first" min={0} max={to - 1} value={from} take={(first) => look(first, to)} /></label>
+        <label>{say("learnLast")} <WholeNumber name="learn-last" min={from} max={strokes - 1} value={to - 1} take={(last) => look(from, last + 1)} /></label>
         <button onClick={() => look(0, strokes)} disabled={to - from === strokes}>{say("everything")}</button>
       </div>
       {problem && <p class="problem" role="alert" lang="en">{problem}</p>}
