@@ -33,6 +33,13 @@ Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
   return solver.eigenvectors() * weights.asDiagonal() * solver.eigenvectors().transpose();
 }
 
+/// Variance of following: a parameter is so far `behind` what an episode alone says of it, whose own variance is `own`. What
+/// is within three standard errors of the episode may be chance.
+double LagVariance(double behind, double own) {
+  constexpr double kErrors = 3;
+  return std::max(0.0, behind * behind - kErrors * kErrors * own);
+}
+
 /// Sum of squared errors at other parameters.
 double EnergyAt(const EpisodeEvidence& e, const Eigen::VectorXd& parameters) {
   const Eigen::VectorXd change = parameters - e.at;
@@ -213,6 +220,7 @@ std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const E
   const Eigen::MatrixXd added = (size_.asDiagonal() * e.information * size_.asDiagonal()) / e.unexplained;
   const Eigen::MatrixXd with = (before.inverse() + added).inverse();
   const Eigen::MatrixXd own = FlooredInverse(added);
+  const Eigen::VectorXd behind = (Best(e) - theta).cwiseQuotient(size_);
   std::vector<Estimate> out;
   for (int p = 0; p < count(); ++p) {
     const StateParameter& parameter = model_->parameters[static_cast<std::size_t>(p)];
@@ -222,8 +230,9 @@ std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const E
     Estimate estimate;
     estimate.parameter = parameter.name;
     estimate.value = inside[p];
-    estimate.std = size_[p] * std::sqrt(std::max(0.0, covariance(p, p)) *
-                                        scatters[static_cast<std::size_t>(p)].Widening());
+    const Scatter& scatter = scatters[static_cast<std::size_t>(p)];
+    const double lag = excited ? LagVariance(behind[p], own(p, p) * scatter.pieces) : 0.0;
+    estimate.std = size_[p] * std::sqrt(std::max(0.0, covariance(p, p)) * scatter.Widening() + lag);
     estimate.unit = parameter.spec.unit.empty() ? "1" : parameter.spec.unit;
     estimate.excitation = added(p, p) * own(p, p) > 0 ? std::min(1.0, 1 / (added(p, p) * own(p, p))) : 0;
     estimate.last_excited = last_excited_[p];

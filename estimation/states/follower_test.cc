@@ -91,6 +91,20 @@ TEST_F(StateFollowing, FollowsADriftFarFromWhereItBegan) {
   EXPECT_GT(inside, 0.85 * 150);
 }
 
+TEST_F(StateFollowing, HoldsAParameterInItsIntervalsFromTheEpisodeOnThatItMoves) {
+  StateFollower follower(model_);
+  double k = 2;
+  for (int e = 0; e < 60; ++e) follower.Add(Rows(k, 1.5, 1));
+  int inside = 0;
+  for (int e = 0; e < 20; ++e) {
+    k *= 1.02;
+    const FollowedEpisode f = follower.Add(Rows(k, 1.5, 1));
+    inside += std::abs(f.estimates[0].value - k) < 1.96 * f.estimates[0].std;
+    EXPECT_LT(f.estimates[0].std, 0.1 * k);
+  }
+  EXPECT_GE(inside, 18) << "of 20, and not only once their scatter has told";
+}
+
 TEST_F(StateFollowing, LeavesToThePastWhatAnEpisodeDoesNotSee) {
   StateFollower follower(model_);
   FollowedEpisode seen, rest;
