@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/constants.h"
 #include "studies/simulated_strokes.h"
 
 namespace hydroscope::drift {
@@ -60,6 +61,19 @@ TEST_F(DriftMonitorTest, ALeakageThatGrowsSlowlyIsASlowDriftWithItsTimeToTheLimi
   EXPECT_NEAR(leak->figures.slope, kSlope, 0.1 * kSlope);
   EXPECT_GT(leak->limit, 0);
   EXPECT_GT(leak->reach.strokes, 10'000);
+}
+
+TEST_F(DriftMonitorTest, TheSizeOfALeakageThatGoesOnGrowingSaysHowFarItIsBehind) {
+  constexpr double kFast = 200 * kSlope;
+  constexpr int kStrokes = 250;
+  Drift("internal_leakage", kFast, kStrokes);
+  ASSERT_FALSE(monitor_->findings().empty());
+  for (const DriftFinding& finding : monitor_->findings())
+    for (const FindingPart& part : finding.parts) {
+      EXPECT_EQ(part.quantity, "internal_leakage");
+      EXPECT_NEAR(part.size, kFast * (kStrokes - 1), kNormal95 * part.std);
+      EXPECT_LT(part.std, 0.25 * part.size);
+    }
 }
 
 TEST_F(DriftMonitorTest, ALeakageCannotBecomeLessThanNone) {

@@ -141,6 +141,25 @@ std::vector<int> DriftMonitor::ExplainedQuantities() const {
   return quantities;
 }
 
+namespace {
+
+/// How far the sizes followed are behind what the newest strokes say, by quantity: what is still moving runs ahead of a mean.
+Eigen::VectorXd BehindNewest(const std::deque<JudgedStroke>& strokes, const std::vector<int>& quantities,
+                             int size) {
+  Eigen::VectorXd behind = Eigen::VectorXd::Zero(size), score = behind;
+  if (static_cast<int>(strokes.size()) < kDriftThresholds.newest) return behind;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  for (auto stroke = strokes.end() - kDriftThresholds.newest; stroke != strokes.end(); ++stroke) {
+    score += stroke->score;
+    information += stroke->information;
+  }
+  for (const Moved& m : FitTogether(score, information, quantities))
+    if (std::abs(m.size) > kDriftThresholds.behind * m.std) behind[m.quantity] = m.size;
+  return behind;
+}
+
+}  // namespace
+
 /// Sizes of open findings as they are now; a finding whose parts are all small for long enough is gone.
 void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
   recent_score_ = kDriftThresholds.memory * recent_score_ + d.score;
@@ -149,6 +168,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
   if (quantities.empty()) return;
   explained_.setZero();
   const auto fitted = FitTogether(recent_score_, recent_information_, quantities);
+  const Eigen::VectorXd behind = BehindNewest(strokes_, quantities, model_.size());
   for (const Moved& m : fitted) explained_[m.quantity] = m.size;
   for (DriftFinding& finding : findings_) {
     bool small = true;
@@ -158,7 +178,7 @@ void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {
       for (const Moved& m : fitted) {
         if (model_.quantities()[m.quantity].name != part.quantity) continue;
         part.size = m.size;
-        part.std = std::hypot(m.std, d.doubt[m.quantity]);
+        part.std = std::hypot(m.std, d.doubt[m.quantity], behind[m.quantity]);
         part.reference = d.reference[m.quantity];
         part.alarm = std::abs(m.size) >= sizes_[m.quantity].alarm;
         finding.alarm = finding.alarm || part.alarm;

@@ -24,6 +24,8 @@ struct DriftThresholds {
   // Open findings.
   double memory = 0.95;     ///< of sizes of open findings: some 20 strokes
   double gone_share = 0.5;  ///< of the smallest drift: below it a finding is going
+  int newest = 5;           ///< strokes whose mean says whether a size followed is behind
+  double behind = 3.0;      ///< standard errors of that mean from which on it is
 
   // Slow trends (slow_trend.h).
   double slope = 5.0;             ///< standard deviations of a slope that is one
