@@ -4,13 +4,12 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "core/clock.h"
 #include "core/constants.h"
 #include "core/units.h"
+#include "host/text_file.h"
 #include "live/log.h"
 #include "models/model_structure.h"
 #include "models/source_kind.h"
@@ -57,12 +56,10 @@ struct LiveService::AxisState {
 
 Result<std::shared_ptr<const LiveModel>> LoadLiveModel(const std::string& path) {
   auto model = std::make_shared<LiveModel>();
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file)
+  auto text = ReadTextFile(path);
+  if (!text)
     return BadInput("{}: cannot be read; give a machine file, for example machines/press_live.toml", path);
-  model->text = text.str();
+  model->text = std::move(*text);
   auto machine = ParseMachine(model->text, path);
   if (!machine) return tl::unexpected(machine.error());
   if (!machine->live)

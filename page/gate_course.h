@@ -12,7 +12,8 @@ namespace hydroscope {
 /// takes them (estimation/stroke_segmenter.h).
 class GateCourse {
  public:
-  /// `window`: of the log; `signal`: index into Machine::signals.
+  /// `signal`: index into Machine::signals; `block`: rows of a mean; `reach`: blocks to either side that a rate is taken over;
+  /// `period`: of the rows, s.
   GateCourse(const GateBound& bound, int signal, int block, int reach, double period);
   int signal() const { return signal_; }
   /// The next value of the signal, SI.

@@ -18,10 +18,9 @@ TEST(Region, IsReadAsThePageWritesIt) {
 }
 
 TEST(Region, SaysWhatIsWrongWithIt) {
-  for (const char* text : {"p_A", "p_A:1", ":1:2", "::", "p_A:1:", "p_A:a:2", "p_A:1:inf", "p_A:1:nan",
-                           "p_A:1:2|"
-                           "y",
-                           "p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2"}) {
+  for (const char* text :
+       {"p_A", "p_A:1", ":1:2", "::", "p_A:1:", "p_A:a:2", "p_A:1:inf", "p_A:1:nan", "p_A:1:2|y",
+        "p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2|p_A:1:2"}) {
     const auto region = ParseRegion(text);
     ASSERT_FALSE(region) << text;
     EXPECT_THAT(region.error().text, testing::StartsWith("where: "));

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "host/real_clock.h"
+#include "host/text_file.h"
 #include "models/machine_kind.h"
 #include "page/log_picture.h"
 #include "page/log_proposal.h"
 #include "page/machine_versions.h"
-#include "page/whole_file.h"
 #include "replay/log_head.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_output.h"
@@ -18,6 +18,9 @@ namespace hydroscope {
 namespace {
 
 using Kind = WorkRequest::Kind;
+
+/// "" where it cannot be read.
+std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or(""); }
 
 std::string KeyOf(const std::string& kind, const std::string& about) {
   return about.empty() ? kind : kind + " " + about;
@@ -41,7 +44,7 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
   if (machine_file.empty()) return session;
   if (const auto machine = LoadMachine(machine_file); !machine) return tl::unexpected(machine.error());
   const Status used = session->UseMachine(std::filesystem::path(machine_file).filename().string(),
-                                          ReadWhole(machine_file), machine_file);
+                                          TextIn(machine_file), machine_file);
   if (!used) return tl::unexpected(used.error());
   for (const KeptVersion& kept : KeptVersions(machine_file))  // so that earlier versions can be gone back to
     std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_file_).parent_path() /
@@ -77,7 +80,7 @@ Status WorkSession::UseMachine(const std::string& name, const std::string& text,
   std::filesystem::create_directory(folder);
   std::string plain = PlainFileName(name);
   if (!plain.ends_with(".toml")) plain += ".toml";
-  if (const Status written = WriteWhole(folder + "/" + plain, text); !written) return written;
+  if (const Status written = WriteTextFile(folder + "/" + plain, text); !written) return written;
   machine_file_ = folder + "/" + plain;
   target_ = target;
   saved_text_ = target.empty() ? "" : text;
@@ -166,8 +169,7 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
   const std::lock_guard lock(mutex_);
   if (strokes_of_.machine.empty())
     return BadInput("these strokes are of no database: take those of an alarm or of a trend");
-  const Promotion promotion{strokes_of_.machine, 0, ReadWhole(machine_file_), 0, user, comment,
-                            WallSeconds()};
+  const Promotion promotion{strokes_of_.machine, 0, TextIn(machine_file_), 0, user, comment, WallSeconds()};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
     if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
     const std::lock_guard lock(mutex_);
@@ -429,7 +431,7 @@ nlohmann::json WorkSession::Json() const {
     out["machine"]["own_effects"].push_back(effect.id);
   out["versions"] = VersionsWithErrors();
   out["units"] = UnitsJson(*machine);
-  out["unsaved"] = ReadWhole(machine_file_) != saved_text_;
+  out["unsaved"] = TextIn(machine_file_) != saved_text_;
   if (const auto results = results_.find(machine->model_version); results != results_.end())
     for (const auto& [key, result] : results->second) out["results"].push_back(key);
   return out;
@@ -437,7 +439,7 @@ nlohmann::json WorkSession::Json() const {
 
 std::string WorkSession::MachineText() const {
   const std::lock_guard lock(mutex_);
-  return machine_file_.empty() ? "" : ReadWhole(machine_file_);
+  return machine_file_.empty() ? "" : TextIn(machine_file_);
 }
 
 nlohmann::json WorkSession::Effects() const {
@@ -448,10 +450,10 @@ nlohmann::json WorkSession::Effects() const {
 Status WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
   if (machine_file_.empty()) return BadInput("there is no machine file yet");
-  const auto text = WithOwnEffect(ReadWhole(machine_file_), effect);
+  const auto text = WithOwnEffect(TextIn(machine_file_), effect);
   if (!text) return tl::unexpected(text.error());
   if (!effect.keep) return {};
-  if (const Status written = WriteWhole(machine_file_, *text); !written) return written;
+  if (const Status written = WriteTextFile(machine_file_, *text); !written) return written;
   ++generation_;  // what is being worked out knows another library
   const auto machine = LoadMachine(machine_file_);
   if (machine) results_[machine->model_version].erase("explain");
@@ -463,16 +465,16 @@ Result<std::string> WorkSession::Save(const std::string& name) {
   const std::lock_guard lock(mutex_);
   if (machine_file_.empty()) return BadInput("there is no machine file yet");
   std::string target = target_;
-  const std::string text = ReadWhole(machine_file_);
+  const std::string text = TextIn(machine_file_);
   if (target.empty()) {
     target = PlainFileName(name);
     if (target.empty() || !target.ends_with(".toml"))
       return BadInput("name: found '{}', expected the name of a machine file, such as press.toml", name);
     if (std::filesystem::exists(target))
       return BadInput("{} is there already; choose another name", std::filesystem::absolute(target).string());
-    if (const Status written = WriteWhole(target, text); !written) return tl::unexpected(written.error());
+    if (const Status written = WriteTextFile(target, text); !written) return tl::unexpected(written.error());
   } else if (text != saved_text_) {
-    if (ReadWhole(target) != saved_text_)
+    if (TextIn(target) != saved_text_)
       return BadInput("{} was changed by somebody else meanwhile; download the machine file instead", target);
     const auto before = LoadMachine(target);
     if (!before) return tl::unexpected(before.error());

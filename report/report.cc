@@ -12,7 +12,6 @@
 #include "core/time_text.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
-#include "report/episode_word.h"
 #include "report/report_page.h"
 #include "report/report_plots.h"
 #include "report/report_words.h"
@@ -364,8 +363,7 @@ std::string FormatReport(const ReportInput& input) {
   const std::string body = Header(report) + input.drift_verdict + verdicts + Cards(report) + Tiles(report) +
                            Trends(report) + input.drift + ModelAgainstMeasurement(report) +
                            input.explanation + Skipped(report) + Method(report);
-  return HtmlPage("Maintenance report: " + input.machine.name,
-                  "<main>" + WithEpisodesCalled(CountedAs(KindOf(input.machine)), body) + "</main>\n");
+  return HtmlPage("Maintenance report: " + input.machine.name, "<main>" + body + "</main>\n");
 }
 
 Status WriteReport(const std::string& path, const ReportInput& input) {

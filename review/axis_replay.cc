@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
-#include <sstream>
 
+#include "host/text_file.h"
 #include "models/machine_kind.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/log_fingerprint.h"
@@ -23,13 +22,6 @@ namespace {
 
 constexpr std::size_t kStrokesPerTransaction = 32;
 constexpr double kAnyPeriod = 0.002;  // s; the layout of the state does not depend on it
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 /// Magic, version and dimensions that a state of this program begins with.
 std::string StateLayout(const Pipeline& pipeline) {
@@ -76,7 +68,7 @@ bool AxisReplay::IsOfEarlierModel(const std::string& settings) const {
 
 /// Takes over the promoted model; the text that describes the machine then.
 Result<std::string> AxisReplay::TakePromotedModel() {
-  const std::string definition = ReadText(options_.machine_file);
+  const std::string definition = ReadTextFile(options_.machine_file).value_or("");
   auto promoted = PromotedFor(database_, options_.database, machine_id_, file_machine_, definition);
   if (!promoted) return tl::unexpected(promoted.error());
   if (!*promoted) return definition;

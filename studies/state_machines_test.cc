@@ -104,6 +104,15 @@ TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) {
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
 }
 
+/// The next log begins with a tank beyond its brim, from where nothing leads back.
+TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy) {
+  StateMachinesOptions options;
+  options.seed = 5101;
+  const StateMachineOutcome outcome = RunCase(25, options);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+  EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+}
+
 /// Alone in a wrong minimum the right effect left what a second one, or nothing at all, seemed to be needed for.
 TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
   for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)}) {

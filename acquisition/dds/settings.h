@@ -4,25 +4,20 @@
 #include <string_view>
 #include <vector>
 
-#include "models/dds_transport.h"
+#include "models/dds_connection.h"
 
 namespace hydroscope {
 
 struct Machine;
 
 /// How the DDS samples are found; docs/live_protocol.md describes the types.
-struct DdsSpec {
+struct DdsSpec : DdsConnection {
   static constexpr std::string_view kName = "dds";
 
-  int domain = 0;
-  std::string topic = "hydroscope/samples";         ///< the layout is announced on <topic>/layout
-  DdsTransport transport = DdsTransport::kDefault;  ///< shared memory where possible, else UDP
-  std::vector<std::string> interfaces;              ///< addresses of the network cards used; empty: all
-  std::vector<std::string> peers;    ///< addresses asked where the network carries no multicast
-  bool backlog = false;              ///< also the batches that the sender still holds from before
-  double deadline = 0.25;            ///< s without a batch after which the source is late
-  std::vector<std::string> senders;  ///< computers that may send: addresses and networks; empty: all
-  std::string security;              ///< folder of the certificates of DDS Security; "": without
+  std::string topic = "hydroscope/samples";  ///< the layout is announced on <topic>/layout
+  bool backlog = false;                      ///< also the batches that the sender still holds from before
+  double deadline = 0.25;                    ///< s without a batch after which the source is late
+  std::vector<std::string> senders;          ///< computers that may send: addresses and networks; empty: all
 
   bool operator==(const DdsSpec&) const = default;
 };

@@ -34,9 +34,9 @@ std::string Refusal(const std::string& feeds) {
   return machine ? "accepted" : machine.error().text;
 }
 
-TEST(PartsSpec, AFileWithoutSectionsFeedsNobody) { EXPECT_FALSE(Loaded("").feeds); }
+TEST(FeedSections, AFileWithoutSectionsFeedsNobody) { EXPECT_FALSE(Loaded("").feeds); }
 
-TEST(PartsSpec, AnEmptySectionTurnsAFeedOnForThisComputerOnly) {
+TEST(FeedSections, AnEmptySectionTurnsAFeedOnForThisComputerOnly) {
   const Machine machine = Loaded("[feeds.modbus]\n[feeds.dds]\n[feeds.sparkplug]\n");
   EXPECT_EQ(machine.feeds->Of<ModbusFeedSpec>()->host, "127.0.0.1");
   EXPECT_THAT(machine.feeds->Of<ModbusFeedSpec>()->allow, ElementsAre("127.0.0.0/8"));
@@ -44,7 +44,7 @@ TEST(PartsSpec, AnEmptySectionTurnsAFeedOnForThisComputerOnly) {
   EXPECT_EQ(machine.feeds->Of<SparkplugFeedSpec>()->broker, "tcp://127.0.0.1:1883");
 }
 
-TEST(PartsSpec, ReadsBackEqualAfterWriting) {
+TEST(FeedSections, ReadsBackEqualAfterWriting) {
   const Machine machine = Loaded(
       "[feeds.modbus]\nhost = \"0.0.0.0\"\nport = 502\nacknowledge = false\nallow = [\"10.0.0.0/8\", "
       "\"192.168.0.7\"]\n"
@@ -57,7 +57,7 @@ TEST(PartsSpec, ReadsBackEqualAfterWriting) {
   EXPECT_EQ(machine, *again);
 }
 
-TEST(PartsSpec, AnAddressRangeHoldsWhatItsPrefixSays) {
+TEST(FeedSections, AnAddressRangeHoldsWhatItsPrefixSays) {
   EXPECT_TRUE(ParseIpv4Range("192.168.1.0/24")->Contains(0xc0a801fe));
   EXPECT_FALSE(ParseIpv4Range("192.168.1.0/24")->Contains(0xc0a802fe));
   EXPECT_TRUE(ParseIpv4Range("0.0.0.0/0")->Contains(0x01020304));

@@ -17,6 +17,21 @@ bool Usable(const StrokeEvidence& stroke) {
          stroke.equations.h(0, 0) > 0;
 }
 
+/// How far the sizes followed are behind what the newest strokes say, by quantity: what is still moving runs ahead of a mean.
+Eigen::VectorXd BehindNewest(const std::deque<JudgedStroke>& strokes, const std::vector<int>& quantities,
+                             int size) {
+  Eigen::VectorXd behind = Eigen::VectorXd::Zero(size), score = behind;
+  if (static_cast<int>(strokes.size()) < kDriftThresholds.newest) return behind;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  for (auto stroke = strokes.end() - kDriftThresholds.newest; stroke != strokes.end(); ++stroke) {
+    score += stroke->score;
+    information += stroke->information;
+  }
+  for (const Moved& m : FitTogether(score, information, quantities))
+    if (std::abs(m.size) > kDriftThresholds.behind * m.std) behind[m.quantity] = m.size;
+  return behind;
+}
+
 }  // namespace
 
 const char* JudgementName(JudgementReason reason) {
@@ -140,25 +155,6 @@ std::vector<int> DriftMonitor::ExplainedQuantities() const {
           quantities.push_back(q);
   return quantities;
 }
-
-namespace {
-
-/// How far the sizes followed are behind what the newest strokes say, by quantity: what is still moving runs ahead of a mean.
-Eigen::VectorXd BehindNewest(const std::deque<JudgedStroke>& strokes, const std::vector<int>& quantities,
-                             int size) {
-  Eigen::VectorXd behind = Eigen::VectorXd::Zero(size), score = behind;
-  if (static_cast<int>(strokes.size()) < kDriftThresholds.newest) return behind;
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
-  for (auto stroke = strokes.end() - kDriftThresholds.newest; stroke != strokes.end(); ++stroke) {
-    score += stroke->score;
-    information += stroke->information;
-  }
-  for (const Moved& m : FitTogether(score, information, quantities))
-    if (std::abs(m.size) > kDriftThresholds.behind * m.std) behind[m.quantity] = m.size;
-  return behind;
-}
-
-}  // namespace
 
 /// Sizes of open findings as they are now; a finding whose parts are all small for long enough is gone.
 void DriftMonitor::Follow(const Deviation& d, const StrokeEvidence& stroke) {

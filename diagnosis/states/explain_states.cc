@@ -163,11 +163,9 @@ class StatesExplainer {
     if (!sets.empty()) PreferFewParameters(sets);
   }
 
-  /// Whether what a set leaves is no white noise, which a wrong minimum never leaves.
-  static bool Coloured(const StateCandidate& set) {
-    constexpr double kReadings =
-        1.5;  // of white noise their scatter leaves less than 1.2 from 1000 readings on
-    return EvidenceOf(set) * std::max(1, set.fit.readings()) > kReadings * set.held_out;
+  /// Whether a set leaves more than white noise, as every wrong minimum does.
+  bool Coloured(const StateCandidate& set) const {
+    return EvidenceOf(set) * std::max(1, set.fit.readings()) > options_.white_readings * set.held_out;
   }
 
   /// What the best set leaves may be that of a wrong minimum, which a further effect would seem to mend: it is fitted from starts

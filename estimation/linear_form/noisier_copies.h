@@ -13,8 +13,7 @@ namespace hydroscope {
 Eigen::VectorXd WhiteNoiseOfSignals(std::span<const Episode> episodes);
 
 /// Copies of the record with noise of these standard deviations added to its signals: one draw added, and the same draw taken
-/// away, `pairs` times. What is linear in the noise cancels between the two; what remains is what noise does to products and
-/// bends.
+/// away, `pairs` times. What is linear in the noise cancels between the two; what it does to products and bends remains.
 std::vector<std::vector<Episode>> NoisierCopies(std::span<const Episode> episodes,
                                                 const Eigen::VectorXd& noise, int pairs, std::uint32_t seed);
 

@@ -267,7 +267,7 @@ namespace {
 /// Starts one after the other over a growing horizon, until one leaves no more than white noise or ends where the best did.
 StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   task.noise = WhiteNoise(*task.model, task.episodes, OutputScale(*task.model, task.episodes));
-  // One output alone leads astray from far off.
+  // What few outputs see leads astray from far off.
   const std::vector<Eigen::VectorXd> starts = StartsOf(task, options, !SeesMuch(*task.model));
   double readings = 0;
   for (const Episode& e : task.episodes)
@@ -443,12 +443,13 @@ StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episod
 
 namespace {
 
+constexpr double kMoreThanNoise = 2;  ///< energy of the error in the first rows, in noise variances a reading
+
 /// Initial states of an episode, over their scale, for known parameters. The first rows tell where an episode begins; over all of
 /// them a free run from elsewhere may end in a wrong minimum. Where the guess leaves more than noise in them, states that are not
 /// measured are sought from where the model comes by later in the episode, too: from beyond a brim nothing leads back.
 std::vector<double> BeginningOf(const shooting::Task& of_all, const Episode& episode,
                                 const Eigen::VectorXd& parameters, const StateFitOptions& options) {
-  constexpr double kMoreThanNoise = 2;  // energy of the error in those rows, in noise variances a reading
   shooting::Task task = of_all;
   task.episodes = {&episode, 1};
   const shooting::Segment whole = shooting::WholeEpisodes(task.episodes).front();

@@ -33,11 +33,12 @@ Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
   return solver.eigenvectors() * weights.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// Variance of following: a parameter is so far `behind` what an episode alone says of it, whose own variance is `own`. What
-/// is within three standard errors of the episode may be chance.
+constexpr double kChance =
+    3;  ///< standard errors of an episode within which what it says beyond the others may be chance
+
+/// Variance of following: a parameter is so far `behind` what an episode alone says of it, whose own variance is `own`.
 double LagVariance(double behind, double own) {
-  constexpr double kErrors = 3;
-  return std::max(0.0, behind * behind - kErrors * kErrors * own);
+  return std::max(0.0, behind * behind - kChance * kChance * own);
 }
 
 /// Sum of squared errors at other parameters.

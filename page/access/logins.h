@@ -13,8 +13,7 @@
 namespace hydroscope {
 
 /// Logins to the page of a service. Users, logins and the audit table are those of the file beside the database, which is
-/// read at every question: what `hydroscope users` changes holds at once, and a restart ends no login. Called from one
-/// thread.
+/// read at every question: what `hydroscope users` changes holds at once, and a restart ends no login. For one thread.
 class Logins {
  public:
   static constexpr double kIdle = 3600;  ///< s without a request after which a login ends; an open page asks

@@ -12,8 +12,7 @@
 
 namespace hydroscope {
 
-/// Learns references from the page as `hydroscope learn` does, as jobs: the strokes are explained first. Safe to call from any
-/// thread.
+/// Learns references from the page as `hydroscope learn` does, as jobs: the strokes are explained first. Safe from any thread.
 class Learning {
  public:
   Learning(const WatchOptions& options, JobQueue& jobs);

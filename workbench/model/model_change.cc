@@ -4,10 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "core/units.h"
+#include "host/text_file.h"
 #include "models/machine_kind.h"
 #include "pipeline/log_trust.h"
 #include "workbench/held_out_log.h"
@@ -218,14 +217,6 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
   return changed;
 }
 
-Result<std::string> ReadText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return BadInput("cannot read {}", path);
-  return text.str();
-}
-
 }  // namespace
 
 Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& part) {
@@ -272,7 +263,7 @@ Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::stri
     if (!id) return tl::unexpected(id.error());
     promotion.machine = machine->name;
     promotion.id = *id;
-    auto text = ReadText(machine_file);
+    auto text = ReadTextFile(machine_file);
     if (!text) return tl::unexpected(text.error());
     promotion.text = std::move(*text);
   } else {

@@ -43,8 +43,7 @@ Result<ModelChanged> ChangeModel(const ModelChange& change, MakeNext make_next);
 Result<ModelChanged> UndoModel(const std::string& machine_file);
 
 /// Makes a model the one of replay and monitor: that of `machine_file`, or of none the version of `promotion`, which the database
-/// holds (0 = its latest). Whose it is, is found out; user, comment and time are those of `promotion`. Errors as of
-/// Promote.
+/// holds (0 = its latest). Whose it is, is found out; user, comment and time are those of `promotion`. Errors: as Promote.
 Result<ModelChanged> PromoteModel(const HistoryOptions& history, const std::string& machine_file,
                                   Promotion promotion);
 

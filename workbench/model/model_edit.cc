@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
+#include "host/text_file.h"
 #include "models/find_effect.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
@@ -43,31 +43,15 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-Result<std::string> ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return BadInput("cannot read {}", path);
-  return text.str();
-}
-
-Status WriteFile(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
-  return {};
-}
-
 /// Keeps the present text of `path` beside it under its version; returns the name.
 Result<std::string> KeepBeside(const std::string& path, int version) {
-  const auto text = ReadFile(path);
+  const auto text = ReadTextFile(path);
   if (!text) return text;
   const std::filesystem::path target(path);
   const std::string kept = (target.parent_path() / fmt::format("{}.v{}{}", target.stem().string(), version,
                                                                target.extension().string()))
                                .string();
-  if (const Status written = WriteFile(kept, *text); !written) return tl::unexpected(written.error());
+  if (const Status written = WriteTextFile(kept, *text); !written) return tl::unexpected(written.error());
   return kept;
 }
 
@@ -209,7 +193,7 @@ std::optional<KeptVersion> FindKept(const std::string& path, const Machine& mach
   std::vector<KeptVersion> kept = KeptVersions(path);
   std::reverse(kept.begin(), kept.end());
   for (const KeptVersion& candidate : kept) {
-    const auto text = ReadFile(candidate.path);
+    const auto text = ReadTextFile(candidate.path);
     auto loaded = text ? ParseMachine(*text, path) : Result<Machine>(BadInput("cannot be read"));
     if (loaded && loaded->added_effects == wanted.added_effects &&
         WithoutModel(*loaded) == WithoutModel(machine))
@@ -220,7 +204,7 @@ std::optional<KeptVersion> FindKept(const std::string& path, const Machine& mach
 
 Result<std::string> WriteVersion(const std::string& from, const std::string& path, int version_before,
                                  const Machine& next) {
-  const auto text = ReadFile(from);
+  const auto text = ReadTextFile(from);
   if (!text) return tl::unexpected(text.error());
   std::string kept;
   if (std::filesystem::exists(path)) {
@@ -228,17 +212,17 @@ Result<std::string> WriteVersion(const std::string& from, const std::string& pat
     if (!name) return tl::unexpected(name.error());
     kept = *name;
   }
-  if (const Status written = WriteFile(path, EditedMachineText(*text, next)); !written)
+  if (const Status written = WriteTextFile(path, EditedMachineText(*text, next)); !written)
     return tl::unexpected(written.error());
   return kept;
 }
 
 Result<std::string> RestoreVersion(const std::string& path, int version_before, const KeptVersion& kept) {
-  const auto text = ReadFile(kept.path);
+  const auto text = ReadTextFile(kept.path);
   if (!text) return tl::unexpected(text.error());
   const auto name = KeepBeside(path, version_before);
   if (!name) return name;
-  if (const Status written = WriteFile(path, *text); !written) return tl::unexpected(written.error());
+  if (const Status written = WriteTextFile(path, *text); !written) return tl::unexpected(written.error());
   return *name;
 }
 

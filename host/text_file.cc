@@ -1,18 +1,19 @@
-#include "page/whole_file.h"
+#include "host/text_file.h"
 
 #include <fstream>
 #include <sstream>
 
 namespace hydroscope {
 
-std::string ReadWhole(const std::string& path) {
+Result<std::string> ReadTextFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   text << file.rdbuf();
+  if (!file) return BadInput("cannot read {}", path);
   return text.str();
 }
 
-Status WriteWhole(const std::string& path, const std::string& text) {
+Status WriteTextFile(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.flush();
