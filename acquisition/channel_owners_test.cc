@@ -10,8 +10,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
 class Owners : public ::testing::Test {
  protected:
   /// A batch of 10 ms of these channels at `at` s; the columns that count.

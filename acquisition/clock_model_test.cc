@@ -8,7 +8,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000, kSecond = 1'000'000'000;
+constexpr std::int64_t kMs = 1'000'000;
 
 /// Messages every 10 ms for `seconds`, each delayed by 0.2 ms and an exponential waiting time of mean 2 ms.
 void Feed(ClockModel& model, std::int64_t offset, double drift, double seconds) {

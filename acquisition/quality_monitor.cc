@@ -12,8 +12,6 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Median of |third difference| of white noise of standard deviation 1: 0.6745 sqrt(1 + 9 + 9 + 1).
 constexpr double kMedianThirdDifference = 3.0165;
 // Standard deviation of the distance to the mean of both neighbours: sqrt(1 + 1/4 + 1/4), here of twice it.

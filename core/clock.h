@@ -13,6 +13,8 @@ struct HostTime {
 };
 using Clock = std::function<HostTime()>;
 
+inline constexpr std::int64_t kSecond = 1'000'000'000;  ///< ns
+
 /// ns in s.
 inline double Seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 

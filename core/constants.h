@@ -6,6 +6,7 @@
 namespace hydroscope {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNormal95 =
     1.959963984540054;                           ///< half width of the central 95 % of a normal, in std
 inline constexpr double kZeroCelsius = 273.15;   ///< K

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
+
+#include "core/distributions.h"
 
 namespace hydroscope {
 namespace {
 
 double TwoSidedP(double t, double degrees) {
   if (!(degrees >= 1) || !std::isfinite(t)) return 1.0;
-  return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), std::abs(t)));
+  return StudentTwoSided(t, degrees);
 }
 
 Eigen::VectorXd DifferenceWhereBoth(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {

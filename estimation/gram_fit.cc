@@ -1,17 +1,15 @@
 #include "estimation/gram_fit.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "core/constants.h"
+#include "core/distributions.h"
 #include "core/non_negative.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 NormalEquations Extract(const SymmetricMatrix& gram, std::span<const int> columns, int output) {
   const int k = static_cast<int>(columns.size());
@@ -151,10 +149,7 @@ double MeanSquaredError(const NormalEquations& e, const Eigen::VectorXd& theta) 
 
 double StudentFactor(double degrees) {
   if (!(degrees >= 1)) return kInfinity;
-  // Not in long double, boost's default: a tenth of the time, and after every stroke.
-  using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  const boost::math::students_t_distribution<double, InDouble> student(degrees);
-  return boost::math::quantile(student, 0.975) / 1.959963984540054;
+  return StudentHalfWidth95(degrees) / kNormal95;
 }
 
 Eigen::VectorXd Excitation(const Eigen::MatrixXd& h) {

@@ -1,8 +1,9 @@
 #include "estimation/row_contrasts.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+
+#include "core/distributions.h"
 
 namespace hydroscope {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kQuietShare = 1.0 / 3;
 constexpr double kLittleMotion = 12;
 
 double QuantileOfT(int chunks, double significance) {
-  return boost::math::quantile(boost::math::complement(boost::math::students_t(chunks - 1.0), significance));
+  return StudentQuantile(1 - significance, chunks - 1.0);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
+
 namespace hydroscope {
 namespace {
 
@@ -26,7 +28,6 @@ StrokeSegmenter::StrokeSegmenter(const Machine& machine, std::shared_ptr<const M
       reach_(GateReach(window)),
       marker_(machine),
       conditions_(*model_) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   needed_.assign(machine.signals.size(), false);
   for (int signal : model_->needed_signals) needed_[signal] = true;
   for (const GateBound& bound : gate_.bounds) {

@@ -32,18 +32,18 @@ Machine TestMachine() {
 
 enum Signal { kPressure, kZ, kY, kOil };
 
-/// Rows of a machine that moves down for some time, rests, moves down again ...
-class Rows {
+/// Motion of a machine that moves down for some time, rests, moves down again ...
+class Motion {
  public:
-  Rows() { block_.signal.resize(4), block_.quality.resize(4); }
-  Rows& Draw(double seconds) { return Move(seconds, -0.05); }
-  Rows& Rest(double seconds) { return Move(seconds, 0.0); }
-  Rows& Flag(Signal signal, std::size_t row, Quality flag) {
+  Motion() { block_.signal.resize(4), block_.quality.resize(4); }
+  Motion& Draw(double seconds) { return Move(seconds, -0.05); }
+  Motion& Rest(double seconds) { return Move(seconds, 0.0); }
+  Motion& Flag(Signal signal, std::size_t row, Quality flag) {
     block_.quality[signal][row] |= flag;
     return *this;
   }
   /// Later rows are `by` s later, the first of them flagged in every channel.
-  Rows& Step(std::size_t row, double by, Quality flag) {
+  Motion& Step(std::size_t row, double by, Quality flag) {
     for (std::size_t k = row; k < block_.rows(); ++k) block_.time[k] += by;
     for (auto& quality : block_.quality) quality[row] |= flag;
     return *this;
@@ -52,7 +52,7 @@ class Rows {
   std::size_t rows() const { return block_.rows(); }
 
  private:
-  Rows& Move(double seconds, double speed) {
+  Motion& Move(double seconds, double speed) {
     for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
       z_ += speed * kPeriod;
       block_.time.push_back(static_cast<double>(block_.rows()) * kPeriod);
@@ -121,14 +121,14 @@ Heard Hear(const SampleBlock& all, std::size_t rows_per_block, const Machine& ma
   return heard;
 }
 
-Heard Hear(Rows& rows) { return Hear(rows.block(), 1024); }
+Heard Hear(Motion& rows) { return Hear(rows.block(), 1024); }
 
 std::int64_t Flagged(const Heard& heard, Quality flag) {
   return heard.totals.flagged[std::countr_zero(flag)];
 }
 
 TEST(StrokeSegmenter, DoesNotDependOnHowRowsAreCutIntoBlocks) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.3).Rest(0.6).Draw(0.77).Rest(0.1).Draw(0.6).Rest(0.5).Draw(0.2).Rest(1.0);
   rows.Flag(kPressure, 500, quality::kSpike)
       .Flag(kOil, 600, quality::kMissing)
@@ -150,7 +150,7 @@ TEST(StrokeSegmenter, DoesNotDependOnHowRowsAreCutIntoBlocks) {
 }
 
 TEST(StrokeSegmenter, FindsTheStrokesWithTheirTimesAndSpeeds) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0).Rest(0.5).Draw(2.0).Rest(0.5);
   const Heard heard = Hear(rows);
   ASSERT_EQ(heard.strokes.size(), 2u);
@@ -167,7 +167,7 @@ TEST(StrokeSegmenter, FindsTheStrokesWithTheirTimesAndSpeeds) {
 }
 
 TEST(StrokeSegmenter, EveryRowIsCountedOnce) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0).Rest(0.5).Draw(1.0).Rest(0.3);
   const Heard heard = Hear(rows);
   EXPECT_EQ(heard.totals.samples, static_cast<std::int64_t>(rows.rows()));
@@ -179,7 +179,7 @@ TEST(StrokeSegmenter, EveryRowIsCountedOnce) {
 }
 
 TEST(StrokeSegmenter, PiecesOfASegmentShareOneSample) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.5).Rest(0.5);
   const Heard heard = Hear(rows);
   ASSERT_GE(heard.pieces.size(), 3u);
@@ -194,7 +194,7 @@ TEST(StrokeSegmenter, PiecesOfASegmentShareOneSample) {
 
 TEST(StrokeSegmenter, PiecesKnowWhatWasMeasuredBeyondTheirEndsUpToABadValue) {
   constexpr std::size_t kBad = 900;
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0).Rest(0.1).Draw(1.0).Rest(0.5);
   rows.Flag(kPressure, kBad, quality::kSpike);
   const Heard heard = Hear(rows);
@@ -216,7 +216,7 @@ TEST(StrokeSegmenter, PiecesKnowWhatWasMeasuredBeyondTheirEndsUpToABadValue) {
 
 TEST(StrokeSegmenter, ABadValueEndsTheSegmentAndIsCounted) {
   for (Quality flag : {quality::kMissing, quality::kSpike, quality::kStuck, quality::kOutOfRange}) {
-    Rows rows;
+    Motion rows;
     rows.Rest(0.5).Draw(1.5).Rest(0.5);
     rows.Flag(kPressure, 600, flag);
     rows.block().signal[kPressure][600] = std::numeric_limits<double>::quiet_NaN();
@@ -236,7 +236,7 @@ TEST(StrokeSegmenter, ABadValueEndsTheSegmentAndIsCounted) {
 }
 
 TEST(StrokeSegmenter, ABadValueInAChannelTheModelDoesNotNeedIsCountedOnly) {
-  Rows good, bad;
+  Motion good, bad;
   good.Rest(0.5).Draw(1.5).Rest(0.5);
   bad.Rest(0.5).Draw(1.5).Rest(0.5);
   bad.Flag(kOil, 600, quality::kMissing);
@@ -246,7 +246,7 @@ TEST(StrokeSegmenter, ABadValueInAChannelTheModelDoesNotNeedIsCountedOnly) {
 }
 
 TEST(StrokeSegmenter, AGapRestartsTheBlockGridAtTheRowBehindIt) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.5).Rest(0.5);
   rows.Step(603, 0.1, quality::kGap);
   const Heard heard = Hear(rows);
@@ -260,7 +260,7 @@ TEST(StrokeSegmenter, AGapRestartsTheBlockGridAtTheRowBehindIt) {
 
 TEST(StrokeSegmenter, ALongGapAndAClockJumpEndTheStroke) {
   for (double by : {2.0, 3600.0, -3600.0}) {
-    Rows rows;
+    Motion rows;
     rows.Rest(0.5).Draw(2.0).Rest(0.5);
     rows.Step(700, by, by > 10 ? quality::kClockJump : by > 0 ? quality::kGap : quality::kTimeBackwards);
     const Heard heard = Hear(rows);
@@ -272,7 +272,7 @@ TEST(StrokeSegmenter, ALongGapAndAClockJumpEndTheStroke) {
 }
 
 TEST(StrokeSegmenter, AShortPauseDoesNotEndAStrokeALongOneDoes) {
-  Rows close, apart;
+  Motion close, apart;
   close.Rest(0.5).Draw(1.0).Rest(0.15).Draw(1.0).Rest(0.5);
   apart.Rest(0.5).Draw(1.0).Rest(0.40).Draw(1.0).Rest(0.5);
   EXPECT_EQ(Hear(close).strokes.size(), 1u);
@@ -280,7 +280,7 @@ TEST(StrokeSegmenter, AShortPauseDoesNotEndAStrokeALongOneDoes) {
 }
 
 TEST(StrokeSegmenter, AShortStrokeIsDiscardedAndCounted) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(0.2).Rest(0.5).Draw(1.0).Rest(0.5);
   const Heard heard = Hear(rows);
   ASSERT_EQ(heard.strokes.size(), 1u);
@@ -294,7 +294,7 @@ TEST(StrokeSegmenter, AShortStrokeIsDiscardedAndCounted) {
 TEST(StrokeSegmenter, AStrokeThatLastsTooLongIsCutIntoEpisodes) {
   Machine machine = TestMachine();
   machine.gate.max_stroke = 1.0;
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(3.5).Rest(0.5);
   const Heard heard = Hear(rows.block(), 1024, machine);
   ASSERT_EQ(heard.strokes.size(), 4u);
@@ -309,15 +309,15 @@ TEST(StrokeSegmenter, ALogWithoutConditionsIsCutIntoEpisodesFromItsFirstRowToIts
   Machine machine = TestMachine();
   machine.gate.bounds.clear();
   machine.gate.max_stroke = 0.5;
-  Rows rows;
+  Motion rows;
   rows.Rest(1.0).Draw(1.0);
   const Heard heard = Hear(rows.block(), 1024, machine);
   EXPECT_EQ(heard.strokes.size(), 4u);
   EXPECT_EQ(heard.totals.gated, 1000);
 }
 
-/// Rows in motion with a fifth signal, a counter that goes on every `cycle` rows.
-SampleBlock Counted(Rows& rows, std::size_t cycle) {
+/// Motion in motion with a fifth signal, a counter that goes on every `cycle` rows.
+SampleBlock Counted(Motion& rows, std::size_t cycle) {
   SampleBlock block = rows.block();
   block.signal.emplace_back();
   block.quality.emplace_back(block.rows(), quality::kGood);
@@ -334,7 +334,7 @@ Machine MachineWithCounter() {
 }
 
 TEST(StrokeSegmenter, AStrokeEndsAndTheNextBeginsWhereTheMarkerChanges) {
-  Rows rows;
+  Motion rows;
   rows.Draw(4.0);
   const std::size_t cycle = 503;  // in the middle of blocks
   const Machine machine = MachineWithCounter();
@@ -354,7 +354,7 @@ TEST(StrokeSegmenter, AStrokeEndsAndTheNextBeginsWhereTheMarkerChanges) {
 }
 
 TEST(StrokeSegmenter, AMarkerThatChangesOnAFlaggedRowEndsTheStrokeThere) {
-  Rows rows;
+  Motion rows;
   rows.Draw(2.0);
   rows.Flag(kOil, 503, quality::kSpike);
   const Heard heard = Hear(Counted(rows, 503), 1024, MachineWithCounter());
@@ -363,7 +363,7 @@ TEST(StrokeSegmenter, AMarkerThatChangesOnAFlaggedRowEndsTheStrokeThere) {
 }
 
 TEST(StrokeSegmenter, RatesOfTheGateAreTakenOverTheWindowOfFlows) {
-  Rows rows;
+  Motion rows;
   rows.Draw(3.0);
   for (std::size_t k = 0; k < rows.rows(); ++k)  // stops and goes three times a second
     rows.block().signal[kZ][k] += 0.004 * std::sin(2 * std::acos(-1.0) * 3 * rows.block().time[k]);
@@ -399,7 +399,7 @@ terms = { a = "y_v" }
 }
 
 TEST(StrokeSegmenter, TheOilTemperatureIsKeptAlsoWhereNoExpressionReadsIt) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0).Rest(0.5);
   rows.Flag(kOil, 400, quality::kMissing);
   rows.block().signal[kOil][400] = std::numeric_limits<double>::quiet_NaN();
@@ -425,7 +425,7 @@ TEST(WindowSamples, SayWhatTheyTakeLargerThanAskedFor) {
 TEST(StrokeSegmenter, TheGateMayLookAtASignalTheModelDoesNotRead) {
   Machine machine = TestMachine();
   machine.gate.bounds = {{"T_oil", false, 300.0, std::nullopt}, {"z", true, std::nullopt, -0.004}};
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0).Rest(0.5);
   rows.Flag(kOil, 400, quality::kMissing);
   const Heard heard = Hear(rows.block(), 1024, machine);
@@ -435,7 +435,7 @@ TEST(StrokeSegmenter, TheGateMayLookAtASignalTheModelDoesNotRead) {
 }
 
 TEST(StrokeSegmenter, ALogThatEndsInsideAStrokeKeepsTheWholeBlocksOfIt) {
-  Rows rows;
+  Motion rows;
   rows.Rest(0.5).Draw(1.0);
   const Heard heard = Hear(rows);
   ASSERT_EQ(heard.strokes.size(), 1u);

@@ -17,7 +17,7 @@ namespace hydroscope {
 namespace {
 
 constexpr std::chrono::milliseconds kWatchRound(100);
-constexpr std::chrono::milliseconds kRetry(2000);  ///< after an error
+constexpr std::chrono::milliseconds kAfterError(2000);  // until the next try
 constexpr int kNice = 10;           ///< strokes that are stored can wait, those that end cannot
 constexpr double kLookEvery = 0.5;  ///< s between looks at channels
 constexpr double kSilence = 2.0;    ///< s a channel may be stale before that is told
@@ -77,7 +77,7 @@ void DriftWatch::Run() {
     }
     Publish(done);
     std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, done ? kWatchRound : kRetry, [this] { return stop_; });
+    wake_.wait_for(lock, done ? kWatchRound : kAfterError, [this] { return stop_; });
   }
 }
 

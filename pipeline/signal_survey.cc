@@ -6,12 +6,12 @@
 #include <bit>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/units.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGapPeriods = 1.5;
 
 std::string ConditionText(const Machine& machine, const GateBound& bound) {

@@ -9,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kRowsForPeriod = 1000;
+constexpr std::int64_t kFirstRows = 1000;
 constexpr std::int64_t kSliceRows = 16384;
 
 }  // namespace
@@ -59,7 +59,7 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
     return {};
   }
   const auto column = static_cast<std::size_t>(plan_.time);
-  std::vector<double> times(static_cast<std::size_t>(std::min(rows_, kRowsForPeriod)));
+  std::vector<double> times(static_cast<std::size_t>(std::min(rows_, kFirstRows)));
   if (const Status read = columns_->Read(column, 0, std::ssize(times), times.data()); !read) return read;
   std::erase_if(times, [](double time) { return !std::isfinite(time); });
   for (double& time : times) time *= plan_.time_scale;

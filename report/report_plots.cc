@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "core/quantile.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -142,8 +142,7 @@ std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis,
   plot.Points(points.x, points.y, {Ink::kBlue, Marker::kCircle, 2.4, false}, "", points.titles);
   if (oil.line.coefficients.empty()) return plot.Render();
   std::vector<double> x, line, low, high;
-  const double quantile =
-      boost::math::quantile(boost::math::students_t(oil.line.coefficients[1].degrees), 0.975);
+  const double quantile = StudentHalfWidth95(oil.line.coefficients[1].degrees);
   for (int k = 0; k <= 24; ++k) {
     const double temperature = oil.coldest + k * (oil.warmest - oil.coldest) / 24;
     const double value = oil.value_at_mean + oil.slope.value * (temperature - oil.mean_temperature);

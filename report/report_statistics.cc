@@ -2,14 +2,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "core/quantile.h"
 
 namespace hydroscope {
@@ -105,9 +103,7 @@ double DifferenceSquare(const std::vector<double>& y) {
   std::sort(squares.begin(), squares.end());
   const std::size_t kept = squares.size() - squares.size() / 20;
   const double share = static_cast<double>(kept) / static_cast<double>(squares.size());
-  using boost::math::chi_squared;
-  const double left =
-      kept == squares.size() ? 1 : cdf(chi_squared(3), quantile(chi_squared(1), share)) / share;
+  const double left = kept == squares.size() ? 1 : ChiSquaredBelow(ChiSquaredQuantile(share, 1), 3) / share;
   const double sum =
       std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0);
   return sum / static_cast<double>(kept) / left;
@@ -129,15 +125,14 @@ TestedValue::TestedValue(double value_in, double std_in, double degrees_in)
     p = value == 0 ? 1 : 0;
     return;
   }
-  const boost::math::students_t distribution(degrees);
-  p = 2 * boost::math::cdf(boost::math::complement(distribution, std::abs(value) / std));
+  p = StudentTwoSided(value / std, degrees);
 }
 
 bool TestedValue::Known() const { return std::isfinite(value) && std::isfinite(std) && degrees > 0; }
 
 double TestedValue::HalfWidth() const {
   if (!Known()) return kNaN;
-  return std * boost::math::quantile(boost::math::students_t(degrees), 0.975);
+  return std * StudentHalfWidth95(degrees);
 }
 
 Significance SignificanceOf(const TestedValue& tested) {
@@ -164,8 +159,7 @@ double CorrelatedFit::JointP(std::size_t first) const {
   const double f = tested.dot(all.bottomRightCorner(p - from, p - from).ldlt().solve(tested)) /
                    static_cast<double>(p - from);
   if (!(f >= 0)) return 1;
-  const boost::math::fisher_f distribution(static_cast<double>(p - from), coefficients.front().degrees);
-  return boost::math::cdf(boost::math::complement(distribution, f));
+  return FisherAbove(f, static_cast<double>(p - from), coefficients.front().degrees);
 }
 
 double CorrelatedFit::StdAt(const std::vector<double>& x) const {

@@ -19,7 +19,7 @@ CREATE TABLE progress(
 INSERT INTO progress VALUES(1, 0, 0);
 )sql";
 
-Status Prepare(SQLite::Database& db, const std::string& path) {
+Status PrepareOutbox(SQLite::Database& db, const std::string& path) {
   db.exec("PRAGMA journal_mode = WAL");
   db.exec("PRAGMA synchronous = NORMAL");
   SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);

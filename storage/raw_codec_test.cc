@@ -7,8 +7,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <random>
+
+#include "core/constants.h"
 
 namespace hydroscope {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::size_t kRows = 1000;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Size of the column packed, after a look whether every bit comes back.
 std::size_t PackedSize(const std::vector<double>& column) {

@@ -1,10 +1,10 @@
 #include "diagnosis/closed_loop/change.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "core/non_negative.h"
 
 namespace hydroscope {
@@ -22,7 +22,7 @@ constexpr double kIndependentDirections = 1e-9;
 double ChanceOfMore(double chi_squared, int dof) {
   if (dof <= 0) return chi_squared > 0 ? 0 : 1;
   if (!std::isfinite(chi_squared)) return 0;
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(dof), std::max(0.0, chi_squared)));
+  return ChiSquaredAbove(std::max(0.0, chi_squared), dof);
 }
 
 bool IsDelay(const LoopParameter& parameter) { return parameter.kind == LoopParameter::Kind::kDelay; }

@@ -11,7 +11,7 @@
 namespace hydroscope {
 namespace {
 
-using Verdict = LoopComparison::Verdict;
+using LoopVerdict = LoopComparison::Verdict;
 
 LoopState Cylinder() {
   LoopState state{{{343, 0.9766, 160, 0.0114, 0}, Eigen::MatrixXd::Zero(5, 5)}, std::nullopt};
@@ -28,9 +28,9 @@ std::vector<std::string_view> Ids(const LoopChangeSet& set) {
 
 TEST(LoopChange, TheSameCylinderIsAdequateAndSoIsThePublishedDifferenceOfDamping) {
   LoopState after = Cylinder();
-  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, Verdict::kAdequate);
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kAdequate);
   after.parameters[1] = 1.0012;
-  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, Verdict::kAdequate);
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kAdequate);
 }
 
 TEST(LoopChange, AValveOfTwiceTheSizeIsAGainThatDoubledAndNothingElse) {
@@ -38,7 +38,7 @@ TEST(LoopChange, AValveOfTwiceTheSizeIsAGainThatDoubledAndNothingElse) {
   after.parameters[1] = 1.0012;
   after.parameters[3] = 0.0230;
   const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
-  EXPECT_EQ(c.verdict, Verdict::kNamed);
+  EXPECT_EQ(c.verdict, LoopVerdict::kNamed);
   EXPECT_THAT(Ids(c.set), testing::ElementsAre("valve_gain"));
   EXPECT_NEAR(std::exp(c.set.changes[0].size), 2.018, 0.01);
 }
@@ -80,14 +80,14 @@ TEST(LoopChange, WhatNoThreeChangesExplainIsUnknown) {
   const double factors[] = {1.3, 0.7, 1.4, 0.6};
   for (std::size_t i = 0; i < 4; ++i) after.parameters[i] *= factors[i];
   after.parameters[4] = 3e-4;
-  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, Verdict::kUnknown);
+  EXPECT_EQ(CompareLoopStates(kTestCylinderPlant, Cylinder(), after).verdict, LoopVerdict::kUnknown);
 }
 
 TEST(LoopChange, ASaturationThatAppearedIsNamedByItself) {
   LoopState after = Cylinder();
   after.input_limit = 0.012;
   const LoopComparison c = CompareLoopStates(kTestCylinderPlant, Cylinder(), after);
-  EXPECT_EQ(c.verdict, Verdict::kNamed);
+  EXPECT_EQ(c.verdict, LoopVerdict::kNamed);
   EXPECT_TRUE(c.limit_appeared);
   EXPECT_TRUE(c.set.changes.empty());
 }

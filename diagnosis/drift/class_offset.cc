@@ -1,10 +1,10 @@
 #include "diagnosis/drift/class_offset.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
+#include "core/distributions.h"
 #include "diagnosis/drift/drift_thresholds.h"
 
 namespace hydroscope::drift {
@@ -101,8 +101,7 @@ OffsetSpread SpreadOf(std::span<const ClassOffset> classes) {
   if (known.empty()) return {0, 0, std::numeric_limits<double>::infinity()};
   if (known.size() == 1) return {known[0].offset, known[0].std, std::numeric_limits<double>::infinity()};
   const double degrees = static_cast<double>(known.size() - 1);
-  const double least =
-      boost::math::quantile(boost::math::chi_squared(degrees), kDriftThresholds.unlikely_offset);
+  const double least = ChiSquaredQuantile(kDriftThresholds.unlikely_offset, degrees);
   // The weighted squares fall steadily with the variance: bisection on its logarithm.
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (const ClassOffset& c : known) {

@@ -1,9 +1,9 @@
 #include "diagnosis/remainder/locate.h"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "core/distributions.h"
 #include "core/non_negative.h"
 
 namespace hydroscope {
@@ -51,11 +51,6 @@ Ratio ClusteredRatio(const StrokeCells& cells, Numerator numerator) {
   }
   out.std = std::sqrt(spread * out.strokes / (out.strokes - 1.0)) / windows;
   return out;
-}
-
-/// Standard normal quantile exceeded with probability `p`.
-double UpperQuantile(double p) {
-  return boost::math::quantile(boost::math::complement(boost::math::normal(), p));
 }
 
 double Squared(double x) { return x * x; }
@@ -137,7 +132,7 @@ double ExplainedShare(const Binned& binned, double total_excess) {
 bool IsAboveFloor(const MapCell& cell, int tests, const LocateOptions& options) {
   if (cell.windows < options.min_windows || cell.strokes < options.min_strokes) return false;
   const double chance =
-      UpperQuantile(options.p_floor / tests) * std::sqrt(2 * options.overlap / cell.windows);
+      NormalExceededWith(options.p_floor / tests) * std::sqrt(2 * options.overlap / cell.windows);
   return cell.excess > std::max(options.floor_excess, chance) * cell.noise;
 }
 

@@ -9,11 +9,11 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kNoise = 1e-5;  // m^3/s
+constexpr double kFlowNoise = 1e-5;  // m^3/s
 
 /// Residuals of strokes whose noise is known; `error` is what the model misses at a pressure (Pa).
 template <typename Error>
-Residuals Made(Error error, std::uint64_t seed = 1) {
+Residuals OverPressure(Error error, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   Residuals out;
@@ -27,8 +27,8 @@ Residuals Made(Error error, std::uint64_t seed = 1) {
       stroke.signal(0, w) = pressure;
       stroke.signal(1, w) = 0.2 - 0.19 * w / kWindows;
       stroke.modelled.push_back(1e-3);
-      stroke.measured.push_back(1e-3 + error(pressure) + kNoise * normal(random));
-      stroke.noise_variance.push_back(kNoise * kNoise);
+      stroke.measured.push_back(1e-3 + error(pressure) + kFlowNoise * normal(random));
+      stroke.noise_variance.push_back(kFlowNoise * kFlowNoise);
     }
     out.strokes.push_back(std::move(stroke));
   }
@@ -38,27 +38,27 @@ Residuals Made(Error error, std::uint64_t seed = 1) {
 double Relief(double pressure) { return -4e-5 * std::max(0.0, pressure - 150e5) / 50e5; }
 
 TEST(RemainderShape, IsTheCurveOfWhatTheModelMissesWithinItsBand) {
-  const auto shape = ShapeOfRemainder(Made(Relief));
+  const auto shape = ShapeOfRemainder(OverPressure(Relief));
   ASSERT_TRUE(shape.has_value());
   EXPECT_EQ(shape->signal, "p_A");
   EXPECT_EQ(shape->unit, "bar");
   EXPECT_GT(shape->explained, 0.9);
   for (const ShapePoint& point : shape->points) {
     EXPECT_GT(point.std, 0);
-    EXPECT_LT(point.std, 0.5 * kNoise) << point.x;
-    EXPECT_NEAR(point.value, Relief(point.x * 1e5), 4 * point.std + 0.2 * kNoise) << point.x;
+    EXPECT_LT(point.std, 0.5 * kFlowNoise) << point.x;
+    EXPECT_NEAR(point.value, Relief(point.x * 1e5), 4 * point.std + 0.2 * kFlowNoise) << point.x;
   }
 }
 
 TEST(RemainderShape, NoiseAloneHasNone) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed)
-    found += ShapeOfRemainder(Made([](double) { return 0.0; }, seed)).has_value();
+    found += ShapeOfRemainder(OverPressure([](double) { return 0.0; }, seed)).has_value();
   EXPECT_LE(found, 5);
 }
 
 TEST(RemainderShape, NeedsThreeStrokes) {
-  Residuals residuals = Made(Relief);
+  Residuals residuals = OverPressure(Relief);
   residuals.strokes.resize(2);
   EXPECT_FALSE(ShapeOfRemainder(residuals).has_value());
 }

@@ -1,9 +1,9 @@
 #include "diagnosis/remainder/whiteness.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+
+#include "core/distributions.h"
 
 namespace hydroscope {
 
@@ -24,7 +24,7 @@ Whiteness WhitenessOf(const Residuals& residuals, int lags) {
     out.autocorrelation.push_back(r);
     out.ljung_box += pairs[k] * r * r;
   }
-  out.p_value = boost::math::cdf(boost::math::complement(boost::math::chi_squared(lags), out.ljung_box));
+  out.p_value = ChiSquaredAbove(out.ljung_box, lags);
   return out;
 }
 
@@ -60,9 +60,7 @@ CorrelationTest CorrelationAt(const Residuals& residuals, int signal, double res
   double spread = 0;
   for (double score : scores) spread += (score - product / n) * (score - product / n);
   const double std = std::sqrt(spread * n / (n - 1));
-  if (std > 0)
-    out.p_value = 2 * boost::math::cdf(
-                          boost::math::complement(boost::math::students_t(n - 1), std::abs(product) / std));
+  if (std > 0) out.p_value = StudentTwoSided(product / std, n - 1);
   return out;
 }
 

@@ -11,7 +11,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kKnots = 6, kOfOne = 4 + kKnots;
+constexpr int kKnotsOfTerm = 6, kOfOne = 4 + kKnotsOfTerm;
 constexpr double kFar = 10;     ///< a run that leaves what was seen counts no further
 constexpr double kSteep = 10;   ///< of the smooth sign
 constexpr int kMostPaired = 5;  ///< variables; of more, products would be too many to tell apart
@@ -55,7 +55,7 @@ void FunctionBank::AddVariable(std::vector<double> values) {
   spread_.push_back(spread);
   zero_.push_back(values.front() < 0 && values.back() > 0 ? -middle / spread : 0);
   std::vector<double> knots;
-  for (int k = 0; k < kKnots; ++k) knots.push_back((at((k + 0.5) / kKnots) - middle) / spread);
+  for (int k = 0; k < kKnotsOfTerm; ++k) knots.push_back((at((k + 0.5) / kKnotsOfTerm) - middle) / spread);
   knots.back() = (at(0.97) - middle) / spread;
   knots_.push_back(std::move(knots));
 }

@@ -1,10 +1,10 @@
 #include "estimation/closed_loop/closed_loop.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "estimation/closed_loop/input_limit.h"
 #include "estimation/frequency_response/model.h"
 
@@ -112,7 +112,7 @@ void TakeNeededSeconds(const ClosedLoopPlant& plant, LoopResponse& response) {
 /// What people see of the fit.
 void TakeParameters(const ClosedLoopPlant& plant, LoopResponse& response) {
   const double dof = std::max(1.0, response.fit->blocks - static_cast<double>(plant.parameters.size()));
-  const double wider = boost::math::quantile(boost::math::students_t(dof), 0.975) / kNormal95;
+  const double wider = StudentHalfWidth95(dof) / kNormal95;
   for (std::size_t i = 0; i < plant.parameters.size(); ++i)
     response.parameters.push_back(
         {response.fit->parameters[i], wider * response.fit->Std(plant.parameters[i], i)});

@@ -3,10 +3,10 @@
 #include <ceres/tiny_solver.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "core/non_negative.h"
 #include "estimation/frequency_response/second_order.h"
 #include "estimation/frequency_response/welch.h"
@@ -412,8 +412,7 @@ Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<st
         "the frequencies from {:.4g} to {:.4g} Hz do not determine the parameters; excite a wider range",
         fit.lowest, fit.highest);
   const double independent = fit.degrees_of_freedom / kHannCorrelation;
-  if (boost::math::cdf(boost::math::chi_squared(std::max(1.0, independent)),
-                       fit.chi_squared / kHannCorrelation) > kLikelyMisfit)
+  if (ChiSquaredBelow(fit.chi_squared / kHannCorrelation, std::max(1.0, independent)) > kLikelyMisfit)
     fit.inflation = std::max(1.0, std::sqrt(fit.chi_squared / fit.degrees_of_freedom));
   const auto all = static_cast<std::ptrdiff_t>(fit.parameters.size());
   fit.covariance = MatrixXd::Zero(all, all);

@@ -5,13 +5,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
 #include "core/constants.h"
+#include "core/distributions.h"
 #include "core/non_negative.h"
 #include "estimation/frequency_response/figures.h"
 #include "estimation/frequency_response/fit_problem.h"
@@ -33,7 +32,7 @@ constexpr double kMisfitBeyondNoise =
 
 double TFactor(double dof) {
   if (!(dof < kManyDegrees)) return 1;
-  return boost::math::quantile(boost::math::students_t(std::max(dof, 1.0)), 0.975) / kNormal95;
+  return StudentHalfWidth95(std::max(dof, 1.0)) / kNormal95;
 }
 
 /// The paper's linear equation of the squared gain, weighted; false if it has no physical solution.
@@ -201,7 +200,7 @@ double WidenIntervals(const FitProblem& problem, double correlation, ValveModel&
   expected /= static_cast<double>(problem.targets().size());
   const double dof = std::max(1.0, model.degrees_of_freedom / correlation);
   const double chi = model.chi_squared / correlation / expected;
-  if (boost::math::cdf(boost::math::chi_squared(dof), chi) > kMisfitBeyondNoise) {
+  if (ChiSquaredBelow(chi, dof) > kMisfitBeyondNoise) {
     model.inflation = std::sqrt(model.chi_squared / model.degrees_of_freedom);
     return model.inflation * TFactor(dof) * std::sqrt(correlation);
   }

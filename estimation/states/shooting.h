@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "core/constants.h"
 #include "estimation/states/simulation.h"
 
 /// Fitting a model with states by the squares of its errors over segments of episodes, whose initial states are free and which
@@ -31,10 +31,7 @@ class ParameterScale {
     }
   }
   /// One more, of any value; `size`: what is a large change of it.
-  void AddFree(double size) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    entries_.push_back({false, size, -kInfinity, kInfinity});
-  }
+  void AddFree(double size) { entries_.push_back({false, size, -kInfinity, kInfinity}); }
   double ToScaled(std::size_t i, double value) const {
     const Entry& e = entries_[i];
     return std::clamp(e.logarithm ? std::log(std::max(value, 1e-300)) : value / e.size, e.low, e.high);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/units.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_file/table.h"
@@ -18,8 +19,6 @@ namespace {
 
 using Kind = ExpressionNode::Kind;
 using Checked = tl::expected<void, ExpressionError>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string Signals(const ExpressionNames& names) {
   std::vector<std::string> list;

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
+#include "core/constants.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Where the search for the constants of an effect starts: points evenly inside their limits, every combination.
 std::vector<std::vector<double>> GridOf(const std::vector<ShapeSpec>& shape) {

@@ -66,10 +66,10 @@ TEST(TestCylinder, EffectsMoveTheTruthAsPhysicsSays) {
 }
 
 TEST(TestCylinder, OptionsOutsideWhatCanBeAreRefusedByName) {
-  EXPECT_THAT(Validate({.f_h = -1}).error().text,
+  EXPECT_THAT(Validate(TestCylinderOptions{.f_h = -1}).error().text,
               testing::HasSubstr("f_h is -1 Hz; it must lie between 20 and 1000 Hz"));
-  EXPECT_FALSE(Validate({.seconds = 0}));
-  EXPECT_TRUE(Validate({}));
+  EXPECT_FALSE(Validate(TestCylinderOptions{.seconds = 0}));
+  EXPECT_TRUE(Validate(TestCylinderOptions{}));
 }
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
 
+#include "core/distributions.h"
 #include "core/units.h"
 #include "storage/alarm_journal.h"
 #include "workbench/history/block_estimates.h"
@@ -151,9 +151,8 @@ std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
   const double std_error =
       std::sqrt(least / degrees * (1 / static_cast<double>(best.at) + 1 / static_cast<double>(n - best.at)));
   const double t = std::abs(best.after - best.before) / std::max(std_error, 1e-300);
-  const boost::math::students_t distribution(degrees);
   const auto places = static_cast<double>(n - 2 * kFewestOfALevel + 1);
-  best.p = std::min(1.0, places * 2 * boost::math::cdf(boost::math::complement(distribution, t)));
+  best.p = std::min(1.0, places * StudentTwoSided(t, degrees));
   if (!(best.p < kEvident)) return std::nullopt;
   return best;
 }

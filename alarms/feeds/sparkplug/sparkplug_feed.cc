@@ -20,8 +20,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kRowsAtOnce = 1000;
-constexpr std::int64_t kMostWaiting = 20'000;           // items in the outbox; the journal keeps the rest
+constexpr std::int64_t kJournalRowsAtOnce = 1000;
+constexpr std::int64_t kMostInOutbox = 20'000;          // items in the outbox; the journal keeps the rest
 constexpr std::int64_t kRebirthPeriod = 5'000'000'000;  // ns between births because somebody asked for them
 constexpr std::int64_t kMostUnacknowledged = 400;       // messages the broker has not acknowledged
 
@@ -119,8 +119,8 @@ class SparkplugFeed : public Feed {
     const auto waiting = outbox_->Count();
     if (!waiting) return tl::unexpected(waiting.error());
     cursor_ = *cursor;
-    if (*waiting >= kMostWaiting) return {};
-    const auto rows = reader_.Rows(cursor_, kRowsAtOnce);
+    if (*waiting >= kMostInOutbox) return {};
+    const auto rows = reader_.Rows(cursor_, kJournalRowsAtOnce);
     if (!rows) return tl::unexpected(rows.error());
     if (rows->empty()) return {};
     std::vector<OutboxItem> items;

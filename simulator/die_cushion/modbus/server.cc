@@ -21,7 +21,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr int kRegisters = 65536, kCoils = 8;
+constexpr int kAddresses = 65536, kCoils = 8;
 constexpr int kWake = 20;  // ms between two looks at the stop flag
 constexpr std::size_t kMostClients = 32;
 constexpr int kFunctionCode = 7;  // place in a Modbus TCP request
@@ -68,7 +68,7 @@ class Server : public ModbusServer {
   }
 
  private:
-  std::span<std::uint16_t> Registers() { return {mapping_->tab_registers, kRegisters}; }
+  std::span<std::uint16_t> Registers() { return {mapping_->tab_registers, kAddresses}; }
 
   void Serve(const std::stop_token& stop) {
     std::vector<pollfd> sockets;
@@ -151,9 +151,9 @@ int PortOf(int socket) {
 Result<std::unique_ptr<ModbusServer>> ModbusServer::Start(const std::string& host, int port,
                                                           const Change& fill, OnCoil on_coil) {
   std::unique_ptr<modbus_t, FreeContext> context(modbus_new_tcp(host.c_str(), port));
-  std::unique_ptr<modbus_mapping_t, FreeMapping> mapping(modbus_mapping_new(kCoils, 0, kRegisters, 0));
+  std::unique_ptr<modbus_mapping_t, FreeMapping> mapping(modbus_mapping_new(kCoils, 0, kAddresses, 0));
   if (!context || !mapping) return InternalError("no memory for the Modbus registers");
-  fill({mapping->tab_registers, kRegisters});
+  fill({mapping->tab_registers, kAddresses});
   // A malformed or half request may hold up the other clients for this long only.
   modbus_set_response_timeout(context.get(), 0, 1000);
   modbus_set_byte_timeout(context.get(), 0, 20000);
