@@ -36,6 +36,12 @@ nlohmann::json TestCylinderTruthJson(const TestCylinderOptions& o) {
             {"specimen", o.specimen},
             {"square_root_valve", o.square_root_valve},
             {"leak_share", o.leak_share}}},
+          {"drift",
+           {{"f_h", o.drift.f_h},
+            {"zeta_h", o.drift.zeta_h},
+            {"f_sv", o.drift.f_sv},
+            {"K_sv", o.drift.K_sv},
+            {"from", o.drift.from}}},
           {"seed", o.seed},
           {"seconds", o.seconds},
           {"sample_period", o.sample_period}};
@@ -95,12 +101,19 @@ void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
   app->add_option("--coulomb", o.coulomb, "Coulomb friction, N")->capture_default_str();
   app->add_flag("--square-root-valve", o.square_root_valve,
                 "Flow with the root of the pressure left over the edges");
+  app->add_option("--drift-f-h", o.drift.f_h, "Share per s by which the natural frequency changes")
+      ->capture_default_str();
+  app->add_option("--drift-zeta-h", o.drift.zeta_h, "... the damping")->capture_default_str();
+  app->add_option("--drift-f-sv", o.drift.f_sv, "... the valve's corner frequency")->capture_default_str();
+  app->add_option("--drift-K-sv", o.drift.K_sv, "... the flow gain")->capture_default_str();
+  app->add_option("--drift-from", o.drift.from, "... from this time on, s")->capture_default_str();
   app->add_option("--sample-period", o.sample_period, "Of log and controller, s")->capture_default_str();
   app->footer(
       "Examples:\n"
       "  hydroscope simulate test-cylinder --out cylinder.csv --truth cylinder.json\n"
       "  hydroscope simulate test-cylinder --out exchanged.csv --valve 38 --seed 2\n"
-      "  hydroscope simulate test-cylinder --out air.csv --trapped-air 0.003 --seed 3");
+      "  hydroscope simulate test-cylinder --out air.csv --trapped-air 0.003 --seed 3\n"
+      "  hydroscope simulate test-cylinder --out worn.csv --seconds 3600 --drift-K-sv=-1e-4 --drift-from 2400");
   app->callback([a, app, &exit_code] {
     const Status status = WriteTestCylinder(*a, *app);
     exit_code = status ? static_cast<int>(kDone) : ReportError(status.error());

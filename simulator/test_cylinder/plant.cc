@@ -17,7 +17,10 @@ double Squared(double x) { return x * x; }
 
 }  // namespace
 
-TestCylinderPlant::TestCylinderPlant(const TestCylinderOptions& o) : options_(o) {
+TestCylinderPlant::TestCylinderPlant(const TestCylinderOptions& o) { Become(o); }
+
+void TestCylinderPlant::Become(const TestCylinderOptions& o) {
+  options_ = o;
   const double w_h = kTwoPi * o.f_h;
   // w_h^2 = 4 K A^2/(V m) and 2 zeta/w_h = B/(m w_h^2) + C m/A^2, as if neither friction nor leakage changed the other terms.
   compressibility_ = 4 * Squared(o.area) / (o.volume * o.mass * Squared(w_h));

@@ -17,6 +17,8 @@ class TestCylinderPlant {
  public:
   explicit TestCylinderPlant(const TestCylinderOptions& options);
 
+  /// Goes on with other figures.
+  void Become(const TestCylinderOptions& options);
   /// Moves on by `seconds` with a constant current, A.
   void Advance(double current, double seconds);
   double position() const { return state_[3]; }  ///< m

@@ -3,6 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -60,7 +61,9 @@ class TestCylinderLoop {
     delay_.Push(0);
   }
 
-  void Next(double& set_point, double& current, double& position) {
+  /// At `time` s of the log.
+  void Next(double time, double& set_point, double& current, double& position) {
+    Drift(time);
     set_point = low_ * low_noise_.Next() + high_ * high_noise_.Next();
     position = (o_.sensor_delay > 0 ? delay_.Read() : plant_.position()) + o_.noise * reading_.Normal();
     current = controller_.Current(set_point, position);
@@ -72,10 +75,25 @@ class TestCylinderLoop {
   }
 
  private:
-  static constexpr int kDelaySteps = 8;  // per row: a delay is interpolated between them
+  static constexpr int kDelaySteps = 8;      // per row: a delay is interpolated between them
+  static constexpr double kDriftStep = 0.1;  // s over which what drifts stands still
+
+  void Drift(double time) {
+    const TestCylinderDrift& d = o_.drift;
+    if (time < std::max(d.from, drifted_ + kDriftStep)) return;
+    if (d.f_h == 0 && d.zeta_h == 0 && d.f_sv == 0 && d.K_sv == 0) return;
+    drifted_ = time;
+    TestCylinderOptions now = o_;
+    const double seconds = time - d.from;
+    now.f_h *= 1 + d.f_h * seconds;
+    now.zeta_h *= 1 + d.zeta_h * seconds;
+    now.f_sv *= 1 + d.f_sv * seconds;
+    now.K_sv *= 1 + d.K_sv * seconds;
+    plant_.Become(now);
+  }
 
   const TestCylinderOptions& o_;
-  double low_, high_, disturbance_scale_ = 0;
+  double low_, high_, disturbance_scale_ = 0, drifted_ = -1;
   TestCylinderPlant plant_;
   PositionController controller_;
   DelayLine delay_;
@@ -86,12 +104,13 @@ class TestCylinderLoop {
 /// Standard deviation of the current with set points of these amplitudes and nothing else.
 double CurrentOf(TestCylinderOptions o, double low, double high) {
   o.noise = o.disturbance = o.coulomb = o.saturation = 0;
+  o.drift = {};
   TestCylinderLoop loop(o, low, high);
   double squares = 0, set_point = 0, current = 0, position = 0;
   const auto settled = static_cast<std::int64_t>(kSettled / o.sample_period);
   const auto rows = settled + static_cast<std::int64_t>(kMeasured / o.sample_period);
   for (std::int64_t row = 0; row < rows; ++row) {
-    loop.Next(set_point, current, position);
+    loop.Next(0, set_point, current, position);
     if (row >= settled) squares += current * current;
   }
   return std::sqrt(squares / static_cast<double>(rows - settled));
@@ -117,6 +136,12 @@ Status Validate(const TestCylinderOptions& o) {
         check("sensor delay", o.sensor_delay, 0, 5e-3, "s"), check("saturation", o.saturation, 0, 1, "A"),
         check("trapped air", o.trapped_air, 0, 0.5, "1"), check("specimen", o.specimen, 0, 1e9, "N/m")})
     if (!s) return s;
+  constexpr double kMostDrift = 0.5;  // at the end of the log
+  const double seconds = std::max(0.0, o.seconds - o.drift.from);
+  for (const double rate : {o.drift.f_h, o.drift.zeta_h, o.drift.f_sv, o.drift.K_sv})
+    if (const Status s = check("drift at the end of the log", rate * seconds, -kMostDrift, kMostDrift, "1");
+        !s)
+      return s;
   return {};
 }
 
@@ -132,7 +157,7 @@ TestCylinderLog SimulateTestCylinder(const TestCylinderOptions& o) {
   const auto rows = static_cast<std::int64_t>(std::llround(o.seconds / o.sample_period));
   for (auto* column : {&log.t, &log.z_set, &log.I_v, &log.z}) column->reserve(static_cast<std::size_t>(rows));
   for (std::int64_t row = -settled; row < rows; ++row) {
-    loop.Next(set_point, current, position);
+    loop.Next(static_cast<double>(row) * o.sample_period, set_point, current, position);
     if (row < 0) continue;
     log.t.push_back(static_cast<double>(row) * o.sample_period);
     log.z_set.push_back(set_point);

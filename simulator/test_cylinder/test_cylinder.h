@@ -8,6 +8,12 @@
 
 namespace hydroscope {
 
+/// Wear: relative changes per second of the figures of a transfer function, in a straight line from some time of the log on.
+struct TestCylinderDrift {
+  double f_h = 0, zeta_h = 0, f_sv = 0, K_sv = 0;  ///< 1/s
+  double from = 0;                                 ///< s
+};
+
 /// A servo-hydraulic test cylinder in closed position control, excited by noise on its set point (Li and Thurner 2013).
 /// Stated by the figures of its transfer function; its physical constants follow from them.
 struct TestCylinderOptions {
@@ -38,6 +44,7 @@ struct TestCylinderOptions {
   double trapped_air = 0;          ///< share of the chambers' volume at mean pressure
   double specimen = 0;             ///< N/m
   bool square_root_valve = false;  ///< flow falls with the root of the pressure left over the edges
+  TestCylinderDrift drift = {};
 };
 
 /// The larger valve of the paper's table 1, in place of the figures above.
