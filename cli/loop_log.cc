@@ -3,35 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/constants.h"
+#include "estimation/closed_loop/loop_episodes.h"
 #include "models/closed_loop.h"
-#include "models/machine_kind.h"
 
 namespace hydroscope {
-namespace {
-
-TransferModel TransferModelOf(const Machine& machine, double sample_period) {
-  const MachineKind& kind = KindOf(machine);
-  TransferModel model{ClosedLoopOf(machine), {}, machine.log.hold == InputHold::kZero ? sample_period : 0};
-  for (const MachineInput& known : kind.geometry) {
-    const auto value = machine.Geometry(std::string(known.name));
-    model.geometry.push_back(value ? value->value : known.otherwise.value_or(0));
-  }
-  return model;
-}
-
-/// What the machine file calls healthy; NaN where it says nothing.
-std::vector<double> ReferencesOf(const Machine& machine) {
-  std::vector<double> references;
-  for (const LoopParameter& parameter : ClosedLoopOf(machine)->parameters) {
-    const auto monitor = std::find_if(machine.monitors.begin(), machine.monitors.end(),
-                                      [&](const MonitorSpec& m) { return m.parameter == parameter.name; });
-    references.push_back(monitor == machine.monitors.end() ? kNaN : monitor->reference.value_or(kNaN));
-  }
-  return references;
-}
-
-}  // namespace
 
 Result<LoopLog> MeasureLoopLog(const std::string& path, const Machine& machine, const LoopOptions& options) {
   const ClosedLoopPlant& plant = *ClosedLoopOf(machine);

@@ -3,6 +3,7 @@
 #include <complex>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace hydroscope {
 
@@ -22,6 +23,8 @@ struct LoopParameter {
   double wanted = 0;
   std::string_view unit = "";  ///< of people, ...
   double factor = 1;           ///< ... shown = SI * factor
+  /// SI, of a parameter that is 0 where all is well: errors that are small beside this one say something useful.
+  double scale = 0;
 };
 
 /// Something that may have happened to the plant between two records. All that can are straight lines over the logarithms of
@@ -58,5 +61,7 @@ struct ClosedLoopPlant {
 
 /// The plant of a machine whose kind is measured in closed loop (MachineKind::closed_loop); nullptr: its kind is not.
 const ClosedLoopPlant* ClosedLoopOf(const Machine& machine);
+/// Indices of its set point, input and output among the machine's signals, -1 where it has none.
+std::vector<int> SignalsOfLoop(const Machine& machine);
 
 }  // namespace hydroscope

@@ -77,6 +77,14 @@ std::vector<Condition> ConditionsOf(const Machine& machine) {
 
 const ClosedLoopPlant* ClosedLoopOf(const Machine& machine) { return KindOf(machine).closed_loop; }
 
+std::vector<int> SignalsOfLoop(const Machine& machine) {
+  std::vector<int> signals;
+  const ClosedLoopPlant& plant = *ClosedLoopOf(machine);
+  for (const std::string_view name : {plant.set_point, plant.input, plant.output})
+    signals.push_back(machine.SignalIndex(name));
+  return signals;
+}
+
 LinearForm LinearFormOf(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
   return kind.linear_form != nullptr ? kind.linear_form(machine) : LinearForm{};

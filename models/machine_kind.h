@@ -101,8 +101,11 @@ std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);
 MachineWords WordsOf(const Machine& machine);
-/// What is counted of it: "stroke", of a machine with states "episode".
-inline const char* CountedAs(const MachineKind& kind) { return kind.has_states ? "episode" : "stroke"; }
+/// Whether its rows are judged episode by episode, each as a whole: machines with states and plants in closed loop. What an
+/// episode leaves behind is linearised in the parameters (models/episode_structure.h).
+inline bool InEpisodes(const MachineKind& kind) { return kind.has_states || kind.closed_loop != nullptr; }
+/// What is counted of it: "stroke" or "episode".
+inline const char* CountedAs(const MachineKind& kind) { return InEpisodes(kind) ? "episode" : "stroke"; }
 /// nullptr if the kind has no parameter of that name.
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name);
 /// What strokes of the machine are driven at: conditions of its kind, then those of its file.

@@ -5,8 +5,8 @@
 
 #include "core/limits.h"
 #include "models/effect.h"
+#include "models/episode_structure.h"
 #include "models/machine_kind.h"
-#include "models/state_structure.h"
 
 namespace hydroscope {
 
@@ -43,8 +43,8 @@ namespace {
 
 Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   const MachineKind& kind = KindOf(machine);
-  if (kind.build != nullptr || kind.has_states) {
-    auto model = kind.has_states ? BuildStateStructure(machine) : kind.build(machine);
+  if (kind.build != nullptr || InEpisodes(kind)) {
+    auto model = kind.build != nullptr ? kind.build(machine) : BuildEpisodeStructure(machine);
     if (!model) return model;
     (*model)->name = kind.id;
     (*model)->kind = &kind;
@@ -55,7 +55,7 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   }
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
-    if (other->build != nullptr || other->has_states) known.push_back(other->id);
+    if (other->build != nullptr || InEpisodes(*other)) known.push_back(other->id);
   return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
                   machine.name, machine.model, fmt::join(known, ", "));
 }

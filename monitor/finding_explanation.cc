@@ -45,8 +45,8 @@ std::string ErrorText(const ChangeResult& result) {
                      after.final.rms_holdout * unit.factor, unit.name);
 }
 
-/// Of a machine with states, whose effects are simulated, and tried on logs alone.
-std::string SentenceOfStates(const ChangeResult& result) {
+/// Of episodes, whose effects are tried on logs alone.
+std::string SentenceOfEpisodes(const ChangeResult& result) {
   const auto moved = Moved(result);
   const bool adequate = result.after.explanation.verdict == Verdict::kAdequate;
   std::string text = adequate ? "" : "the model errs more than before; ";
@@ -58,7 +58,7 @@ std::string SentenceOfStates(const ChangeResult& result) {
 }
 
 std::string Sentence(const ChangeResult& result) {
-  if (result.after.log.model->kind->has_states) return SentenceOfStates(result);
+  if (InEpisodes(*result.after.log.model->kind)) return SentenceOfEpisodes(result);
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
   const std::string also = moved.empty() ? "" : fmt::format("; moved: {}", fmt::join(moved, ", "));
@@ -127,7 +127,7 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
   if (!result)
     return {fmt::format("Strokes {} could not be compared: {}.", strokes, result.error().text), false, {}};
   const Verdict verdict = result->after.explanation.verdict;
-  const bool episodes = result->after.log.model->kind->has_states;
+  const bool episodes = InEpisodes(*result->after.log.model->kind);
   return {fmt::format("{} {}: {}.", episodes ? "Episodes" : "Strokes", strokes, Sentence(*result)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
 }

@@ -21,7 +21,7 @@ Result<drift::RuleBook> RulesFor(const std::string& machine_file, const Machine&
     return drift::LoadRules(rules.string());
   drift::RuleBook built_in = drift::DefaultRules();
   // Episodes are longer than strokes, and there are fewer of them.
-  if (KindOf(machine).has_states) built_in.commissioning = drift::kDriftThresholds.least_strokes;
+  if (InEpisodes(KindOf(machine))) built_in.commissioning = drift::kDriftThresholds.least_strokes;
   return built_in;
 }
 

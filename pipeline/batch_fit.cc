@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "models/machine_kind.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
@@ -111,6 +112,11 @@ namespace {
 
 /// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h). `period`: of the logs before, 0 = none.
 Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
+  if (ClosedLoopOf(stated) != nullptr)
+    return BadInput(
+        "machine '{}': a {} is measured by its frequency response: 'hydroscope frf', or 'hydroscope explain --since' for "
+        "what changed",
+        stated.name, KindOf(stated).title);
   Machine machine = stated;
   AssumeTolerances(machine);
   if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/state_model.h"
 #include "pipeline/shaft_rows.h"
 
 namespace hydroscope {
@@ -32,32 +31,36 @@ void EpisodeCutter::Rows::Clear() {
   for (auto& q : quality) q.clear();
 }
 
-Status EpisodeCutter::Check(const StateModel& model) {
-  for (const GateBound& bound : model.machine.gate.bounds)
+Status EpisodeCutter::Check(const Machine& machine) {
+  for (const GateBound& bound : machine.gate.bounds)
     if (bound.rate)
       return BadInput(
-          "machine '{}': [gate] ddt({}) has no place in a model with states; write a condition on a signal",
-          model.machine.name, bound.signal);
+          "machine '{}': [gate] ddt({}) has no place where rows are judged in episodes; write a condition on a signal",
+          machine.name, bound.signal);
   return {};
 }
 
-EpisodeCutter::EpisodeCutter(const StateModel& model, const Options& options, Sink sink)
-    : model_(model), options_(options), sink_(std::move(sink)), marker_(model.machine) {
-  const std::size_t signals = model.machine.signals.size();
+EpisodeCutter::EpisodeCutter(const Machine& machine, EpisodeSignals of, const Options& options, Sink sink)
+    : machine_(machine),
+      signals_(std::move(of)),
+      options_(options),
+      sink_(std::move(sink)),
+      marker_(machine) {
+  const std::size_t signals = machine.signals.size();
   rows_.signal.resize(signals);
   rows_.quality.resize(signals);
   input_.assign(signals, false);
-  for (const int s : model.inputs) input_[static_cast<std::size_t>(s)] = true;
-  shaft_ = model.machine.SignalIndex(model.machine.states.shaft);
+  for (const int s : signals_.inputs) input_[static_cast<std::size_t>(s)] = true;
+  shaft_ = machine.SignalIndex(machine.states.shaft);
   if (shaft_ >= 0) input_[static_cast<std::size_t>(shaft_)] = true;
 }
 
 void EpisodeCutter::ForgiveSpikes(const std::vector<double>& share) { spikes_ = share; }
 
 bool EpisodeCutter::InGate(const SampleBlock& block, std::size_t row) {
-  const GateSpec& gate = model_.machine.gate;
+  const GateSpec& gate = machine_.gate;
   const bool holds = std::all_of(gate.bounds.begin(), gate.bounds.end(), [&](const GateBound& b) {
-    double x = block.signal[static_cast<std::size_t>(model_.machine.SignalIndex(b.signal))][row];
+    double x = block.signal[static_cast<std::size_t>(machine_.SignalIndex(b.signal))][row];
     if (b.magnitude) x = std::abs(x);
     return (!b.min || x >= *b.min) && (!b.max || x <= *b.max);
   });
@@ -106,7 +109,7 @@ void EpisodeCutter::TakeRow(const SampleBlock& block, std::size_t row) {
     }
   }
   ++row_;
-  const auto wanted = model_.machine.states.episode_seconds;
+  const auto wanted = machine_.states.episode_seconds;
   const bool full = !options_.whole && rows_.size() > 0 &&
                     ((wanted && static_cast<double>(rows_.size()) * options_.period >= *wanted) ||
                      static_cast<std::int64_t>(rows_.size()) >= options_.most_rows);
@@ -124,7 +127,7 @@ Quality EpisodeCutter::Forgiven(std::size_t signal) const {
       spikes_.empty() ? static_cast<double>(spikes) / static_cast<double>(flags.size()) : spikes_[signal];
   Quality forgiven = kTimeBreaks;
   if (input_[signal] || share > kRareSpikes) forgiven |= quality::kSpike;
-  if (input_[signal] || model_.machine.signals[signal].stuck_time < kStuckRows * options_.period)
+  if (input_[signal] || machine_.signals[signal].stuck_time < kStuckRows * options_.period)
     forgiven |= quality::kStuck;
   return forgiven;
 }
@@ -137,19 +140,18 @@ void EpisodeCutter::End() {
   // An episode begins where all outputs are there, since initial values may be read from them.
   std::size_t first = 0;
   const std::size_t end = rows_.size();
-  while (first < end && !std::all_of(model_.outputs.begin(), model_.outputs.end(), [&](int s) {
+  while (first < end && !std::all_of(signals_.outputs.begin(), signals_.outputs.end(), [&](int s) {
            const auto at = static_cast<std::size_t>(s);
            return GoodReading(rows_.signal[at][first], rows_.quality[at][first], forgiven[at]);
          }))
     ++first;
   const double seconds = first < end ? rows_.time[end - 1] - rows_.time[first] : 0;
-  if (end - first < kLeastRows ||
-      (!model_.machine.gate.bounds.empty() && seconds < model_.machine.gate.min_stroke)) {
+  if (end - first < kLeastRows || (!machine_.gate.bounds.empty() && seconds < machine_.gate.min_stroke)) {
     ++discarded_;
     rows_.Clear();
     return;
   }
-  const auto wanted = model_.machine.states.episode_seconds;
+  const auto wanted = machine_.states.episode_seconds;
   const std::size_t rows = end - first,
                     parts = wanted && options_.whole
                                 ? std::max<std::size_t>(
@@ -170,7 +172,7 @@ bool EpisodeCutter::AtAngles(Episode& episode) {
           rows, episode.time.front(), kLeastRowsPerRevolution));
     return true;
   }
-  episode = AtShaftAngles(episode, shaft_, model_.outputs, model_.machine.log.hold);
+  episode = AtShaftAngles(episode, shaft_, signals_.outputs, machine_.log.hold);
   return episode.rows() >= static_cast<int>(kLeastRows);
 }
 

@@ -9,12 +9,19 @@
 
 #include "core/records.h"
 #include "core/sample_block.h"
-#include "estimation/states/simulation.h"
+#include "estimation/episode.h"
 #include "models/episode_marker.h"
+#include "models/machine.h"
 
 namespace hydroscope {
 
-/// Cuts rows of a machine with states into episodes, row by row: an episode ends at a row without a good reading of an input,
+/// Signals of a machine that its episodes hang on, indices.
+struct EpisodeSignals {
+  std::vector<int> inputs;   ///< without a good reading of all a row is none
+  std::vector<int> outputs;  ///< readings that are not good are left out
+};
+
+/// Cuts rows of a machine into episodes, row by row: an episode ends at a row without a good reading of an input,
 /// at a gap or a step of the clock, where Machine::episode_marker changes and where [gate] has not held for its gap. Outputs
 /// that are no good readings are left out. Readings that repeat or stand out count as good on inputs, which may rest and jump.
 class EpisodeCutter {
@@ -31,9 +38,10 @@ class EpisodeCutter {
   };
   using Sink = std::function<void(Episode&&, const StrokeCounters&)>;
 
-  /// `model` must outlive it. Error: a rate in [gate].
-  static Status Check(const StateModel& model);
-  EpisodeCutter(const StateModel& model, const Options& options, Sink sink);
+  /// Error: a rate in [gate].
+  static Status Check(const Machine& machine);
+  /// `machine` must outlive it.
+  EpisodeCutter(const Machine& machine, EpisodeSignals signals, const Options& options, Sink sink);
 
   /// Flags of readings that stand out are forgiven a signal that is full of them: of the whole log, if this is called with
   /// their share per signal, else of each episode.
@@ -69,7 +77,8 @@ class EpisodeCutter {
   Quality Forgiven(std::size_t signal) const;
   void Emit(std::size_t first, std::size_t end, const std::vector<Quality>& forgiven);
 
-  const StateModel& model_;
+  const Machine& machine_;
+  EpisodeSignals signals_;
   Options options_;
   Sink sink_;
   EpisodeMarker marker_;

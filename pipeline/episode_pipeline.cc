@@ -4,6 +4,9 @@
 #include <limits>
 
 #include "core/bytes.h"
+#include "estimation/closed_loop/loop_episodes.h"
+#include "estimation/states/state_episodes.h"
+#include "models/machine_kind.h"
 #include "models/state_model.h"
 
 namespace hydroscope {
@@ -12,35 +15,41 @@ namespace {
 constexpr std::uint32_t kEpisodeStateMagic = 0x45535948;  // "HYSE"
 constexpr std::uint32_t kEpisodeStateVersion = 1;
 
-StateFollowerOptions FollowingOf(const Machine& machine) {
-  StateFollowerOptions options;
+EpisodeFollowerOptions FollowingOf(const Machine& machine) {
+  EpisodeFollowerOptions options;
   options.time_constant = machine.estimator.time_constant;
   return options;
 }
 
 }  // namespace
 
+Result<EpisodePipeline::Episodes> EpisodePipeline::EpisodesOf(const Machine& machine, double sample_period) {
+  if (!KindOf(machine).has_states)
+    return Episodes{EpisodesOfLoop(machine, sample_period), {SignalsOfLoop(machine), {}}};
+  const auto states = BuildStateModel(machine, machine.added_effects);
+  if (!states) return tl::unexpected(states.error());
+  return Episodes{EpisodesOfStates(*states), {(*states)->inputs, (*states)->outputs}};
+}
+
 Result<std::unique_ptr<Pipeline>> EpisodePipeline::Create(const Machine& machine, double sample_period,
                                                           RecordSink sink) {
   auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
-  auto states = BuildStateModel(machine, machine.added_effects);
-  if (!states) return tl::unexpected(states.error());
-  if (const Status fine = EpisodeCutter::Check(**states); !fine) return tl::unexpected(fine.error());
+  auto episodes = EpisodesOf(machine, sample_period);
+  if (!episodes) return tl::unexpected(episodes.error());
+  if (const Status fine = EpisodeCutter::Check(machine); !fine) return tl::unexpected(fine.error());
   WindowSamples window = WindowSamples::From(machine.window, sample_period);
   window.level_form = true;
-  return std::unique_ptr<Pipeline>(
-      new EpisodePipeline(*model, *states, FollowingOf(machine), window, sample_period, std::move(sink)));
+  return std::unique_ptr<Pipeline>(new EpisodePipeline(*model, std::move(*episodes), FollowingOf(machine),
+                                                       window, sample_period, std::move(sink)));
 }
 
-EpisodePipeline::EpisodePipeline(std::shared_ptr<const ModelStructure> model,
-                                 std::shared_ptr<const StateModel> states,
-                                 const StateFollowerOptions& following, WindowSamples window, double period,
+EpisodePipeline::EpisodePipeline(std::shared_ptr<const ModelStructure> model, Episodes episodes,
+                                 const EpisodeFollowerOptions& following, WindowSamples window, double period,
                                  RecordSink sink)
     : Pipeline(std::move(model), window),
-      states_(std::move(states)),
-      follower_(states_, following),
-      cutter_(*states_, {.period = period},
+      follower_(episodes.model, following),
+      cutter_(episodes.model->machine(), std::move(episodes.signals), {.period = period},
               [this](Episode&& episode, const StrokeCounters& counters) { OnEpisode(episode, counters); }),
       conditions_(this->model()),
       sink_(std::move(sink)),
@@ -116,7 +125,7 @@ Status EpisodePipeline::RestoreState(const std::vector<std::uint8_t>& state) {
                     in.Get<std::uint32_t>() == kEpisodeStateVersion &&
                     in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model().base_count) &&
                     in.Get<std::uint32_t>() == static_cast<std::uint32_t>(model().column_count());
-  StateFollower follower = follower_;
+  EpisodeFollower follower = follower_;
   if (!ours || !follower.Restore(in) || !in.at_end())
     return BadInput(
         "the stored estimator state belongs to another model or program version; start without it");

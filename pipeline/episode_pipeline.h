@@ -1,15 +1,16 @@
 #pragma once
 
-#include "estimation/states/follower.h"
+#include "estimation/recursive/episode_follower.h"
 #include "estimation/stroke_conditions.h"
 #include "pipeline/episode_cutter.h"
 #include "pipeline/pipeline.h"
 
 namespace hydroscope {
 
-/// The way of a sample where a machine has states: samples -> episodes -> StateFollower -> StrokeRecord. What an episode leaves
-/// in place of a stroke's Gram are the products of its slopes and of errors + slopes * parameters (BuildStateStructure), in the
-/// unit that errors are shown in; `integral` and `flow` are the same. An episode is simulated when it is over.
+/// The way of a sample where rows are judged in episodes (InEpisodes): samples -> episodes -> EpisodeFollower -> StrokeRecord.
+/// What an episode leaves in place of a stroke's Gram are the products of its slopes and of errors + slopes * parameters
+/// (BuildEpisodeStructure), in the unit that errors are shown in; `integral` and `flow` are the same. An episode is linearised
+/// when it is over.
 class EpisodePipeline : public Pipeline {
  public:
   static Result<std::unique_ptr<Pipeline>> Create(const Machine& machine, double sample_period,
@@ -25,15 +26,21 @@ class EpisodePipeline : public Pipeline {
   std::int64_t discarded_strokes() const override { return cutter_.discarded(); }
 
  private:
-  EpisodePipeline(std::shared_ptr<const ModelStructure> model, std::shared_ptr<const StateModel> states,
-                  const StateFollowerOptions& following, WindowSamples window, double period,
+  /// How a machine is judged in episodes.
+  struct Episodes {
+    std::shared_ptr<const EpisodeModel> model;
+    EpisodeSignals signals;
+  };
+  static Result<Episodes> EpisodesOf(const Machine& machine, double sample_period);
+
+  EpisodePipeline(std::shared_ptr<const ModelStructure> model, Episodes episodes,
+                  const EpisodeFollowerOptions& following, WindowSamples window, double period,
                   RecordSink sink);
   void OnEpisode(const Episode& episode, const StrokeCounters& counters);
   void TakeConditions(const Episode& episode, StrokeSummary& summary);
   StrokeGram GramOf(const FollowedEpisode& followed) const;
 
-  std::shared_ptr<const StateModel> states_;
-  StateFollower follower_;
+  EpisodeFollower follower_;
   EpisodeCutter cutter_;
   StrokeConditions conditions_;
   RecordSink sink_;

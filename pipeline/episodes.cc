@@ -57,14 +57,15 @@ double EpisodeLog::Seconds() const {
 Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Machine& machine) {
   const auto model = BuildStateModel(machine, machine.added_effects);
   if (!model) return tl::unexpected(model.error());
-  if (const Status fine = EpisodeCutter::Check(**model); !fine) return tl::unexpected(fine.error());
+  if (const Status fine = EpisodeCutter::Check((*model)->machine); !fine) return tl::unexpected(fine.error());
   EpisodeLog out;
   out.machine = machine;
   for (const std::string& log : logs) {
     const auto rows = ReadRows(log, machine, out);
     if (!rows) return tl::unexpected(rows.error());
     EpisodeCutter cutter(
-        **model, {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},
+        (*model)->machine, {(*model)->inputs, (*model)->outputs},
+        {.period = out.period, .log = static_cast<int>(&log - logs.data()), .whole = true},
         [&](Episode&& episode, const StrokeCounters&) { out.episodes.push_back(std::move(episode)); });
     cutter.ForgiveSpikes(SpikeShares(*rows));
     cutter.Process(*rows);

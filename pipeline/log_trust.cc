@@ -31,7 +31,7 @@ void FirstStrokes::AddStroke(const StrokeRecord& record) {
 }
 
 Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
-  if (KindOf(machine).has_states) return LogTrust{};  // whose episodes are simulated, not filtered
+  if (InEpisodes(KindOf(machine))) return LogTrust{};  // which are not filtered
   FirstStrokes first(machine);
   const auto pipeline = Pipeline::Create(machine, reader.SamplePeriod(),
                                          [&](StrokeRecord&& record) { first.AddStroke(record); });

@@ -11,8 +11,8 @@ Result<std::unique_ptr<Pipeline>> Pipeline::Create(const Machine& machine, doubl
   if (!(sample_period > 0))
     return BadInput("sample period is {} s, expected above 0: give [log] sample_period in the machine file",
                     sample_period);
-  return KindOf(machine).has_states ? EpisodePipeline::Create(machine, sample_period, std::move(sink))
-                                    : BalancePipeline::Create(machine, sample_period, std::move(sink));
+  return InEpisodes(KindOf(machine)) ? EpisodePipeline::Create(machine, sample_period, std::move(sink))
+                                     : BalancePipeline::Create(machine, sample_period, std::move(sink));
 }
 
 }  // namespace hydroscope

@@ -304,9 +304,9 @@ std::string Skipped(const Report& report) {
 
 std::string MethodText(const Machine& machine) {
   const EstimatorSpec& estimator = machine.estimator;
-  if (KindOf(machine).has_states)
+  if (InEpisodes(KindOf(machine)))
     return fmt::format(
-        "each episode simulated with its sensitivities about the parameters as they are; directional forgetting "
+        "each episode linearised in its parameters; directional forgetting "
         "with {} s of excited data, over five episodes at least",
         FormatShort(estimator.time_constant));
   std::string out = estimator.equation == EquationForm::kPublished

@@ -247,8 +247,8 @@ void AxisReplay::Take(ReportCollector& collector, const RunInfo& run) {
   overlay_run_ = run.id;
 }
 
-/// A machine with states is simulated from episode to episode: it has no flows to lay over each other.
-bool AxisReplay::ShowsStretches() const { return !KindOf(machine_).has_states; }
+/// Episodes have no flows to lay over each other.
+bool AxisReplay::ShowsStretches() const { return !InEpisodes(KindOf(machine_)); }
 
 /// If the last log had been replayed before, it is read again for its overlays; nothing is stored.
 Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {

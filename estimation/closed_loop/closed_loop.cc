@@ -11,13 +11,8 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kFirstBin = 2;       // those of mean and trend are left out
-constexpr double kHighestOfNyquist = 0.8;  // beyond, filters of converters act
-constexpr double kLeastOfInput =
-    0.5;  // coherence of set point and input: below, most of the input is not ours
 constexpr double kLeastOfLimit =
     0.3;  // coherence of set point and output at the bins that a limit is sought in
-constexpr std::size_t kFewestBins = 20;
 constexpr double kNormal99 = 2.5758293035489004;
 constexpr std::size_t kFewestOfOctave = 4;
 
@@ -38,15 +33,6 @@ Status CheckThatItMoves(const FrequencyRecord& record, const ClosedLoopPlant& pl
           "that the right column is mapped",
           name);
   return {};
-}
-
-std::vector<std::size_t> UsedBins(const LoopSpectra& spectra, const LoopOptions& options) {
-  std::vector<std::size_t> used;
-  const double highest = std::min(options.highest, kHighestOfNyquist / (2 * spectra.sample_period));
-  for (std::size_t bin = kFirstBin; bin < spectra.bins.size() && spectra.Frequency(bin) <= highest; ++bin)
-    if (spectra.Frequency(bin) >= options.lowest && spectra.bins[bin].CoherenceOfInput() >= kLeastOfInput)
-      used.push_back(bin);
-  return used;
 }
 
 /// One bin as people see it.
@@ -163,12 +149,12 @@ Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const Tran
   LoopSpectraOptions averaging{.segment_length = options.segment_length};
   auto spectra = AverageLoopSpectra(record, averaging);
   if (!spectra) return tl::unexpected(spectra.error());
-  std::vector<std::size_t> used = UsedBins(*spectra, options);
-  if (used.size() < kFewestBins)
+  std::vector<std::size_t> used = BinsOfSetPoint(*spectra, options.lowest, options.highest);
+  if (used.size() < kFewestBinsOfSetPoint)
     return BadInput(
         "{} and {} are not related: the input follows the set point at {} frequencies, at least {} are needed; check that the "
         "right columns are mapped, that the loop is closed and that the set point is excited",
-        model.plant->set_point, model.plant->input, used.size(), kFewestBins);
+        model.plant->set_point, model.plant->input, used.size(), kFewestBinsOfSetPoint);
 
   LoopResponse response;
   std::vector<std::size_t> loud;
@@ -179,7 +165,7 @@ Result<LoopResponse> MeasureClosedLoop(const FrequencyRecord& record, const Tran
     averaging.limit = *response.input_limit;
     spectra = AverageLoopSpectra(record, averaging);
     if (!spectra) return tl::unexpected(spectra.error());
-    used = UsedBins(*spectra, options);
+    used = BinsOfSetPoint(*spectra, options.lowest, options.highest);
   }
   response.segment_length = spectra->segment_length;
   response.segments = spectra->segments;

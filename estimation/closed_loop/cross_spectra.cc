@@ -17,6 +17,10 @@ using Complex = std::complex<double>;
 constexpr int kFewestLoopSegments = 8;
 constexpr int kMostLoopBlocks = 32;  // a variance from as many is known to a quarter
 constexpr std::size_t kShortestLoopSegment = 64;
+constexpr std::size_t kFirstBin = 2;       // those of mean and trend are left out
+constexpr double kHighestOfNyquist = 0.8;  // beyond, filters of converters act
+constexpr double kLeastOfInput =
+    0.5;  // coherence of set point and input: below, most of the input is not ours
 
 /// Windowed half spectra of one signal after the other.
 class SegmentTransform {
@@ -133,6 +137,15 @@ Result<LoopSpectra> AverageLoopSpectra(const FrequencyRecord& record, const Loop
   for (const std::vector<LoopSums>& block : spectra.blocks)
     for (std::size_t bin = 0; bin < bins; ++bin) spectra.bins[bin] += block[bin];
   return spectra;
+}
+
+std::vector<std::size_t> BinsOfSetPoint(const LoopSpectra& spectra, double lowest, double highest) {
+  std::vector<std::size_t> bins;
+  const double end = std::min(highest, kHighestOfNyquist / (2 * spectra.sample_period));
+  for (std::size_t bin = kFirstBin; bin < spectra.bins.size() && spectra.Frequency(bin) <= end; ++bin)
+    if (spectra.Frequency(bin) >= lowest && spectra.bins[bin].CoherenceOfInput() >= kLeastOfInput)
+      bins.push_back(bin);
+  return bins;
 }
 
 }  // namespace hydroscope

@@ -52,6 +52,12 @@ struct LoopSpectraOptions {
 /// Error (kBadInput): runs without set point, or too short for eight segments.
 Result<LoopSpectra> AverageLoopSpectra(const FrequencyRecord& record, const LoopSpectraOptions& options);
 
+/// Bins at which the input follows the set point; those of mean and trend, and those near the Nyquist frequency, are left out.
+std::vector<std::size_t> BinsOfSetPoint(const LoopSpectra& spectra, double lowest = 0,
+                                        double highest = std::numeric_limits<double>::infinity());
+/// Of which fewer say that set point and input are not related.
+inline constexpr std::size_t kFewestBinsOfSetPoint = 20;
+
 /// Independent averages of a segment with a Hann window and half overlap, 1/(1 + 2/36).
 inline constexpr double kIndependentShareOfSegment = 1 / (1 + 2.0 / 36);
 

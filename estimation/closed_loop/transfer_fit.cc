@@ -29,6 +29,7 @@ constexpr double kLikelyMisfit =
     0.999;  // chance of a smaller chi^2 from noise alone, from which intervals are widened
 constexpr double kKnownOneByOne =
     0.3;  // standard deviation of a parameter's logarithm above which its pole is not told from others
+constexpr double kMeanSquareOfHann = 3.0 / 8;
 constexpr double kSlopeStep = 1e-5;  // of a search coordinate: its slopes are good to 1e-9
 
 /// One frequency as the fit sees it.
@@ -74,6 +75,12 @@ class LoopSearch {
                                                               : x * sample_period_;
     }
     return parameters;
+  }
+  /// Change of the parameter, SI, with the coordinate.
+  double Slope(std::size_t coordinate, const VectorXd& p) const {
+    if (KindOf(coordinate) == LoopKind::kPositive)
+      return std::exp(p(static_cast<std::ptrdiff_t>(coordinate)));
+    return KindOf(coordinate) == LoopKind::kGain ? gain_scale_ : sample_period_;
   }
   /// Change of the logarithm (of a delay: s) with the coordinate.
   double LogSlope(std::size_t coordinate, const VectorXd& p) const {
@@ -176,6 +183,10 @@ void TakeNoise(const LoopSpectra& spectra, std::vector<LoopTarget>& targets, Res
   }
 }
 
+void TakeNoiseOfRatio(const LoopSpectra& spectra, std::vector<LoopTarget>& targets) {
+  TakeNoise(spectra, targets, [&](std::size_t i) { return spectra.bins[targets[i].bin].Ratio(); });
+}
+
 /// Of equal steps of log frequency the target each that says most.
 std::vector<LoopTarget> ThinnedTargets(const std::vector<LoopTarget>& targets) {
   if (targets.size() <= kPointsOfLoopSearch) return targets;
@@ -267,6 +278,32 @@ std::vector<TransferMinimum> Valleys(const std::vector<LoopTarget>& all, LoopSea
   return valleys;
 }
 
+/// Errors of a part of the record, as LoopMisfit has those of all of it.
+VectorXd ErrorsOfBlock(const std::vector<LoopSums>& block, const std::vector<LoopTarget>& targets,
+                       const std::vector<Complex>& responses) {
+  VectorXd errors(static_cast<std::ptrdiff_t>(2 * targets.size()));
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const LoopSums& sums = block[targets[i].bin];
+    const Complex e = (responses[i] * sums.ru - sums.ry) / targets[i].sigma;
+    errors(static_cast<std::ptrdiff_t>(2 * i)) = e.real();
+    errors(static_cast<std::ptrdiff_t>(2 * i + 1)) = e.imag();
+  }
+  return errors;
+}
+
+/// Slopes of a part's errors by the search coordinates.
+MatrixXd SlopesOfBlock(const std::vector<LoopSums>& block, const std::vector<LoopTarget>& targets,
+                       const MatrixXd& jacobian) {
+  MatrixXd slopes(jacobian.rows(), jacobian.cols());
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const Complex share = block[targets[i].bin].ru / targets[i].ru;
+    const auto re = static_cast<std::ptrdiff_t>(2 * i), im = re + 1;
+    slopes.row(re) = share.real() * jacobian.row(re) - share.imag() * jacobian.row(im);
+    slopes.row(im) = share.imag() * jacobian.row(re) + share.real() * jacobian.row(im);
+  }
+  return slopes;
+}
+
 /// Sandwich: inverse of J'J around the sum over blocks of the squares of what each pulls.
 MatrixXd ClusteredCovariance(const LoopSpectra& spectra, const std::vector<LoopTarget>& targets,
                              const LoopSearch& search, const VectorXd& p) {
@@ -277,16 +314,9 @@ MatrixXd ClusteredCovariance(const LoopSpectra& spectra, const std::vector<LoopT
   std::vector<Complex> responses;
   misfit.Responses(p, responses);
   MatrixXd pulls(static_cast<std::ptrdiff_t>(spectra.blocks.size()), jacobian.cols());
-  for (std::size_t b = 0; b < spectra.blocks.size(); ++b) {
-    VectorXd part(misfit.NumResiduals());
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      const LoopSums& sums = spectra.blocks[b][targets[i].bin];
-      const Complex e = (responses[i] * sums.ru - sums.ry) / targets[i].sigma;
-      part(static_cast<std::ptrdiff_t>(2 * i)) = e.real();
-      part(static_cast<std::ptrdiff_t>(2 * i + 1)) = e.imag();
-    }
-    pulls.row(static_cast<std::ptrdiff_t>(b)) = (jacobian.transpose() * part).transpose();
-  }
+  for (std::size_t b = 0; b < spectra.blocks.size(); ++b)
+    pulls.row(static_cast<std::ptrdiff_t>(b)) =
+        (jacobian.transpose() * ErrorsOfBlock(spectra.blocks[b], targets, responses)).transpose();
   // The fit has taken out of the pulls as many directions as it has parameters.
   const double blocks = static_cast<double>(spectra.blocks.size());
   const MatrixXd meat =
@@ -378,7 +408,7 @@ Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<st
   if (targets.size() <= search.size())
     return BadInput("a model of {} parameters needs more than as many frequencies, {} are usable",
                     search.size(), targets.size());
-  TakeNoise(spectra, targets, [&](std::size_t i) { return spectra.bins[targets[i].bin].Ratio(); });
+  TakeNoiseOfRatio(spectra, targets);
 
   TransferFit fit;
   if (options.near != nullptr)
@@ -423,6 +453,45 @@ Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<st
           covariance(static_cast<std::ptrdiff_t>(i), static_cast<std::ptrdiff_t>(j)) * search.LogSlope(i, p) *
           search.LogSlope(j, p) * fit.inflation * fit.inflation;
   return fit;
+}
+
+LinearisedEpisode LineariseTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
+                                    const TransferModel& model, const std::vector<double>& parameters) {
+  LoopSearch search(model, spectra.sample_period, true);
+  search.set_gain_scale(GainOf(model, parameters));
+  const VectorXd p = search.Coordinates(parameters);
+  std::vector<LoopTarget> targets = TargetsOf(spectra, used);
+  TakeNoiseOfRatio(spectra, targets);
+  const LoopMisfit misfit{targets, search};
+  VectorXd errors(misfit.NumResiduals());
+  MatrixXd slopes(misfit.NumResiduals(), misfit.NumParameters());
+  misfit(p.data(), errors.data(), slopes.data());
+  for (std::size_t k = 0; k < search.size(); ++k)
+    slopes.col(static_cast<std::ptrdiff_t>(k)) /= search.Slope(k, p);  // by SI units of the parameters
+  std::vector<Complex> responses;
+  misfit.Responses(p, responses);
+  const MatrixXd weighted = slopes.transpose() / kHannCorrelation;
+  LinearisedEpisode out;
+  for (const std::vector<LoopSums>& block : spectra.blocks)
+    out.pieces.push_back({weighted * SlopesOfBlock(block, targets, slopes),
+                          -weighted * ErrorsOfBlock(block, targets, responses)});
+  out.energy = errors.squaredNorm() / kHannCorrelation;
+  out.readings = static_cast<int>(static_cast<double>(errors.size()) / kHannCorrelation);
+  return out;
+}
+
+double RemainderOfTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
+                           const TransferModel& model, const std::vector<double>& parameters) {
+  const double length = static_cast<double>(spectra.segment_length);
+  const double per_bin = 2 / (length * length * kMeanSquareOfHann) / spectra.segments;
+  double mean_square = 0;
+  for (const std::size_t bin : used) {
+    const double frequency = spectra.Frequency(bin);
+    const Complex difference = spectra.Difference(frequency);
+    const double left = spectra.bins[bin].Residual(difference * model.Response(frequency, parameters));
+    mean_square += per_bin * left / std::norm(difference);
+  }
+  return std::sqrt(mean_square);
 }
 
 }  // namespace hydroscope

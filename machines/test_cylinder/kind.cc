@@ -46,7 +46,7 @@ constexpr LoopParameter kSearched[] = {
     {.name = "zeta_h", .starts = kDampings, .wanted = 0.03},
     {.name = "f_sv", .starts = kFrequencies, .unit = "Hz"},
     {.name = "K_sv", .kind = LoopParameter::Kind::kGain, .wanted = 0.005, .unit = "m3/(s A)"},
-    {.name = "T_d", .kind = LoopParameter::Kind::kDelay, .unit = "ms", .factor = 1e3},
+    {.name = "T_d", .kind = LoopParameter::Kind::kDelay, .unit = "ms", .factor = 1e3, .scale = 1e-4},
 };
 
 MachineWords TestCylinderWords(const Machine&) { return {"position", "record", "set point", "", true}; }

@@ -12,7 +12,7 @@ void ReadEpisodeSection(TableReader& file, Machine& machine) {
   TableReader section(*table, "episodes", file.problems());
   section.AllowOnly(MachineFileKeys("episodes"));
   section.Number("seconds", machine.states.episode_seconds, kSecondsAboveZero);
-  if (section.Has("seconds") && !KindOf(machine).has_states)
+  if (section.Has("seconds") && !InEpisodes(KindOf(machine)))
     section.Wrong("seconds", "no such key without [states]: write max_stroke in [gate]");
   section.Text("marker", machine.episode_marker);
   section.Text("shaft", machine.states.shaft);

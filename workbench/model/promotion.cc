@@ -13,7 +13,7 @@ namespace {
 Status CanBeRecorded(const Machine& machine) {
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
-  if (KindOf(machine).has_states) return {};
+  if (InEpisodes(KindOf(machine))) return {};
   const auto wide = AddedEffectsEstimator::Widen(machine, **model);
   return wide ? Status() : tl::unexpected(wide.error());
 }

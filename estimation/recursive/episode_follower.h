@@ -2,18 +2,19 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/bytes.h"
 #include "core/records.h"
+#include "estimation/recursive/episode_model.h"
 #include "estimation/recursive/information_filter.h"
-#include "estimation/states/fit.h"
 
 namespace hydroscope {
 
-struct StateFollowerOptions {
+struct EpisodeFollowerOptions {
   double time_constant = 60;  ///< s of excited data over which the past is forgotten, ...
   double least_memory = 5;    ///< ... but no less than so many episodes, ...
   double still =
@@ -32,8 +33,7 @@ struct StateFollowerOptions {
       5;  ///< episodes that the pieces of episodes count as beside the episodes themselves
 };
 
-/// What one episode says of the parameters, linearised about `at`: errors of a free run over the noise of their output, initial
-/// states taken out. To first order the errors of other parameters p are those at `at` less slopes * (p - at).
+/// What one episode says of the parameters, linearised about `at`: errors over their noise (LinearisedEpisode). To first order the errors of other parameters p are those at `at` less slopes * (p - at).
 struct EpisodeEvidence {
   Eigen::VectorXd at;           ///< SI
   Eigen::MatrixXd information;  ///< sum of slopes' slopes
@@ -55,26 +55,23 @@ struct FollowedEpisode {
   std::vector<Estimate> estimates;  ///< empty before the first fit
 };
 
-/// Follows the parameters of a model with states from episode to episode. The first one is fitted from all starts (FitStates).
-/// Each one after is simulated once with its sensitivities at the parameters as they are, its initial states estimated; error and
-/// information go into a filter that forgets only what the episode sees anew (InformationFilter); where that moves the
+/// Follows the parameters of a machine from episode to episode. The first one is fitted from all starts. Each one after is
+/// linearised at the parameters as they are (ReadEpisode); error and information go into a filter that forgets only what the episode sees anew (InformationFilter); where that moves the
 /// parameters by more than a share of their standard error, it is linearised again there (iterated extended Kalman filter, Bell
 /// and Cathey 1993, with parameters for states). Errors are correlated in time: intervals are widened by how much more
 /// gradients scatter than white errors would make them, of pieces within episodes (clusters, as TakeCovariance) and of the
 /// episodes themselves against the parameters before them. Deterministic; everything it remembers is saved.
-class StateFollower {
+class EpisodeFollower {
  public:
-  StateFollower(std::shared_ptr<const StateModel> model, const StateFollowerOptions& options = {});
+  EpisodeFollower(std::shared_ptr<const EpisodeModel> model, const EpisodeFollowerOptions& options = {});
 
   /// Episodes in the order of their recording.
   FollowedEpisode Add(const Episode& episode);
 
-  const StateModel& model() const { return *model_; }
+  const EpisodeModel& model() const { return *model_; }
   bool begun() const { return filter_.has_value(); }
   Eigen::VectorXd parameters() const;
-  /// Noise of each output, SI, that errors are weighted by: what the first fit left.
-  const Eigen::VectorXd& noise() const { return noise_; }
-  /// The same of all outputs together as errors are shown: SI of a single output, of several their share of its variation.
+  /// Noise of the errors as they are shown: SI of a single output, of several their share of its variation.
   double shown_noise() const { return shown_noise_; }
 
   void Save(ByteWriter& out) const;
@@ -82,12 +79,15 @@ class StateFollower {
   bool Restore(ByteReader& in);
 
  private:
-  int count() const { return model_->parameter_count(); }
-  bool Begin(const Episode& episode);
-  std::optional<EpisodeEvidence> Linearise(const Episode& episode, const Eigen::VectorXd& at) const;
+  int count() const { return static_cast<int>(model_->parameters().size()); }
+  const FollowedParameter& parameter(int p) const {
+    return model_->parameters()[static_cast<std::size_t>(p)];
+  }
+  bool Begin(const ReadEpisode& episode);
+  std::optional<EpisodeEvidence> Linearise(const ReadEpisode& episode, const Eigen::VectorXd& at) const;
   Eigen::VectorXd Best(const EpisodeEvidence& evidence) const;
   InformationFilter Updated(const EpisodeEvidence& evidence, double seconds) const;
-  EpisodeEvidence Settle(const Episode& episode, EpisodeEvidence evidence, double seconds) const;
+  EpisodeEvidence Settle(const ReadEpisode& episode, EpisodeEvidence evidence, double seconds) const;
   void Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged);
   /// Variance of gradients over that of white errors: of pieces of episodes, and of episodes against the parameters before.
   struct Scatter {
@@ -102,9 +102,9 @@ class StateFollower {
                                   double seconds, double end);
   Eigen::VectorXd Admissible(const Eigen::VectorXd& parameters) const;
 
-  std::shared_ptr<const StateModel> model_;
-  StateFollowerOptions options_;
-  Eigen::VectorXd noise_, size_;
+  std::shared_ptr<const EpisodeModel> model_;
+  EpisodeFollowerOptions options_;
+  Eigen::VectorXd basis_, size_;
   double shown_noise_ = 0;
   std::optional<InformationFilter> filter_;  ///< of parameters over `size_`, noise of variance 1
   /// Of gradients, over `size_`, exponentially forgotten: information, what pieces scatter by; what episodes should scatter by

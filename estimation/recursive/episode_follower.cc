@@ -1,4 +1,4 @@
-#include "estimation/states/follower.h"
+#include "estimation/recursive/episode_follower.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,40 +53,30 @@ double EpisodeEvidence::ErrorAt(const Eigen::VectorXd& parameters) const {
   return std::sqrt(EnergyAt(*this, parameters) / std::max(1, readings));
 }
 
-StateFollower::StateFollower(std::shared_ptr<const StateModel> model, const StateFollowerOptions& options)
+EpisodeFollower::EpisodeFollower(std::shared_ptr<const EpisodeModel> model,
+                                 const EpisodeFollowerOptions& options)
     : model_(std::move(model)), options_(options) {}
 
-Eigen::VectorXd StateFollower::parameters() const {
+Eigen::VectorXd EpisodeFollower::parameters() const {
   return filter_ ? Admissible(size_.cwiseProduct(Eigen::VectorXd(filter_->Theta()))) : Eigen::VectorXd();
 }
 
-Eigen::VectorXd StateFollower::Admissible(const Eigen::VectorXd& parameters) const {
+Eigen::VectorXd EpisodeFollower::Admissible(const Eigen::VectorXd& parameters) const {
   Eigen::VectorXd out = parameters;
   for (int p = 0; p < count(); ++p) {
-    const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
-    out[p] = std::clamp(out[p], spec.min, spec.max);
+    out[p] = std::clamp(out[p], parameter(p).min, parameter(p).max);
   }
   return out;
 }
 
 /// The first fit, from all starts.
-bool StateFollower::Begin(const Episode& episode) {
-  const StateFit fit = FitStates(model_, {&episode, 1});
-  if (!fit.solved()) return false;
-  noise_ = fit.noise;
-  shown_noise_ =
-      noise_.size() == 1
-          ? noise_[0]
-          : std::sqrt(noise_.cwiseQuotient(fit.scale).squaredNorm() / static_cast<double>(noise_.size()));
-  size_ = Eigen::VectorXd::Ones(count());
-  for (int p = 0; p < count(); ++p) {
-    const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
-    constexpr double kShareOfRange = 1e-3;
-    const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
-    if (const double size = std::max(std::abs(fit.parameters[p]), kShareOfRange * range); size > 0)
-      size_[p] = size;
-  }
-  const Eigen::VectorXd start = fit.parameters.cwiseQuotient(size_);
+bool EpisodeFollower::Begin(const ReadEpisode& episode) {
+  const auto fit = episode.Fit();
+  if (!fit) return false;
+  basis_ = fit->basis;
+  shown_noise_ = fit->shown_noise;
+  size_ = fit->size;
+  const Eigen::VectorXd start = fit->parameters.cwiseQuotient(size_);
   filter_.emplace(InformationFilter::Vector(start), options_.covariance, options_.covariance);
   information_ = of_pieces_ = expected_ = of_episodes_ = Eigen::MatrixXd::Zero(count(), count());
   errors_ = 0;
@@ -94,26 +84,26 @@ bool StateFollower::Begin(const Episode& episode) {
   return true;
 }
 
-/// One simulation with sensitivities at `at`; nothing where the model cannot be run there.
-std::optional<EpisodeEvidence> StateFollower::Linearise(const Episode& episode,
-                                                        const Eigen::VectorXd& at) const {
-  const StateFit fit = FollowStates(model_, {&episode, 1}, at, noise_);
-  if (!fit.solved()) return std::nullopt;
+/// Nothing where the model cannot be run at `at`.
+std::optional<EpisodeEvidence> EpisodeFollower::Linearise(const ReadEpisode& episode,
+                                                          const Eigen::VectorXd& at) const {
+  const auto linear = episode.Linearise(at, basis_);
+  if (!linear) return std::nullopt;
   EpisodeEvidence e;
   e.at = at;
   e.information = e.scatter = Eigen::MatrixXd::Zero(count(), count());
   e.gradient = Eigen::VectorXd::Zero(count());
-  for (const StatePiece& piece : fit.pieces) {
+  for (const LinearisedEpisode::Piece& piece : linear->pieces) {
     e.information += piece.information;
     e.gradient += piece.gradient;
-    e.energy += piece.energy;
-    e.readings += piece.readings;
   }
+  e.energy = linear->energy;
+  e.readings = linear->readings;
   if (!e.information.allFinite() || !std::isfinite(e.energy) || e.readings == 0) return std::nullopt;
   // About what fits the episode best: how far that lies from `at` is no scatter of its pieces, and no noise.
   const Eigen::VectorXd change = Best(e) - at;
   e.unexplained = std::max(1.0, EnergyAt(e, at + change) / e.readings);
-  for (const StatePiece& piece : fit.pieces) {
+  for (const LinearisedEpisode::Piece& piece : linear->pieces) {
     const Eigen::VectorXd gradient = piece.gradient - piece.information * change;
     e.scatter += gradient * gradient.transpose();
   }
@@ -121,13 +111,13 @@ std::optional<EpisodeEvidence> StateFollower::Linearise(const Episode& episode,
 }
 
 /// Parameters that fit an episode alone best, to first order; those it does not see as they are.
-Eigen::VectorXd StateFollower::Best(const EpisodeEvidence& e) const {
+Eigen::VectorXd EpisodeFollower::Best(const EpisodeEvidence& e) const {
   return e.at + size_.cwiseProduct(FlooredInverse(size_.asDiagonal() * e.information * size_.asDiagonal()) *
                                    size_.cwiseProduct(e.gradient));
 }
 
 /// The filter with the episode in it. Errors larger than the noise count less.
-InformationFilter StateFollower::Updated(const EpisodeEvidence& e, double seconds) const {
+InformationFilter EpisodeFollower::Updated(const EpisodeEvidence& e, double seconds) const {
   InformationFilter filter = *filter_;
   const double weight = 1 / e.unexplained;
   const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
@@ -150,8 +140,8 @@ InformationFilter StateFollower::Updated(const EpisodeEvidence& e, double second
 }
 
 /// Linearised again until the parameters that follow lie close to where that was done.
-EpisodeEvidence StateFollower::Settle(const Episode& episode, EpisodeEvidence evidence,
-                                      double seconds) const {
+EpisodeEvidence EpisodeFollower::Settle(const ReadEpisode& episode, EpisodeEvidence evidence,
+                                        double seconds) const {
   for (int step = 1; step < options_.linearisations; ++step) {
     const InformationFilter filter = Updated(evidence, seconds);
     const Eigen::VectorXd next = Admissible(size_.cwiseProduct(Eigen::VectorXd(filter.Theta())));
@@ -166,7 +156,7 @@ EpisodeEvidence StateFollower::Settle(const Episode& episode, EpisodeEvidence ev
 }
 
 /// Takes what gradients scatter by into account.
-void StateFollower::Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged) {
+void EpisodeFollower::Widen(const EpisodeEvidence& before, const EpisodeEvidence& settled, bool judged) {
   const double keep = std::exp(-1 / options_.errors_remembered);
   const auto scaled = [&](const Eigen::MatrixXd& m, const EpisodeEvidence& e) -> Eigen::MatrixXd {
     return (size_.asDiagonal() * m * size_.asDiagonal()) / e.unexplained;
@@ -185,7 +175,7 @@ void StateFollower::Widen(const EpisodeEvidence& before, const EpisodeEvidence& 
 }
 
 /// Per parameter, in the direction that it is estimated by.
-std::vector<StateFollower::Scatter> StateFollower::Scatters() const {
+std::vector<EpisodeFollower::Scatter> EpisodeFollower::Scatters() const {
   const Eigen::MatrixXd inverse = FlooredInverse(information_);
   std::vector<Scatter> out(static_cast<std::size_t>(count()));
   for (int p = 0; p < count(); ++p) {
@@ -201,19 +191,19 @@ std::vector<StateFollower::Scatter> StateFollower::Scatters() const {
 }
 
 /// Episodes that the past weighs as much as while the parameters stand still.
-double StateFollower::StillMemory(double seconds) const {
+double EpisodeFollower::StillMemory(double seconds) const {
   return std::max(options_.least_memory, options_.time_constant / std::max(seconds, 1e-9));
 }
 
 /// Episodes that the past weighs as much as. Where episodes scatter by more than their pieces say, the parameters move.
-double StateFollower::Memory(double seconds) const {
+double EpisodeFollower::Memory(double seconds) const {
   double moves = 1;
   for (const Scatter& s : Scatters()) moves = std::max(moves, s.episodes / (options_.still * s.pieces));
   return StillMemory(seconds) / moves;
 }
 
-std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const Eigen::MatrixXd& before,
-                                               double seconds, double end) {
+std::vector<Estimate> EpisodeFollower::Estimates(const EpisodeEvidence& e, const Eigen::MatrixXd& before,
+                                                 double seconds, double end) {
   const Eigen::VectorXd theta = size_.cwiseProduct(Eigen::VectorXd(filter_->Theta())),
                         inside = Admissible(theta);
   const Eigen::MatrixXd covariance = filter_->Covariance();
@@ -224,46 +214,49 @@ std::vector<Estimate> StateFollower::Estimates(const EpisodeEvidence& e, const E
   const Eigen::VectorXd behind = (Best(e) - theta).cwiseQuotient(size_);
   std::vector<Estimate> out;
   for (int p = 0; p < count(); ++p) {
-    const StateParameter& parameter = model_->parameters[static_cast<std::size_t>(p)];
+    const FollowedParameter& followed = parameter(p);
     const double share = 1 - with(p, p) / before(p, p);
     const bool excited = share > LeastAdded(seconds);
     if (excited) last_excited_[p] = end;
     Estimate estimate;
-    estimate.parameter = parameter.name;
+    estimate.parameter = followed.name;
     estimate.value = inside[p];
     const Scatter& scatter = scatters[static_cast<std::size_t>(p)];
     const double lag = excited ? LagVariance(behind[p], own(p, p) * scatter.pieces) : 0.0;
     estimate.std = size_[p] * std::sqrt(std::max(0.0, covariance(p, p)) * scatter.Widening() + lag);
-    estimate.unit = parameter.spec.unit.empty() ? "1" : parameter.spec.unit;
+    estimate.unit = followed.unit;
     estimate.excitation = added(p, p) * own(p, p) > 0 ? std::min(1.0, 1 / (added(p, p) * own(p, p))) : 0;
     estimate.last_excited = last_excited_[p];
     const bool seen_alone = added(p, p) * before(p, p) > LeastAdded(seconds);
-    estimate.reason = theta[p] != inside[p]     ? EstimateReason::kOutsidePhysics
-                      : !excited && !seen_alone ? EstimateReason::kNotExcited
-                      : !excited || estimate.std > kUseful * std::abs(estimate.value)
-                          ? EstimateReason::kConfounded
-                          : EstimateReason::kUpdated;
+    estimate.reason =
+        theta[p] != inside[p]     ? EstimateReason::kOutsidePhysics
+        : !excited && !seen_alone ? EstimateReason::kNotExcited
+        : !excited || estimate.std > kUseful * std::max(std::abs(estimate.value), followed.scale)
+            ? EstimateReason::kConfounded
+            : EstimateReason::kUpdated;
     out.push_back(std::move(estimate));
   }
   return out;
 }
 
-FollowedEpisode StateFollower::Add(const Episode& episode) {
+FollowedEpisode EpisodeFollower::Add(const Episode& episode) {
   FollowedEpisode out;
   out.error_before = out.error_least = kUnknown;
+  const std::unique_ptr<const ReadEpisode> read = model_->Read(episode);
+  if (read == nullptr) return out;
   const bool first = !begun();
-  if (first && !Begin(episode)) return out;
+  if (first && !Begin(*read)) return out;
   const double seconds = episode.time.back() - episode.time.front();
-  auto before = Linearise(episode, parameters());
+  auto before = Linearise(*read, parameters());
   if (!before) return out;
-  EpisodeEvidence settled = Settle(episode, *before, seconds);
+  EpisodeEvidence settled = Settle(*read, *before, seconds);
   bool anew = false;
   if (const bool young = episodes_ > 0 && episodes_ < options_.young && refits_ < options_.refits;
       young && settled.energy > options_.lost * options_.lost * settled.readings) {
     ++refits_;
-    const StateFollower kept = *this;
-    anew = Begin(episode);
-    if (anew) before = Linearise(episode, parameters());
+    const EpisodeFollower kept = *this;
+    anew = Begin(*read);
+    if (anew) before = Linearise(*read, parameters());
     if (!anew || !before) {
       *this = kept;
       return out;
@@ -281,14 +274,14 @@ FollowedEpisode StateFollower::Add(const Episode& episode) {
   return out;
 }
 
-void StateFollower::Save(ByteWriter& out) const {
+void EpisodeFollower::Save(ByteWriter& out) const {
   out.Put<std::int32_t>(count());
-  out.Put<std::int32_t>(model_->output.rows);
+  out.Put<std::int32_t>(model_->basis_size());
   out.Put<std::uint8_t>(begun());
   out.Put<std::int32_t>(episodes_);
   out.Put<std::int32_t>(refits_);
   if (!begun()) return;
-  PutNumbers(out, noise_);
+  PutNumbers(out, basis_);
   PutNumbers(out, size_);
   out.Put(shown_noise_);
   PutNumbers(out, filter_->information());
@@ -299,14 +292,14 @@ void StateFollower::Save(ByteWriter& out) const {
   PutNumbers(out, last_excited_);
 }
 
-bool StateFollower::Restore(ByteReader& in) {
-  if (in.Get<std::int32_t>() != count() || in.Get<std::int32_t>() != model_->output.rows) return false;
+bool EpisodeFollower::Restore(ByteReader& in) {
+  if (in.Get<std::int32_t>() != count() || in.Get<std::int32_t>() != model_->basis_size()) return false;
   const bool begun = in.Get<std::uint8_t>() != 0;
   episodes_ = in.Get<std::int32_t>();
   refits_ = in.Get<std::int32_t>();
   filter_.reset();
   if (!begun) return in.ok();
-  noise_ = GetNumbers(in, model_->output.rows, 1);
+  basis_ = GetNumbers(in, model_->basis_size(), 1);
   size_ = GetNumbers(in, count(), 1);
   shown_noise_ = in.Get<double>();
   const Eigen::MatrixXd information = GetNumbers(in, count(), count());
@@ -315,7 +308,7 @@ bool StateFollower::Restore(ByteReader& in) {
     *m = GetNumbers(in, count(), count());
   errors_ = in.Get<double>();
   last_excited_ = GetNumbers(in, count(), 1);
-  if (!in.ok() || !(noise_.array() > 0).all() || !(size_.array() > 0).all()) return false;
+  if (!in.ok() || !basis_.allFinite() || !(shown_noise_ > 0) || !(size_.array() > 0).all()) return false;
   filter_.emplace(InformationFilter::Matrix(information), InformationFilter::Vector(state),
                   InformationFilter::Matrix(Eigen::MatrixXd::Constant(count(), count(), kUnknown)),
                   1 / options_.covariance);

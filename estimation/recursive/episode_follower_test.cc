@@ -1,10 +1,12 @@
-#include "estimation/states/follower.h"
+#include "estimation/recursive/episode_follower.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <span>
+
+#include "estimation/states/state_episodes.h"
 
 namespace hydroscope {
 namespace {
@@ -28,7 +30,7 @@ g = { start = 1, min = 0.1, max = 10 }
 )toml",
                                       "lag.toml");
     EXPECT_TRUE(machine) << (machine ? "" : machine.error().text);
-    model_ = *BuildStateModel(*machine, {});
+    model_ = EpisodesOfStates(*BuildStateModel(*machine, {}));
   }
 
   /// 200 rows of 0.05 s; `memory`: of the noise from row to row.
@@ -51,7 +53,7 @@ g = { start = 1, min = 0.1, max = 10 }
     return episode;
   }
 
-  std::shared_ptr<const StateModel> model_;
+  std::shared_ptr<const EpisodeModel> model_;
   std::mt19937 random_{3};
   std::int64_t row_ = 0;
   double x_ = 0;
@@ -59,7 +61,7 @@ g = { start = 1, min = 0.1, max = 10 }
 
 TEST_F(StateFollowing, HoldsTheTruthInItsIntervals) {
   for (const double memory : {0.0, 0.9}) {
-    StateFollower follower(model_);
+    EpisodeFollower follower(model_);
     int inside = 0, judged = 0;
     for (int e = 0; e < 120; ++e) {
       const FollowedEpisode f = follower.Add(Rows(2, 1.5, 1, memory));
@@ -79,7 +81,7 @@ TEST_F(StateFollowing, HoldsTheTruthInItsIntervals) {
 }
 
 TEST_F(StateFollowing, FollowsADriftFarFromWhereItBegan) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   int inside = 0;
   double k = 2;
   for (int e = 0; e < 150; ++e, k *= 1.006) {
@@ -92,7 +94,7 @@ TEST_F(StateFollowing, FollowsADriftFarFromWhereItBegan) {
 }
 
 TEST_F(StateFollowing, HoldsAParameterInItsIntervalsFromTheEpisodeOnThatItMoves) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   double k = 2;
   for (int e = 0; e < 60; ++e) follower.Add(Rows(k, 1.5, 1));
   int inside = 0;
@@ -106,7 +108,7 @@ TEST_F(StateFollowing, HoldsAParameterInItsIntervalsFromTheEpisodeOnThatItMoves)
 }
 
 TEST_F(StateFollowing, LeavesToThePastWhatAnEpisodeDoesNotSee) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   FollowedEpisode seen, rest;
   for (int e = 0; e < 10; ++e) seen = follower.Add(Rows(2, 1.5, 1));
   for (int e = 0; e < 5; ++e) {
@@ -123,7 +125,7 @@ TEST_F(StateFollowing, LeavesToThePastWhatAnEpisodeDoesNotSee) {
 }
 
 TEST_F(StateFollowing, BeginsAnewWhereTheFirstEpisodeToldNothing) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   follower.Add(Rows(2, 1.5, 0));
   FollowedEpisode last;
   for (int e = 0; e < 10; ++e) last = follower.Add(Rows(2, 1.5, 1));
@@ -132,12 +134,12 @@ TEST_F(StateFollowing, BeginsAnewWhereTheFirstEpisodeToldNothing) {
 }
 
 TEST_F(StateFollowing, GoesOnFromASavedStateBitByBit) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   for (int e = 0; e < 5; ++e) follower.Add(Rows(2, 1.5, 1));
   ByteWriter out;
   follower.Save(out);
   const std::vector<std::uint8_t> bytes = out.Take();
-  StateFollower again(model_);
+  EpisodeFollower again(model_);
   ByteReader in(bytes);
   ASSERT_TRUE(again.Restore(in));
   const Episode next = Rows(2.1, 1.5, 1);
@@ -147,12 +149,12 @@ TEST_F(StateFollowing, GoesOnFromASavedStateBitByBit) {
     EXPECT_EQ(a.estimates[p].std, b.estimates[p].std);
   }
   ByteReader torn(std::span<const std::uint8_t>(bytes).first(bytes.size() / 2));
-  EXPECT_FALSE(StateFollower(model_).Restore(torn));
+  EXPECT_FALSE(EpisodeFollower(model_).Restore(torn));
 }
 
 /// To first order the errors at other parameters are those that a run at them gives.
 TEST_F(StateFollowing, SaysWhatOtherParametersWouldLeave) {
-  StateFollower follower(model_);
+  EpisodeFollower follower(model_);
   follower.Add(Rows(2, 1.5, 1));
   const FollowedEpisode f = follower.Add(Rows(2, 1.5, 1));
   const Eigen::VectorXd other = f.evidence.at.cwiseProduct(Eigen::Vector2d(1.02, 0.99));

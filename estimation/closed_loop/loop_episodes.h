@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/result.h"
+#include "estimation/closed_loop/transfer_fit.h"
+#include "estimation/recursive/episode_model.h"
+
+namespace hydroscope {
+
+/// The transfer function that a machine in closed loop is measured by (ClosedLoopOf is not nullptr), its rows `sample_period` s
+/// apart.
+TransferModel TransferModelOf(const Machine& machine, double sample_period);
+/// What its file calls healthy, as LoopOptions::known.
+std::vector<double> ReferencesOf(const Machine& machine);
+
+/// Episodes of such a machine: records that are each measured by themselves. The first one is fitted from all starts, poles
+/// shared out as the references of the file have them (FitTransfer, NearestWay); each one after is linearised about the
+/// parameters as they are (LineariseTransfer). An episode says nothing that is too short for averaged spectra, or whose set
+/// point is not excited. A current that is cut off is not sought in episodes (FindInputLimit): it passes for a lower gain.
+std::shared_ptr<const EpisodeModel> EpisodesOfLoop(const Machine& machine, double sample_period);
+
+}  // namespace hydroscope

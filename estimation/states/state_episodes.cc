@@ -1,0 +1,75 @@
+#include "estimation/states/state_episodes.h"
+
+#include <cmath>
+
+#include "estimation/states/fit.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kShareOfRange = 1e-3;  // that a parameter counts as large as, however small it is
+
+class SimulatedEpisode : public ReadEpisode {
+ public:
+  SimulatedEpisode(std::shared_ptr<const StateModel> model, const Episode& episode)
+      : model_(std::move(model)), episode_(episode) {}
+
+  std::optional<FirstFit> Fit() const override {
+    const StateFit fit = FitStates(model_, {&episode_, 1});
+    if (!fit.solved()) return std::nullopt;
+    FirstFit first{fit.parameters, Eigen::VectorXd::Ones(fit.parameters.size()), fit.noise, 0};
+    first.shown_noise = fit.noise.size() == 1 ? fit.noise[0]
+                                              : std::sqrt(fit.noise.cwiseQuotient(fit.scale).squaredNorm() /
+                                                          static_cast<double>(fit.noise.size()));
+    for (int p = 0; p < model_->parameter_count(); ++p) {
+      const ParameterSpec& spec = model_->parameters[static_cast<std::size_t>(p)].spec;
+      const double range = std::isfinite(spec.max - spec.min) ? spec.max - spec.min : std::abs(spec.start);
+      if (const double size = std::max(std::abs(fit.parameters[p]), kShareOfRange * range); size > 0)
+        first.size[p] = size;
+    }
+    return first;
+  }
+
+  std::optional<LinearisedEpisode> Linearise(const Eigen::VectorXd& at,
+                                             const Eigen::VectorXd& basis) const override {
+    const StateFit fit = FollowStates(model_, {&episode_, 1}, at, basis);
+    if (!fit.solved()) return std::nullopt;
+    LinearisedEpisode out;
+    for (const StatePiece& piece : fit.pieces) {
+      out.pieces.push_back({piece.information, piece.gradient});
+      out.energy += piece.energy;
+      out.readings += piece.readings;
+    }
+    return out;
+  }
+
+ private:
+  std::shared_ptr<const StateModel> model_;
+  const Episode& episode_;
+};
+
+class StateEpisodes : public EpisodeModel {
+ public:
+  explicit StateEpisodes(std::shared_ptr<const StateModel> states) : states_(std::move(states)) {
+    for (const StateParameter& p : states_->parameters)
+      parameters_.push_back({p.name, p.spec.unit.empty() ? "1" : p.spec.unit, p.spec.min, p.spec.max});
+  }
+  const Machine& machine() const override { return states_->machine; }
+  const std::vector<FollowedParameter>& parameters() const override { return parameters_; }
+  int basis_size() const override { return states_->output.rows; }
+  std::unique_ptr<ReadEpisode> Read(const Episode& episode) const override {
+    return std::make_unique<SimulatedEpisode>(states_, episode);
+  }
+
+ private:
+  std::shared_ptr<const StateModel> states_;
+  std::vector<FollowedParameter> parameters_;
+};
+
+}  // namespace
+
+std::shared_ptr<const EpisodeModel> EpisodesOfStates(std::shared_ptr<const StateModel> states) {
+  return std::make_shared<StateEpisodes>(std::move(states));
+}
+
+}  // namespace hydroscope
