@@ -56,11 +56,12 @@ struct FollowedEpisode {
 };
 
 /// Follows the parameters of a machine from episode to episode. The first one is fitted from all starts. Each one after is
-/// linearised at the parameters as they are (ReadEpisode); error and information go into a filter that forgets only what the episode sees anew (InformationFilter); where that moves the
-/// parameters by more than a share of their standard error, it is linearised again there (iterated extended Kalman filter, Bell
-/// and Cathey 1993, with parameters for states). Errors are correlated in time: intervals are widened by how much more
-/// gradients scatter than white errors would make them, of pieces within episodes (clusters, as TakeCovariance) and of the
-/// episodes themselves against the parameters before them. Deterministic; everything it remembers is saved.
+/// linearised at the parameters as they are (ReadEpisode); error and information go into a filter that forgets only what the
+/// episode sees anew (InformationFilter); where that moves the parameters by more than a share of their standard error, it is
+/// linearised again there (iterated extended Kalman filter, Bell and Cathey 1993, with parameters for states). Errors are
+/// correlated in time: intervals are widened by how much more gradients scatter than white errors would make them, of pieces
+/// within episodes (clusters, as TakeCovariance) and of the episodes themselves against the parameters before them.
+/// Deterministic; everything it remembers is saved.
 class EpisodeFollower {
  public:
   EpisodeFollower(std::shared_ptr<const EpisodeModel> model, const EpisodeFollowerOptions& options = {});
