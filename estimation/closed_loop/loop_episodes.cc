@@ -50,17 +50,11 @@ class LoopRecord : public ReadEpisode {
     return first;
   }
 
-  /// Always about the basis, and from there on as the slopes say. About parameters that move, what is known of poles that can
-  /// hardly be told apart turns with them, and a filter that adds it up knows more than the records say.
+  /// With errors where the parameters are and slopes at the basis, always. With slopes that move, what is known of poles that
+  /// can hardly be told apart turns with them, and a filter that adds it up knows more than the records say.
   std::optional<LinearisedEpisode> Linearise(const Eigen::VectorXd& at,
                                              const Eigen::VectorXd& basis) const override {
-    LinearisedEpisode out = LineariseTransfer(spectra_, used_, model_, Numbers(basis));
-    const Eigen::VectorXd apart = at - basis;
-    for (LinearisedEpisode::Piece& piece : out.pieces) {
-      out.energy += apart.dot(piece.information * apart) - 2 * apart.dot(piece.gradient);
-      piece.gradient -= piece.information * apart;
-    }
-    return out;
+    return LineariseTransfer(spectra_, used_, model_, Numbers(at), Numbers(basis));
   }
 
  private:

@@ -456,18 +456,20 @@ Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<st
 }
 
 LinearisedEpisode LineariseTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
-                                    const TransferModel& model, const std::vector<double>& parameters) {
+                                    const TransferModel& model, const std::vector<double>& parameters,
+                                    const std::vector<double>& slopes_of) {
   LoopSearch search(model, spectra.sample_period, true);
-  search.set_gain_scale(GainOf(model, parameters));
-  const VectorXd p = search.Coordinates(parameters);
+  search.set_gain_scale(GainOf(model, slopes_of));
+  const VectorXd p = search.Coordinates(parameters), from = search.Coordinates(slopes_of);
   std::vector<LoopTarget> targets = TargetsOf(spectra, used);
   TakeNoiseOfRatio(spectra, targets);
   const LoopMisfit misfit{targets, search};
   VectorXd errors(misfit.NumResiduals());
   MatrixXd slopes(misfit.NumResiduals(), misfit.NumParameters());
-  misfit(p.data(), errors.data(), slopes.data());
+  misfit(from.data(), errors.data(), slopes.data());
+  misfit(p.data(), errors.data(), nullptr);
   for (std::size_t k = 0; k < search.size(); ++k)
-    slopes.col(static_cast<std::ptrdiff_t>(k)) /= search.Slope(k, p);  // by SI units of the parameters
+    slopes.col(static_cast<std::ptrdiff_t>(k)) /= search.Slope(k, from);  // by SI units of the parameters
   std::vector<Complex> responses;
   misfit.Responses(p, responses);
   const MatrixXd weighted = slopes.transpose() / kHannCorrelation;

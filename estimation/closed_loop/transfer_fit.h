@@ -74,11 +74,12 @@ struct TransferFitOptions {
 Result<TransferFit> FitTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
                                 const TransferModel& model, const TransferFitOptions& options = {});
 
-/// The same errors and their slopes by the parameters (SI) at some of them, for following; the parts of the record are the pieces.
-/// Noise is that beside the measured ratio: from the model, parameters that lag behind would take weight from the frequencies that
-/// say so. A Hann window ties neighbouring bins: their errors count as so many fewer independent ones.
+/// The same errors at some parameters for following, with the slopes (by SI units) at others; the parts of the record are the
+/// pieces. Noise is that beside the measured ratio: from the model, parameters that lag behind would take weight from the
+/// frequencies that say so. A Hann window ties neighbouring bins: their errors count as so many fewer independent ones.
 LinearisedEpisode LineariseTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
-                                    const TransferModel& model, const std::vector<double>& parameters);
+                                    const TransferModel& model, const std::vector<double>& parameters,
+                                    const std::vector<double>& slopes_of);
 /// Rms of what the model leaves of the output over these bins, y - G u, SI of the output.
 double RemainderOfTransfer(const LoopSpectra& spectra, const std::vector<std::size_t>& used,
                            const TransferModel& model, const std::vector<double>& parameters);
