@@ -49,6 +49,22 @@ Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& a
                         near.held_out * (1 - screened.explained.value_or(1))};
 }
 
+std::optional<StateStart> CandidateFits::BestOf(const std::shared_ptr<const StateModel>& model,
+                                                std::span<const StateStart> starts) const {
+  std::vector<StateStart> on_few;
+  for (const StateStart& start : starts) {
+    on_few.push_back({start.parameters, {}});
+    if (start.initial.empty()) continue;
+    for (const std::size_t e : starts_on_) on_few.back().initial.push_back(start.initial[e]);
+  }
+  StateFitOptions rough = options_.fit;
+  rough.iterations = rough.start_iterations = options_.screen_iterations;
+  rough.tolerance = rough.start_tolerance = options_.screen_tolerance;
+  const StateFit fit = RefitStates(model, few_, on_few, noise_, rough);
+  if (!fit.solved()) return std::nullopt;
+  return StateStart{fit.parameters, {}};
+}
+
 StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
                                   std::shared_ptr<const StateModel> model,
                                   std::span<const StateStart> starts) const {
@@ -57,6 +73,12 @@ StateCandidate CandidateFits::Fit(const std::vector<std::string>& added,
   quick.tolerance = options_.candidate_tolerance;
   quick.start_iterations = options_.screen_iterations;
   quick.start_tolerance = options_.screen_tolerance;
+  std::optional<StateStart> best;
+  if (TriesOnFew() && starts.size() > 1) {
+    best = BestOf(model, starts);
+    if (!best) return NotFitted(added);
+    starts = std::span(&*best, 1);
+  }
   StateCandidate candidate;
   candidate.added = added;
   candidate.fit = RefitStates(std::move(model), episodes_, starts, noise_, quick);
@@ -72,6 +94,13 @@ StateCandidate CandidateFits::Fitted(const StateContender& contender) const {
 }
 
 StateCandidate CandidateFits::FittedFromSegments(const StateContender& contender) const {
+  // Episodes that are no longer than segments need none; one run from the machine file's start is another way to the minimum.
+  if (std::all_of(episodes_.begin(), episodes_.end(), [&](const Episode& episode) {
+        return episode.rows() - 1 <= options_.fit.segment_rows * episode.mean_rows;
+      })) {
+    const StateStart start{FileStart(*contender.model), {}};
+    return Fit(contender.added, contender.model, std::span(&start, 1));
+  }
   std::vector<StateStart> starts;
   for (const Eigen::VectorXd& from : {contender.starts.front().parameters, FileStart(*contender.model)})
     if (auto shot = ShootStart(contender.model, episodes_, from, options_.fit))
@@ -93,9 +122,9 @@ StateCandidate CandidateFits::FittedFromAfar(const StateCandidate& fitted) const
   rough.polished = 1;
   rough.iterations = options_.screen_iterations;
   rough.tolerance = options_.screen_tolerance;
-  const StateFit afar = FitStates(fitted.fit.model, episodes_, rough);
+  const StateFit afar = FitStates(fitted.fit.model, few_, rough);
   if (!afar.solved()) return NotFitted(fitted.added);
-  const StateStart start{afar.parameters, afar.initial};
+  const StateStart start{afar.parameters, TriesOnFew() ? std::vector<Eigen::VectorXd>() : afar.initial};
   return Fit(fitted.added, fitted.fit.model, std::span(&start, 1));
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/spread_pieces.h"
 
 namespace hydroscope {
 
@@ -18,10 +20,17 @@ struct StateContender {
 /// Fits a machine's model with effects added to it, all with outputs over the same noise.
 class CandidateFits {
  public:
-  /// All must outlive this; `base` is what gains are counted against.
+  /// All must outlive this; `base` is what gains are counted against. `starts_on`: the episodes that starts are tried on.
   CandidateFits(const Machine& machine, std::span<const Episode> episodes,
-                const ExplainStatesOptions& options, const StateCandidate& base)
-      : machine_(machine), episodes_(episodes), options_(options), base_(base), noise_(base.fit.noise) {}
+                const std::vector<std::size_t>& starts_on, const ExplainStatesOptions& options,
+                const StateCandidate& base)
+      : machine_(machine),
+        episodes_(episodes),
+        starts_on_(starts_on),
+        few_(Chosen(episodes, starts_on)),
+        options_(options),
+        base_(base),
+        noise_(base.fit.noise) {}
 
   /// `added` beyond the effects of `near`, by linearisation about it. Error: no such model.
   Result<StateContender> Screened(const std::vector<std::string>& added, const StateCandidate& near) const;
@@ -40,11 +49,17 @@ class CandidateFits {
 
  private:
   std::vector<std::string> WithAdded(const std::vector<std::string>& added) const;
+  bool TriesOnFew() const { return few_.size() < episodes_.size(); }
+  /// The best of some starts after a few iterations on few episodes; nothing if the model diverges from all of them.
+  std::optional<StateStart> BestOf(const std::shared_ptr<const StateModel>& model,
+                                   std::span<const StateStart> starts) const;
   StateCandidate Fit(const std::vector<std::string>& added, std::shared_ptr<const StateModel> model,
                      std::span<const StateStart> starts) const;
 
   const Machine& machine_;
   std::span<const Episode> episodes_;
+  const std::vector<std::size_t>& starts_on_;
+  std::vector<Episode> few_;
   const ExplainStatesOptions& options_;
   const StateCandidate& base_;
   Eigen::VectorXd noise_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -25,7 +26,11 @@ class StatesExplainer {
  public:
   StatesExplainer(const Machine& machine, std::span<const Episode> episodes,
                   const ExplainStatesOptions& options)
-      : machine_(machine), episodes_(episodes), options_(options) {}
+      : machine_(machine), episodes_(episodes), options_(options) {
+    const bool runs = std::any_of(episodes.begin(), episodes.end(),
+                                  [](const Episode& episode) { return episode.mean_rows > 1; });
+    starts_on_ = SpreadOver(episodes.size(), runs ? options.start_runs : std::numeric_limits<int>::max());
+  }
 
   StatesExplanation Run() {
     const auto model = BuildStateModel(machine_, machine_.added_effects);
@@ -33,11 +38,11 @@ class StatesExplainer {
       out_.base.fit.failed = model.error().text;
       return std::move(out_);
     }
-    out_.base.fit = FitStates(*model, episodes_, options_.fit);
+    out_.base.fit = FitFromAllStarts(*model);
     if (!out_.base.fit.solved()) return std::move(out_);
     out_.base.held_out = out_.base.fit.HeldOutEnergy();
     out_.base_left = Left(out_.base.fit);
-    fits_.emplace(machine_, episodes_, options_, out_.base);
+    fits_.emplace(machine_, episodes_, starts_on_, options_, out_.base);
     Search();
     Prune();
     Conclude();
@@ -45,6 +50,17 @@ class StatesExplainer {
   }
 
  private:
+  StateFit FitFromAllStarts(const std::shared_ptr<const StateModel>& model) const {
+    if (starts_on_.size() == episodes_.size()) return FitStates(model, episodes_, options_.fit);
+    StateFit few = FitStates(model, Chosen(episodes_, starts_on_), options_.fit);
+    if (!few.solved()) return few;
+    const StateStart start{few.parameters, {}};
+    StateFit all = RefitStates(model, episodes_, std::span(&start, 1), {}, options_.fit);
+    all.minima = std::move(few.minima);
+    all.starts_tried = few.starts_tried;
+    all.starts_diverged = few.starts_diverged;
+    return all;
+  }
   StateRemainder Left(const StateFit& fit) const { return RemainderOf(fit, episodes_, options_.remainder); }
   /// Energies left out, over the base's noise whatever the fit's own.
   std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
@@ -414,13 +430,14 @@ class StatesExplainer {
   const Machine& machine_;
   std::span<const Episode> episodes_;
   const ExplainStatesOptions& options_;
+  std::vector<std::size_t> starts_on_;                          ///< episodes that starts are tried on
   std::optional<CandidateFits> fits_;                           ///< once the base is fitted
   std::vector<std::vector<StateCandidate>> levels_;             ///< per number of effects, sets best first
   std::map<std::vector<std::string>, StateCandidate> without_;  ///< the set found without an effect
   StatesExplanation out_;
 };
 
-/// The model as it is and that with the set found, fitted on from `out` to all episodes.
+/// The model as it is, that with the set found and its rivals, fitted on from `out` to all episodes.
 void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& options,
               StatesExplanation& out) {
   const double before = out.base.held_out;
@@ -440,13 +457,33 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
   } else {
     fit(out.final, out.final_left);
   }
+  for (StateCandidate& rival : out.rivals) {
+    StateRemainder left_by_rival;
+    fit(rival, left_by_rival);
+  }
   for (StateCandidate& candidate : out.ranking) candidate.held_out *= out.base.held_out / before;
+}
+
+StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs,
+                              const ExplainStatesOptions& options) {
+  const std::vector<Episode> some = Chosen(runs, SpreadOver(runs.size(), options.most_runs));
+  StatesExplanation out = StatesExplainer(machine, some, options).Run();
+  if (some.size() < runs.size() && out.base.fit.solved()) {
+    FitToAll(runs, options, out);
+    out.warnings.push_back(fmt::format(
+        "effects were tried on {} of {} runs of {} revolutions, spread over the log; figures are those of all",
+        some.size(), runs.size(), options.run_readings));
+  }
+  out.runs = std::move(runs);
+  return out;
 }
 
 }  // namespace
 
 StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
                                 const ExplainStatesOptions& options) {
+  std::vector<Episode> runs = ShortRuns(episodes, options.run_readings);
+  if (!runs.empty()) return ExplainRuns(machine, std::move(runs), options);
   const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
   if (pieces.empty()) return StatesExplainer(machine, episodes, options).Run();
   StatesExplanation out = StatesExplainer(machine, pieces, options).Run();

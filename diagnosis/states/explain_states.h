@@ -17,6 +17,11 @@ struct ExplainStatesOptions {
   int beam = 3;           ///< sets that are extended by a further effect
   int most_rows = 20000;  ///< that effects are tried on; of more, pieces spread over the log ...
   int piece_rows = 2500;  ///< ... of so many rows each
+  /// Readings that are means (Episode::mean_rows) of one run; longer episodes are cut into runs whose initial states are
+  /// estimated each. A machine that hunts keeps its phase over so many, and less than a tenth of them tells where a run begins.
+  int run_readings = 25;
+  int most_runs = 15;  ///< of more such runs effects are tried on so many, spread over the log
+  int start_runs = 5;  ///< of these that starts are tried on
   ScreeningOptions screening;
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
   double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last
@@ -60,6 +65,8 @@ struct StatesExplanation {
   std::vector<std::string> warnings;
   StateCandidate base, final;
   std::vector<StateCandidate> rivals;  ///< of `final`, that do as well
+  std::vector<Episode>
+      runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
   StateRemainder base_left, final_left;
   std::vector<StateCandidate> ranking;  ///< single effects, best first; some as foreseen
   std::vector<std::pair<std::string, double>>

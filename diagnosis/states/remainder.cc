@@ -23,6 +23,21 @@ struct RemainderColumns {
   Eigen::Index pieces() const { return energy.size(); }
 };
 
+/// One past the last piece of each group. Where there are as many episodes they stay whole: how an episode begins would predict
+/// its own pieces.
+std::vector<Eigen::Index> GroupEnds(const std::vector<StatePiece>& pieces, std::size_t episodes,
+                                    Eigen::Index groups) {
+  const auto count = static_cast<Eigen::Index>(pieces.size());
+  const bool whole = episodes >= static_cast<std::size_t>(groups);
+  std::vector<Eigen::Index> ends;
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    auto end = static_cast<std::size_t>((g + 1) * count / groups);
+    while (whole && end < pieces.size() && pieces[end].episode == pieces[end - 1].episode) ++end;
+    ends.push_back(static_cast<Eigen::Index>(end));
+  }
+  return ends;
+}
+
 RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episodes, const FunctionBank& bank) {
   constexpr Eigen::Index kGroups = 8;
   RemainderColumns out;
@@ -34,7 +49,7 @@ RemainderColumns ColumnsOf(const StateFit& fit, std::span<const Episode> episode
   out.gradient.resize(size, count);
   out.energy.resize(count);
   out.groups.assign(static_cast<std::size_t>(groups), Eigen::MatrixXd::Zero(size, size));
-  for (Eigen::Index g = 0; g < groups; ++g) out.group_end.push_back((g + 1) * count / groups);
+  out.group_end = GroupEnds(fit.pieces, episodes.size(), groups);
   for (std::size_t e = 0; e < episodes.size(); ++e) {
     const RowMatrix columns = TangentColumns(fit, episodes[e], e, added, {&fit.residuals[e]});
     for (Eigen::Index p = 0, g = 0; p < count; ++p) {

@@ -21,7 +21,48 @@ bool ReadsThePast(const Machine& machine) {
                      [&](const Effect& effect) { return delays({effect.id}); });
 }
 
+Episode PieceOf(const Episode& episode, std::int64_t first, std::int64_t count) {
+  return {episode.log,
+          episode.first_row + first,
+          {episode.time.begin() + first, episode.time.begin() + first + count},
+          episode.signal.middleRows(first, count),
+          episode.mean_rows};
+}
+
 }  // namespace
+
+std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) {
+  std::vector<Episode> runs;
+  bool cut = false;
+  for (const Episode& episode : episodes) {
+    const std::int64_t rows = episode.rows(),
+                       length = static_cast<std::int64_t>(readings) * episode.mean_rows;
+    if (episode.mean_rows == 1 || rows <= 2 * length) {
+      runs.push_back(episode);
+      continue;
+    }
+    cut = true;
+    for (std::int64_t first = 0; first + 1 < rows; first += length) {
+      const bool last = rows - 1 - first < 2 * length;
+      runs.push_back(PieceOf(episode, first, last ? rows - first : length + 1));
+      if (last) break;
+    }
+  }
+  return cut ? runs : std::vector<Episode>();
+}
+
+std::vector<std::size_t> SpreadOver(std::size_t episodes, int most) {
+  const std::size_t count = std::min(episodes, static_cast<std::size_t>(std::max(1, most)));
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < count; ++k) chosen.push_back((2 * k + 1) * episodes / (2 * count));
+  return chosen;
+}
+
+std::vector<Episode> Chosen(std::span<const Episode> episodes, const std::vector<std::size_t>& chosen) {
+  std::vector<Episode> out;
+  for (const std::size_t e : chosen) out.push_back(episodes[e]);
+  return out;
+}
 
 std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episode> episodes, int most_rows,
                                   int piece_rows) {
@@ -36,11 +77,7 @@ std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episod
     for (std::int64_t first = 0; first < episode.rows(); first += step) {
       const std::int64_t count = std::min<std::int64_t>(piece_rows, episode.rows() - first);
       if (count < piece_rows && first > 0) break;
-      pieces.push_back({episode.log,
-                        episode.first_row + first,
-                        {episode.time.begin() + first, episode.time.begin() + first + count},
-                        episode.signal.middleRows(first, count),
-                        episode.mean_rows});
+      pieces.push_back(PieceOf(episode, first, count));
     }
   }
   return pieces;

@@ -14,4 +14,12 @@ namespace hydroscope {
 std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episode> episodes, int most_rows,
                                   int piece_rows);
 
+/// Episodes whose readings are means, cut into runs of `readings` of them; each begins at the row where the one before ends. Other
+/// episodes stay whole. Empty where nothing is cut.
+std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings);
+
+/// At most so many of the episodes, spread over them, in their order.
+std::vector<std::size_t> SpreadOver(std::size_t episodes, int most);
+std::vector<Episode> Chosen(std::span<const Episode> episodes, const std::vector<std::size_t>& chosen);
+
 }  // namespace hydroscope

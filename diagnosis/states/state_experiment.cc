@@ -22,7 +22,9 @@ class ExperimentSearch {
  public:
   ExperimentSearch(const StatesExplanation& x, std::span<const Episode> episodes,
                    const StateExperimentOptions& options)
-      : episodes_(episodes), options_(options) {
+      : fitted_(x.runs.empty() ? episodes : std::span<const Episode>(x.runs)),
+        recorded_(episodes.front()),
+        options_(options) {
     std::vector<const StateCandidate*> candidates = {&x.final};
     if (x.verdict == Verdict::kAmbiguous)
       for (const StateCandidate& rival : x.rivals) candidates.push_back(&rival);
@@ -51,8 +53,7 @@ class ExperimentSearch {
     TakeRecorded();
     Judge(known_, out_.now);
     const StateModel& model = *rivals_.front().fit().model;
-    const Episode& recorded = episodes_.front();
-    for (const RecordMove& move : RecordMoves(model, recorded)) Try(move);
+    for (const RecordMove& move : RecordMoves(model, recorded_)) Try(move);
     Sort();
     const std::size_t best = std::min(out_.tried.size(), static_cast<std::size_t>(options_.sped_up));
     std::vector<RecordMove> again;
@@ -86,10 +87,10 @@ class ExperimentSearch {
       StateFit fit = rivals_[r].at;
       fit.initial = rivals_[r].fit().initial;
       Eigen::MatrixXd sum;
-      for (std::size_t e = 0; e < episodes_.size(); ++e) {
+      for (std::size_t e = 0; e < fitted_.size(); ++e) {
         std::vector<const RowMatrix*> outputs;
         for (const Rival& rival : rivals_) outputs.push_back(&rival.fit().runs[e].outputs);
-        const Eigen::MatrixXd products = ProductsOf(r, fit, episodes_[e], e, outputs);
+        const Eigen::MatrixXd products = ProductsOf(r, fit, fitted_[e], e, outputs);
         sum = e == 0 ? products : Eigen::MatrixXd(sum + products);
       }
       known_.push_back(std::move(sum));
@@ -100,7 +101,7 @@ class ExperimentSearch {
     TriedRecord tried;
     tried.move = move;
     const StateModel& model = *rivals_.front().fit().model;
-    tried.record = MovedRecord(move, model, episodes_.front(), options_.most_rows);
+    tried.record = MovedRecord(move, model, recorded_, options_.most_rows);
     if (tried.record.rows() < 2 || !KeepsSpeeds(model, tried.record)) return;
     tried.seconds = tried.record.time.back() - tried.record.time.front();
     std::vector<StateRun> runs(rivals_.size());
@@ -177,7 +178,8 @@ class ExperimentSearch {
     });
   }
 
-  std::span<const Episode> episodes_;
+  std::span<const Episode> fitted_;
+  const Episode& recorded_;
   const StateExperimentOptions& options_;
   std::vector<Rival> rivals_;
   std::vector<Eigen::MatrixXd> known_;  ///< of each rival, from what was recorded

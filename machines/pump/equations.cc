@@ -22,6 +22,10 @@ std::string FlowIn() { return "K_q*max(x_v, 0)*" + RootOf(OutletPressure() + " -
 
 std::string FlowOut() { return "K_q*max(-x_v, 0)*" + RootOf("p_c - p_t"); }
 
+std::string DryFriction(const std::string& force, const std::string& speed, const std::string& sets_in) {
+  return fmt::format("{}*{}/sqrt(({})^2 + ({})^2)", force, speed, speed, sets_in);
+}
+
 std::string Delivered() { return "shaft_speed*D_max*(1 - x_p/X_p)"; }
 
 }  // namespace hydroscope::pump

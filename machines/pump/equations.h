@@ -13,6 +13,8 @@ std::string FlowIn();
 std::string FlowOut();
 /// m^3/s; what the pistons deliver, equation 5.
 std::string Delivered();
+/// N; dry friction that sets in over a speed.
+std::string DryFriction(const std::string& force, const std::string& speed, const std::string& sets_in);
 /// Pa/m^3; of the line at the outlet, equation 6, and of the control chamber, equation 4.
 std::string LineStiffness();
 std::string ChamberStiffness();

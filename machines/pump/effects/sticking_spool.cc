@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include "machines/pump/effects/effects.h"
+#include "machines/pump/equations.h"
 
 namespace hydroscope::pump {
 
@@ -6,10 +9,12 @@ Effect StickingSpool() {
   Effect e;
   e.id = "sticking_spool";
   e.title = "Compensator spool sticks";
-  e.source = "Coulomb 1785; ripple lets dry friction act gradually (dither)";
+  e.source =
+      "Coulomb 1785; the speed that the ripple lends the spool lets dry friction act gradually (dither)";
   e.plain = "Dirt or varnish at the compensator spool: clean it, look at the filter.";
-  e.adds = {{"v_v", "-F_d*v_v/((abs(v_v) + v_dry)*m_v)"}};
-  e.parameters = {{.name = "F_d", .start = 2, .min = 0, .max = 200, .unit = "N"}};
+  e.adds = {{"v_v", fmt::format("-{}/m_v", DryFriction("F_d", "v_v", "v_d"))}};
+  e.parameters = {{.name = "F_d", .start = 2, .min = 0, .max = 50, .unit = "N"},
+                  {.name = "v_d", .start = 1e-2, .min = 2e-3, .max = 1e-1, .unit = "m/s"}};
   return e;
 }
 

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include "machines/pump/effects/effects.h"
+#include "machines/pump/equations.h"
 
 namespace hydroscope::pump {
 
@@ -8,7 +11,7 @@ Effect SwashBearing() {
   e.title = "Swash bearing worn";
   e.source = "Coulomb 1785";
   e.plain = "Dry friction of the swash plate: its bearing is worn or dry; the pressure hunts.";
-  e.adds = {{"v_p", "-F_b*v_p/((abs(v_p) + v_dry)*m_p)"}};
+  e.adds = {{"v_p", fmt::format("-{}/m_p", DryFriction("F_b", "v_p", "v_dry"))}};
   e.parameters = {{.name = "F_b", .start = 30, .min = 0, .max = 5000, .unit = "N"}};
   return e;
 }
