@@ -75,6 +75,38 @@ TEST_P(OverCorrelations, FindAJumpOfManyStandardDeviations) {
   EXPECT_GE(clear, 48);
 }
 
+/// Courses of a change over 40 values, 0 at first and 1 at last.
+double Course(int shape, double x) {
+  const double since = std::max(0.0, (x - 0.6) / 0.4);
+  switch (shape) {
+    case 0:
+      return since;
+    case 1:
+      return since * since;
+    case 2:
+      return 1 - std::exp(-5 * since);
+    case 3:
+      return x * x;
+    case 4:
+      return since > 0 ? 1 : 0;
+    default:
+      return std::min(1.0, 2 * since);
+  }
+}
+
+TEST(CompareThirds, FindsALargerChangeNoLessOften) {
+  for (int shape = 0; shape < 6; ++shape)
+    for (const double size : {200.0, 1000.0}) {
+      int clear = 0;
+      for (int seed = 0; seed < 20; ++seed) {
+        std::vector<double> y = Correlated(40, 0, 100 + seed);
+        for (std::size_t i = 0; i < y.size(); ++i) y[i] += size * Course(shape, static_cast<double>(i) / 39);
+        clear += SignificanceOf(CompareThirds(y, {}, 0).change) == Significance::kClear;
+      }
+      EXPECT_EQ(clear, 20) << "shape " << shape << ", size " << size;
+    }
+}
+
 TEST(FitCorrelated, FindsACorrelationNobodyToldAndWidensItsInterval) {
   const std::vector<double> x = Ramp(300), one(300, 1.0);
   const CorrelatedFit fit = FitCorrelated({one, x}, Correlated(300, 0.8, 3), {}, 0);

@@ -53,31 +53,49 @@ double CorrectedCorrelation(double raw, double p, double n) {
   return std::clamp((raw + p / n) / std::max(0.2, 1 - (p + 2) / n), 0.0, kMostCorrelation);
 }
 
-/// Correlation of successive residuals of y on the columns of x, about the one step that fits best beside
-/// them: a jump must not pass for slow wandering, which would hide it. The search for the step counts as two
-/// more unknowns.
-double CorrelationAboutStep(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
-  const Eigen::Index n = x.rows();
+/// What the columns of x and a change leave of y, and how many unknowns the change and the search for it spent.
+struct Leftover {
+  Eigen::VectorXd values;
+  double unknowns = 0;
+
+  /// Of successive values, beside `columns` unknowns of x.
+  double Correlation(Eigen::Index columns) const {
+    const Eigen::Index n = values.size();
+    const double square = values.squaredNorm();
+    if (square <= 0) return 0;
+    const double raw = values.head(n - 1).dot(values.tail(n - 1)) / square;
+    return CorrectedCorrelation(raw, static_cast<double>(columns) + unknowns, static_cast<double>(n));
+  }
+};
+
+/// The changes that LeftBy tries: a step, or a line that goes on elsewhere at another slope.
+enum class ChangeShape { kStep, kBrokenLine };
+constexpr double kSearch = 1;  ///< unknowns that the place of a change counts as
+constexpr double kBetterThanAStep =
+    0.5;  ///< share of the squares a step leaves that two lines must leave at most
+
+/// What is left of y by the columns of x and the change at one place that fits best beside them: neither a jump nor a drift
+/// that begins somewhere must pass for slow wandering, which would hide it.
+Leftover LeftBy(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, ChangeShape shape) {
+  const Eigen::Index n = x.rows(), added = shape == ChangeShape::kStep ? 1 : 2;
   const Eigen::MatrixXd basis =
       Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(n, x.cols());
-  const auto beside = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+  const auto beside = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd {
     return v - basis * (basis.transpose() * v);
   };
   const Eigen::VectorXd residuals = beside(y);
-  Eigen::VectorXd best = residuals;
+  Leftover best{residuals, static_cast<double>(added) + kSearch};
   const Eigen::Index stride = std::max<Eigen::Index>(1, n / 60);
   for (Eigen::Index at = 2; at + 2 <= n; at += stride) {
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    step.tail(n - at).setOnes();
-    step = beside(step);
+    Eigen::MatrixXd change = Eigen::MatrixXd::Zero(n, added);
+    change.col(0).tail(n - at).setOnes();
+    if (added > 1) change.col(1).tail(n - at).setLinSpaced(1, static_cast<double>(n - at));
+    change = beside(change);
     const Eigen::VectorXd left =
-        residuals - step * (step.dot(residuals) / std::max(step.squaredNorm(), 1e-12));
-    if (left.squaredNorm() < best.squaredNorm()) best = left;
+        residuals - change * (change.transpose() * change).ldlt().solve(change.transpose() * residuals);
+    if (left.squaredNorm() < best.values.squaredNorm()) best.values = left;
   }
-  const double square = best.squaredNorm();
-  if (square <= 0) return 0;
-  const double raw = best.head(n - 1).dot(best.tail(n - 1)) / square;
-  return CorrectedCorrelation(raw, static_cast<double>(x.cols() + 2), static_cast<double>(n));
+  return best;
 }
 
 /// A constant and a straight line over the number of a value.
@@ -95,11 +113,11 @@ Eigen::MatrixXd Whitened(const Eigen::MatrixXd& rows, double correlation) {
   return out;
 }
 
-/// Mean square of successive differences without the largest twentieth (a jump is no scatter), raised
+/// Mean square of differences without the largest twentieth (a jump is no scatter), raised
 /// by what the trimming takes from normal scatter: P(chi2_3 < q) / P(chi2_1 < q) at the trimming point q.
-double DifferenceSquare(const std::vector<double>& y) {
+double TrimmedMeanSquare(const std::vector<double>& differences) {
   std::vector<double> squares;
-  for (std::size_t i = 1; i < y.size(); ++i) squares.push_back((y[i] - y[i - 1]) * (y[i] - y[i - 1]));
+  for (const double difference : differences) squares.push_back(difference * difference);
   std::sort(squares.begin(), squares.end());
   const std::size_t kept = squares.size() - squares.size() / 20;
   const double share = static_cast<double>(kept) / static_cast<double>(squares.size());
@@ -107,6 +125,32 @@ double DifferenceSquare(const std::vector<double>& y) {
   const double sum =
       std::accumulate(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(kept), 0.0);
   return sum / static_cast<double>(kept) / left;
+}
+
+std::vector<double> Differences(const std::vector<double>& y) {
+  std::vector<double> out;
+  for (std::size_t i = 1; i < y.size(); ++i) out.push_back(y[i] - y[i - 1]);
+  return out;
+}
+
+/// Of the difference between the means of the last and the first `count` of n values, each of which is the one before and an
+/// independent step of variance 1.
+double VarianceOfWandering(std::size_t n, std::size_t count) {
+  double sum = static_cast<double>(n - 2 * count) + 1;
+  for (std::size_t k = 1; k < count; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(count);
+    sum += 2 * share * share;
+  }
+  return sum;
+}
+
+/// The change against errors that wander freely, as far as errors can hang together. How far they step is taken from second
+/// differences, into which a drift, straight or curved, hardly enters: one that is long and large against them is no
+/// wandering, whatever its course. `stated`: standard deviation of a value, 0 = unknown.
+TestedValue AgainstWandering(const std::vector<double>& y, const ThirdsComparison& thirds, double stated) {
+  const double step = std::max(TrimmedMeanSquare(Differences(Differences(y))), 6 * stated * stated) / 2;
+  const double degrees = (static_cast<double>(y.size()) - 2) / 2;  // second differences share values
+  return {thirds.last - thirds.first, std::sqrt(step * VarianceOfWandering(y.size(), thirds.count)), degrees};
 }
 
 double WeightedMean(const double* y, const double* weight, std::size_t n) {
@@ -180,8 +224,8 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   rows.col(p) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
   rows = RowWeights(std, y.size()).asDiagonal() * rows;
 
-  const double correlation =
-      Settle(CorrelationAboutStep(rows.leftCols(p), rows.col(p)), least_correlation, y.size());
+  const double correlation = Settle(LeftBy(rows.leftCols(p), rows.col(p), ChangeShape::kStep).Correlation(p),
+                                    least_correlation, y.size());
   const Eigen::MatrixXd white = Whitened(rows, correlation);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(white.leftCols(p));
   qr.setThreshold(1e-10);
@@ -213,11 +257,14 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.first = WeightedMean(y.data(), weights.data(), result.count);
   result.last = WeightedMean(y.data() + last, weights.data() + last, result.count);
 
-  result.correlation = Settle(
-      CorrelationAboutStep(Line(y.size()),
-                           Eigen::Map<const Eigen::VectorXd>(y.data(), static_cast<Eigen::Index>(y.size()))),
-      least_correlation, y.size());
-  const double scatter = DifferenceSquare(y) / (2 * (1 - result.correlation));
+  const Eigen::MatrixXd line = Line(y.size());
+  const Eigen::Map<const Eigen::VectorXd> values(y.data(), static_cast<Eigen::Index>(y.size()));
+  Leftover left = LeftBy(line, values, ChangeShape::kStep);
+  if (Leftover broken = LeftBy(line, values, ChangeShape::kBrokenLine);
+      broken.values.squaredNorm() <= kBetterThanAStep * left.values.squaredNorm())
+    left = std::move(broken);
+  result.correlation = Settle(left.Correlation(line.cols()), least_correlation, y.size());
+  const double scatter = TrimmedMeanSquare(Differences(y)) / (2 * (1 - result.correlation));
   const auto variance_of = [&](std::size_t begin) {
     const double stated = std.size() == y.size()
                               ? Median({std.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -233,6 +280,11 @@ ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<d
   result.first_std = std::sqrt(variance_of(0));
   result.change =
       TestedValue(result.last - result.first, std::sqrt(variance_of(0) + variance_of(last)), degrees);
+  if (least_correlation > 0) return result;  // values that share data step by less than they scatter
+  const double stated = std.size() == y.size() ? Median(std, 0) : 0;
+  if (const TestedValue wandering = AgainstWandering(y, result, stated);
+      wandering.std > 0 && wandering.p < result.change.p)
+    result.change = wandering;
   return result;
 }
 

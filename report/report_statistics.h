@@ -61,7 +61,10 @@ struct ThirdsComparison {
 /// Compares the last third of `y` with the first. The scatter and the correlation of successive values are
 /// taken from differences over one and two values, so a change over the record does not hide in its own
 /// error; the error of one value is never below its stated standard deviation `std` (0 or NaN: unknown). The
-/// change is unknown below 6 values.
+/// correlation is that of what is left beside a line and a step, or beside two lines where these describe the values far
+/// better. A drift of a still other course looks like strongly correlated errors; it is told from them by its second
+/// differences, which are small against it: where `least_correlation` is 0, the clearer of the two judgements counts.
+/// The change is unknown below 6 values.
 ThirdsComparison CompareThirds(const std::vector<double>& y, const std::vector<double>& std,
                                double least_correlation);
 
