@@ -32,9 +32,23 @@ std::string SeparationText(const StatesExplained& e) {
       x.settles() ? "" : " It may not be enough.");
 }
 
+/// Share of the standard error as recorded that the best record must leave at most, or records are not what is wanting.
+constexpr double kHelps = 0.9;
+
+/// Whether parameters are asked for that no record would show: what one of them changes the others make up for.
+bool NoRecordHelps(const StateExperiment& x) {
+  return x.rivals.empty() && !x.tried.empty() &&
+         x.tried.front().standard_error > kHelps * x.now.standard_error;
+}
+
 std::string UnseenParametersText(const StatesExplained& e) {
   const StateExperiment& x = e.experiment;
   const std::string names = fmt::format("{}", fmt::join(x.unseen, ", "));
+  if (NoRecordHelps(x))
+    return fmt::format(
+        "No record of these signals shows {}: whatever the inputs do, the outputs hardly change if {}. Write a value in "
+        "place of one of them into the machine file, or measure another signal.",
+        names, x.unseen.size() > 1 ? "they move together" : "it moves");
   if (!x.proposed())
     return fmt::format(
         "These data do not see {}, and no record within what the inputs may be shows all of them. Say under signals of "
@@ -86,7 +100,7 @@ std::optional<std::string> StatesToRecord(const StatesExplained& e) {
 std::string RecordTable(const StatesExplained& e) {
   constexpr std::size_t kShown = 8;
   const StateExperiment& x = e.experiment;
-  if (x.tried.empty()) return "";
+  if (x.tried.empty() || NoRecordHelps(x)) return "";
   const bool rivals = !x.rivals.empty();
   std::string text = fmt::format("\nWhat to record, best first\n  {:>10} {:>9}  {}\n",
                                  rivals ? "separation" : "std error", "s", "record");
