@@ -4,9 +4,11 @@
 
 #include "cli/commands.h"
 #include "host/output.h"
+#include "models/counted_words.h"
 #include "workbench/compare_output.h"
 #include "workbench/history/history_options.h"
 #include "workbench/history/history_output.h"
+#include "workbench/history/stored_change.h"
 #include "workbench/states/states_output.h"
 
 namespace hydroscope {
@@ -28,6 +30,13 @@ Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
     auto result = CompareHistory(*history);
     if (!result) return tl::unexpected(result.error());
     result->described = HistoryLine(*history);
+    if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
+      if (const auto change = FindStoredChange(chosen->database, part, choice.machine,
+                                               AlarmsBeside(a.history.db, part.machine)))
+        result->warnings.push_back(fmt::format(
+            "these {} hold a change {}: one model for both sides of it errs on either; compare them with "
+            "--to {} and --from {}",
+            CountedWordsOf(choice.machine).many, change->text, change->before_end, change->since));
     results.push_back(std::move(*result));
   }
   return results;

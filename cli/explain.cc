@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/loop_explain.h"
 #include "host/output.h"
+#include "models/counted_words.h"
 #include "report/explain_report.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/history/history_options.h"
@@ -93,7 +94,8 @@ Status ExplainFound(const ExplainArguments& a, const Database& database, const H
                     const StoredChange& change, Explained& out) {
   const nlohmann::json found = {
       {"since", change.since}, {"before_end", change.before_end}, {"by", change.by}, {"text", change.text}};
-  const std::string lead = fmt::format("These strokes hold a change {}.\n", change.text);
+  const std::string lead =
+      fmt::format("These {} hold a change {}.\n", CountedWordsOf(choice.machine).many, change.text);
   std::vector<HistoryPart> before = choice.parts, after = choice.parts;
   before.front().last = change.before_end;
   after.front().first = change.since;
@@ -105,8 +107,8 @@ Status ExplainFound(const ExplainArguments& a, const Database& database, const H
              : ExplainSides(
                    choice, *then, *now,
                    lead + fmt::format("What changed there, as --since {} tells it (--whole explains all "
-                                      "strokes as one):\n\n",
-                                      change.since),
+                                      "{} as one):\n\n",
+                                      change.since, CountedWordsOf(choice.machine).many),
                    found, out);
   if (compared) return {};
   return ExplainWhole(

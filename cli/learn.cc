@@ -10,6 +10,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "host/real_clock.h"
+#include "models/counted_words.h"
 #include "monitor/learning.h"
 #include "monitor/rules_for.h"
 #include "workbench/history/history_options.h"
@@ -41,8 +42,8 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
   std::string refused;
   for (const LearningCandidate& c : candidates) {
     for (const LearningDoubt& doubt : c.doubts)
-      std::cerr << fmt::format("{} strokes {} to {}: {}\n", c.part.machine, c.part.first, c.part.last - 1,
-                               doubt.text);
+      std::cerr << fmt::format("{} {} {} to {}: {}\n", c.part.machine, CountedWordsOf(c.machine).many,
+                               c.part.first, c.part.last - 1, doubt.text);
     if (c.Refused()) refused += (refused.empty() ? "" : ", ") + c.part.machine;
   }
   if (refused.empty() || a.force) return {};
@@ -52,12 +53,12 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
       refused);
 }
 
-std::string LearnedText(const nlohmann::json& learned) {
-  std::string text =
-      fmt::format("{}: reference {} learned from strokes {} to {}, {} kinds of stroke\n",
-                  learned.at("machine").get<std::string>(), learned.at("reference_version").get<int>(),
-                  learned.at("first_stroke").get<std::int64_t>(),
-                  learned.at("last_stroke").get<std::int64_t>(), learned.at("operating_classes").get<int>());
+std::string LearnedText(const nlohmann::json& learned, const CountedWords& counted) {
+  std::string text = fmt::format(
+      "{}: reference {} learned from {} {} to {}, {} kinds of {}\n", learned.at("machine").get<std::string>(),
+      learned.at("reference_version").get<int>(), counted.many,
+      learned.at("first_stroke").get<std::int64_t>(), learned.at("last_stroke").get<std::int64_t>(),
+      learned.at("operating_classes").get<int>(), counted.one);
   for (const auto& curve : learned.at("curves")) {
     const DisplayUnit unit = DisplayUnitFor(curve.at("unit").get<std::string>());
     text += fmt::format("  {:<6} {:>10.4g} {:<6}", curve.at("quantity").get<std::string>(),
@@ -99,7 +100,7 @@ int RunLearn(const LearnArguments& a) {
     auto learned = LearnReference(history->database, a.history.db, candidate, *rules, *journal,
                                   {a.user, a.comment}, WallSeconds());
     if (!learned) return ReportError(learned.error());
-    if (a.json != "-") Say(LearnedText(*learned));
+    if (a.json != "-") Say(LearnedText(*learned, CountedWordsOf(candidate.machine)));
     document["learned"].push_back(std::move(*learned));
   }
   if (a.json.empty()) return kDone;

@@ -16,8 +16,8 @@ Status RunReport(const ReportArguments& a) {
   const auto written = WriteStoredReport(a.db, a.machine, a.out);
   if (!written) return tl::unexpected(written.error());
   if (a.json != "-")
-    Say(fmt::format("{}: {} strokes of {} in {} runs\n", a.out, written->strokes, written->machine,
-                    written->runs));
+    Say(fmt::format("{}: {} {} of {} in {} runs\n", a.out, written->strokes, written->counted.many,
+                    written->machine, written->runs));
   if (a.json.empty()) return {};
   return WriteJson(a.json, {{"report", a.out},
                             {"machine", written->machine},

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kSparkWidth = 10;
 
-std::string Counted(std::int64_t count, const char* thing) {
-  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+std::string Counted(std::int64_t count, const CountedWords& counted) {
+  return fmt::format("{} {}", count, counted.Of(count));
 }
 
 std::string ValueText(double value, double half_width) {
@@ -28,15 +28,15 @@ std::string ValueText(double value, double half_width) {
 }
 
 /// "" if the last stroke excited it.
-std::string LastExcited(const TrendSummary& s) {
-  if (!s.since) return "never excited: these strokes have nothing to do with it";
+std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
+  if (!s.since) return fmt::format("never excited: these {} have nothing to do with it", counted.many);
   if (*s.since == 0) return "";
-  return fmt::format("last excited {} ago, {} of {} told something", Counted(*s.since, "stroke"), s.updated,
+  return fmt::format("last excited {} ago, {} of {} told something", Counted(*s.since, counted), s.updated,
                      s.strokes);
 }
 
-std::string ChangeText(const TrendSummary& s) {
-  if (!s.change) return "too few strokes";
+std::string ChangeText(const TrendSummary& s, const CountedWords& counted) {
+  if (!s.change) return fmt::format("too few {}", counted.many);
   const auto percent = s.change->Percent();
   const DisplayUnit unit = DisplayUnitFor(s.unit);
   const double value = percent ? *percent : s.change->value * unit.factor;
@@ -54,43 +54,52 @@ std::string TableRow(std::size_t name_width, const std::array<std::string, 5>& c
                      cells[4]);
 }
 
-std::string Row(const TrendSummary& s, std::size_t name_width) {
+std::string Row(const TrendSummary& s, std::size_t name_width, const CountedWords& counted) {
   const DisplayUnit unit = DisplayUnitFor(s.unit);
   const double value = s.latest.value * unit.factor + unit.offset;
   const double half_width = kNormal95 * s.latest.std * unit.factor;
   return TableRow(name_width,
                   {s.parameter, ValueText(value, half_width), unit.name == "1" ? "-" : std::string(unit.name),
-                   ChangeText(s), Sparkline(s.values, s.stds, kSparkWidth)});
+                   ChangeText(s, counted), Sparkline(s.values, s.stds, kSparkWidth)});
 }
 
 std::string Header(const MachineTrends& trends) {
   const TrendPoint &first = trends.first, &last = trends.last;
   std::string text = fmt::format(
-      "{}: {} in {}, strokes {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
-      Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, "stroke"),
-      Counted(static_cast<std::int64_t>(trends.runs.size()), "run"), first.sequence, last.sequence);
+      "{}: {} in {} run{}, {} {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
+      Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, trends.counted),
+      trends.runs.size(), trends.runs.size() == 1 ? "" : "s", trends.counted.many, first.sequence,
+      last.sequence);
   const RunInfo& run = trends.runs.back();
-  text += fmt::format(
-      "last log {}{}, {}", run.source, run.complete ? "" : " (not finished)",
-      CountsFrom1970(first.time)
-          ? fmt::format("strokes from {} to {}", LocalTimeText(first.time), LocalTimeText(last.time))
-          : fmt::format("ends at {:.1f} s", last.time));
+  text += fmt::format("last log {}{}, {}", run.source, run.complete ? "" : " (not finished)",
+                      CountsFrom1970(first.time)
+                          ? fmt::format("{} from {} to {}", trends.counted.many, LocalTimeText(first.time),
+                                        LocalTimeText(last.time))
+                          : fmt::format("ends at {:.1f} s", last.time));
   if (std::isfinite(last.oil_temperature))
     text += fmt::format(", oil {:.1f} °C", last.oil_temperature - kZeroCelsius);
   return text + "\n";
 }
 
-std::string Reasons(const std::vector<TrendSummary>& summaries) {
+std::string Reasons(const std::vector<TrendSummary>& summaries, const CountedWords& counted) {
   std::string text;
   for (const TrendSummary& s : summaries) {
-    const std::string excited = LastExcited(s);
+    const std::string excited = LastExcited(s, counted);
     const bool updated = s.latest.reason == EstimateReason::kUpdated;
     if (excited.empty() && updated) continue;
     const bool never = !s.since;
     text += fmt::format("{}: {}{}{}\n", s.parameter, updated || never ? "" : ReasonText(s.latest.reason),
                         excited.empty() || updated || never ? "" : "; ", excited);
   }
-  return text.empty() ? text : "\nNot updated by the last stroke\n" + text;
+  return text.empty() ? text : fmt::format("\nNot updated by the last {}\n", counted.one) + text;
+}
+
+/// Changes that the drift watch alarms: one that began late hardly shows in a comparison of thirds.
+std::string AlarmsText(const MachineTrends& trends) {
+  std::string text;
+  for (const AlarmState& alarm : trends.alarms)
+    text += fmt::format("{}: stands, since {} {}\n", alarm.id, trends.counted.one, alarm.first_stroke);
+  return text.empty() ? text : "\nAlarms of the drift watch\n" + text;
 }
 
 std::string Quoted(const std::string& field) {
@@ -165,7 +174,11 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
   if (!read) return tl::unexpected(read.error());
   nlohmann::json summary = nlohmann::json::array();
   for (const TrendSummary& s : trends.summaries) summary.push_back(SummaryJson(s));
-  return written && sink.Write("\n], \"summary\": " + summary.dump(1) + "}");
+  nlohmann::json alarms = nlohmann::json::array();
+  for (const AlarmState& alarm : trends.alarms)
+    alarms.push_back({{"alarm", alarm.id}, {"first_stroke", alarm.first_stroke}});
+  return written &&
+         sink.Write("\n], \"summary\": " + summary.dump(1) + ", \"alarms\": " + alarms.dump(1) + "}");
 }
 
 }  // namespace
@@ -175,9 +188,10 @@ std::string TrendText(const MachineTrends& trends) {
   std::string text = Header(trends);
   std::size_t name_width = 9;
   for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
-  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "change, 95 %", "strokes"});
-  for (const TrendSummary& s : summaries) text += Row(s, name_width);
-  return text + Reasons(summaries);
+  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "change, 95 %",
+                                       std::string(trends.counted.many)});
+  for (const TrendSummary& s : summaries) text += Row(s, name_width, trends.counted);
+  return text + Reasons(summaries, trends.counted) + AlarmsText(trends);
 }
 
 Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& machines,

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "cli/trend_summary.h"
+#include "core/alarm_records.h"
 #include "core/result.h"
+#include "models/counted_words.h"
 #include "storage/database.h"
 
 namespace hydroscope {
@@ -18,6 +20,8 @@ struct MachineTrends {
   std::int64_t begin = 0, end = 0;  ///< strokes with begin <= sequence < end
   TrendPoint first, last;           ///< of the points
   std::vector<TrendSummary> summaries;
+  CountedWords counted;            ///< what its points stand for
+  std::vector<AlarmState> alarms;  ///< of the drift watch, that tell a change and stand
 };
 
 /// Shows the points of a machine one by one, in order of sequence, until one is refused with false. Error: the database

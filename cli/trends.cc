@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "host/output.h"
 #include "storage/database.h"
+#include "workbench/history/stored_change.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -105,7 +106,12 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
     return true;
   });
   if (!read) return tl::unexpected(read.error());
-  const JudgedBy by = BlocksOf(a, database, {machine, *id, trends.begin, trends.end});
+  const HistoryPart part{machine, *id, trends.begin, trends.end};
+  if (const auto stored = StoredMachine(database, a.db, part); stored)
+    trends.counted = CountedWordsOf(*stored);
+  for (AlarmState& alarm : AlarmsBeside(a.db, machine))
+    if (TellsAChange(alarm)) trends.alarms.push_back(std::move(alarm));
+  const JudgedBy by = BlocksOf(a, database, part);
   trends.summaries = std::move(summariser).Finish(by.blocks, by.strokes);
   if (any || a.parameter.empty() || trends.end == 0) return trends;
 

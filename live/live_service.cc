@@ -417,6 +417,7 @@ std::vector<SenderStatus> LiveService::Senders(std::int64_t now) const {
 void LiveService::UpdateStatus(HostTime now) {
   LiveStatus status;
   status.machine = model_->machine.name;
+  status.counted = CountedWordsOf(model_->machine);
   status.database = options_.database;
   status.taken = now.monotonic_ns;
   status.state = stop_ ? "stopping" : "running";

@@ -196,17 +196,10 @@ std::string DriftText(const json& drift) {
 }  // namespace
 
 json StatusJson(const LiveStatus& s) {
-  json out = {{"machine", s.machine},
-              {"database", s.database},
-              {"state", s.state},
-              {"uptime_s", s.uptime},
-              {"limits", s.limits},
-              {"malformed", s.malformed},
-              {"heartbeats", s.heartbeats},
-              {"cpu_s", s.cpu},
-              {"memory_bytes", s.memory},
-              {"descriptors", s.descriptors},
-              {"valve_check", s.valve_check}};
+  json out = {{"machine", s.machine},     {"database", s.database},       {"state", s.state},
+              {"counted", s.counted.one}, {"uptime_s", s.uptime},         {"limits", s.limits},
+              {"malformed", s.malformed}, {"heartbeats", s.heartbeats},   {"cpu_s", s.cpu},
+              {"memory_bytes", s.memory}, {"descriptors", s.descriptors}, {"valve_check", s.valve_check}};
   for (const char* list : {"sources", "streams", "senders", "channels", "axes", "feeds"})
     out[list] = json::array();
   for (std::size_t i = 0; i < s.sources.size(); ++i)
@@ -234,6 +227,7 @@ json StatusJson(const LiveStatus& s) {
 }
 
 std::string StatusText(const json& s) {
+  const auto counted = s.value("counted", std::string("stroke"));  // an older service does not say
   std::string text = fmt::format("{} {}, up {}, database {}\n", s.at("machine").get<std::string>(),
                                  s.at("state").get<std::string>(), Age(s.at("uptime_s")),
                                  s.at("database").get<std::string>());
@@ -241,8 +235,8 @@ std::string StatusText(const json& s) {
   const bool timed =
       w.at("latency_max_s").get<double>() > 0;  // else no stroke, or a sender's clock that is no clock
   text += fmt::format(
-      "writer      {}; {} strokes and {} rows stored, stroke to estimate {}\n",
-      w.at("state").get<std::string>(), w.at("strokes").get<std::int64_t>(), w.at("rows").get<std::int64_t>(),
+      "writer      {}; {} {}s and {} rows stored, {} to estimate {}\n", w.at("state").get<std::string>(),
+      w.at("strokes").get<std::int64_t>(), counted, w.at("rows").get<std::int64_t>(), counted,
       timed ? fmt::format("p50 {:.1f} ms, p99 {:.1f} ms", w.at("latency_p50_s").get<double>() * 1e3,
                           w.at("latency_p99_s").get<double>() * 1e3)
             : "not known");
@@ -252,11 +246,11 @@ std::string StatusText(const json& s) {
   text += fmt::format(
       "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; dropped {} batches, {} "
       "rows, {} "
-      "strokes\n",
+      "{}s\n",
       s.at("inbox").at("batches").get<std::int64_t>(), w.at("waiting_items").get<std::int64_t>(),
       w.at("waiting_bytes").get<std::int64_t>() >> 10,
       s.at("inbox").at("dropped_batches").get<std::int64_t>(), w.at("dropped_rows").get<std::int64_t>(),
-      w.at("dropped_strokes").get<std::int64_t>());
+      w.at("dropped_strokes").get<std::int64_t>(), counted);
   if (!w.at("problem").get<std::string>().empty())
     text += fmt::format("PROBLEM     {}\n", w.at("problem").get<std::string>());
   if (!w.at("begun_anew").get<std::string>().empty())
@@ -313,8 +307,8 @@ std::string StatusText(const json& s) {
                         c.at("flagged").get<std::int64_t>(), c.at("stale").get<bool>() ? "  STALE" : "");
   }
   for (const json& a : s.at("axes")) {
-    text +=
-        fmt::format("\n{}: {} strokes", a.at("name").get<std::string>(), a.at("strokes").get<std::int64_t>());
+    text += fmt::format("\n{}: {} {}s", a.at("name").get<std::string>(), a.at("strokes").get<std::int64_t>(),
+                        counted);
     for (const auto& [name, e] : a.at("estimates").items())
       text += fmt::format(", {} {}", name, Shown(e.at("value"), e.at("unit").get<std::string>()));
     text += "\n ";

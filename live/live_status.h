@@ -13,6 +13,7 @@
 #include "live/inbox.h"
 #include "live/log.h"
 #include "live/writer.h"
+#include "models/counted_words.h"
 
 namespace hydroscope {
 
@@ -54,6 +55,7 @@ struct AxisStatus {
 /// Everything the service tells about itself.
 struct LiveStatus {
   std::string machine, database, state;  ///< state: "running", "stopping"
+  CountedWords counted;                  ///< what the machine is judged by
   double uptime = 0;                     ///< s
   std::int64_t taken = 0;                ///< ns, monotonic, when channels and axes were looked at
   std::string limits;                    ///< result of the last reload, "" = none yet

@@ -259,8 +259,8 @@ Result<bool> AxisMonitor::Commission(double wall) {
   if (!rules_.automatic || !why_not_learned_.empty()) return false;
   const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
   if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
-    why_not_learned_ =
-        fmt::format("nothing is learned from strokes {} to {}: {}", part.first, part.last - 1, doubt->text);
+    why_not_learned_ = fmt::format("nothing is learned from {} {} to {}: {}", counted().many, part.first,
+                                   part.last - 1, doubt->text);
     return false;
   }
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
@@ -309,7 +309,8 @@ void AxisMonitor::AppendReference(const drift::Reference& reference,
   event.comment = user.comment;
   event.first_stroke = strokes.front().sequence;
   event.last_stroke = strokes.back().sequence;
-  event.text = fmt::format("reference {} learned from {} strokes", reference.version(), strokes.size());
+  event.text =
+      fmt::format("reference {} learned from {} {}", reference.version(), strokes.size(), counted().many);
   ByteWriter bytes;
   reference.Save(bytes);
   content.references.push_back({reference.version(), event.first_stroke, event.last_stroke, bytes.Take()});
@@ -322,8 +323,8 @@ Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, co
   auto strokes = LoadLearnable(first, last - first);
   if (!strokes) return tl::unexpected(strokes.error());
   if (strokes->empty())
-    return BadInput("{}: no stroke from {} to {} can be learned from: none stored, or the oil was too cold",
-                    machine_.name, first, last - 1);
+    return BadInput("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
+                    machine_.name, counted().one, first, last - 1);
   const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
   return LearnFrom(std::move(*strokes), next, wall, user);
 }

@@ -10,6 +10,7 @@
 #include "alarms/health.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "diagnosis/drift/valve_check_monitor.h"
+#include "models/counted_words.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 #include "monitor/finding_history.h"
@@ -67,6 +68,7 @@ class AxisMonitor {
   /// What stood when, since the journal was begun.
   const FindingHistory& history() const { return history_; }
   const std::string& name() const { return machine_.name; }
+  CountedWords counted() const { return CountedWordsOf(machine_); }
   /// First stroke not judged yet.
   std::int64_t next_stroke() const { return next_; }
   /// A stroke against the reference in force, whatever was said when it came.

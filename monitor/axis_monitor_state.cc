@@ -104,10 +104,10 @@ Status AxisMonitor::BeginAnew(double wall) {
     const auto strokes = Load(first, next_ - first);
     if (!strokes) return tl::unexpected(strokes.error());
     for (const Stored& stroke : *strokes) JudgeInSilence(stroke, wall);
-    told += fmt::format("against reference {} the last {} strokes were judged again", last_.reference_version,
-                        strokes->size());
+    told += fmt::format("against reference {} the last {} {} were judged again", last_.reference_version,
+                        strokes->size(), counted().many);
   } else {
-    told += fmt::format("the healthy machine is learned anew from stroke {} on", next_);
+    told += fmt::format("the healthy machine is learned anew from {} {} on", counted().one, next_);
   }
   const auto checks = database_.ValveChecks(machine_id_);
   if (!checks) return tl::unexpected(checks.error());

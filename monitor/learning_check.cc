@@ -7,6 +7,7 @@
 #include <array>
 #include <set>
 
+#include "models/counted_words.h"
 #include "pipeline/log_trust.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
@@ -39,18 +40,21 @@ std::vector<LearningDoubt> OfModelVersions(const Database& database, const Histo
                        fmt::join(versions, ", "))}};
 }
 
-std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const HistoryPart& part) {
+std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const HistoryPart& part,
+                                    const CountedWords& counted) {
   std::vector<LearningDoubt> doubts;
   for (const AlarmState& alarm : alarms)
     if (TellsAChange(alarm) && alarm.first_stroke < part.last)
-      doubts.push_back({Kind::kOpenAlarm, fmt::format("the alarm {} stands since stroke {}: {}", alarm.id,
-                                                      alarm.first_stroke, alarm.text)});
+      doubts.push_back({Kind::kOpenAlarm, fmt::format("the alarm {} stands since {} {}: {}", alarm.id,
+                                                      counted.one, alarm.first_stroke, alarm.text)});
   return doubts;
 }
 
 std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
   if (!result) return {{Kind::kNotExplained, "they could not be explained: " + result.error().text}};
   const Explanation& x = result->explanation;
+  if (!x.no_verdict.empty())
+    return {{Kind::kUnexplained, "'explain' gives no verdict on them: " + x.no_verdict}};
   switch (x.verdict) {
     case Verdict::kAdequate:
       return {};
@@ -109,7 +113,7 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
                                             const HistoryPart& part, const Machine& machine,
                                             const std::vector<AlarmState>& alarms) {
   std::vector<LearningDoubt> doubts = OfModelVersions(database, part);
-  Append(doubts, OfAlarms(alarms, part));
+  Append(doubts, OfAlarms(alarms, part, CountedWordsOf(machine)));
   if (const auto change = FindStoredChange(database, part, machine, {}))
     doubts.push_back({Kind::kChange, fmt::format("they hold a change {}", change->text)});
   if (auto doubt = DoubtOfSignals(database, path, part, machine)) {

@@ -66,7 +66,7 @@ void EpisodePipeline::OnEpisode(const Episode& episode, const StrokeCounters& co
   TakeConditions(episode, summary);
   summary.rms_error = follower_.shown_noise() *
                       (std::isfinite(followed.error_before) ? followed.error_before : followed.error_least);
-  summary.noise_floor = follower_.shown_noise() * followed.error_least;
+  summary.noise_floor = follower_.shown_noise() * followed.error_white;
   record.gram = GramOf(followed);
   record.estimates = followed.estimates;
   parameters_ = follower_.parameters();

@@ -78,11 +78,11 @@ std::string CurvePlot(const drift::TemperatureModel& curve, const Blocks& blocks
 }
 
 std::string DeviationPlot(const Blocks& blocks, const ParameterInfo& info, double tolerated,
-                          std::vector<double> changes, double width) {
+                          std::vector<double> changes, double width, const CountedWords& counted) {
   const double factor = std::abs(info.factor);
   SvgPlot::Options options;
-  options.title = "Deviation of " + AxisLabel(info) + " over strokes";
-  options.x_label = "stroke";
+  options.title = fmt::format("Deviation of {} over {}", AxisLabel(info), counted.many);
+  options.x_label = counted.one;
   options.y_label = info.symbol + ", deviation" + (info.unit.empty() ? "" : " (" + info.unit + ")");
   options.whole_x = true;
   options.width = width;
@@ -102,19 +102,15 @@ std::string DeviationPlot(const Blocks& blocks, const ParameterInfo& info, doubl
   return "<figure>" + plot.Render() + "</figure>";
 }
 
-std::string LearnedFrom(const drift::Reference& reference, std::size_t judged) {
+std::string LearnedFrom(const drift::Reference& reference, std::size_t judged, const CountedWords& counted) {
   return fmt::format(
-      "<p class=\"note\">Reference {}, learned from strokes {} to {}: {} kinds of stroke. Left: deviation of "
-      "the {} "
-      "strokes judged since, in blocks, with 95 % intervals; uprights: where a change began. Right: the "
-      "healthy value "
-      "over oil temperature as learned (diamonds: strokes of nearly the same temperature together) and what "
-      "was "
-      "judged. Each quantity stands alone here: one real change shows in several of them, and which is the "
-      "cause is "
-      "decided by all together.</p>\n",
+      "<p class=\"note\">Reference {}, learned from {strokes} {} to {}: {} kinds of {stroke}. Left: deviation of "
+      "the {} {strokes} judged since, in blocks, with 95 % intervals; uprights: where a change began. Right: the "
+      "healthy value over oil temperature as learned (diamonds: {strokes} of nearly the same temperature together) "
+      "and what was judged. Each quantity stands alone here: one real change shows in several of them, and which "
+      "is the cause is decided by all together.</p>\n",
       reference.version(), reference.first_sequence(), reference.last_sequence(), reference.classes().count(),
-      judged);
+      judged, fmt::arg("stroke", counted.one), fmt::arg("strokes", counted.many));
 }
 
 /// Strokes at which changes of a quantity began.
@@ -135,9 +131,10 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
   if (watch == nullptr || blocks.stroke.empty()) return "";
   const double typical = monitor.reference().typical(q);
   const ParameterInfo info = InfoForQuantity(monitor.model().kind(), quantity, typical);
+  const CountedWords counted = CountedWordsOf(monitor.model().kind());
   const double width = quantity.effect ? kPageWidth : SvgPlot::Options().width;
-  const std::string deviation =
-      DeviationPlot(blocks, info, watch->Sizes(typical).smallest, ChangesOf(monitor, quantity.name), width);
+  const std::string deviation = DeviationPlot(blocks, info, watch->Sizes(typical).smallest,
+                                              ChangesOf(monitor, quantity.name), width, counted);
   if (quantity.effect) return deviation;
   return "<div class=\"pair\">" + deviation +
          CurvePlot(monitor.reference().curves()[static_cast<std::size_t>(q)], blocks, info) + "</div>\n";
@@ -145,7 +142,8 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
 
 }  // namespace
 
-std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis) {
+std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis,
+                      const CountedWords& counted) {
   std::string sentences;
   bool changed = false;
   AlarmSeverity worst = AlarmSeverity::kAdvisory;
@@ -154,10 +152,10 @@ std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<Al
       if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
       worst = std::max(worst, alarm.severity);
       changed = changed || TellsAChange(alarm);
-      sentences +=
-          fmt::format("<li><b>{}</b>, {}{}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
-                      alarm.raised_stroke > 0 ? fmt::format(", since stroke {}", alarm.raised_stroke) : "",
-                      alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
+      sentences += fmt::format(
+          "<li><b>{}</b>, {}{}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
+          alarm.raised_stroke > 0 ? fmt::format(", since {} {}", counted.one, alarm.raised_stroke) : "",
+          alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
     }
   if (sentences.empty()) return "";
   const bool alarmed = worst >= AlarmSeverity::kAlarm;
@@ -170,15 +168,14 @@ Result<std::string> DriftSection(const AxisMonitor& axis, int commissioning) {
   std::string out = "<h2>Drift against the healthy machine</h2>\n";
   if (axis.monitor() == nullptr)
     return out +
-           fmt::format(
-               "<p>Nothing is judged yet: the healthy machine is being learned, {} of {} strokes.</p>\n",
-               axis.commissioning_strokes(), commissioning);
+           fmt::format("<p>Nothing is judged yet: the healthy machine is being learned, {} of {} {}.</p>\n",
+                       axis.commissioning_strokes(), commissioning, axis.counted().many);
   const drift::DriftMonitor& monitor = *axis.monitor();
   const drift::Reference& reference = monitor.reference();
   const std::int64_t first = std::max(reference.last_sequence() + 1, axis.next_stroke() - kMostStrokesShown);
   const auto values = axis.JudgedValues(first, axis.next_stroke() - first);
   if (!values) return tl::unexpected(values.error());
-  out += LearnedFrom(reference, values->size());
+  out += LearnedFrom(reference, values->size(), CountedWordsOf(monitor.model().kind()));
   std::string moved, quiet;  // what has changed comes first
   for (int q = 0; q < monitor.model().size(); ++q) {
     const std::string& name = monitor.model().quantities()[static_cast<std::size_t>(q)].name;

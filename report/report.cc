@@ -68,14 +68,15 @@ struct Report {
   std::vector<ParameterInfo> infos;
   std::vector<ParameterWords> words;
   ReportVerdict verdict;
+  CountedWords counted;
 };
 
 Report Prepare(const ReportInput& input) {
-  Report report{input, AnalyseReport(input), {}, {}, {}};
+  Report report{input, AnalyseReport(input), {}, {}, {}, CountedWordsOf(input.machine)};
   for (const ParameterAnalysis& analysis : report.analysis.parameters) {
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
-    report.words.push_back(DescribeParameter(analysis, report.infos.back()));
+    report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted));
   }
   report.verdict = DescribeVerdict(input, report.analysis, report.infos, report.words);
   return report;
@@ -112,13 +113,14 @@ std::string Term(const std::string& name, const std::string& text) {
   return text.empty() ? "" : "<dt>" + name + "</dt><dd>" + text + "</dd>";
 }
 
-std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, const ParameterWords& words) {
+std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, const ParameterWords& words,
+                 const CountedWords& counted) {
   std::string out = fmt::format(
       "<article class=\"card {}\"><h3><span>{}</span> <span "
       "class=\"name\">{}</span><span class=\"pill\">{} {}</span></h3>",
       ClassOf(words.standing), HtmlSymbol(info.symbol), EscapeText(info.name), ShapeOf(words.standing),
       words.pill);
-  const std::string note = analysis.latest ? fmt::format(" <span>95 % interval, stroke {}</span>",
+  const std::string note = analysis.latest ? fmt::format(" <span>95 % interval, {} {}</span>", counted.one,
                                                          FormatCount(analysis.latest->sequence))
                                            : "";
   out +=
@@ -131,12 +133,14 @@ std::string Card(const ParameterAnalysis& analysis, const ParameterInfo& info, c
 std::string Cards(const Report& report) {
   std::string out = "<div class=\"cards\">\n";
   for (std::size_t i = 0; i < report.infos.size(); ++i)
-    out += Card(report.analysis.parameters[i], report.infos[i], report.words[i]);
+    out += Card(report.analysis.parameters[i], report.infos[i], report.words[i], report.counted);
   return out +
-         "</div>\n<p class=\"note\">Over the record: mean of the last third of the strokes minus that of the "
-         "first, ± half of its 95 % interval. "
-         "p: how often chance alone would show as much anywhere among these numbers; below 0.01 is called "
-         "clear, below 0.05 a hint.</p>\n";
+         fmt::format(
+             "</div>\n<p class=\"note\">Over the record: mean of the last third of the {} minus that of the "
+             "first, ± half of its 95 % interval. "
+             "p: how often chance alone would show as much anywhere among these numbers; below 0.01 is called "
+             "clear, below 0.05 a hint.</p>\n",
+             report.counted.many);
 }
 
 std::string Tile(const std::string& value, const std::string& label) {
@@ -144,15 +148,16 @@ std::string Tile(const std::string& value, const std::string& label) {
 }
 
 /// When the strokes were made, or where the logs know no date how long they last together.
-std::string TimeTile(const ReportInput& input, double duration) {
+std::string TimeTile(const ReportInput& input, double duration, const CountedWords& counted) {
   if (!input.strokes.empty() && CountsFrom1970(input.strokes.front().begin)) {
     const double first = input.strokes.front().begin, last = input.strokes.back().end;
     return Tile(DurationText(last - first),
-                "from " + LocalTimeText(first) + " to " + LocalTimeText(last) + ", first to last stroke");
+                fmt::format("from {} to {}, first to last {}", LocalTimeText(first), LocalTimeText(last),
+                            counted.one));
   }
   const std::string of =
       input.runs.size() > 1 ? fmt::format(", added up over {} logs without dates", input.runs.size()) : "";
-  return Tile(DurationText(duration), "from first to last stroke" + of);
+  return Tile(DurationText(duration), fmt::format("from first to last {}{}", counted.one, of));
 }
 
 std::string Tiles(const Report& report) {
@@ -166,9 +171,10 @@ std::string Tiles(const Report& report) {
   const auto shown = [&](double si) { return FormatShort(si * unit.factor) + " " + std::string(unit.name); };
   if (errors.rms > 0) error = shown(errors.rms);
   std::string out = "<div class=\"tiles\">";
-  out += Tile(FormatCount(static_cast<std::int64_t>(report.input.strokes.size())), "strokes");
+  out += Tile(FormatCount(static_cast<std::int64_t>(report.input.strokes.size())),
+              std::string(report.counted.many));
   out += Tile(FormatCount(report.input.rows), "rows read");
-  out += TimeTile(report.input, analysis.duration);
+  out += TimeTile(report.input, analysis.duration, report.counted);
   out += Tile(oil, "oil temperature");
   out += Tile(error, errors.floor > 0 ? "model error, rms; sensor noise alone: " + shown(errors.floor)
                                       : "model error, rms");
@@ -176,26 +182,27 @@ std::string Tiles(const Report& report) {
 }
 
 /// "Stroke 12, the one of largest error."
-std::string OverlayFigure(const StrokeOverlay& overlay) {
+std::string OverlayFigure(const StrokeOverlay& overlay, const CountedWords& counted) {
   return Figure(
-      OverlayPlot(overlay),
-      fmt::format("Stroke {}{}. Below: what the model leaves unexplained; the grey band holds 95 % of what "
+      OverlayPlot(overlay, counted),
+      fmt::format("{} {}{}. Below: what the model leaves unexplained; the grey band holds 95 % of what "
                   "sensor noise alone would leave. Swings beyond the band are model error.",
-                  FormatCount(overlay.sequence),
+                  counted.capital, FormatCount(overlay.sequence),
                   overlay.label.empty() ? "" : ", the one of " + EscapeText(overlay.label)));
 }
 
 std::string TrendsNote(const Report& report, bool with_oil) {
   std::string out = "<p class=\"note\">";
-  out += with_oil ? "Left: every stroke's estimate with its 95 % interval"
-                  : "Every stroke's estimate with its 95 % interval";
+  out += fmt::format("{} {}'s estimate with its 95 % interval", with_oil ? "Left: every" : "Every",
+                     report.counted.one);
   out += report.input.runs.size() > 1 && report.input.runs.size() <= 60
              ? "; dotted uprights: a new log begins."
              : ".";
   if (with_oil)
-    out +=
-        " Right: blocks of consecutive strokes, each fitted by itself, over their mean oil temperature, with "
-        "the straight line through them and its 95 % interval.";
+    out += fmt::format(
+        " Right: blocks of consecutive {}, each fitted by itself, over their mean oil temperature, with "
+        "the straight line through them and its 95 % interval.",
+        report.counted.many);
   return out + "</p>\n";
 }
 
@@ -218,7 +225,7 @@ std::string Trends(const Report& report) {
     else
       pairs += "<div class=\"pair\">" + trend + Figure(oil, "") + "</div>\n";
   }
-  std::string out = "<h2>Parameters over strokes and over oil temperature</h2>";
+  std::string out = fmt::format("<h2>Parameters over {} and over oil temperature</h2>", report.counted.many);
   if (pairs.empty() && trends.empty())
     return out + "<p>No parameter was identified, so there is nothing to draw.</p>\n";
   out += TrendsNote(report, !pairs.empty()) + pairs;
@@ -229,12 +236,14 @@ std::string Trends(const Report& report) {
 
 std::string ModelAgainstMeasurement(const Report& report) {
   std::string out = "<h2>Model against measurement</h2>\n";
-  for (const StrokeOverlay& overlay : report.input.overlays) out += OverlayFigure(overlay);
+  for (const StrokeOverlay& overlay : report.input.overlays) out += OverlayFigure(overlay, report.counted);
   if (!report.input.strokes.empty())
     out += Figure(ErrorPlot(report.input),
-                  "Error of each stroke, predicted with the model as it stood before that stroke. The "
-                  "distance from the dashed line is what the model does not know.");
-  if (report.input.strokes.empty() && report.input.overlays.empty()) out += "<p>No stroke to compare.</p>\n";
+                  fmt::format("Error of each {0}, predicted with the model as it stood before that {0}. The "
+                              "distance from the dashed line is what the model does not know.",
+                              report.counted.one));
+  if (report.input.strokes.empty() && report.input.overlays.empty())
+    out += fmt::format("<p>No {} to compare.</p>\n", report.counted.one);
   return out;
 }
 
@@ -246,7 +255,7 @@ std::string FlagText(std::string_view name) {
 }
 
 /// Rows of the strokes by what became of them, and rows per quality flag.
-std::string QualityTable(const ReportInput& input) {
+std::string QualityTable(const ReportInput& input, const CountedWords& counted) {
   StrokeCounters sum;
   for (const StrokeSummary& stroke : input.strokes) {
     sum.samples += stroke.counters.samples;
@@ -254,9 +263,10 @@ std::string QualityTable(const ReportInput& input) {
     sum.used += stroke.counters.used;
     for (std::size_t k = 0; k < sum.flagged.size(); ++k) sum.flagged[k] += stroke.counters.flagged[k];
   }
-  std::string out =
-      "<div class=\"sheet\"><table><tr><th>Rows within strokes</th><th class=\"number\">Rows</th><th "
-      "class=\"number\">Share</th></tr>";
+  std::string out = fmt::format(
+      "<div class=\"sheet\"><table><tr><th>Rows within {}</th><th class=\"number\">Rows</th><th "
+      "class=\"number\">Share</th></tr>",
+      counted.many);
   const auto row = [&](const std::string& what, std::int64_t rows) {
     const double share =
         sum.samples > 0 ? 100.0 * static_cast<double>(rows) / static_cast<double>(sum.samples) : 0;
@@ -272,7 +282,7 @@ std::string QualityTable(const ReportInput& input) {
     if (rows > 0) row("flagged " + FlagText(flag.name), rows), flagged = true;
   }
   out += "</table>";
-  if (!flagged) out += "<p class=\"note\">No value within the strokes was flagged.</p>";
+  if (!flagged) out += fmt::format("<p class=\"note\">No value within the {} was flagged.</p>", counted.many);
   return out + "</div>\n";
 }
 
@@ -287,7 +297,7 @@ std::string Skipped(const Report& report) {
                          FormatCount(item.rows), EscapeText(item.why));
     out += "</table></div>\n";
   }
-  if (!report.input.strokes.empty()) out += QualityTable(report.input);
+  if (!report.input.strokes.empty()) out += QualityTable(report.input, report.counted);
   std::string rows;
   for (std::size_t i = 0; i < report.infos.size(); ++i)
     for (const auto& [reason, count] : report.analysis.parameters[i].not_updated)
@@ -295,10 +305,10 @@ std::string Skipped(const Report& report) {
                           HtmlSymbol(report.infos[i].symbol), FormatCount(static_cast<std::int64_t>(count)),
                           ReasonText(reason));
   if (!rows.empty())
-    out +=
+    out += fmt::format(
         "<div class=\"sheet\"><table><tr><th>Parameter not updated</th><th "
-        "class=\"number\">Strokes</th><th>Why</th></tr>" +
-        rows + "</table></div>\n";
+        "class=\"number\">{}s</th><th>Why</th></tr>{}</table></div>\n",
+        report.counted.capital, rows);
   return out;
 }
 
@@ -331,10 +341,13 @@ std::string Method(const Report& report) {
   out += Term("Model", fmt::format("{}, version {}; added effects: {}", EscapeText(machine.model),
                                    machine.model_version, effects.empty() ? "none" : effects));
   out += Term("Estimator", MethodText(machine));
-  out += Term("Intervals",
-              "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
-              "their strokes, so changes and slopes over oil temperature are judged on blocks of consecutive "
-              "strokes that share none, each fitted by itself.");
+  out +=
+      Term("Intervals",
+           fmt::format(
+               "95 %. Estimates carry their estimator's standard error. Successive estimates share most of "
+               "their {0}, so changes and slopes over oil temperature are judged on blocks of consecutive "
+               "{0} that share none, each fitted by itself.",
+               report.counted.many));
   out += Term("Noise floor",
               "The error that sensor noise alone would cause, sent through the same "
               "filters. Error above it is model error.");
@@ -349,8 +362,10 @@ std::string Method(const Report& report) {
                                      : "A parameter of the machine file or of an added effect.";
     out += Term(HtmlSymbol(info.symbol) + (info.name.empty() ? "" : ", " + EscapeText(info.name)), sentence);
   }
-  out += Term("Model error, rms",
-              "How far the modelled output is from the measured one, as a root mean square over the stroke.");
+  out += Term(
+      "Model error, rms",
+      fmt::format("How far the modelled output is from the measured one, as a root mean square over the {}.",
+                  report.counted.one));
   return out + "</dl></div>\n";
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/alarm_records.h"
 #include "core/records.h"
 #include "core/result.h"
 #include "core/units.h"
@@ -46,6 +47,7 @@ struct ReportInput {
   std::vector<SkippedItem> skipped;
   std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained
   bool explanation_leads = false;           ///< it stands before the verdict on the parameters
+  std::vector<AlarmState> alarms;           ///< of the axis, as far as they stand: no verdict denies them
   std::string drift_verdict;                ///< HTML of AlarmsBox, "" = no alarm stands
   std::string drift;                        ///< HTML of DriftSection
   std::string explanation;                  ///< HTML of ExplainSections

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/quantile.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "report/report_page.h"
@@ -54,9 +55,9 @@ void AddLevels(SvgPlot& plot, const ReportInput& input, const ParameterAnalysis&
   }
 }
 
-std::string PointTitle(const TrendSample& sample, const ParameterInfo& info) {
+std::string PointTitle(const TrendSample& sample, const ParameterInfo& info, const CountedWords& counted) {
   std::string title = fmt::format(
-      "stroke {}: {} {}", FormatCount(sample.sequence),
+      "{} {}: {} {}", counted.one, FormatCount(sample.sequence),
       FormatWithUncertainty(info.Shown(sample.value), kNormal95 * sample.std * info.factor), info.unit);
   if (std::isfinite(sample.temperature))
     title += fmt::format(", oil {} °C", FormatFixed(sample.temperature - kZeroCelsius, 1));
@@ -70,8 +71,8 @@ struct Columns {
   std::vector<std::string> titles;
 };
 template <typename XOf>
-Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& info, bool updated,
-                  XOf x_of) {
+Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& info,
+                  const CountedWords& counted, bool updated, XOf x_of) {
   Columns columns;
   for (const TrendSample& sample : samples) {
     if (sample.updated != updated || !std::isfinite(x_of(sample))) continue;
@@ -80,7 +81,7 @@ Columns ColumnsOf(const std::vector<TrendSample>& samples, const ParameterInfo& 
     columns.y.push_back(info.Shown(sample.value));
     columns.low.push_back(info.Shown(sample.value - half));
     columns.high.push_back(info.Shown(sample.value + half));
-    columns.titles.push_back(PointTitle(sample, info));
+    columns.titles.push_back(PointTitle(sample, info, counted));
   }
   return columns;
 }
@@ -91,6 +92,8 @@ std::vector<double> RunBorders(const ReportInput& input) {
   for (const RunInfo& run : input.runs) borders.push_back(static_cast<double>(run.first_sequence) - 0.5);
   return borders;
 }
+
+std::string NumberOf(const CountedWords& counted) { return fmt::format("{} number", counted.one); }
 
 std::vector<double> StrokeNumbers(const ReportInput& input) {
   std::vector<double> numbers;
@@ -103,15 +106,16 @@ std::vector<double> StrokeNumbers(const ReportInput& input) {
 std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysis,
                       const ParameterInfo& info) {
   SvgPlot::Options options;
-  options.title = AxisLabel(info) + " over stroke number";
-  options.x_label = "stroke number";
+  const CountedWords counted = CountedWordsOf(input.machine);
+  options.x_label = NumberOf(counted);
+  options.title = AxisLabel(info) + " over " + options.x_label;
   options.y_label = AxisLabel(info);
   options.whole_x = true;
   if (!analysis.samples.empty()) options.y_range = ValueRange(analysis.samples, info);
   SvgPlot plot(options);
   const auto number = [](const TrendSample& sample) { return static_cast<double>(sample.sequence); };
-  Columns updated = ColumnsOf(analysis.samples, info, true, number);
-  Columns stale = ColumnsOf(analysis.samples, info, false, number);
+  Columns updated = ColumnsOf(analysis.samples, info, counted, true, number);
+  Columns stale = ColumnsOf(analysis.samples, info, counted, false, number);
   plot.Borders(RunBorders(input));
   plot.Band(updated.x, updated.low, updated.high, Ink::kBlue, updated.x.size() < 2 ? "" : "95 % interval");
   if (updated.x.size() == 1) plot.ErrorBars(updated.x, updated.low, updated.high, Ink::kBlue);
@@ -135,7 +139,7 @@ std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis,
   options.y_label = info.symbol + (info.unit.empty() ? "" : " (" + info.unit + ")");
   options.y_range = ValueRange(analysis.blocks, info);
   SvgPlot plot(options);
-  Columns points = ColumnsOf(analysis.blocks, info, true,
+  Columns points = ColumnsOf(analysis.blocks, info, CountedWordsOf(input.machine), true,
                              [](const TrendSample& s) { return s.temperature - kZeroCelsius; });
   AddLevels(plot, input, analysis, info, false);
   plot.ErrorBars(points.x, points.low, points.high, Ink::kBlue);
@@ -157,7 +161,7 @@ std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis,
   return plot.Render();
 }
 
-std::string OverlayPlot(const StrokeOverlay& overlay) {
+std::string OverlayPlot(const StrokeOverlay& overlay, const CountedWords& counted) {
   const std::size_t n = std::min({overlay.time.size(), overlay.measured.size(), overlay.modelled.size()});
   const bool extended = overlay.extended.size() >= n && n > 0;
   std::vector<double> time, measured, modelled, residual, better, rest;
@@ -174,7 +178,8 @@ std::string OverlayPlot(const StrokeOverlay& overlay) {
   SvgPlot::Options options;
   options.width = kPageWidth;
   options.height = 250;
-  options.title = fmt::format("{} of stroke {}, measured and modelled", overlay.output, overlay.sequence);
+  options.title =
+      fmt::format("{} of {} {}, measured and modelled", overlay.output, counted.one, overlay.sequence);
   options.y_label = fmt::format("{} ({})", overlay.output, overlay.unit.name);
   options.x_range = span;
   options.x_tick_labels = false;
@@ -184,9 +189,10 @@ std::string OverlayPlot(const StrokeOverlay& overlay) {
   if (extended) flow.Line(time, better, {Ink::kGreen, Dash::kDotted, 1.7}, "extended");
 
   options.height = 165;
-  options.title = fmt::format("{} of stroke {}, measured minus modelled", overlay.output, overlay.sequence);
+  options.title =
+      fmt::format("{} of {} {}, measured minus modelled", overlay.output, counted.one, overlay.sequence);
   options.y_label = fmt::format("measured − model ({})", overlay.unit.name);
-  options.x_label = "time in the stroke (s)";
+  options.x_label = fmt::format("time in the {} (s)", counted.one);
   options.x_tick_labels = true;
   SvgPlot error(options);
   if (overlay.noise_floor > 0) {
@@ -204,8 +210,9 @@ std::string ErrorPlot(const ReportInput& input) {
   SvgPlot::Options options;
   options.width = kPageWidth;
   options.height = 215;
-  options.title = "model error of every stroke";
-  options.x_label = "stroke number";
+  const CountedWords counted = CountedWordsOf(input.machine);
+  options.title = fmt::format("model error of every {}", counted.one);
+  options.x_label = NumberOf(counted);
   const DisplayUnit unit = OutputUnit(input.machine);
   options.y_label = fmt::format("{} error, rms ({})", WordsOf(input.machine).output, unit.name);
   options.whole_x = true;
@@ -216,8 +223,9 @@ std::string ErrorPlot(const ReportInput& input) {
     error.push_back(stroke.rms_error * unit.factor);
     floor.push_back(stroke.noise_floor > 0 ? stroke.noise_floor * unit.factor : std::nan(""));
     most = std::fmax(most, std::fmax(error.back(), floor.back()));
-    titles.push_back(fmt::format("stroke {}: error {} {}, noise floor {} {}", FormatCount(stroke.index),
-                                 FormatShort(error.back()), unit.name, FormatShort(floor.back()), unit.name));
+    titles.push_back(fmt::format("{} {}: error {} {}, noise floor {} {}", counted.one,
+                                 FormatCount(stroke.index), FormatShort(error.back()), unit.name,
+                                 FormatShort(floor.back()), unit.name));
   }
   if (most > 0) options.y_range = AxisRange{0, most};
   SvgPlot plot(options);
@@ -234,8 +242,9 @@ std::string TemperaturePlot(const ReportInput& input) {
   SvgPlot::Options options;
   options.width = kPageWidth;
   options.height = 150;
-  options.title = "oil temperature of every stroke";
-  options.x_label = "stroke number";
+  const CountedWords counted = CountedWordsOf(input.machine);
+  options.title = fmt::format("oil temperature of every {}", counted.one);
+  options.x_label = NumberOf(counted);
   options.y_label = "oil temperature (°C)";
   options.whole_x = true;
   SvgPlot plot(options);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "models/counted_words.h"
 #include "report/report_analysis.h"
 #include "report/report_parameters.h"
 
@@ -18,7 +19,7 @@ std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis,
 
 /// Two SVGs of one stroke: measured and modelled flow, and below it the residual with the band that sensor
 /// noise leaves 95 % of the time.
-std::string OverlayPlot(const StrokeOverlay& overlay);
+std::string OverlayPlot(const StrokeOverlay& overlay, const CountedWords& counted = {});
 
 /// SVG of the model error of every stroke and its noise floor.
 std::string ErrorPlot(const ReportInput& input);

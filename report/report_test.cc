@@ -51,6 +51,22 @@ TEST(FormatReport, DropsTheCaveatWhereTheOilAlsoCooled) {
   EXPECT_FALSE(Has(text, "would look the same"));
 }
 
+TEST(FormatReport, DoesNotDenyAnAlarmThatTellsAYoungChange) {
+  ReportFixture fixture;
+  fixture.warm = 26.5;
+  ReportInput input = fixture.Make();
+  EXPECT_THAT(VerdictText(FormatReport(input)), HasSubstr("No change stands out in this record"));
+  AlarmState alarm;
+  alarm.id = "internal_leakage";
+  alarm.active = true;
+  alarm.first_stroke = 290;
+  input.alarms = {alarm};
+  const std::string text = VerdictText(FormatReport(input));
+  EXPECT_THAT(text, HasSubstr("An alarm tells a change"));
+  EXPECT_THAT(text, HasSubstr("internal_leakage (stroke 290 on)"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("No change stands out in this record")));
+}
+
 TEST(FormatReport, NamesTheChangedParameterButNoCause) {
   ReportFixture fixture;
   fixture.wear = 0.06;

@@ -9,8 +9,10 @@
 #include "core/quantile.h"
 #include "core/relative_change.h"
 #include "diagnosis/remainder/locate.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "report/svg_text.h"
+#include "workbench/history/stored_change.h"
 
 namespace hydroscope {
 namespace {
@@ -54,9 +56,11 @@ std::string WithUnit(const std::string& number, const ParameterInfo& info) {
   return info.unit.empty() ? number : number + " " + EscapeText(info.unit);
 }
 
-std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& info,
+                       const CountedWords& counted) {
   const ThirdsComparison& change = analysis.change;
-  if (!change.change.Known()) return "too few strokes to compare the ends of the record";
+  if (!change.change.Known())
+    return fmt::format("too few {} to compare the ends of the record", counted.many);
   const Scale scale = ScaleOf(info, change.first, change.first_std, change.change.value);
   const std::string numbers = Signed(change.change, scale);
   switch (SignificanceOf(change.change)) {
@@ -65,9 +69,8 @@ std::string ChangeText(const ParameterAnalysis& analysis, const ParameterInfo& i
     case Significance::kHint:
       return analysis.by_estimates
                  ? fmt::format(
-                       "{} in the estimates plotted: a hint, which blocks of "
-                       "strokes by themselves do not confirm",
-                       numbers)
+                       "{} in the estimates plotted: a hint, which blocks of {} by themselves do not confirm",
+                       numbers, counted.many)
                  : fmt::format("{}: a hint, not conclusive ({})", numbers, PText(change.change));
     case Significance::kClear:
       break;
@@ -97,17 +100,16 @@ std::string BeyondText(const OilDependence& oil, const Scale& scale) {
   return "";
 }
 
-std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
+std::string OilText(const OilDependence& oil, const ParameterInfo& info, const CountedWords& counted) {
   const Scale scale = ScaleOf(info, oil);
   switch (oil.outcome) {
     case OilOutcome::kNotMeasured:
       return "oil temperature not measured";
     case OilOutcome::kTooFewStrokes:
-      return "too few strokes to ask";
+      return fmt::format("too few {} to ask", counted.many);
     case OilOutcome::kOilHardlyMoved:
-      return fmt::format(
-          "cannot be asked: averaged over blocks of strokes the oil temperature moved by {} K only",
-          FormatFixed(oil.warmest - oil.coldest, 1));
+      return fmt::format("cannot be asked: averaged over blocks of {} the oil temperature moved by {} K only",
+                         counted.many, FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return fmt::format("no dependence seen: {} ({}); up to {} cannot be ruled out",
                          Signed(oil.slope, scale, "/K"), PText(oil.slope),
@@ -130,12 +132,12 @@ std::string OilText(const OilDependence& oil, const ParameterInfo& info) {
       Signed(oil.explained, oil.slope.HalfWidth() * std::abs(oil.warming), scale), BeyondText(oil, scale));
 }
 
-std::string StrokesText(const LimitCheck& limits) {
-  return fmt::format("{} stroke{}, first stroke {}", FormatCount(limits.strokes),
-                     limits.strokes == 1 ? "" : "s", FormatCount(limits.first_sequence));
+std::string StrokesText(const LimitCheck& limits, const CountedWords& counted) {
+  return fmt::format("{} {}, first {} {}", FormatCount(limits.strokes), counted.Of(limits.strokes),
+                     counted.one, FormatCount(limits.first_sequence));
 }
 
-std::string LimitText(const LimitCheck& limits, const ParameterInfo& info) {
+std::string LimitText(const LimitCheck& limits, const ParameterInfo& info, const CountedWords& counted) {
   const std::string limit = WithUnit(FormatShort(info.Shown(limits.limit)), info);
   switch (limits.outcome) {
     case LimitOutcome::kNone:
@@ -145,10 +147,10 @@ std::string LimitText(const LimitCheck& limits, const ParameterInfo& info) {
     case LimitOutcome::kIntervalReaches:
       return fmt::format("not touched, but the 95&nbsp;% interval reaches over {}", limit);
     case LimitOutcome::kWarned:
-      return fmt::format("warning limit {} crossed: {}{}", limit, StrokesText(limits),
+      return fmt::format("warning limit {} crossed: {}{}", limit, StrokesText(limits, counted),
                          limits.over_now ? "" : "; back inside at the end");
     case LimitOutcome::kAlarmed:
-      return fmt::format("alarm limit {} crossed: {}{}", limit, StrokesText(limits),
+      return fmt::format("alarm limit {} crossed: {}{}", limit, StrokesText(limits, counted),
                          limits.over_now ? "" : "; back inside at the end");
   }
   return "";
@@ -165,14 +167,14 @@ Standing StandingOf(const ParameterAnalysis& analysis) {
   return analysis.change.change.Known() ? Standing::kSteady : Standing::kUnknown;
 }
 
-std::string PillOf(Standing standing, const ParameterAnalysis& analysis) {
+std::string PillOf(Standing standing, const ParameterAnalysis& analysis, const CountedWords& counted) {
   switch (standing) {
     case Standing::kSteady:
       return "no change seen";
     case Standing::kOil:
       return "moves with the oil";
     case Standing::kUnknown:
-      return analysis.updated == 0 ? "not identifiable" : "too few strokes";
+      return analysis.updated == 0 ? "not identifiable" : fmt::format("too few {}", counted.many);
     case Standing::kHint:
       return "a hint";
     case Standing::kChanged:
@@ -186,20 +188,23 @@ std::string PillOf(Standing standing, const ParameterAnalysis& analysis) {
 }
 
 /// What stands in the way of blaming or clearing the oil for a clear change.
-std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+std::string ChangedReading(const ParameterAnalysis& analysis, const ParameterInfo& info,
+                           const CountedWords& counted) {
   const OilDependence& oil = analysis.oil;
   switch (oil.outcome) {
     case OilOutcome::kNotMeasured:
       return "It changed over the record. Whether the oil temperature did it "
              "cannot be told, as that was not measured.";
     case OilOutcome::kTooFewStrokes:
-      return "It changed over the record; there are too few strokes to tell "
-             "whether the oil temperature did it.";
+      return fmt::format(
+          "It changed over the record; there are too few {} to tell "
+          "whether the oil temperature did it.",
+          counted.many);
     case OilOutcome::kOilHardlyMoved:
       return fmt::format(
           "It changed over the record while the oil temperature, averaged over "
-          "blocks of strokes, stayed within {} K.",
-          FormatFixed(oil.warmest - oil.coldest, 1));
+          "blocks of {}, stayed within {} K.",
+          counted.many, FormatFixed(oil.warmest - oil.coldest, 1));
     case OilOutcome::kNotSeen:
       return "It changed over the record, and no dependence on the oil "
              "temperature is seen that would account for it.";
@@ -223,7 +228,8 @@ std::string OilReading(const ParameterAnalysis& analysis) {
          "at the same pace could not be told from that.";
 }
 
-std::string Reading(Standing standing, const ParameterAnalysis& analysis, const ParameterInfo& info) {
+std::string Reading(Standing standing, const ParameterAnalysis& analysis, const ParameterInfo& info,
+                    const CountedWords& counted) {
   std::string text;
   if (standing == Standing::kAlarmed || standing == Standing::kWarned) {
     const char* which = standing == Standing::kAlarmed ? "alarm" : "warning";
@@ -236,19 +242,19 @@ std::string Reading(Standing standing, const ParameterAnalysis& analysis, const 
                        ? fmt::format("Not identifiable in this record: {}.", ReasonText(*analysis.why_not))
                        : std::string("Not identified in this record."));
   if (analysis.unexplained == Significance::kClear)
-    text += ChangedReading(analysis, info);
+    text += ChangedReading(analysis, info, counted);
   else if (analysis.oil.outcome == OilOutcome::kFollows && analysis.unexplained == Significance::kNone)
     text += OilReading(analysis);
   else if (analysis.unexplained == Significance::kHint)
-    text += "There is a hint of a change, too weak to rely on; more strokes will tell.";
+    text += fmt::format("There is a hint of a change, too weak to rely on; more {} will tell.", counted.many);
   else if (analysis.oil.outcome == OilOutcome::kHint)
     text += "There is a hint that it moves with the oil temperature, too weak to rely on.";
   else if (!analysis.change.change.Known())
-    text += "There are too few strokes to say whether it changes.";
+    text += fmt::format("There are too few {} to say whether it changes.", counted.many);
   else
     text += "No change stands out in this record.";
   if (analysis.why_not)
-    text += fmt::format(" The last stroke did not update it: {}.", ReasonText(*analysis.why_not));
+    text += fmt::format(" The last {} did not update it: {}.", counted.one, ReasonText(*analysis.why_not));
   return text;
 }
 
@@ -300,9 +306,10 @@ bool ErrorGrew(const ThirdsComparison& ratio) {
 
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                       const ReportAnalysis& analysis) {
+  const CountedWords counted = CountedWordsOf(input.machine);
   if (!input.not_judged.empty()) {
-    out.push_back(
-        fmt::format("The model cannot be judged on these strokes: {}.", EscapeText(input.not_judged)));
+    out.push_back(fmt::format("The model cannot be judged on these {}: {}.", counted.many,
+                              EscapeText(input.not_judged)));
     return;
   }
   const FlowErrors errors = OverallErrors(input);
@@ -312,8 +319,8 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
   if (ratio <= 1.3 && input.misses.value_or(false))
     out.push_back(fmt::format(
         "The model error is {} times what sensor noise alone leaves; single flows hardly show it, but summed "
-        "over the strokes the model misses something, and the parameters may have absorbed part of it.",
-        times));
+        "over the {} the model misses something, and the parameters may have absorbed part of it.",
+        times, counted.many));
   else if (ratio > 1.3 && input.misses && !*input.misses)
     out.push_back(fmt::format(
         "The model error is {} times what white sensor noise would leave, and nothing in it goes with any "
@@ -324,6 +331,12 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
         fmt::format("The model explains the measured {} about down to what sensor noise "
                     "leaves ({} times the noise floor).",
                     EscapeText(WordsOf(input.machine).output), times));
+  else if (KindOf(input.machine).has_states)  // whose effects are tried on logs alone
+    out.push_back(fmt::format(
+        "The model error is {} times what white sensor noise would leave: the noise is not white, or "
+        "the model misses something and the parameters may have absorbed part of it. "
+        "<code>hydroscope explain</code> with the logs tells which.",
+        times));
   else if (ratio <= 2)
     out.push_back(
         fmt::format("The model error is {} times what sensor noise alone leaves: some of the machine's "
@@ -349,15 +362,16 @@ bool AnyChangeKnown(const ReportAnalysis& analysis) {
                      [](const auto& p) { return p.change.change.Known(); });
 }
 
-std::string UnknownHeadline(const ReportAnalysis& analysis) {
+std::string UnknownHeadline(const ReportAnalysis& analysis, const CountedWords& counted) {
   const bool identified = std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
                                       [](const auto& p) { return p.updated > 0; });
   if (!identified) return "No verdict: nothing was identified";
   return AnyChangeKnown(analysis) ? "No change stands out, but not every parameter could be identified"
-                                  : "No verdict yet: too few strokes";
+                                  : fmt::format("No verdict yet: too few {}", counted.many);
 }
 
-std::string Headline(Standing worst, const ReportAnalysis& analysis, bool inseparable) {
+std::string Headline(Standing worst, const ReportAnalysis& analysis, bool inseparable,
+                     const CountedWords& counted) {
   switch (worst) {
     case Standing::kAlarmed:
       return "An alarm limit was crossed";
@@ -368,7 +382,7 @@ std::string Headline(Standing worst, const ReportAnalysis& analysis, bool insepa
     case Standing::kHint:
       return "No clear change, but a hint worth watching";
     case Standing::kUnknown:
-      return UnknownHeadline(analysis);
+      return UnknownHeadline(analysis, counted);
     case Standing::kOil:
       return inseparable ? "Changes are in step with the oil temperature; none beyond it can be seen"
                          : "No change beyond what the oil temperature accounts for";
@@ -378,22 +392,37 @@ std::string Headline(Standing worst, const ReportAnalysis& analysis, bool insepa
   return "";
 }
 
+/// A change that an alarm tells is not denied because it is small over the record as a whole, or young.
+void HearAlarms(const std::vector<AlarmState>& alarms, const CountedWords& counted, ReportVerdict& verdict) {
+  std::vector<std::string> told;
+  for (const AlarmState& alarm : alarms)
+    if (TellsAChange(alarm))
+      told.push_back(fmt::format("<b>{}</b> ({} {} on)", EscapeText(alarm.id), counted.one,
+                                 FormatCount(alarm.first_stroke)));
+  if (told.empty() || verdict.standing >= Standing::kChanged) return;
+  verdict.standing = Standing::kChanged;
+  verdict.headline = "An alarm tells a change, though it does not stand out over the record as a whole";
+  verdict.sentences.push_back(
+      fmt::format("What the drift watch has found stands above: {}.", JoinNames(told)));
+}
+
 }  // namespace
 
-ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info) {
+ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info,
+                                 const CountedWords& counted) {
   ParameterWords words;
   words.standing = StandingOf(analysis);
-  words.pill = PillOf(words.standing, analysis);
+  words.pill = PillOf(words.standing, analysis, counted);
   words.value = "not identified";
   if (analysis.latest)
     words.value = WithUnit(FormatWithUncertainty(info.Shown(analysis.latest->value),
                                                  kNormal95 * analysis.latest->std * info.factor),
                            info);
-  words.reading = Reading(words.standing, analysis, info);
-  words.limits = LimitText(analysis.limits, info);
+  words.reading = Reading(words.standing, analysis, info, counted);
+  words.limits = LimitText(analysis.limits, info, counted);
   if (analysis.updated == 0) return words;
-  words.change = ChangeText(analysis, info);
-  words.oil = OilText(analysis.oil, info);
+  words.change = ChangeText(analysis, info, counted);
+  words.oil = OilText(analysis.oil, info, counted);
   return words;
 }
 
@@ -401,6 +430,7 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
                               const std::vector<ParameterInfo>& infos,
                               const std::vector<ParameterWords>& words) {
   ReportVerdict verdict;
+  const CountedWords counted = CountedWordsOf(input.machine);
   bool inseparable = false;
   verdict.standing = words.empty() ? Standing::kUnknown : Standing::kSteady;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -408,7 +438,8 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
     inseparable |= words[i].standing == Standing::kOil && !analysis.parameters[i].oil.separable;
   }
   if (ErrorGrew(analysis.error.ratio)) verdict.standing = std::max(verdict.standing, Standing::kHint);
-  verdict.headline = Headline(verdict.standing, analysis, inseparable);
+  verdict.headline = Headline(verdict.standing, analysis, inseparable, counted);
+  HearAlarms(input.alarms, counted, verdict);
   const auto standing = [&](Standing wanted) {
     return NamesWhere(infos, [&](std::size_t i) { return words[i].standing == wanted; });
   };
@@ -417,14 +448,15 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
   auto& out = verdict.sentences;
   if (input.strokes.empty())
     out.push_back(
-        "No stroke was found in the record. Check the gate of the machine file "
-        "against the log, and what was skipped below.");
+        fmt::format("No {} was found in the record. Check the gate of the machine file "
+                    "against the log, and what was skipped below.",
+                    counted.one));
   else if (!AnyChangeKnown(analysis))
-    out.push_back(
-        fmt::format("A change over the record can be judged from {} strokes on that identify a parameter; "
-                    "this record has {} stroke{}.",
-                    6 * kLeastBlockStrokes, FormatCount(static_cast<std::int64_t>(input.strokes.size())),
-                    input.strokes.size() == 1 ? "" : "s"));
+    out.push_back(fmt::format(
+        "A change over the record can be judged from {} {} on that identify a parameter; "
+        "this record has {} {}.",
+        6 * kLeastBlockStrokes, counted.many, FormatCount(static_cast<std::int64_t>(input.strokes.size())),
+        counted.Of(static_cast<std::int64_t>(input.strokes.size()))));
   for (const auto& [wanted, text] : {std::pair{Standing::kAlarmed, "alarm"}, {Standing::kWarned, "warning"}})
     if (const auto names = standing(wanted); !names.empty())
       out.push_back(fmt::format("{} went beyond {} {} limit of the machine file.", JoinNames(names),
@@ -441,10 +473,10 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
   if (const auto names = standing(Standing::kSteady); !names.empty())
     out.push_back(fmt::format("No change stands out in {}.", JoinNames(names)));
   if (inseparable)
-    out.push_back(
-        "The oil warmed or cooled steadily along this record. A slow change of the machine at the same pace "
-        "would look the same; strokes at equal "
-        "oil temperature from another day would tell the two apart.");
+    out.push_back(fmt::format(
+        "The oil warmed or cooled steadily along this record. A slow change of the machine at the same pace would "
+        "look the same; {} at equal oil temperature from another day would tell the two apart.",
+        counted.many));
   const auto unidentified =
       NamesWhere(infos, [&](std::size_t i) { return analysis.parameters[i].updated == 0; });
   if (!unidentified.empty())

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "models/counted_words.h"
 #include "report/report_analysis.h"
 #include "report/report_parameters.h"
 
@@ -22,7 +23,8 @@ struct ParameterWords {
   std::string oil;      ///< dependence on oil temperature
   std::string limits;   ///< against the machine file
 };
-ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info);
+ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info,
+                                 const CountedWords& counted = {});
 
 /// The verdict over all parameters.
 struct ReportVerdict {

@@ -280,6 +280,7 @@ Status AxisReplay::Report(ReplayOutcome& outcome) {
   if (const Status collected = CollectOverlays(outcome); !collected) return collected;
   auto input = MakeReportInput(database_, machine_id_, outcome, std::move(overlays_));
   if (!input) return tl::unexpected(input.error());
+  input->alarms = outcome.watch.alarms;
   input->drift_verdict = outcome.watch.verdict_html;
   input->drift = outcome.watch.section_html;
   if (strokes_)

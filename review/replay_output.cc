@@ -7,6 +7,7 @@
 
 #include "core/constants.h"
 #include "core/units.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/explain/headline.h"
@@ -17,12 +18,18 @@ namespace {
 
 constexpr std::size_t kFindingsShown = 3;
 
-std::string StatusText(const LogReplay& replay) {
+std::string Capitals(std::string_view word) {
+  std::string text(word);
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+  return text;
+}
+
+std::string StatusText(const LogReplay& replay, const CountedWords& counted) {
   switch (replay.status) {
     case ReplayStatus::kReplayed:
       return "replayed";
     case ReplayStatus::kContinued:
-      return fmt::format("continued ({} strokes were there)", replay.stored_before);
+      return fmt::format("continued ({} {} were there)", replay.stored_before, counted.many);
     case ReplayStatus::kAlready:
       return "already replayed";
     case ReplayStatus::kFailed:
@@ -37,18 +44,19 @@ std::string Percent(std::int64_t part, std::int64_t whole) {
 }
 
 std::string LogTable(const ReplayOutcome& outcome) {
+  const CountedWords counted = CountedWordsOf(outcome.machine);
   std::size_t width = 3;
   for (const LogReplay& r : outcome.logs) width = std::max(width, r.log.size());
   std::string text = fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", "log", width, "rows",
-                                 "strokes", "used", "rejected", "flagged", "");
+                                 counted.many, "used", "rejected", "flagged", "");
   for (const LogReplay& r : outcome.logs) {
     if (r.status == ReplayStatus::kFailed)
       text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, "-", "-", "-", "-",
-                          "-", StatusText(r));
+                          "-", StatusText(r, counted));
     else
       text += fmt::format("{:<{}} {:>10} {:>8} {:>8} {:>9} {:>9}  {}\n", r.log, width, r.summary.rows,
                           r.run.strokes, Percent(r.summary.used, r.summary.rows), r.summary.rejected_rows,
-                          r.summary.FlaggedValues(), StatusText(r));
+                          r.summary.FlaggedValues(), StatusText(r, counted));
   }
   return text;
 }
@@ -71,9 +79,9 @@ std::string Troubles(const ReplayOutcome& outcome) {
     }
     if (r.run.strokes == 0)
       text += fmt::format(
-          "NO STROKE: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine "
+          "NO {}: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine "
           "M.toml\n",
-          r.log, r.summary.gated, r.summary.rows, r.log);
+          Capitals(CountedWordsOf(outcome.machine).one), r.log, r.summary.gated, r.summary.rows, r.log);
   }
   return text.empty() ? text : "\n" + text;
 }
@@ -82,9 +90,10 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   if (outcome.latest.empty())
     return fmt::format("\nNo parameter is identified yet: it takes one {} or more with enough equations.\n",
                        WordsOf(outcome.machine).stroke);
-  std::string text = fmt::format(
-      "\nafter stroke {} of this machine, counted from 0 ({} strokes of {} logs in the database)\n",
-      outcome.strokes - 1, outcome.strokes, outcome.runs.size());
+  const CountedWords counted = CountedWordsOf(outcome.machine);
+  std::string text =
+      fmt::format("\nafter {} {} of this machine, counted from 0 ({} {} of {} logs in the database)\n",
+                  counted.one, outcome.strokes - 1, outcome.strokes, counted.many, outcome.runs.size());
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);
@@ -96,12 +105,13 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
   }
   const DisplayUnit unit = OutputUnit(outcome.machine);
   if (outcome.figures.clusters.unit != ClusterUnit::kStroke)
-    text += "strokes of the last run hang together: intervals are at least those of groups of them\n";
+    text += fmt::format("{} of the last run hang together: intervals are at least those of groups of them\n",
+                        counted.many);
   if (outcome.figures.noise_floor > 0)
     text += fmt::format(
-        "model error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
-        outcome.figures.rms_holdout * unit.factor, unit.name, outcome.figures.noise_floor * unit.factor,
-        unit.name);
+        "model error on {} left out {:.3g} {}, sensor noise alone would cause {:.3g} {} (last run)\n",
+        counted.many, outcome.figures.rms_holdout * unit.factor, unit.name,
+        outcome.figures.noise_floor * unit.factor, unit.name);
   if (outcome.figures.strokes > 0)
     if (const ModelHeadline headline = HeadlineOf(outcome.figures, false);
         headline.standing == ModelStanding::kNotJudged)
@@ -118,8 +128,8 @@ std::string SkippedTable(const ReplayOutcome& outcome) {
 }
 
 std::string Next(const ReplayOptions& options, const ReplayOutcome& outcome) {
-  std::string text = fmt::format("\ndatabase: {} ({} strokes of \"{}\")\n", options.database, outcome.strokes,
-                                 outcome.machine.name);
+  std::string text = fmt::format("\ndatabase: {} ({} {} of \"{}\")\n", options.database, outcome.strokes,
+                                 CountedWordsOf(outcome.machine).many, outcome.machine.name);
   if (!outcome.report.empty())
     return text +
            fmt::format("report:   {}\nnext:     open {} in a browser\n", outcome.report, outcome.report);
@@ -160,12 +170,12 @@ std::string AlarmTable(const std::vector<AlarmState>& alarms) {
 }
 
 /// What watching for drift says, with every alarm that stands.
-std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch) {
+std::string WatchText(const ReplayOptions& options, const WatchOutcome& watch, const CountedWords& counted) {
   if (!watch.problem.empty()) return "\nDrift is not watched: " + watch.problem + "\n";
   const std::string notice = watch.notice.empty() ? "" : "\nNote: " + watch.notice + "\n";
   if (watch.reference_version == 0)
-    return notice + fmt::format("\nDrift: learning the healthy machine, {} of {} strokes\n",
-                                watch.commissioning_strokes, watch.commissioning_needed);
+    return notice + fmt::format("\nDrift: learning the healthy machine, {} of {} {}\n",
+                                watch.commissioning_strokes, watch.commissioning_needed, counted.many);
   std::string text =
       notice + fmt::format("\nDrift: judged against reference {}; health (NAMUR NE 107): {} ({}); {}\n",
                            watch.reference_version, watch.health, watch.health_text,
@@ -201,8 +211,9 @@ nlohmann::json WatchJson(const WatchOutcome& watch) {
 }
 
 std::string TextOfMachine(const ReplayOptions& options, const ReplayOutcome& outcome) {
-  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) + WatchText(options, outcome.watch) +
-         SkippedTable(outcome) + Next(options, outcome);
+  return LogTable(outcome) + Troubles(outcome) + ParameterTable(outcome) +
+         WatchText(options, outcome.watch, CountedWordsOf(outcome.machine)) + SkippedTable(outcome) +
+         Next(options, outcome);
 }
 
 /// What the axes of the press show together.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/quantile.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
 #include "workbench/model/model_record.h"
@@ -70,6 +72,7 @@ void AddRun(const RunInfo& run, Sums& sums) {
 std::vector<SkippedItem> Skipped(const Sums& sums, const Machine& machine,
                                  const std::vector<LogReplay>& logs) {
   std::vector<SkippedItem> skipped;
+  const CountedWords counted = CountedWordsOf(machine);
   for (const LogReplay& log : logs)
     if (log.status == ReplayStatus::kFailed) skipped.push_back({"log " + log.log, 0, log.problem});
   skipped.insert(skipped.end(), sums.stopped.begin(), sums.stopped.end());
@@ -81,11 +84,13 @@ std::vector<SkippedItem> Skipped(const Sums& sums, const Machine& machine,
     add(fmt::format("rows flagged {}", flag), count, FlagWhy(flag));
   for (const auto& [key, count] : sums.channel_flag)
     add(fmt::format("values flagged {}, {}", key.second, key.first), count, FlagWhy(key.second));
-  add("strokes too short", sums.discarded, "shorter than min_stroke in [gate] of the machine file");
+  add(fmt::format("{} too short", counted.many), sums.discarded,
+      "shorter than min_stroke in [gate] of the machine file");
   add("rows outside the gate", sums.outside,
       fmt::format("the model describes the {} only ([gate] conditions)", WordsOf(machine).stroke));
   add("rows inside the gate, not used", sums.unused,
-      "too few in a row for an equation: end of a stroke, or beside a bad value");
+      fmt::format("too few in a row for an equation: end of {}, or beside a bad value",
+                  counted.with_article));
   return skipped;
 }
 
@@ -99,12 +104,28 @@ std::vector<Estimate> LatestOf(const std::vector<TrendPoint>& trend) {
   return latest;
 }
 
+/// Of a machine with states, which moves: each episode was predicted with the parameters as they stood before it. Medians over
+/// the last run; no fit.
+Status TakeErrorsOfEpisodes(const Database& database, const RunInfo& run, ReplayOutcome& outcome) {
+  const auto episodes = database.Strokes(run.id);
+  if (!episodes) return tl::unexpected(episodes.error());
+  std::vector<double> errors, floors;
+  for (const StrokeSummary& episode : *episodes) {
+    errors.push_back(episode.rms_error);
+    floors.push_back(episode.noise_floor);
+  }
+  outcome.figures.rms_holdout = Median(errors, 0);
+  outcome.figures.noise_floor = Median(floors, 0);
+  return {};
+}
+
 /// Error of the model on strokes left out, from the last run (of very many strokes, the last ones).
 Status FitLastRun(const Database& database, std::int64_t machine_id, const ModelStructure& model,
                   ReplayOutcome& outcome) {
   const auto run = std::find_if(outcome.runs.rbegin(), outcome.runs.rend(),
                                 [](const RunInfo& r) { return r.complete && r.strokes > 0; });
   if (run == outcome.runs.rend()) return {};
+  if (KindOf(outcome.machine).has_states) return TakeErrorsOfEpisodes(database, *run, outcome);
   const std::int64_t end = run->first_sequence + run->strokes;
   const auto grams = database.Grams(machine_id, std::max(run->first_sequence, end - kMostStrokesFitted), end);
   if (!grams) return tl::unexpected(grams.error());
@@ -180,7 +201,8 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   if (auto blocks = EstimateBlocks(database, machine_id, outcome.machine, input.strokes); blocks)
     input.blocks = std::move(*blocks);
   else
-    unread = SkippedItem{"comparison of early and late strokes", 0, blocks.error().text};
+    unread = SkippedItem{fmt::format("comparison of early and late {}", CountedWordsOf(outcome.machine).many),
+                         0, blocks.error().text};
   input.overlays = std::move(overlays);
   input.skipped = outcome.skipped;
   if (unread) input.skipped.push_back(*unread);

@@ -37,7 +37,7 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   auto section = DriftSection(axis, press.rules().commissioning);
   if (!section) return tl::unexpected(section.error());
   watch.section_html = std::move(*section);
-  watch.verdict_html = AlarmsBox(press.alarms(), axis.alarms());
+  watch.verdict_html = AlarmsBox(press.alarms(), axis.alarms(), axis.counted());
   return {};
 }
 

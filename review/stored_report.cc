@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "report/drift_report.h"
 #include "report/explain_report.h"
@@ -64,12 +65,15 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   auto input = MakeReportInput(*database, part->id, outcome, {});
   if (!input) return tl::unexpected(input.error());
   const std::vector<AlarmState> alarms = AlarmsBeside(path, part->machine);
-  input->drift_verdict = AlarmsBox({}, alarms);
-  AddExplanation(*database, path, *part, outcome.machine, *input);
+  input->alarms = alarms;
+  input->drift_verdict = AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
+  if (!KindOf(outcome.machine).has_states)  // whose effects are tried on logs alone
+    AddExplanation(*database, path, *part, outcome.machine, *input);
   if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
   const auto standing =
       std::count_if(alarms.begin(), alarms.end(), [](const AlarmState& a) { return a.active; });
-  return StoredReport{part->machine, part->strokes(), outcome.runs.size(), standing};
+  return StoredReport{part->machine, part->strokes(), CountedWordsOf(outcome.machine), outcome.runs.size(),
+                      standing};
 }
 
 }  // namespace hydroscope

@@ -4,12 +4,14 @@
 #include <string>
 
 #include "core/result.h"
+#include "models/counted_words.h"
 
 namespace hydroscope {
 
 struct StoredReport {
   std::string machine;
   std::int64_t strokes = 0;
+  CountedWords counted;  ///< what these are
   std::size_t runs = 0;
   std::int64_t alarms = 0;  ///< that are active
 };

@@ -28,6 +28,58 @@ TEST_F(StatesDrift, IsFollowedAndNamed) {
   EXPECT_THAT(Coverage(0.002), Each(Gt(0.85)));
 }
 
+/// A page as people read it: no markup.
+std::string Words(std::string page) {
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{"<style>", "</style>"}, {"<script>", "</script>"}, {"<", ">"}})
+    for (std::size_t at = page.find(from); at != page.npos; at = page.find(from, at))
+      page.erase(at, page.find(to, at) + to.size() - at);
+  return page;
+}
+
+TEST_F(StatesDrift, IsToldAlikeByAllWhoReadTheDatabase) {
+  Replay(0.002);
+  const std::string replayed = Words(ReadText(File("tank.html")));
+  ASSERT_EQ(Run({"report", "--db", File("tank.db"), "--out", File("stored.html")}).exit_code, 0);
+  for (const std::string& page : {replayed, Words(ReadText(File("stored.html")))}) {
+    EXPECT_THAT(page, HasSubstr("◆ changed"));
+    EXPECT_THAT(page, HasSubstr("A parameter changed"));
+    EXPECT_THAT(page, Not(HasSubstr("No clear change")));
+    EXPECT_THAT(page, Not(HasSubstr("misses something")));
+    EXPECT_THAT(page, Not(HasSubstr("stroke")));
+    EXPECT_THAT(page, Not(HasSubstr("Stroke")));
+  }
+  const std::string table = Run({"trends", "--db", File("tank.db")}).out;
+  EXPECT_THAT(table, HasSubstr("significant"));
+  EXPECT_THAT(table, HasSubstr("unnamed_change_k2: stands, since episode"));
+  EXPECT_THAT(table, Not(HasSubstr("stroke")));
+  const auto trends = nlohmann::json::parse(Run({"trends", "--db", File("tank.db"), "--json", "-"}).out);
+  for (const auto& summary : trends.at("summary"))
+    EXPECT_EQ(summary.at("change").at("significant"), summary.at("parameter") == "k2") << summary.dump();
+  EXPECT_EQ(trends.at("alarms").at(0).at("alarm"), "unnamed_change_k2");
+  const std::string compared = Run({"compare", "--db", File("tank.db")}).out;
+  EXPECT_THAT(compared, HasSubstr("these episodes hold a change"));
+  EXPECT_THAT(compared, Not(HasSubstr("stroke")));
+  const std::string explained = Run({"explain", "--db", File("tank.db")}).out;
+  EXPECT_THAT(explained, HasSubstr("hold a change since episode"));
+  EXPECT_THAT(explained, Not(HasSubstr("stroke")));
+}
+
+/// What the stored sums take for noise is then the error of the model.
+TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
+  overflow_ = 0.15;
+  Replay(0);
+  const auto compared = Run({"compare", "--db", File("tank.db"), "--json", "-"}).Json();
+  EXPECT_TRUE(compared.at("model_error_seen").is_null()) << compared.at("model_error_seen");
+  EXPECT_GT(compared.at("rms_holdout").get<double>(), 3 * compared.at("noise_floor").get<double>());
+  EXPECT_THAT(Run({"compare", "--db", File("tank.db")}).out, Not(HasSubstr("down to the sensor noise")));
+  const auto explained = Run({"explain", "--db", File("tank.db"), "--whole", "--json", "-"}).Json();
+  EXPECT_EQ(explained.at("verdict"), "unknown");
+  const std::string page = Words(ReadText(File("tank.html")));
+  EXPECT_THAT(page, Not(HasSubstr("about down to what sensor noise")));
+  EXPECT_THAT(page, HasSubstr("or the model misses something"));
+}
+
 TEST_F(StatesDrift, OfEpisodesShortAgainstTheMemoryIsFollowedToo) {
   period_ = 1e-3;
   rows_ = 100;
@@ -38,6 +90,12 @@ TEST_F(StatesDrift, OfEpisodesShortAgainstTheMemoryIsFollowedToo) {
 TEST_F(StatesDrift, IsNotSeenInAHealthyMachine) {
   Replay(0);
   EXPECT_THAT(Run({"alarms", "--db", File("tank.db"), "list"}).out, HasSubstr("no alarm stands"));
+  EXPECT_THAT(Run({"compare", "--db", File("tank.db")}).out,
+              HasSubstr("The model describes these episodes down to the sensor noise."));
+  EXPECT_THAT(Run({"explain", "--db", File("tank.db")}).out, HasSubstr("ADEQUATE"));
+  const std::string page = Words(ReadText(File("tank.html")));
+  EXPECT_THAT(page, HasSubstr("No change stands out in this record"));
+  EXPECT_THAT(page, HasSubstr("about down to what sensor noise leaves"));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST_F(StatesLive, IsFollowedWhileItWorksAndItsDriftRaised) {
 
   const std::string learned =
       Run({"learn", "--db", File("tank.db"), "-m", File("tank.toml"), "--from", "1", "--to", "111"}).out;
-  EXPECT_THAT(learned, HasSubstr("reference 2 learned from strokes 1 to 110"));
+  EXPECT_THAT(learned, HasSubstr("reference 2 learned from episodes 1 to 110"));
   EXPECT_THAT(learned, Not(HasSubstr("nan")));
 }
 

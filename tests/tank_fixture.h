@@ -20,6 +20,7 @@ class Tanks : public CommandLine {
 
   int episodes_ = 200, change_ = 120, rows_ = 200;  ///< rows of an episode
   double period_ = 1;                               ///< s between rows, and the unit of time of everything
+  double overflow_ = 0;  ///< 1/s, of what stands above 5 in the first: not in the machine file
 
   double Second(int episode, double rate) const {
     return kSecond * (1 - rate * std::max(0, episode - change_));
@@ -92,12 +93,12 @@ seconds = {}
 
  private:
   using Levels = std::array<double, 2>;
-  static Levels RateOf(const Levels& h, double voltage, double second) {
+  Levels RateOf(const Levels& h, double voltage, double second) const {
     const double q1 = kFirst * std::sqrt(std::max(0.0, h[0])), q2 = second * std::sqrt(std::max(0.0, h[1]));
-    return {kPump * voltage - q1, q1 - q2};
+    return {kPump * voltage - q1 - overflow_ * std::max(0.0, h[0] - 5), q1 - q2};
   }
   /// Runge and Kutta's method of order 4 with steps of a quarter of a row.
-  static Levels After(Levels h, double voltage, double second) {
+  Levels After(Levels h, double voltage, double second) const {
     constexpr double kStep = 0.25;
     const auto moved = [&](const Levels& rate, double share) {
       return Levels{h[0] + share * kStep * rate[0], h[1] + share * kStep * rate[1]};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/non_negative.h"
+#include "models/counted_words.h"
 #include "models/output_unit.h"
 #include "workbench/explain/explain_log.h"
 #include "workbench/explain/headline.h"
@@ -63,9 +64,11 @@ std::string Capital(std::string word) {
 std::string OverallText(const CompareResult& result) {
   const StrokeComparison& o = result.overall;
   const std::vector<std::string> added = AddedEffects(result);
-  std::string text = fmt::format("Model: {}{}, fitted to these strokes\n", result.log.machine.model,
-                                 added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")));
-  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used\n", result.strokes,
+  const CountedWords counted = CountedWordsOf(result.log.machine);
+  std::string text =
+      fmt::format("Model: {}{}, fitted to these {}\n", result.log.machine.model,
+                  added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")), counted.many);
+  text += result.described.empty() ? fmt::format("{} {}, {} of {} rows used\n", result.strokes, counted.many,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
@@ -79,13 +82,13 @@ std::string OverallText(const CompareResult& result) {
       "  measured               {:>8.3g}\n"
       "  modelled               {:>8.3g}\n"
       "  difference             {:>8.3g}   {:.2g} % of the measured {}\n"
-      "  ... strokes left out   {:>8.3g}\n"
+      "  ... {:<18} {:>8.3g}\n"
       "  sensor noise alone     {:>8.3g}\n"
       "  model error            {:>8.3g}   what is above the noise\n",
       Capital(words.output), unit.name, o.rms_measured * unit.factor, o.rms_modelled * unit.factor,
       o.rms_residual * unit.factor, PercentOfSignal(o), words.output,
-      result.model.figures.rms_holdout * unit.factor, o.noise_floor * unit.factor,
-      ModelError(o) * unit.factor);
+      fmt::format("{} left out", counted.many), result.model.figures.rms_holdout * unit.factor,
+      o.noise_floor * unit.factor, ModelError(o) * unit.factor);
   if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
   if (o.free_run)
     text += fmt::format(
@@ -100,21 +103,28 @@ std::string StrokesText(const CompareResult& result) {
   constexpr std::size_t kShown = 40;
   const std::size_t worst = result.WorstStroke();
   const DisplayUnit unit = OutputUnit(result.log.model.get());
-  std::string text = fmt::format("\nPer stroke, {}; free run in bar\n", unit.name) +
-                     "  stroke  begin s  measured  modelled  difference   %      noise  free run\n";
+  const CountedWords counted = CountedWordsOf(result.log.machine);
+  const bool runs = std::any_of(result.per_stroke.begin(), result.per_stroke.end(),
+                                [](const StrokeComparison& s) { return s.free_run.has_value(); });
+  const bool states = KindOf(result.log.machine).has_states && !runs;  // whose free run is all there is
+  std::string text = fmt::format(
+      "\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n", counted.one,
+      unit.name, states ? "" : "; free run in bar", counted.one, states ? "" : "  free run");
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
-    text += fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g} {:>9}{}\n", s.stroke,
+    text += fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g}{}{}\n", s.stroke,
                         std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
                         s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
                         s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
-                        s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar) : std::string("-"),
+                        states ? std::string()
+                               : fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar)
+                                                                  : std::string("-")),
                         k == worst ? " worst" : "");
   }
   if (result.per_stroke.size() > kShown)
-    text +=
-        fmt::format("  ... the first {} of {} strokes; --json has all\n", kShown, result.per_stroke.size());
+    text += fmt::format("  ... the first {} of {} {}; --json has all\n", kShown, result.per_stroke.size(),
+                        counted.many);
   return text;
 }
 
@@ -174,7 +184,8 @@ bool HasModelError(const CompareResult& result) {
 }
 
 ModelHeadline HeadlineOf(const CompareResult& result) {
-  return HeadlineOf(result.model.figures, HasModelError(result));
+  return HeadlineOf(result.model.figures, HasModelError(result), result.no_verdict,
+                    CountedWordsOf(result.log.machine));
 }
 
 std::vector<std::string> Warnings(const CompareResult& result) {

@@ -103,6 +103,7 @@ std::optional<EpisodeEvidence> EpisodeFollower::Linearise(const ReadEpisode& epi
   // About what fits the episode best: how far that lies from `at` is no scatter of its pieces, and no noise.
   const Eigen::VectorXd change = Best(e) - at;
   e.unexplained = std::max(1.0, EnergyAt(e, at + change) / e.readings);
+  e.white = std::sqrt(linear->white);
   for (const LinearisedEpisode::Piece& piece : linear->pieces) {
     const Eigen::VectorXd gradient = piece.gradient - piece.information * change;
     e.scatter += gradient * gradient.transpose();
@@ -270,6 +271,7 @@ FollowedEpisode EpisodeFollower::Add(const Episode& episode) {
   ++episodes_;
   out.estimates = Estimates(settled, covariance, seconds, episode.time.back());
   out.error_least = settled.ErrorAt(Best(settled));
+  out.error_white = std::min(out.error_least, settled.white);
   out.evidence = std::move(settled);
   return out;
 }

@@ -42,6 +42,7 @@ struct EpisodeEvidence {
   double energy = 0;            ///< sum of squared errors
   int readings = 0;
   double unexplained = 1;  ///< mean squared error that no parameters take away, at least 1 (the noise)
+  double white = 0;  ///< rms over the noise of what may be white noise in the errors (WhiteNoiseVariance)
 
   /// rms error that other parameters would leave, over the noise.
   double ErrorAt(const Eigen::VectorXd& parameters) const;
@@ -52,6 +53,8 @@ struct FollowedEpisode {
   EpisodeEvidence evidence;  ///< where it was linearised last; without readings: the model cannot be run
   double error_before = 0;   ///< rms over the noise, with the parameters before it; NaN for the first
   double error_least = 0;    ///< ... with those that fit it best
+  /// ... that white noise may cause: the rest is coloured noise, or what the model misses.
+  double error_white = 0;
   std::vector<Estimate> estimates;  ///< empty before the first fit
 };
 

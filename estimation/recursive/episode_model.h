@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,8 @@ struct LinearisedEpisode {
   std::vector<Piece> pieces;
   double energy = 0;  ///< sum of squared errors
   int readings = 0;   ///< independent errors in it
+  /// Mean square of the errors that may be white noise (WhiteNoiseVariance); infinity: they are not told apart.
+  double white = std::numeric_limits<double>::infinity();
 };
 
 /// An episode as its model reads it.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "estimation/states/white_noise.h"
+
 namespace hydroscope {
 namespace {
 
@@ -232,21 +234,12 @@ bool GrowsHorizon(const StateModel& model) {
 
 Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> episodes,
                            const Eigen::VectorXd& largest) {
-  constexpr double kEnergy = 20;  // 1 + 9 + 9 + 1, of the third difference of white noise
   Eigen::VectorXd noise = largest;
   for (int j = 0; j < noise.size(); ++j) {
-    double energy = 0, count = 0;
+    WhiteNoiseVariance white;
     for (const Episode& e : episodes)
-      for (int row = 3 * e.mean_rows; row < e.rows(); ++row) {
-        const auto y = [&](int back) {
-          return e.signal(row - back * e.mean_rows, model.outputs[static_cast<std::size_t>(j)]);
-        };
-        const double third = y(0) - 3 * y(1) + 3 * y(2) - y(3);
-        if (!std::isfinite(third)) continue;
-        energy += third * third;
-        count += 1;
-      }
-    if (count > 0 && energy > 0) noise[j] = std::min(noise[j], std::sqrt(energy / (kEnergy * count)));
+      white.Add(e.signal.col(model.outputs[static_cast<std::size_t>(j)]), e.mean_rows);
+    if (white.Value() > 0) noise[j] = std::min(noise[j], std::sqrt(white.Value()));
   }
   return noise;
 }

@@ -1,13 +1,27 @@
 #include "estimation/states/state_episodes.h"
 
 #include <cmath>
+#include <limits>
 
 #include "estimation/states/fit.h"
+#include "estimation/states/white_noise.h"
 
 namespace hydroscope {
 namespace {
 
 constexpr double kShareOfRange = 1e-3;  // that a parameter counts as large as, however small it is
+
+/// Mean square of the white noise in the errors of an episode, outputs over their noise.
+double WhiteShare(const Episode& episode, const RowMatrix& residual, const Eigen::VectorXd& noise) {
+  double energy = 0, count = 0;
+  for (Eigen::Index j = 0; j < residual.cols(); ++j) {
+    WhiteNoiseVariance white;
+    white.Add(residual.col(j), episode.mean_rows);
+    energy += white.count() * white.Value() / (noise[j] * noise[j]);
+    count += white.count();
+  }
+  return count > 0 ? energy / count : std::numeric_limits<double>::infinity();
+}
 
 class SimulatedEpisode : public ReadEpisode {
  public:
@@ -40,6 +54,7 @@ class SimulatedEpisode : public ReadEpisode {
       out.energy += piece.energy;
       out.readings += piece.readings;
     }
+    out.white = WhiteShare(episode_, fit.residuals.front(), basis);
     return out;
   }
 

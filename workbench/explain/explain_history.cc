@@ -8,7 +8,9 @@
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
+#include "estimation/floor_trust.h"
 #include "models/find_effect.h"
+#include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
 #include "workbench/model/machine_model.h"
 
@@ -108,10 +110,37 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   return out;
 }
 
+namespace {
+
+/// Why the sums of episodes carry no verdict on the model, "" if they do. They say whether one set of parameters does for all
+/// episodes; effects are tried on logs alone, and what no parameters take away may be noise that is not white.
+std::string WhyEpisodesDoNotTell(const StrokeHistory& history, const Explanation& x, double of_sums) {
+  if (!KindOf(history.machine).has_states || !(history.white_noise > 0)) return "";
+  if (x.verdict != Verdict::kAdequate)
+    return "one set of parameters does not describe these episodes as well as each by itself would: a parameter "
+           "moves ('hydroscope trends' shows which), or an effect is missing, which 'hydroscope explain' with the "
+           "logs names";
+  const double ratio = of_sums / history.white_noise;
+  if (ratio * ratio <= 1 + kFloorExcess) return "";
+  return fmt::format(
+      "the parameters that suit an episode best leave {:.2g} times what white noise would: the noise is not white, or "
+      "the model misses something in all of these episodes. Stored sums do not tell the two apart, 'hydroscope "
+      "explain' with the logs does",
+      ratio);
+}
+
+}  // namespace
+
 Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const ExplainOptions& options) {
   ExplainOptions own = OptionsForEquations(options, history.equations());
   own.start = history.machine.added_effects;
-  return ExplainUnits(history, own);
+  auto out = ExplainUnits(history, own);
+  if (!out || !out->explanation.no_verdict.empty()) return out;
+  Explanation& x = out->explanation;
+  RefuseVerdict(WhyEpisodesDoNotTell(history, x, x.base.noise_floor), x);
+  for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
+    *floor = history.NoiseFloor(*floor);
+  return out;
 }
 
 }  // namespace hydroscope

@@ -14,6 +14,7 @@
 #include "core/quality.h"
 #include "core/relative_change.h"
 #include "core/units.h"
+#include "models/counted_words.h"
 #include "models/output_unit.h"
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/located_output.h"
@@ -30,11 +31,13 @@ std::string Described(const ExplainResult& result, const std::string& id) {
   return fmt::format("  {} ({})\n    {}\n", effect->title, id, effect->plain);
 }
 
-std::string ErrorSentence(const Explanation& x) {
+std::string ErrorSentence(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
   std::string text = fmt::format(
-      "On strokes it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
-      x.base.rms_holdout * unit.factor, unit.name, x.base.noise_floor * unit.factor, unit.name);
+      "On {} it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
+      CountedWordsOf(result.log.machine).many, x.base.rms_holdout * unit.factor, unit.name,
+      x.base.noise_floor * unit.factor, unit.name);
   if (x.steps.size() > 1)
     text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
   if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * x.base.noise_floor)
@@ -98,7 +101,9 @@ std::string RelativesText(const ExplainResult& result) {
 
 std::string UnknownText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  if (!x.no_verdict.empty()) return "UNKNOWN: these strokes carry no verdict, see the warning.\n";
+  if (!x.no_verdict.empty())
+    return fmt::format("UNKNOWN: these {} carry no verdict, see the warning.\n",
+                       CountedWordsOf(result.log.machine).many);
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
   if (!x.partial || x.steps.size() < 2) return text;
@@ -181,7 +186,8 @@ std::string VerdictText(const ExplainResult& result) {
     case Verdict::kAdequate:
       if (!result.explanation.odd_strokes.empty())
         return "ADEQUATE, but for some strokes: the model describes all others.\n";
-      return "ADEQUATE: the model describes these strokes; nothing stands out of the sensor noise.\n";
+      return fmt::format("ADEQUATE: the model describes these {}; nothing stands out of the sensor noise.\n",
+                         CountedWordsOf(result.log.machine).many);
     case Verdict::kNamed:
       return NamedText(result) + DoubtText(result);
     case Verdict::kAmbiguous:
@@ -192,7 +198,8 @@ std::string VerdictText(const ExplainResult& result) {
   return "";
 }
 
-std::string StepsText(const Explanation& x) {
+std::string StepsText(const ExplainResult& result) {
+  const Explanation& x = result.explanation;
   constexpr int kBarWidth = 36;
   const DisplayUnit unit = OutputUnit(x.model.get());
   const double scale = kBarWidth / std::max(x.base.rms_holdout, x.base.noise_floor);
@@ -201,7 +208,8 @@ std::string StepsText(const Explanation& x) {
     return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * unit.factor,
                        std::string(std::clamp(bar, 0, 60), mark));
   };
-  std::string text = fmt::format("\nError on strokes left out, {}\n", unit.name);
+  std::string text =
+      fmt::format("\nError on {} left out, {}\n", CountedWordsOf(result.log.machine).many, unit.name);
   for (const ExplainStep& step : x.steps)
     text += line(step.added.empty() ? "model as it is" : "+ " + step.added, step.rms_holdout, '#');
   return text + line("sensor noise alone", x.final.noise_floor, '.');
@@ -269,6 +277,7 @@ std::string AddedText(const ExplainResult& result) {
 }
 
 std::string RankingText(const ExplainResult& result) {
+  if (result.explanation.ranking.empty()) return "";
   const DisplayUnit unit = OutputUnit(result.explanation.model.get());
   std::string text = fmt::format("\nEvery effect tried alone, best first\n  {:<28} {:>7} {:>9}  {}\n", "",
                                  "error", "evidence", "size, ± 95 %");
@@ -322,14 +331,13 @@ std::string SwapText(const ExplainResult& result) {
 }
 
 /// Which strokes were left out together for the intervals, where single ones are not independent.
-std::string IntervalUnitText(const StrokeClusters& clusters) {
+std::string IntervalUnitText(const StrokeClusters& clusters, const CountedWords& counted) {
   if (clusters.unit == ClusterUnit::kStroke) return "";
   const char* what = clusters.unit == ClusterUnit::kLog    ? "of one log"
                      : clusters.unit == ClusterUnit::kTime ? "that follow one another"
                                                            : "at one operating point";
-  return fmt::format(
-      "  Strokes {} err alike: the intervals come from leaving out {} groups of them in turn.\n", what,
-      clusters.count);
+  return fmt::format("  {}s {} err alike: the intervals come from leaving out {} groups of them in turn.\n",
+                     counted.capital, what, clusters.count);
 }
 
 std::string NextText(const ExplainResult& result) {
@@ -370,8 +378,9 @@ std::string NotFiniteText(const StrokeCounters& totals) {
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
-  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(x);
-  text += result.described.empty() ? fmt::format("{} strokes, {} of {} rows used.\n", result.strokes,
+  std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(result);
+  text += result.described.empty() ? fmt::format("{} {}, {} of {} rows used.\n", result.strokes,
+                                                 CountedWordsOf(result.log.machine).many,
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
@@ -383,10 +392,10 @@ std::string ExplainText(const ExplainResult& result) {
   if (!result.log.machine.added_effects.empty())
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));
-  return text + StepsText(x) + ParametersText(result) + AddedText(result) +
-         IntervalUnitText(x.final.clusters) + RankingText(result) + RuledOutText(x) + UntestableText(result) +
-         LocatedText(result.location.located, unit) + RemainderText(result.remainder, unit) +
-         NextText(result);
+  return text + StepsText(result) + ParametersText(result) + AddedText(result) +
+         IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) + RankingText(result) +
+         RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
+         RemainderText(result.remainder, unit) + NextText(result);
 }
 
 }  // namespace hydroscope

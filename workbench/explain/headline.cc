@@ -45,12 +45,17 @@ std::string ImpossibleFigures(const GramFit& f) {
   return "";
 }
 
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses) {
-  if (const std::string impossible = ImpossibleFigures(figures); !impossible.empty())
-    return {ModelStanding::kNotJudged, "The model cannot be judged on these strokes: " + impossible + "."};
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const std::string& no_verdict,
+                         const CountedWords& counted) {
+  std::string why = ImpossibleFigures(figures);
+  if (why.empty()) why = no_verdict;
+  if (!why.empty())
+    return {ModelStanding::kNotJudged,
+            fmt::format("The model cannot be judged on these {}: {}.", counted.many, why)};
   if (misses)
     return {ModelStanding::kMisses, "The model misses something: the difference is more than sensor noise."};
-  return {ModelStanding::kDescribes, "The model describes these strokes down to the sensor noise."};
+  return {ModelStanding::kDescribes,
+          fmt::format("The model describes these {} down to the sensor noise.", counted.many)};
 }
 
 }  // namespace hydroscope

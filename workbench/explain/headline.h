@@ -3,6 +3,7 @@
 #include <string>
 
 #include "estimation/gram_fit.h"
+#include "models/counted_words.h"
 
 namespace hydroscope {
 
@@ -24,7 +25,9 @@ struct ModelHeadline {
 std::string ImpossibleFigures(const GramFit& figures);
 
 /// Every sentence in which a command says how well a model describes its strokes comes from here: `misses` is
-/// the command's own finding, which only possible figures can carry.
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses);
+/// the command's own finding, which only possible figures can carry, and no strokes that carry no verdict (`no_verdict` says
+/// why, "" = they do).
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const std::string& no_verdict = {},
+                         const CountedWords& counted = {});
 
 }  // namespace hydroscope

@@ -65,6 +65,7 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   for (std::size_t k = 0; k < history.units.size(); ++k) {
     const StrokeGram& unit = history.units[k];
     out.per_stroke.push_back(Compare(unit, weights, *history.model, history.window));
+    out.per_stroke.back().noise_floor = history.NoiseFloor(out.per_stroke.back().noise_floor);
     out.per_stroke.back().stroke = history.unit_parts[k].first;
     out.per_stroke.back().begin = BeginOf(history, history.unit_parts[k]);
   }
@@ -74,7 +75,9 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
     const auto explained = ExplainHistory(history);
     if (explained) {
       out.verdict = explained->explanation.verdict;
+      out.no_verdict = explained->explanation.no_verdict;
       out.warnings = explained->explanation.warnings;
+      std::erase(out.warnings, out.no_verdict);  // the headline says it
     }
   }
   return out;

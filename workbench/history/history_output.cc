@@ -8,6 +8,8 @@
 
 #include "core/interval_text.h"
 #include "core/relative_change.h"
+#include "models/counted_words.h"
+#include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/fit_output.h"
@@ -98,7 +100,8 @@ std::string VerdictText(const ChangeResult& result) {
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
       return AnyMoved(result) ? "ADEQUATE: no physical effect appeared; what is marked * below moved.\n"
-                              : "ADEQUATE: nothing changed between these strokes that stands out.\n";
+                              : fmt::format("ADEQUATE: nothing changed between these {} that stands out.\n",
+                                            CountedWordsOf(result.after.log.machine).many);
     case Verdict::kNamed:
       return "NAMED: this appeared or changed.\n" + EffectsText(result);
     case Verdict::kAmbiguous:
@@ -107,6 +110,10 @@ std::string VerdictText(const ChangeResult& result) {
              "first.\n" +
              EffectsText(result);
     case Verdict::kUnknown:
+      if (KindOf(result.after.log.machine).has_states)
+        return "UNKNOWN: the model errs more than before, and no parameters that stay as they are over these "
+               "episodes take that away: one is still moving, or an effect is missing. 'hydroscope trends' shows "
+               "what moves, 'hydroscope explain' with the logs which effect it is.\n";
       return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n" +
              NearestText(result.after.explanation);
   }
@@ -117,12 +124,13 @@ std::string VerdictText(const ChangeResult& result) {
 
 std::string HistoryLine(const StrokeHistory& history) {
   std::string text;
+  const CountedWords counted = CountedWordsOf(history.machine);
   for (const HistoryPart& part : history.parts)
     text += part.strokes() == 0
-                ? fmt::format("{}: no strokes.\n", part.machine)
-                : fmt::format("{}: strokes {} to {}.\n", part.machine, part.first, part.last - 1);
+                ? fmt::format("{}: no {}.\n", part.machine, counted.many)
+                : fmt::format("{}: {} {} to {}.\n", part.machine, counted.many, part.first, part.last - 1);
   if (history.strokes_per_unit() > 1)
-    text += fmt::format("{} strokes, judged as {} groups of up to {}.\n", history.strokes(),
+    text += fmt::format("{} {}, judged as {} groups of up to {}.\n", history.strokes(), counted.many,
                         history.units.size(), history.strokes_per_unit());
   return text;
 }
@@ -140,17 +148,18 @@ nlohmann::json HistoryJson(const StrokeHistory& history, const ExplainResult& re
 std::string ChangeText(const ChangeResult& result) {
   const Explanation &before = result.before.explanation, &after = result.after.explanation;
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
+  const CountedWords counted = CountedWordsOf(result.after.log.machine);
   std::string text = VerdictText(result);
   if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt);
   text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
   if (result.newest > 0)
-    text += fmt::format("What appeared went on changing: explained on the newest {} of these strokes.\n",
-                        result.newest);
+    text += fmt::format("What appeared went on changing: explained on the newest {} of these {}.\n",
+                        result.newest, counted.many);
   text += fmt::format(
-      "\nError on strokes left out, {}\n"
+      "\nError on {} left out, {}\n"
       "  before, with the model that explains them   {:>8.3g}   sensor noise alone {:.3g}\n"
       "  after, with the same model                  {:>8.3g}   sensor noise alone {:.3g}\n",
-      unit.name, before.final.rms_holdout * unit.factor, before.final.noise_floor * unit.factor,
+      counted.many, unit.name, before.final.rms_holdout * unit.factor, before.final.noise_floor * unit.factor,
       after.base.rms_holdout * unit.factor, after.base.noise_floor * unit.factor);
   if (after.steps.size() > 1)
     text += fmt::format("  after, with what appeared                   {:>8.3g}\n",
@@ -164,7 +173,9 @@ std::string ChangeText(const ChangeResult& result) {
                         k == static_cast<std::size_t>(after.started) ? "\nAppeared\n" : "", effect.id,
                         effect.parameter, ShownWithInterval(e.size, e.std, effect.unit));
   }
-  if (before.verdict != Verdict::kAdequate)
+  if (!before.no_verdict.empty())
+    text += fmt::format("\nOf the model as it was before: {}.\n", before.no_verdict);
+  else if (before.verdict != Verdict::kAdequate)
     text += fmt::format(
         "\nBefore, the model missed something already (verdict {}): see 'hydroscope explain' with --to.\n",
         VerdictName(before.verdict));

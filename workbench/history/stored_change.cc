@@ -9,6 +9,7 @@
 
 #include "core/distributions.h"
 #include "core/units.h"
+#include "models/counted_words.h"
 #include "storage/alarm_journal.h"
 #include "workbench/history/block_estimates.h"
 
@@ -71,7 +72,7 @@ std::vector<BlockSeries> SeriesOfParameters(const std::vector<BlockEstimates>& b
 
 /// The change may lie in the blocks at either side of the place found; these are left out where enough
 /// remain.
-StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change) {
+StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, const CountedWords& counted) {
   const std::size_t n = series.blocks.size();
   const std::size_t last_before = change.at > kFewestOfALevel ? change.at - 1 : change.at;
   const std::size_t first_after = n - change.at > kFewestOfALevel ? change.at + 1 : change.at;
@@ -79,7 +80,7 @@ StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change) {
   found.before_end = series.blocks[last_before]->first;
   found.since = series.blocks[first_after]->first;
   found.by = series.parameter;
-  found.text = fmt::format("between strokes {} and {}, where {} changes its level", found.before_end,
+  found.text = fmt::format("between {} {} and {}, where {} changes its level", counted.many, found.before_end,
                            found.since, series.parameter);
   return found;
 }
@@ -88,12 +89,14 @@ bool LeavesEnough(const StoredChange& change, const HistoryPart& part) {
   return change.before_end - part.first >= kFewestOnASide && part.last - change.since >= kFewestOnASide;
 }
 
-std::optional<StoredChange> ToldByAlarm(const HistoryPart& part, const std::vector<AlarmState>& alarms) {
+std::optional<StoredChange> ToldByAlarm(const HistoryPart& part, const std::vector<AlarmState>& alarms,
+                                        const CountedWords& counted) {
   std::optional<StoredChange> earliest;
   for (const AlarmState& alarm : alarms) {
     if (!TellsAChange(alarm)) continue;
-    StoredChange change{alarm.first_stroke, alarm.first_stroke, alarm.id,
-                        fmt::format("since stroke {}, told by the alarm {}", alarm.first_stroke, alarm.id)};
+    StoredChange change{
+        alarm.first_stroke, alarm.first_stroke, alarm.id,
+        fmt::format("since {} {}, told by the alarm {}", counted.one, alarm.first_stroke, alarm.id)};
     if (LeavesEnough(change, part) && (!earliest || change.since < earliest->since))
       earliest = std::move(change);
   }
@@ -111,7 +114,7 @@ std::optional<StoredChange> EvidentInBlocks(const Database& database, const Hist
   for (const BlockSeries& series : SeriesOfParameters(*blocks)) {
     const auto change = FindLevelChange(series.values, {series.oil});
     if (!change || !(change->p < p)) continue;
-    StoredChange found = ChangeAt(series, *change);
+    StoredChange found = ChangeAt(series, *change, CountedWordsOf(machine));
     if (!LeavesEnough(found, part)) continue;
     p = change->p;
     clearest = std::move(found);
@@ -159,7 +162,7 @@ std::optional<LevelChange> FindLevelChange(const std::vector<double>& values,
 
 std::optional<StoredChange> FindStoredChange(const Database& database, const HistoryPart& part,
                                              const Machine& machine, const std::vector<AlarmState>& alarms) {
-  if (auto told = ToldByAlarm(part, alarms)) return told;
+  if (auto told = ToldByAlarm(part, alarms, CountedWordsOf(machine))) return told;
   return EvidentInBlocks(database, part, machine);
 }
 

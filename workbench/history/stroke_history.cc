@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "core/units.h"
+#include "models/machine_kind.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/run_summary.h"
 #include "replay/resampled_reader.h"
@@ -119,6 +120,17 @@ Status CheckUnits(StrokeHistory& history) {
   return {};
 }
 
+/// Rms over strokes of the noise floor each was stored with.
+double RmsOfFloors(const std::vector<StrokeSummary>& strokes) {
+  double sum = 0, count = 0;
+  for (const StrokeSummary& stroke : strokes) {
+    if (!(stroke.noise_floor > 0)) continue;
+    sum += stroke.noise_floor * stroke.noise_floor;
+    count += 1;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
 std::optional<double> Seconds(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -168,6 +180,10 @@ double StrokeHistory::equations() const {
   double sum = 0;
   for (const StrokeGram& unit : units) sum += static_cast<double>(unit.blocks - unit.spans);
   return sum;
+}
+
+double StrokeHistory::NoiseFloor(double of_sums) const {
+  return white_noise > 0 ? std::min(of_sums, white_noise) : of_sums;
 }
 
 std::int64_t StrokeHistory::strokes_per_unit() const {
@@ -279,6 +295,7 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   if (const Status labelled = LabelRuns(database, history); !labelled)
     return tl::unexpected(labelled.error());
   if (const Status checked = CheckUnits(history); !checked) return tl::unexpected(checked.error());
+  if (KindOf(machine).has_states) history.white_noise = RmsOfFloors(history.sample);
   if (const Status plausible = JudgeStrokes(path, machine, history.sample); !plausible)
     return tl::unexpected(plausible.error());
   return history;

@@ -35,10 +35,15 @@ struct StrokeHistory {
   std::vector<StrokeSummary> sample;    ///< of some strokes, evenly spread; `index` is the sequence
 
   std::string too_slow;  ///< RunSummary::too_slow of a run among them
+  /// Of a machine with states, whose sums hold what no parameters of an episode take away for noise: the error that white noise
+  /// causes at most, rms, SI of the output. 0: the sums themselves say what is noise.
+  double white_noise = 0;
 
   std::int64_t strokes() const;
   /// Independent equations of all units.
   double equations() const;
+  /// What noise alone would cause, of what the sums say (rms, SI of the output).
+  double NoiseFloor(double of_sums) const;
   /// Strokes of the largest unit; 1 = single strokes.
   std::int64_t strokes_per_unit() const;
 };

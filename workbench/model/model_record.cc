@@ -77,6 +77,7 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
     return BadInput("{}: the strokes do not excite all parameters of the model", history.database);
   strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
+  out.figures.noise_floor = history.NoiseFloor(out.figures.noise_floor);
   return out;
 }
 

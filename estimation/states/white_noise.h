@@ -1,0 +1,21 @@
+#pragma once
+
+#include <Eigen/Dense>
+
+namespace hydroscope {
+
+/// Variance of the white noise in a series from its third differences: what moves evenly over four readings leaves nothing in
+/// them. At most, that is: what moves faster counts as noise.
+class WhiteNoiseVariance {
+ public:
+  /// A further piece of the series, NaN where nothing was measured; readings `stride` rows apart.
+  void Add(const Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>& values, int stride);
+  /// Differences seen; 0 = nothing is known.
+  double count() const { return count_; }
+  double Value() const;
+
+ private:
+  double energy_ = 0, count_ = 0;
+};
+
+}  // namespace hydroscope
