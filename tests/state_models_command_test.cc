@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "models/machine_file/format.h"
 #include "studies/state_machines.h"
 #include "tests/command_line_fixture.h"
@@ -46,6 +48,47 @@ TEST_F(StateModels, WhatIsMissingIsNoNoiseAndWhatIsLeftWithItIs) {
   EXPECT_LT(after["rms_holdout"].get<double>(), 0.3 * before["rms_holdout"].get<double>());
   // An upper bound of the noise before, the noise itself after.
   EXPECT_GT(before["noise_floor"].get<double>(), 0.98 * after["noise_floor"].get<double>());
+}
+
+/// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.
+TEST_F(CommandLine, NoRecordIsProposedWhereTheScaleOfAStateIsFree) {
+  WriteText(File("free.toml"), R"toml([machine]
+name = "tanks"
+[log]
+hold = "zero"
+time = { column = "t", unit = "s" }
+[signals]
+u = { column = "u", unit = "V" }
+level = { column = "y", unit = "V" }
+[states]
+h_1 = { ddt = "pump*u - k1*h_1" }
+h_2 = { ddt = "a*h_1 - k2*h_2" }
+[outputs]
+level = "h_2"
+[parameters]
+k1 = { start = 0.1, min = 0.01, max = 2 }
+k2 = { start = 0.2, min = 0.01, max = 2 }
+a = { start = 0.1, min = 0.01, max = 2 }
+pump = { start = 0.1, min = 0.01, max = 2 }
+)toml");
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.02);
+  std::uniform_int_distribution<int> level(100, 500);
+  std::string log = "t,u,y\n";
+  double u = 3, first = 4, second = 4;
+  for (int row = 0; row < 800; ++row) {
+    if (row % 20 == 0) u = level(random) / 100.0;
+    log += fmt::format("{},{:.2f},{:.5f}\n", row, u, second + noise(random));
+    for (int step = 0; step < 20; ++step) {
+      const double in = 0.3 * u - 0.15 * first, out = 0.2 * first - 0.25 * second;
+      first += 0.05 * in;
+      second += 0.05 * out;
+    }
+  }
+  WriteText(File("free.csv"), log);
+  const std::string explained = Run({"explain", File("free.csv"), "-m", File("free.toml")}).out;
+  EXPECT_THAT(explained, testing::HasSubstr("No record of these signals shows a, pump"));
+  EXPECT_THAT(explained, testing::Not(testing::HasSubstr("What to record, best first")));
 }
 
 }  // namespace
