@@ -1,15 +1,17 @@
-// How a trend of very many strokes pans in a real browser: node long_trend.mjs [STROKES], 10 000 000 without a number. The database
-// is made with sqlite3 in a folder that is removed at the end (some 200 bytes a stroke). HYDROSCOPE names the program, CHROMIUM the browser.
+// How a trend of very many strokes pans in a real browser: node long_trend.mjs [STROKES [FOLDER]], 10 000 000 without a number. The
+// database is made with sqlite3 (some 200 bytes a stroke) in a folder that is removed at the end; in a FOLDER that is given it stays
+// and is used again. HYDROSCOPE names the program, CHROMIUM the browser.
 
 import { spawnSync } from "node:child_process";
-import { rmSync } from "node:fs";
+import { existsSync, mkdirSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { browser, folder, open, run } from "./program.mjs";
 
 const strokes = Number(process.argv[2] ?? 10_000_000), patience = 1_800_000;
 const machine = fileURLToPath(new URL("../../machines/die_cushion.toml", import.meta.url));
-const place = folder();
+const place = process.argv[3] ? { path: process.argv[3], remove: () => {} } : folder();
+mkdirSync(place.path, { recursive: true });
 
 /** One run of many strokes behind those of a log: a stroke every 12 s, K follows the oil, with a spike now and then. */
 function makeLongTrend() {
@@ -32,11 +34,11 @@ function makeLongTrend() {
   if (done.status !== 0 || done.stderr) throw new Error(`sqlite3: ${done.stderr}`);
 }
 
-/** Pans with Shift and wheel, a step with every frame; how long the frames took. */
-function panFor(seconds) {
+/** Pans for some seconds, a turn of the wheel with every frame, so many pixels each, back after so many frames; how long the frames took. Without pixels: frames of the browser alone. */
+function panFor({ seconds, pixels, back }) {
   const box = document.querySelector(".trend-plot [role=application]"), over = document.querySelector(".trend-plot .u-over").getBoundingClientRect();
   const event = () => new WheelEvent("wheel", { shiftKey: true, deltaY: turn, bubbles: true, cancelable: true, clientX: over.left + over.width / 2, clientY: over.top + 20 });
-  let turn = 1;
+  let turn = pixels;
   return new Promise((resolve) => {
     const frames = [];
     let before = performance.now();
@@ -44,8 +46,8 @@ function panFor(seconds) {
     const frame = (now) => {
       frames.push(now - before);
       before = now;
-      if (frames.length % 4 === 0) turn = -turn;  // to and fro, within what is there on both sides
-      box.dispatchEvent(event());
+      if (frames.length % back === 0) turn = -turn;
+      if (pixels !== 0) box.dispatchEvent(event());
       if (now - begin < 1000 * seconds) requestAnimationFrame(frame); else resolve(frames.slice(2));
     };
     requestAnimationFrame(frame);
@@ -53,9 +55,13 @@ function panFor(seconds) {
 }
 
 const at = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))].toFixed(1);
+const seconds = 5, onAndOn = 1e9;
+const told = (frames) => `${(1000 * frames.length / frames.reduce((sum, frame) => sum + frame, 0)).toFixed(1)} frames a second, ${at(frames, 0.5)} ms in the median, ${at(frames, 0.99)} ms at p99, ${at(frames, 1)} ms at most`;
 const begun = Date.now();
-makeLongTrend();
-console.log(`${strokes} strokes stored in ${((Date.now() - begun) / 1000).toFixed(0)} s`);
+if (!existsSync(join(place.path, "long.db"))) {
+  makeLongTrend();
+  console.log(`${strokes} strokes stored in ${((Date.now() - begun) / 1000).toFixed(0)} s`);
+}
 const served = await open(["--db", "long.db"], place.path);
 const chromium = await browser();
 const page = await (await chromium.newContext({ viewport: { width: 1400, height: 900 } })).newPage();
@@ -66,11 +72,23 @@ await page.waitForSelector(".trend-plot canvas");
 console.log(`first picture after ${Date.now() - start} ms`);
 await page.waitForSelector(".plots[data-exact='1']");
 console.log(`lowest and highest values of all collected after ${((Date.now() - start) / 1000).toFixed(1)} s`);
-for (const span of [strokes, strokes / 10, strokes / 100].map(Math.round).filter((n) => n > 1000)) {
-  const from = Math.round((strokes - span) / 2);
-  await page.goto(`${served.address}#view=trends&p=K&x=stroke&from=${from}&to=${from + span}`);
-  await page.waitForTimeout(1500);
-  const frames = await page.evaluate(panFor, 5);
+await page.waitForTimeout(1500);
+console.log(`the browser alone: ${told(await page.evaluate(panFor, { seconds, pixels: 0, back: onAndOn }))}`);
+for (const span of [strokes / 2, strokes / 10, strokes / 100, strokes / 1000].map(Math.round).filter((n) => n > 1000)) {
+  const from = Math.round((strokes - span) / 4);
+  const pan = async (way, axis) => {
+    await page.goto(`${served.address}#view=trends&p=K&x=${axis}&from=${from}&to=${from + span}`);
+    await page.waitForTimeout(1500);
+    let requests = 0, bytes = 0;
+    const count = async (response) => { ++requests; bytes += (await response.body().catch(() => "")).length; };
+    page.on("response", count);
+    console.log(`${span} strokes wide, ${way.name}: ${told(await page.evaluate(panFor, { seconds, ...way }))}`);
+    page.off("response", count);
+    if (bytes > 0) console.log(`  ${requests} requests, ${(bytes / requests / 1000).toFixed(0)} kB each`);
+  };
+  await pan({ name: "to and fro", pixels: 120, back: 4 }, "stroke");
+  await pan({ name: "on and on, a width a second", pixels: 20, back: span * 8 > strokes ? 120 : onAndOn }, "stroke");
+  await pan({ name: "the same over dates", pixels: 20, back: span * 8 > strokes ? 120 : onAndOn }, "time");
   const times = [];
   for (let k = 0; k < 40; ++k) {
     const first = Math.max(0, Math.round(from + (k - 20) * span / 40 - span / 2));
@@ -78,7 +96,7 @@ for (const span of [strokes, strokes / 10, strokes / 100].map(Math.round).filter
     await (await fetch(`${served.address}api/v1/watch/trend?machine=die_cushion&parameter=K&first=${first}&end=${first + 2 * span}&bins=2000`)).arrayBuffer();
     times.push(performance.now() - start);
   }
-  console.log(`${span} strokes wide: ${(frames.length / 5).toFixed(0)} frames a second, ${at(frames, 0.5)} ms in the median, ${at(frames, 0.99)} ms at p99; requests ${at(times, 0.5)} ms in the median, ${at(times, 0.99)} ms at p99`);
+  console.log(`  requests ${at(times, 0.5)} ms in the median, ${at(times, 0.99)} ms at p99`);
 }
 await chromium.close();
 await served.stop();

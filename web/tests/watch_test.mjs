@@ -107,6 +107,39 @@ test("a trend is zoomed, kept in the address, and its CSV holds what `trends` ho
   await page.waitForSelector(".trend-plot[role=img] canvas");
 });
 
+test("panning moves the picture frame by frame, asks ahead for what comes, and ends with the last stroke", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(`${address}#view=trends&p=K&x=stroke&from=20&to=40`);
+  await page.waitForSelector(".trend-plot canvas");
+  await until(page, () => /Strokes 20 to 39/.test(document.querySelector(".trends [role=status]").textContent));
+  const asked = [];
+  page.on("request", (request) => { if (/watch\/trend/.test(request.url())) asked.push(Number(new URL(request.url()).searchParams.get("end"))); });
+  const turn = (pixels, turns) => page.evaluate(async ({ pixels, turns }) => {
+    const over = document.querySelector(".trend-plot .u-over"), { left, width, top } = over.getBoundingClientRect();
+    for (let k = 0; k < turns; ++k) {
+      over.dispatchEvent(new WheelEvent("wheel", { shiftKey: true, deltaY: pixels, bubbles: true, cancelable: true, clientX: left + width / 2, clientY: top + 20 }));
+      await new Promise(requestAnimationFrame);
+    }
+  }, { pixels, turns });
+  await turn(100, 30);
+  await until(page, () => /from=[67]\d&/.test(location.hash));
+  assert.ok(asked.length > 2 && asked[0] > 60, `values were asked for before they were in view: ${asked}`);
+  const picture = (of) => of.evaluate(() => document.querySelector(".trend-plot canvas").toDataURL());
+  const atRest = async (of) => {
+    for (let before = "", now = await picture(of); before !== now; now = await picture(of)) { before = now; await of.waitForTimeout(400); }
+    return picture(of);
+  };
+  await page.mouse.move(5, 5);
+  const panned = await atRest(page);
+  const fresh = await page.context().newPage();
+  await fresh.goto(page.url());
+  await fresh.waitForSelector(".trend-plot canvas");
+  assert.ok(panned === await atRest(fresh), "the picture that was moved is that of the same strokes looked at anew");
+  await fresh.close();
+  await turn(100, 150);
+  await until(page, () => /from=1\d\d/.test(location.hash) && !/to=/.test(location.hash));
+});
+
 test("an alarm is read, leads to its strokes, is acknowledged, shelved and remarked, and survives a restart", async (t) => {
   const own = copyOfHistory("acknowledged");
   const { page, address } = await visit(t, own);

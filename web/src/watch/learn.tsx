@@ -23,7 +23,7 @@ export function Learn({ overview }: { overview: Overview }) {
   const strokes = machine?.strokes ?? 0;
   const whole = (text: string | undefined, otherwise: number) => (text && /^\d+$/.test(text) ? Number(text) : otherwise);
   const to = Math.min(strokes, Math.max(1, whole(query.to, strokes))), from = Math.max(0, Math.min(whole(query.from, 0), to - 1));
-  const { trends, problem } = useTrends(machine?.machine ?? "", parameter ? [parameter.parameter] : [], from, to, strokes, tick);
+  const { trends, problem, ahead } = useTrends(machine?.machine ?? "", parameter ? [parameter.parameter] : [], from, to, strokes, tick);
   if (!machine || !parameter || strokes === 0) return <p class="empty" role="status">{say("noMachines")}</p>;
   const look = (first: number, end: number) => {
     const a = Math.max(0, Math.min(first, strokes - 2)), b = Math.min(strokes, Math.max(end, a + 2));
@@ -47,7 +47,7 @@ export function Learn({ overview }: { overview: Overview }) {
         <button onClick={() => look(0, strokes)} disabled={to - from === strokes}>{say("everything")}</button>
       </div>
       {problem && <p class="problem" role="alert" lang="en">{problem}</p>}
-      <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} height={260} />}</div>
+      <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} ahead={ahead} height={260} />}</div>
       <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say("trendKeys")}</p>
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />
         : <p class="empty">{session?.user ? say("onlyViewLearn") : say("loginToAct")}</p>}

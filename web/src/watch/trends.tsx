@@ -6,30 +6,40 @@ import { useWords } from "../words";
 import { OilPlot } from "./oil_plot";
 import { celsius, dateText, download, inUnit, isDate, symbolOf } from "./shown";
 import { placeOf, type AxisKind } from "./trend_axis";
-import { markColors, TrendPlot } from "./trend_plot";
+import { TrendPlot } from "./trend_plot";
+import { markColors } from "./trend_view";
 import { ToWorkbench } from "./to_workbench";
 import { useWatch } from "./watch_store";
 import type { MaybeNumber, Overview, Trend, WatchedUnit } from "./watch_types";
 
 const binsSeen = 1000;  // about a pixel each; beside them as many more as the margins hold, so that panning shows something at once
 
-/** The trends asked for, with a margin on both sides; the last ones stay until the new ones are there. */
+/** The trends of what is looked at, with a margin on both sides; the last ones stay until the new ones are there. While one pans, `ahead` asks for what comes. */
 export function useTrends(machine: string, parameters: string[], from: number, to: number, strokes: number, tick: number) {
   const [trends, setTrends] = useState<Trend[]>([]);
   const [problem, setProblem] = useState("");
   const [late, setLate] = useState(false);
-  const asked = useRef(0);
+  const [moved, setMoved] = useState<{ chosen: string; from: number; to: number } | null>(null);
+  const asked = useRef(0), there = useRef(0);
+  const chosen = `${from} ${to}`, view = moved?.chosen === chosen ? moved : { from, to };
+  useEffect(() => setMoved(null), [chosen]);
   useEffect(() => {
-    const number = ++asked.current, margin = Math.ceil((to - from) / 2);
+    const number = ++asked.current, margin = view.to - view.from;
     const slow = setTimeout(() => setLate(true), 300);
-    const first = Math.max(0, from - margin), end = Math.min(strokes, to + margin), bins = Math.ceil((binsSeen * (end - first)) / Math.max(1, to - from));
+    const first = Math.max(0, view.from - margin), end = Math.min(strokes, view.to + margin), bins = Math.ceil((binsSeen * (end - first)) / Math.max(1, view.to - view.from));
     void Promise.all(parameters.map((parameter) => get<Trend>("watch/trend", { machine, parameter, first, end, bins })))
-      .then((found) => { if (number === asked.current) { setTrends(found); setProblem(""); } })
+      .then((found) => {
+        if (number < there.current) return;  // a later answer was faster
+        there.current = number;
+        setTrends(found);
+        setProblem("");
+      })
       .catch((failure: Error) => { if (number === asked.current) setProblem(failure.message); })
       .finally(() => { clearTimeout(slow); if (number === asked.current) setLate(false); });
     return () => clearTimeout(slow);
-  }, [machine, parameters.join(), from, to, tick]);
-  return { trends: trends.filter((t) => t.machine === machine && parameters.includes(t.parameter)), problem, late };
+  }, [machine, parameters.join(), view.from, view.to, tick]);
+  const ahead = (first: number, end: number) => setMoved({ chosen, from: first, to: end });
+  return { trends: trends.filter((t) => t.machine === machine && parameters.includes(t.parameter)), problem, late, ahead };
 }
 
 function csvOf(trend: Trend, unit: WatchedUnit, from: number, to: number): string {
@@ -77,7 +87,7 @@ export function Trends({ overview }: { overview: Overview }) {
   const strokes = machine?.strokes ?? 0;
   const whole = (text: string | undefined, otherwise: number) => (text && /^\d+$/.test(text) ? Number(text) : otherwise);
   const to = Math.min(strokes, Math.max(1, whole(query.to, strokes))), from = Math.max(0, Math.min(whole(query.from, 0), to - 1));
-  const { trends, problem, late } = useTrends(machine?.machine ?? "", parameters, from, to, strokes, tick);
+  const { trends, problem, late, ahead } = useTrends(machine?.machine ?? "", parameters, from, to, strokes, tick);
   if (!machine || strokes === 0) return <p class="empty" role="status">{say("noMachines")}</p>;
   const axis: AxisKind = query.x === "oil" ? "oil" : query.x === "stroke" || !machine.dated ? "stroke" : "time";
   const compensated = query.comp === "1";
@@ -131,7 +141,7 @@ export function Trends({ overview }: { overview: Overview }) {
       <div ref={plots} class="plots" data-exact={trends.length > 0 && trends.every((t) => t.exact) ? "1" : "0"}>
         {trends.map((trend) => axis === "oil"
           ? <OilPlot key={trend.parameter} trend={trend} unit={unitOf(trend.parameter)} height={320} />
-          : <TrendPlot key={trend.parameter} trend={trend} unit={unitOf(trend.parameter)} axis={axis} compensated={compensated && Boolean(trend.healthy?.compensates)} from={from} to={to} look={look} height={trends.length > 1 ? 230 : 340} />)}
+          : <TrendPlot key={trend.parameter} trend={trend} unit={unitOf(trend.parameter)} axis={axis} compensated={compensated && Boolean(trend.healthy?.compensates)} from={from} to={to} look={look} ahead={ahead} height={trends.length > 1 ? 230 : 340} />)}
       </div>
       <p class="quiet legend">
         {axis !== "oil" && <><span><i class="key-mean" />{say("keyMean")}</span><span><i class="key-band" />{say("keyBand")}</span><span><i class="key-range" />{say("keyRange")}</span></>}
