@@ -61,6 +61,7 @@ void Take(AlarmState& alarm, const AlarmCondition& condition) {
   alarm.limit = condition.limit;
   alarm.unit = condition.unit;
   alarm.text = condition.text;
+  alarm.words = condition.words;
   alarm.first_stroke = condition.first_stroke;
   alarm.last_stroke = condition.last_stroke;
   alarm.cause = condition.cause;

@@ -23,6 +23,13 @@ struct AlarmCondition {
   std::string text;
   std::int64_t first_stroke = -1, last_stroke = -1;
   AlarmCause cause = {};
+  AlarmWords words = {};
+
+  /// One sentence is all there is to say.
+  void Say(Told sentence) {
+    text = sentence.english;
+    words = {std::move(sentence), {}, {}};
+  }
 };
 
 /// Where and when: machine time and stroke, wall clock, oil temperature.

@@ -33,29 +33,33 @@ HealthState StateOf(AlarmSeverity severity) {
 }
 
 /// The first of equally urgent answers stands.
-void Worsen(Health& health, HealthState state, HealthReason reason, std::string text) {
+void Worsen(Health& health, HealthState state, HealthReason reason, Told told) {
   if (state <= health.state) return;
   health.state = state;
   health.reason = reason;
-  health.text = std::move(text);
+  health.text = std::move(told.english);
+  health.german = std::move(told.german);
 }
 
 void TakeAlarms(const std::vector<AlarmState>& alarms, Health& health) {
   for (const AlarmState& alarm : alarms) {
     if (alarm.out_of_service)
       Worsen(health, HealthState::kFunctionCheck, HealthReason::kOutOfService,
-             fmt::format("{} is out of service", alarm.id));
+             Tell("{} is out of service", "{} ist außer Betrieb", alarm.id));
     else if (alarm.active && alarm.suppressed == 0)
       Worsen(health, StateOf(alarm.severity), HealthReason::kAlarms,
-             fmt::format("{} stands ({})", alarm.id, SeverityName(alarm.severity)));
+             Tell("{} stands ({})", "{} steht an ({})", alarm.id, SeverityTold(alarm.severity)));
   }
 }
 
-std::string LearningText(const HealthEvidence& e) {
-  if (!e.not_learned.empty()) return "nothing is judged: " + e.not_learned;
+Told LearningText(const HealthEvidence& e) {
+  if (!e.not_learned.empty())
+    return Tell("nothing is judged: {}", "nichts wird beurteilt: {}", e.not_learned);
   if (e.learned >= e.needed)
-    return fmt::format("nothing is judged: {} strokes wait for `hydroscope learn`", e.learned);
-  return fmt::format("learning the healthy machine, {} of {} strokes", e.learned, e.needed);
+    return Tell("nothing is judged: {} strokes wait for `hydroscope learn`",
+                "nichts wird beurteilt: {} Hübe warten auf `hydroscope learn`", e.learned);
+  return Tell("learning the healthy machine, {} of {} strokes",
+              "die gesunde Maschine wird gelernt, {} von {} Hüben", e.learned, e.needed);
 }
 
 }  // namespace
@@ -66,8 +70,14 @@ const char* HealthReasonName(HealthReason reason) { return kReasons[static_cast<
 bool IsTrouble(HealthReason reason) { return reason >= HealthReason::kDiskFull; }
 
 Health JudgeHealth(const HealthEvidence& e) {
-  Health health{HealthState::kGood, HealthReason::kJudgedGood, "judged, no alarm stands", 0, 0};
-  if (IsTrouble(e.trouble.reason)) Worsen(health, HealthState::kFailure, e.trouble.reason, e.trouble.text);
+  Health health{HealthState::kGood,
+                HealthReason::kJudgedGood,
+                "judged, no alarm stands",
+                0,
+                0,
+                "beurteilt, kein Alarm steht an"};
+  if (IsTrouble(e.trouble.reason))
+    Worsen(health, HealthState::kFailure, e.trouble.reason, {e.trouble.text, ""});
   if (!e.has_reference) {
     Worsen(health, HealthState::kFunctionCheck, HealthReason::kLearning, LearningText(e));
     health.learned = e.learned;
@@ -75,7 +85,8 @@ Health JudgeHealth(const HealthEvidence& e) {
   }
   if (!e.not_judged.empty())
     Worsen(health, HealthState::kFunctionCheck, HealthReason::kStrokesNotJudged,
-           "the last strokes were not judged: " + e.not_judged);
+           Tell("the last strokes were not judged: {}", "die letzten Hübe wurden nicht beurteilt: {}",
+                e.not_judged));
   TakeAlarms(e.alarms, health);
   return health;
 }

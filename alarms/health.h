@@ -41,6 +41,7 @@ struct Health {
   HealthReason reason = HealthReason::kNothingKnown;
   std::string text = "nothing has been judged yet";  ///< "learning the healthy machine, 19 of 100 strokes"
   std::int64_t learned = 0, needed = 0;  ///< strokes of commissioning; 0 once there is a reference
+  std::string german = {};               ///< `text` in German; "": it is told in English alone
 
   char letter() const { return HealthLetter(state); }
   bool operator==(const Health&) const = default;
@@ -58,8 +59,8 @@ struct HealthEvidence {
   const std::vector<AlarmState>& alarms;
   bool has_reference = false;            ///< there is something to judge by
   std::int64_t learned = 0, needed = 0;  ///< strokes of commissioning, told if there is no reference
-  std::string not_learned = {};          ///< why they will not be learned; "" if they will
-  std::string not_judged = {};           ///< why the last strokes were not judged; "" if they were
+  Told not_learned = {};                 ///< why they will not be learned; "" if they will
+  Told not_judged = {};                  ///< why the last strokes were not judged; "" if they were
   ServiceTrouble trouble = {};
 };
 

@@ -20,7 +20,7 @@ AlarmState Active(AlarmSeverity severity) {
 }
 
 char Judged(const std::vector<AlarmState>& alarms) {
-  return JudgeHealth({.alarms = alarms, .has_reference = true, .not_judged = "", .trouble = {}}).letter();
+  return JudgeHealth({.alarms = alarms, .has_reference = true, .not_judged = {}, .trouble = {}}).letter();
 }
 
 TEST(Health, TakesTheMostUrgentAlarmThatIsNotSuppressed) {
@@ -38,20 +38,20 @@ TEST(Health, TakesTheMostUrgentAlarmThatIsNotSuppressed) {
 
 TEST(Health, IsNeverGoodWhileTheHealthyMachineIsLearned) {
   const Health health =
-      JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = "", .trouble = {}});
+      JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = {}, .trouble = {}});
   EXPECT_EQ(health.letter(), 'C');
   EXPECT_EQ(health.reason, HealthReason::kLearning);
   EXPECT_THAT(health.text, HasSubstr("19 of 100"));
   EXPECT_EQ(health.needed, 100);
   const Health waits =
-      JudgeHealth({.alarms = {}, .learned = 100, .needed = 100, .not_judged = "", .trouble = {}});
+      JudgeHealth({.alarms = {}, .learned = 100, .needed = 100, .not_judged = {}, .trouble = {}});
   EXPECT_EQ(waits.letter(), 'C') << "freeze = \"command\"";
   EXPECT_THAT(waits.text, HasSubstr("hydroscope learn"));
 }
 
 TEST(Health, IsNotGoodWhileStrokesComeThatCannotBeJudged) {
-  const Health health =
-      JudgeHealth({.alarms = {}, .has_reference = true, .not_judged = "oil too cold", .trouble = {}});
+  const Health health = JudgeHealth(
+      {.alarms = {}, .has_reference = true, .not_judged = {"oil too cold", "Öl zu kalt"}, .trouble = {}});
   EXPECT_EQ(health.letter(), 'C');
   EXPECT_EQ(health.reason, HealthReason::kStrokesNotJudged);
 }
@@ -73,8 +73,8 @@ TEST(Health, ATroubleOfTheServiceIsAFailureOfEveryAxis) {
 
 TEST(Health, APressIsNotGoodWhileNoneOfItsAxesIsJudged) {
   const Health learning =
-      JudgeHealth({.alarms = {}, .learned = 1, .needed = 100, .not_judged = "", .trouble = {}});
-  const Health good = JudgeHealth({.alarms = {}, .has_reference = true, .not_judged = "", .trouble = {}});
+      JudgeHealth({.alarms = {}, .learned = 1, .needed = 100, .not_judged = {}, .trouble = {}});
+  const Health good = JudgeHealth({.alarms = {}, .has_reference = true, .not_judged = {}, .trouble = {}});
   EXPECT_EQ(JudgePressHealth({}, {}, {learning, learning}).letter(), 'C');
   EXPECT_EQ(JudgePressHealth({}, {}, {learning, good}).letter(), '-');
   EXPECT_EQ(JudgePressHealth({Active(AlarmSeverity::kSignalLoss)}, {}, {learning}).letter(), 'F');

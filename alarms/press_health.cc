@@ -20,6 +20,7 @@ Health JudgePressHealth(const std::vector<AlarmState>& alarms, const ServiceTrou
   health.state = HealthState::kFunctionCheck;
   health.reason = HealthReason::kLearning;
   health.text = "no axis is judged yet";
+  health.german = "noch keine Achse wird beurteilt";
   return health;
 }
 

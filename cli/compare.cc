@@ -36,7 +36,7 @@ Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
         result->warnings.push_back(fmt::format(
             "these {} hold a change {}: one model for both sides of it errs on either; compare them with "
             "--to {} and --from {}",
-            CountedWordsOf(choice.machine).many, change->text, change->before_end, change->since));
+            CountedWordsOf(choice.machine).many, change->text.english, change->before_end, change->since));
     results.push_back(std::move(*result));
   }
   return results;

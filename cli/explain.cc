@@ -92,10 +92,12 @@ Status ExplainSides(const HistoryChoice& choice, const StrokeHistory& before, co
 /// Strokes on either side of a change that nobody asked for.
 Status ExplainFound(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
                     const StoredChange& change, Explained& out) {
-  const nlohmann::json found = {
-      {"since", change.since}, {"before_end", change.before_end}, {"by", change.by}, {"text", change.text}};
+  const nlohmann::json found = {{"since", change.since},
+                                {"before_end", change.before_end},
+                                {"by", change.by},
+                                {"text", change.text.english}};
   const std::string lead =
-      fmt::format("These {} hold a change {}.\n", CountedWordsOf(choice.machine).many, change.text);
+      fmt::format("These {} hold a change {}.\n", CountedWordsOf(choice.machine).many, change.text.english);
   std::vector<HistoryPart> before = choice.parts, after = choice.parts;
   before.front().last = change.before_end;
   after.front().first = change.since;

@@ -43,7 +43,7 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
   for (const LearningCandidate& c : candidates) {
     for (const LearningDoubt& doubt : c.doubts)
       std::cerr << fmt::format("{} {} {} to {}: {}\n", c.part.machine, CountedWordsOf(c.machine).many,
-                               c.part.first, c.part.last - 1, doubt.text);
+                               c.part.first, c.part.last - 1, doubt.text.english);
     if (c.Refused()) refused += (refused.empty() ? "" : ", ") + c.part.machine;
   }
   if (refused.empty() || a.force) return {};

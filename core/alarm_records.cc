@@ -14,26 +14,33 @@ constexpr std::array<const char*, 4> kSeverities = {"advisory", "warning", "alar
 
 const char* SeverityName(AlarmSeverity severity) { return kSeverities[static_cast<std::size_t>(severity)]; }
 
+Told SeverityTold(AlarmSeverity severity) {
+  static const std::array<const char*, 4> kGerman = {"Hinweis", "Warnung", "Alarm", "Signalverlust"};
+  return {SeverityName(severity), kGerman[static_cast<std::size_t>(severity)]};
+}
+
 std::optional<AlarmSeverity> SeverityFromName(const std::string& name) {
   for (std::size_t i = 0; i < kSeverities.size(); ++i)
     if (name == kSeverities[i]) return static_cast<AlarmSeverity>(i);
   return std::nullopt;
 }
 
-std::string CauseText(const AlarmCause& cause) {
+Told CauseTold(const AlarmCause& cause) {
   const auto listed = fmt::format("{}", fmt::join(cause.effects, ", "));
   switch (cause.kind) {
     case CauseKind::kNotSought:
-      return "";
+      return {};
     case CauseKind::kNamed:
-      return listed;
+      return Tell("{}", "{}", listed);
     case CauseKind::kSeveral:
-      return "one of " + listed;
+      return Tell("one of {}", "eine von {}", listed);
     case CauseKind::kNotKnown:
       break;
   }
-  return "not known";
+  return Tell("not known", "nicht bekannt");
 }
+
+std::string CauseText(const AlarmCause& cause) { return CauseTold(cause).english; }
 
 const char* StateName(const AlarmState& alarm) {
   if (alarm.out_of_service) return "OOSRV";

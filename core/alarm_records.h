@@ -6,11 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 /// Urgency, lowest first. Loss of signal stands apart: nothing is known, neither good nor bad.
 enum class AlarmSeverity { kAdvisory, kWarning, kAlarm, kSignalLoss };
 const char* SeverityName(AlarmSeverity severity);
+Told SeverityTold(AlarmSeverity severity);
 std::optional<AlarmSeverity> SeverityFromName(const std::string& name);
 
 /// How far comparing the strokes before and after a change carries its cause; the number is the code of the
@@ -27,7 +30,16 @@ struct AlarmCause {
   bool operator==(const AlarmCause&) const = default;
 };
 /// "", "not known", "internal_leakage", "one of internal_leakage, external_leakage".
+Told CauseTold(const AlarmCause& cause);
 std::string CauseText(const AlarmCause& cause);
+
+/// What an alarm says, by what it tells. Of one that no finding raises all of it is `finding`.
+struct AlarmWords {
+  Told finding;   ///< "Oil column softer"
+  Told evidence;  ///< "since stroke 48210: K -10.0 ± 0.6 % (12000 -> 10800 bar)", what comparing strokes said
+  Told action;    ///< what to do
+  bool operator==(const AlarmWords&) const = default;
+};
 
 /// Why an alarm is suppressed by design; several may hold at once.
 enum Suppression : std::uint8_t {
@@ -53,9 +65,10 @@ struct AlarmState {
   double limit = std::numeric_limits<double>::quiet_NaN();  ///< SI
   std::string unit;                                         ///< SI
   std::string text;                                         ///< finding and guidance
-  AlarmCause cause;                                         ///< of what was found
-  double raised_time = 0;                                   ///< s, machine time
-  double raised_wall = 0;                                   ///< s since 1970
+  AlarmWords words;        ///< the same apart; empty in alarms of old journals
+  AlarmCause cause;        ///< of what was found
+  double raised_time = 0;  ///< s, machine time
+  double raised_wall = 0;  ///< s since 1970
   std::int64_t raised_stroke = 0;
   std::int64_t first_stroke = -1, last_stroke = -1;  ///< evidence
 

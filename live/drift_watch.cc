@@ -143,10 +143,12 @@ Status DriftWatch::LookForSecondSender(int index, const LiveStatus& live, HostTi
   condition.limit = 2;
   condition.unit = "1";
   condition.severity = AlarmSeverity::kSignalLoss;
-  condition.text = fmt::format(
+  condition.Say(hydroscope::Tell(
       "two senders of the same channels: {} was first and is believed, {} is left out; switch off the one "
       "that is not this machine's, `hydroscope status` shows both",
-      fmt::join(first, ", "), fmt::join(others, ", "));
+      "zwei Sender derselben Kanäle: {} war zuerst da und gilt, {} bleibt außen vor; den abschalten, der nicht zu "
+      "dieser Maschine gehört, `hydroscope status` zeigt beide",
+      fmt::format("{}", fmt::join(first, ", ")), fmt::format("{}", fmt::join(others, ", "))));
   return Tell(index, "two_senders", condition, now);
 }
 
@@ -173,10 +175,12 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   condition.limit = kSilence;
   condition.unit = "s";
   condition.severity = AlarmSeverity::kSignalLoss;
-  condition.text = fmt::format(
+  condition.Say(hydroscope::Tell(
       "no samples of {}: check the controller and the link to it; "
       "`hydroscope check --live` shows every channel",
-      fmt::join(silent, ", "));
+      "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope check --live` zeigt "
+      "jeden Kanal",
+      fmt::format("{}", fmt::join(silent, ", "))));
   return Tell(index, "no_samples", condition, now);
 }
 

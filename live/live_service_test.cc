@@ -222,7 +222,7 @@ TEST_F(LiveServiceTest, NothingIsLearnedFromRowsThatAreTooFarApart) {
   const auto doubt = DoubtOf("press/left");
   ASSERT_TRUE(doubt.has_value());
   EXPECT_EQ(doubt->kind, LearningDoubt::Kind::kTooSlow);
-  EXPECT_THAT(doubt->text, HasSubstr("sampled too slowly"));
+  EXPECT_THAT(doubt->text.english, HasSubstr("sampled too slowly"));
 }
 
 TEST_F(LiveServiceTest, TheRawWindowReplayedGivesTheSameTrendsToTheLastBit) {

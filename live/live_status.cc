@@ -169,6 +169,7 @@ json DriftJson(const DriftWatchStatus& drift) {
                     {"health", std::string(1, a.health.letter())},
                     {"health_reason", HealthReasonName(a.health.reason)},
                     {"health_text", a.health.text},
+                    {"health_text_german", a.health.german},
                     {"reference_version", a.reference},
                     {"commissioning_strokes", a.learned},
                     {"commissioning_needed", a.needed},

@@ -72,6 +72,11 @@ struct Effect {
   /// What tells it from effects that no stroke can tell it from: "relieve the cushion and read the sensor". Empty: strokes
   /// can, see ProposeExperiment.
   std::string told_apart_by;
+  /// title, plain and told_apart_by as the page says them in German; empty in effects of users' own.
+  struct German {
+    std::string title, plain, told_apart_by = {};
+  };
+  German german;
   /// Strokes that show it where those at hand do not: "strokes with cold and with warm oil". Empty: any.
   std::string shown_by;
   /// Strokes that tell it from another effect; said by one of the two.

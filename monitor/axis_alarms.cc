@@ -33,12 +33,19 @@ bool OfFindings(const std::string& id, const drift::RuleBook& rules) {
 
 }  // namespace
 
-std::string FindingWords(const drift::DriftFinding& finding, const char* counted) {
+AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
+  const Told compared = finding.explanation.empty() ? Told{} : Tell(" {}", " {}", finding.explanation);
+  return {NameText(finding),
+          Tell("{}: {}.{}", "{}: {}.{}", SinceText(finding, counted), SizesText(finding), compared),
+          finding.guidance};
+}
+
+std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted) {
   std::string text = drift::FindingText(finding, counted) + ". ";
-  if (!finding.explanation.empty()) text += finding.explanation + " ";
+  if (!finding.explanation.empty()) text += finding.explanation.english + " ";
   if (finding.cause.kind != CauseKind::kNotSought)
     text += fmt::format("Cause: {}. ", CauseText(finding.cause));
-  return text + finding.guidance;
+  return text + finding.guidance.english;
 }
 
 AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {
@@ -62,6 +69,7 @@ namespace axis_alarms {
 void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
                    AxisContent& content) {
   const AlarmSettings settings = AlarmSettingsOf(rules);
+  const drift::CountedIn counted = drift::CountedInOf(monitor.model().kind());
   for (const drift::DriftFinding& finding : monitor.findings()) {
     if (finding.parts.empty() || !SpeaksForItsAlarm(finding, monitor.findings())) continue;
     AlarmState& alarm = content.Alarm(AlarmIdOf(finding));
@@ -76,10 +84,11 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              true,
                              part.unit,
                              static_cast<AlarmSeverity>(finding.severity),
-                             FindingWords(finding, CountedAs(monitor.model().kind())),
+                             AlarmTextOf(finding, counted),
                              finding.since.last_before + 1,
                              finding.last,
-                             finding.cause};
+                             finding.cause,
+                             WordsOf(finding, counted)};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
   }
@@ -116,12 +125,13 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
       condition.limit = 0;
       condition.first_stroke = now.stroke - found->figures.strokes;
       const DisplayUnit unit = DisplayUnitFor(quantity.unit);
-      const char* counted = CountedAs(monitor.model().kind());
-      condition.text = fmt::format(
-          "{} drifts slowly, {:+.3g}{} per 1000 {}s; reaches its limit in {:.0f} {}s (95 %: {:.0f} to {:.0f})",
+      const Told counted = drift::CountedInOf(monitor.model().kind()).several;
+      condition.Say(Tell(
+          "{} drifts slowly, {:+.3g}{} per 1000 {}; reaches its limit in {:.0f} {} (95 %: {:.0f} to {:.0f})",
+          "{} driftet langsam, {:+.3g}{} je 1000 {}; erreicht seine Grenze in {:.0f} {} (95 %: {:.0f} bis {:.0f})",
           quantity.name, 1000 * found->figures.slope * unit.factor,
           unit.name == "1" ? "" : fmt::format(" {}", unit.name), counted, found->reach.strokes, counted,
-          found->reach.low, found->reach.high);
+          found->reach.low, found->reach.high));
     }
     content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
   }
@@ -140,9 +150,11 @@ void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook
         const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
         AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
                                  severity, "",    stroke.sequence, stroke.sequence};
-        condition.text = fmt::format("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}", spec.parameter,
-                                     shown(e.value), kNormal95 * e.std * unit.factor, unit.name,
-                                     high ? "above" : "below", name, shown(*limit), unit.name);
+        condition.Say(Tell("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}",
+                           "{} liegt bei {:.4g} ± {:.2g} {}, {} der Grenze {} = {:.4g} {}", spec.parameter,
+                           shown(e.value), kNormal95 * e.std * unit.factor, unit.name,
+                           high ? Tell("above", "über") : Tell("below", "unter"), name, shown(*limit),
+                           unit.name));
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
       };
@@ -162,27 +174,30 @@ void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisConten
       1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
       stroke.sequence};
   if (lost) condition.value = std::max(condition.value, condition.limit);
-  condition.text = fmt::format(
+  condition.Say(Tell(
       "only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a "
       "log tells which signal",
-      100 * used);
+      "nur {:.0f} % der Zeilen des Hubs waren zu gebrauchen: Sensoren und Kabel prüfen; `hydroscope check` "
+      "auf eine Aufzeichnung sagt, welches Signal",
+      100 * used));
   content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
 }
 
 void JudgeReference(int version, const std::vector<LearningDoubt>& doubts, const AlarmMoment& now,
                     AxisContent& content) {
-  const std::string against = DoubtText(doubts, true);
+  const Told against = DoubtText(doubts, true);
   if (against.empty()) return;  // learning cleared the one of the reference before
   AlarmCondition condition;
   condition.value = condition.limit = 1;
   condition.unit = "1";
   condition.severity = AlarmSeverity::kWarning;
   condition.first_stroke = condition.last_stroke = now.stroke;
-  condition.text = fmt::format(
+  condition.Say(Tell(
       "reference {} may not be that of a healthy machine; of the strokes it was learned from: {}. Drift is "
-      "judged "
-      "against it. Learn again from other strokes: `hydroscope learn --from --to`",
-      version, against);
+      "judged against it. Learn again from other strokes: `hydroscope learn --from --to`",
+      "Referenz {} ist vielleicht nicht die einer gesunden Maschine; von den Hüben, aus denen sie gelernt wurde: "
+      "{}. An ihr wird Drift gemessen. Aus anderen Hüben neu lernen: `hydroscope learn --from --to`",
+      version, against));
   content.Append(
       alarm_machine::Observe(content.Alarm("doubtful_reference"), {1, 1, 0, false}, condition, now));
 }
@@ -203,9 +218,11 @@ void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& 
       true,
       part.unit,
       finding.alarm ? AlarmSeverity::kAlarm : static_cast<AlarmSeverity>(finding.severity),
-      FindingWords(finding, "valve check"),
+      AlarmTextOf(finding, drift::ValveChecksCounted()),
       now.stroke,
-      now.stroke};
+      now.stroke,
+      {},
+      WordsOf(finding, drift::ValveChecksCounted())};
   content.Append(alarm_machine::Observe(content.Alarm(AlarmIdOf(finding)), settings, condition, now));
 }
 

@@ -22,9 +22,10 @@ std::string AlarmIdOf(const drift::DriftFinding& finding);
 /// the same quantities only corrects their size.
 bool SpeaksForItsAlarm(const drift::DriftFinding& finding, const std::vector<drift::DriftFinding>& findings);
 
-/// What was measured, what comparing strokes before and after said, the cause as far as that carries it, what
-/// to do: the alarm's text.
-std::string FindingWords(const drift::DriftFinding& finding, const char* counted = "stroke");
+/// What was measured, what comparing strokes before and after said, what to do.
+AlarmWords WordsOf(const drift::DriftFinding& finding, const drift::CountedIn& counted = {});
+/// The same and the cause, as far as that comparison carries it, in one line: the alarm's text.
+std::string AlarmTextOf(const drift::DriftFinding& finding, const drift::CountedIn& counted = {});
 
 /// The stroke a judgement is about, as far as alarms need it.
 struct JudgedRecord {

@@ -68,7 +68,7 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
                       .learned = commissioning_strokes(),
                       .needed = rules_.commissioning,
                       .not_learned = why_not_learned_,
-                      .not_judged = judged ? "" : drift::JudgementText(why_not_judged_),
+                      .not_judged = judged ? Told{} : drift::JudgementTold(why_not_judged_),
                       .trouble = {}});
 }
 
@@ -259,8 +259,9 @@ Result<bool> AxisMonitor::Commission(double wall) {
   if (!rules_.automatic || !why_not_learned_.empty()) return false;
   const HistoryPart part{machine_.name, machine_id_, collected_.front().sequence, collected_to_};
   if (const auto doubt = DoubtOfSignals(database_, path_, part, machine_)) {
-    why_not_learned_ = fmt::format("nothing is learned from {} {} to {}: {}", counted().many, part.first,
-                                   part.last - 1, doubt->text);
+    why_not_learned_ =
+        Tell("nothing is learned from {} {} to {}: {}", "aus {} {} bis {} wird nichts gelernt: {}",
+             counted().Many(), part.first, part.last - 1, doubt->text);
     return false;
   }
   const Status learned = LearnFrom(collected_, collected_to_, wall, {"", "automatic"});
@@ -287,7 +288,8 @@ Status AxisMonitor::LearnFrom(std::vector<drift::StrokeEvidence> strokes, std::i
     for (AlarmState& alarm : axis.alarms)
       axis.Append(alarm_machine::Clear(alarm, AlarmSettingsOf(rules_), last_));
     AppendReference(*reference, strokes, user, axis);
-    if (!doubts.empty()) axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false);
+    if (!doubts.empty())
+      axis.events.back().text += "; what speaks against them: " + DoubtText(doubts, false).english;
     axis_alarms::JudgeReference(reference->version(), doubts, last_, axis);
     monitor_.emplace(*model_, rules_, std::move(*reference));
     history_.EndAll(last_.stroke, last_.time);
@@ -477,7 +479,7 @@ Status AxisMonitor::ExplainFindings(double wall) {
       event.oil_temperature = last_.oil_temperature;
       event.model_version = last_.model_version;
       event.reference_version = monitor_->reference().version();
-      event.text = explanation.text;
+      event.text = explanation.text.english;
       event.cause = CauseText(explanation.cause);
       event.first_stroke = changed;
       event.last_stroke = next_ - 1;
@@ -485,7 +487,9 @@ Status AxisMonitor::ExplainFindings(double wall) {
       drift::DriftFinding explained = finding;
       explained.explanation = explanation.text;
       explained.cause = explanation.cause;
-      alarm.text = FindingWords(explained, CountedAs(KindOf(machine_)));
+      const drift::CountedIn counted = drift::CountedInOf(KindOf(machine_));
+      alarm.text = AlarmTextOf(explained, counted);
+      alarm.words = WordsOf(explained, counted);
       alarm.cause = explanation.cause;
       event.state_before = event.state = StateName(alarm);
       axis.events.push_back(std::move(event));

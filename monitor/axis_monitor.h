@@ -61,7 +61,7 @@ class AxisMonitor {
   /// nullptr while commissioning. Valid after CatchUp().
   const drift::DriftMonitor* monitor() const { return monitor_ ? &*monitor_ : nullptr; }
   /// Why the strokes of commissioning were not learned, "" if nothing speaks against it.
-  const std::string& why_not_learned() const { return why_not_learned_; }
+  const Told& why_not_learned() const { return why_not_learned_; }
   /// Strokes commissioning has so far and needs.
   std::int64_t commissioning_strokes() const { return static_cast<std::int64_t>(collected_.size()); }
   const std::vector<AlarmState>& alarms() const { return alarms_; }
@@ -141,7 +141,7 @@ class AxisMonitor {
   drift::JudgementReason why_not_judged_ = drift::JudgementReason::kJudged;
   std::vector<drift::StrokeEvidence> collected_;  ///< by commissioning
   std::int64_t collected_to_ = 0;                 ///< first stroke not looked at by commissioning
-  std::string why_not_learned_;                   ///< commissioning ended without a reference, and why
+  Told why_not_learned_;                          ///< commissioning ended without a reference, and why
   std::uint8_t suppressed_ = 0;                   ///< by SetSuppression()
   /// By SetCommonCause(); until it is called alarms stay as the journal has them.
   std::optional<std::set<std::string>> common_cause_;

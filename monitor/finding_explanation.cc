@@ -15,69 +15,88 @@ namespace {
 
 constexpr std::int64_t kMostStrokesCompared = 300;  ///< on either side
 
-std::vector<std::string> SizesThatAppeared(const ChangeResult& result) {
+std::vector<Told> SizesThatAppeared(const ChangeResult& result) {
   const Explanation& after = result.after.explanation;
-  std::vector<std::string> sizes;
+  std::vector<Told> sizes;
   for (auto k = static_cast<std::size_t>(after.started); k < after.final.effects.size(); ++k) {
     const EffectEstimate& e = after.final.effects[k];
     const Effect& effect = result.after.effect(e.choice.effect);
-    sizes.push_back(fmt::format("{} ({} = {})", effect.id, effect.parameter,
-                                ShownWithInterval(e.size, e.std, effect.unit)));
+    sizes.push_back(Tell("{} ({} = {})", "{} ({} = {})", effect.id, effect.parameter,
+                         TellNumber(ShownWithInterval(e.size, e.std, effect.unit))));
   }
   return sizes;
 }
 
-std::vector<std::string> Moved(const ChangeResult& result) {
-  std::vector<std::string> moved;
+std::vector<Told> Moved(const ChangeResult& result) {
+  std::vector<Told> moved;
   for (const auto* values : {&result.parameters, &result.effects})
     for (const ValueChange& v : *values)
       if (v.significant)
-        moved.push_back(fmt::format("{} {} -> {}", v.name, ShownWithInterval(v.before, v.before_std, v.unit),
-                                    ShownWithInterval(v.after, v.after_std, v.unit)));
+        moved.push_back(Tell("{} {} -> {}", "{} {} -> {}", v.name,
+                             TellNumber(ShownWithInterval(v.before, v.before_std, v.unit)),
+                             TellNumber(ShownWithInterval(v.after, v.after_std, v.unit))));
   return moved;
 }
 
-std::string ErrorText(const ChangeResult& result) {
+Told ErrorText(const ChangeResult& result) {
   const Explanation& after = result.after.explanation;
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
-  if (after.steps.size() < 2) return "";
-  return fmt::format("; error on strokes left out {:.3g} -> {:.3g} {}", after.base.rms_holdout * unit.factor,
-                     after.final.rms_holdout * unit.factor, unit.name);
+  if (after.steps.size() < 2) return {};
+  return Tell("; error on strokes left out {:.3g} -> {:.3g} {}",
+              "; Fehler auf ausgelassenen Hüben {:.3g} -> {:.3g} {}", after.base.rms_holdout * unit.factor,
+              after.final.rms_holdout * unit.factor, unit.name);
+}
+
+Told MovedTold(const std::vector<Told>& moved) {
+  return Tell("moved: {}", "bewegt haben sich: {}", Joined(moved));
 }
 
 /// Of episodes, whose effects are tried on logs alone.
-std::string SentenceOfEpisodes(const ChangeResult& result) {
+Told SentenceOfEpisodes(const ChangeResult& result) {
   const auto moved = Moved(result);
   const bool adequate = result.after.explanation.verdict == Verdict::kAdequate;
-  std::string text = adequate ? "" : "the model errs more than before; ";
-  text += !moved.empty() ? fmt::format("moved: {}", fmt::join(moved, ", "))
-          : adequate     ? "no parameter moved beyond its interval"
-                     : "no parameters that stay as they are over these episodes take that away: one is still "
-                       "moving, or an effect is missing";
-  return text + "; which effect it is, `hydroscope explain` with the logs says";
+  const Told worse =
+      adequate ? Told{} : Tell("the model errs more than before; ", "das Modell irrt mehr als zuvor; ");
+  const Told what =
+      !moved.empty() ? MovedTold(moved)
+      : adequate     ? Tell("no parameter moved beyond its interval",
+                            "kein Parameter hat sich über sein Intervall hinaus bewegt")
+                     : Tell(
+                           "no parameters that stay as they are over these episodes take that away: one is still "
+                               "moving, or an effect is missing",
+                           "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt sich "
+                               "noch, oder ein Effekt fehlt");
+  return Tell("{}{}; which effect it is, `hydroscope explain` with the logs says",
+              "{}{}; welcher Effekt es ist, sagt `hydroscope explain` mit den Aufzeichnungen", worse, what);
 }
 
-std::string Sentence(const ChangeResult& result) {
+Told Sentence(const ChangeResult& result) {
   if (InEpisodes(*result.after.log.model->kind)) return SentenceOfEpisodes(result);
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
-  const std::string also = moved.empty() ? "" : fmt::format("; moved: {}", fmt::join(moved, ", "));
+  const Told also = moved.empty() ? Told{} : Tell("; {}", "; {}", MovedTold(moved));
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
       return moved.empty()
-                 ? "no effect of the library appeared and no parameter moved beyond its interval"
-                 : fmt::format("no effect of the library appeared; moved: {}", fmt::join(moved, ", "));
+                 ? Tell("no effect of the library appeared and no parameter moved beyond its interval",
+                        "kein Effekt der Bibliothek ist aufgetreten, und kein Parameter hat sich über "
+                        "sein Intervall hinaus bewegt")
+                 : Tell("no effect of the library appeared{}", "kein Effekt der Bibliothek ist aufgetreten{}",
+                        also);
     case Verdict::kNamed:
-      return (appeared.empty() ? "nothing new appeared"
-                               : fmt::format("appeared: {}", fmt::join(appeared, ", "))) +
-             also + ErrorText(result);
+      return Tell("{}{}{}", "{}{}{}",
+                  appeared.empty() ? Tell("nothing new appeared", "nichts Neues ist aufgetreten")
+                                   : Tell("appeared: {}", "aufgetreten: {}", Joined(appeared)),
+                  also, ErrorText(result));
     case Verdict::kAmbiguous:
-      return fmt::format("one of these appeared and the strokes cannot tell which: {}{}{}",
-                         fmt::join(result.after.explanation.set, ", "), also, ErrorText(result));
+      return Tell("one of these appeared and the strokes cannot tell which: {}{}{}",
+                  "eines von diesen ist aufgetreten, und die Hübe sagen nicht welches: {}{}{}",
+                  fmt::format("{}", fmt::join(result.after.explanation.set, ", ")), also, ErrorText(result));
     case Verdict::kUnknown:
-      return "the model errs more than before and no effect of the library explains it" + also;
+      return Tell("the model errs more than before and no effect of the library explains it{}",
+                  "das Modell irrt mehr als zuvor, und kein Effekt der Bibliothek erklärt es{}", also);
   }
-  return "";
+  return {};
 }
 
 /// Effects that were in the model and grew or shrank.
@@ -121,14 +140,18 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
   const HistoryPart before{machine, machine_id, std::max(first_healthy, healthy_end - kMostStrokesCompared),
                            healthy_end};
   const HistoryPart after{machine, machine_id, changed, std::min(end, changed + kMostStrokesCompared)};
-  const std::string strokes =
-      fmt::format("{} to {} against {} to {}", after.first, after.last - 1, before.first, before.last - 1);
+  const Told strokes = Tell("{} to {} against {} to {}", "{} bis {} gegen {} bis {}", after.first,
+                            after.last - 1, before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);
   if (!result)
-    return {fmt::format("Strokes {} could not be compared: {}.", strokes, result.error().text), false, {}};
+    return {Tell("Strokes {} could not be compared: {}.", "Hübe {} ließen sich nicht vergleichen: {}.",
+                 strokes, result.error().text),
+            false,
+            {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
-  return {fmt::format("{} {}: {}.", episodes ? "Episodes" : "Strokes", strokes, Sentence(*result)),
+  return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
+               strokes, Sentence(*result)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
 }
 

@@ -14,7 +14,7 @@ namespace hydroscope {
 inline constexpr std::array<std::int64_t, 3> kStrokesToExplain = {24, 60, 150};
 
 struct FindingExplanation {
-  std::string text;
+  Told text;
   bool settled = false;   ///< named or adequate: more strokes would say the same
   AlarmCause cause = {};  ///< not sought if the strokes could not be compared
 };

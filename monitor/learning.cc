@@ -57,8 +57,10 @@ Result<nlohmann::json> LearnReference(const Database& database, const std::strin
 nlohmann::json DoubtsJson(const std::vector<LearningDoubt>& doubts) {
   nlohmann::json out = nlohmann::json::array();
   for (const LearningDoubt& doubt : doubts)
-    out.push_back(
-        {{"kind", LearningDoubtName(doubt.kind)}, {"text", doubt.text}, {"refuses", doubt.Refuses()}});
+    out.push_back({{"kind", LearningDoubtName(doubt.kind)},
+                   {"text", doubt.text.english},
+                   {"german", doubt.text.InGerman()},
+                   {"refuses", doubt.Refuses()}});
   return out;
 }
 

@@ -34,10 +34,13 @@ std::vector<LearningDoubt> OfModelVersions(const Database& database, const Histo
     if (run.first_sequence < part.last && run.first_sequence + run.strokes > part.first)
       versions.insert(run.model_version);
   if (versions.size() < 2) return {};
-  return {{Kind::kModelVersions,
-           fmt::format("they were recorded with versions {} of the model: choose strokes of "
-                       "one of them with --from and --to",
-                       fmt::join(versions, ", "))}};
+  return {
+      {Kind::kModelVersions,
+       Tell("they were recorded with versions {} of the model: choose strokes of one of them with --from and "
+            "--to",
+            "sie wurden mit den Versionen {} des Modells aufgezeichnet: Hübe einer von ihnen wählen (--from, "
+            "--to)",
+            fmt::format("{}", fmt::join(versions, ", ")))}};
 }
 
 std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const HistoryPart& part,
@@ -45,28 +48,40 @@ std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const
   std::vector<LearningDoubt> doubts;
   for (const AlarmState& alarm : alarms)
     if (TellsAChange(alarm) && alarm.first_stroke < part.last)
-      doubts.push_back({Kind::kOpenAlarm, fmt::format("the alarm {} stands since {} {}: {}", alarm.id,
-                                                      counted.one, alarm.first_stroke, alarm.text)});
+      doubts.push_back(
+          {Kind::kOpenAlarm,
+           Tell("the alarm {} stands since {} {}: {}", "der Alarm {} steht seit {} {} an: {}", alarm.id,
+                counted.One(), alarm.first_stroke, Told{alarm.text, alarm.words.finding.german})});
   return doubts;
 }
 
 std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
-  if (!result) return {{Kind::kNotExplained, "they could not be explained: " + result.error().text}};
+  if (!result)
+    return {{Kind::kNotExplained, Tell("they could not be explained: {}",
+                                       "sie ließen sich nicht erklären: {}", result.error().text)}};
   const Explanation& x = result->explanation;
   if (!x.no_verdict.empty())
-    return {{Kind::kUnexplained, "'explain' gives no verdict on them: " + x.no_verdict}};
+    return {{Kind::kUnexplained, Tell("'explain' gives no verdict on them: {}",
+                                      "'explain' gibt kein Urteil über sie: {}", x.no_verdict)}};
   switch (x.verdict) {
     case Verdict::kAdequate:
       return {};
     case Verdict::kNamed:
-      return {{Kind::kEffect, fmt::format("'explain' finds in them: {}", fmt::join(x.set, ", "))}};
+      return {{Kind::kEffect, Tell("'explain' finds in them: {}", "'explain' findet in ihnen: {}",
+                                   fmt::format("{}", fmt::join(x.set, ", ")))}};
     case Verdict::kAmbiguous:
-      return {{Kind::kEffect, fmt::format("'explain' finds in them one of: {}", fmt::join(x.set, ", "))}};
+      return {{Kind::kEffect,
+               Tell("'explain' finds in them one of: {}", "'explain' findet in ihnen eines von: {}",
+                    fmt::format("{}", fmt::join(x.set, ", ")))}};
     case Verdict::kUnknown:
       break;
   }
-  return {{Kind::kUnexplained,
-           "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it"}};
+  return {
+      {Kind::kUnexplained,
+       Tell(
+           "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it",
+           "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt "
+           "es")}};
 }
 
 /// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they
@@ -96,7 +111,7 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
   const auto sample = database.SummariesOf(part.id, part.first, part.last, kLooked);
   if (sample)
     if (const Status plausible = JudgeStrokes(path, machine, *sample); !plausible)
-      return LearningDoubt{Kind::kImplausible, plausible.error().text};
+      return LearningDoubt{Kind::kImplausible, {plausible.error().text, ""}};
   const auto runs = database.Runs(part.id);
   if (!runs) return std::nullopt;
   for (const RunInfo& run : *runs) {
@@ -104,7 +119,8 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
     const std::string slow = run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine)
                                                        : ParseRunSummary(run.summary_json).too_slow;
     if (!slow.empty())
-      return LearningDoubt{Kind::kTooSlow, fmt::format("run {} ({}): {}", run.id, run.source, slow)};
+      return LearningDoubt{Kind::kTooSlow,
+                           Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source, slow)};
   }
   return std::nullopt;
 }
@@ -115,7 +131,8 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
   std::vector<LearningDoubt> doubts = OfModelVersions(database, part);
   Append(doubts, OfAlarms(alarms, part, CountedWordsOf(machine)));
   if (const auto change = FindStoredChange(database, part, machine, {}))
-    doubts.push_back({Kind::kChange, fmt::format("they hold a change {}", change->text)});
+    doubts.push_back(
+        {Kind::kChange, Tell("they hold a change {}", "in ihnen liegt eine Änderung: {}", change->text)});
   if (auto doubt = DoubtOfSignals(database, path, part, machine)) {
     doubts.push_back(std::move(*doubt));
     return doubts;
@@ -126,11 +143,11 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
   return doubts;
 }
 
-std::string DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only) {
-  std::vector<std::string> sentences;
+Told DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only) {
+  std::vector<Told> sentences;
   for (const LearningDoubt& doubt : doubts)
     if (!refusing_only || doubt.Refuses()) sentences.push_back(doubt.text);
-  return fmt::format("{}", fmt::join(sentences, "; "));
+  return Joined(sentences, "; ");
 }
 
 }  // namespace hydroscope

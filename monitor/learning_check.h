@@ -23,7 +23,7 @@ struct LearningDoubt {
     kNotExplained,   ///< they could not be explained
   };
   Kind kind = Kind::kEffect;
-  std::string text;  ///< one sentence
+  Told text;  ///< one sentence
 
   /// A model that is not perfect is no fault of the machine: the last two only warn.
   bool Refuses() const { return kind < Kind::kUnexplained; }
@@ -43,6 +43,6 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
                                             const std::vector<AlarmState>& alarms);
 
 /// The sentences of those that refuse, or of all.
-std::string DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only);
+Told DoubtText(const std::vector<LearningDoubt>& doubts, bool refusing_only);
 
 }  // namespace hydroscope

@@ -128,15 +128,16 @@ Status PressMonitor::JudgeTogether(double wall) {
 }
 
 AlarmCondition PressMonitor::ConditionOf(const drift::Rule& rule, const CommonCause& cause) const {
-  std::vector<std::string> axes;
+  std::vector<Told> axes;
   for (const CommonCause::Member& m : cause.members)
-    axes.push_back(fmt::format("{} since stroke {}", axis(m.axis).name(), m.finding.since));
+    axes.push_back(Tell("{} since stroke {}", "{} seit Hub {}", axis(m.axis).name(), m.finding.since));
   AlarmCondition condition;
   condition.value = static_cast<double>(cause.members.size());
   condition.limit = rule.axes;
   condition.unit = "1";
   condition.severity = static_cast<AlarmSeverity>(rule.severity);
-  condition.text = fmt::format("{}: {}. {}", rule.name, fmt::join(axes, ", "), rule.guidance);
+  condition.words = {rule.name, Joined(axes), rule.guidance};
+  condition.text = Tell("{}: {}. {}", "{}: {}. {}", rule.name, Joined(axes), rule.guidance).english;
   condition.first_stroke = cause.members.front().finding.since;
   condition.last_stroke = cause.members.back().finding.since;
   return condition;

@@ -331,7 +331,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
         fmt::format("The model explains the measured {} about down to what sensor noise "
                     "leaves ({} times the noise floor).",
                     EscapeText(WordsOf(input.machine).output), times));
-  else if (KindOf(input.machine).has_states)  // whose effects are tried on logs alone
+  else if (InEpisodes(KindOf(input.machine)))  // whose effects are tried on logs alone
     out.push_back(fmt::format(
         "The model error is {} times what white sensor noise would leave: the noise is not white, or "
         "the model misses something and the parameters may have absorbed part of it. "

@@ -104,7 +104,7 @@ std::vector<Estimate> LatestOf(const std::vector<TrendPoint>& trend) {
   return latest;
 }
 
-/// Of a machine with states, which moves: each episode was predicted with the parameters as they stood before it. Medians over
+/// Of a machine that is followed from episode to episode, each was predicted with the parameters as they stood before it. Medians over
 /// the last run; no fit.
 Status TakeErrorsOfEpisodes(const Database& database, const RunInfo& run, ReplayOutcome& outcome) {
   const auto episodes = database.Strokes(run.id);
@@ -125,7 +125,7 @@ Status FitLastRun(const Database& database, std::int64_t machine_id, const Model
   const auto run = std::find_if(outcome.runs.rbegin(), outcome.runs.rend(),
                                 [](const RunInfo& r) { return r.complete && r.strokes > 0; });
   if (run == outcome.runs.rend()) return {};
-  if (KindOf(outcome.machine).has_states) return TakeErrorsOfEpisodes(database, *run, outcome);
+  if (InEpisodes(KindOf(outcome.machine))) return TakeErrorsOfEpisodes(database, *run, outcome);
   const std::int64_t end = run->first_sequence + run->strokes;
   const auto grams = database.Grams(machine_id, std::max(run->first_sequence, end - kMostStrokesFitted), end);
   if (!grams) return tl::unexpected(grams.error());

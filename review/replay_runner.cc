@@ -26,7 +26,7 @@ Status TakeWatch(const PressMonitor& press, const AxisMonitor& axis, bool for_re
   watch.reference_version = axis.monitor() != nullptr ? axis.monitor()->reference().version() : 0;
   watch.commissioning_strokes = axis.commissioning_strokes();
   watch.commissioning_needed = press.rules().commissioning;
-  watch.problem = axis.why_not_learned();
+  watch.problem = axis.why_not_learned().english;
   watch.health = axis.Health();
   watch.health_text = axis.JudgedHealth().text;
   for (const PressMonitor::Notice& notice : press.notices())

@@ -67,7 +67,7 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   const std::vector<AlarmState> alarms = AlarmsBeside(path, part->machine);
   input->alarms = alarms;
   input->drift_verdict = AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
-  if (!KindOf(outcome.machine).has_states)  // whose effects are tried on logs alone
+  if (!InEpisodes(KindOf(outcome.machine)))  // whose effects are tried on logs alone
     AddExplanation(*database, path, *part, outcome.machine, *input);
   if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
   const auto standing =

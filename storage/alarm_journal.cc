@@ -92,8 +92,19 @@ ALTER TABLE alarm ADD COLUMN cause_effects TEXT NOT NULL DEFAULT '';
 CREATE TABLE pairing(database TEXT NOT NULL) STRICT;
 )sql";
 
+/// What an alarm says, apart and in German.
+constexpr const char* kJournalVersion3 = R"sql(
+ALTER TABLE alarm ADD COLUMN finding TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN finding_german TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN evidence TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN evidence_german TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN action TEXT NOT NULL DEFAULT '';
+ALTER TABLE alarm ADD COLUMN action_german TEXT NOT NULL DEFAULT '';
+)sql";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
-constexpr std::array<const char*, kJournalFormat> kJournalMigrations = {kJournalTables, kJournalVersion2};
+constexpr std::array<const char*, kJournalFormat> kJournalMigrations = {kJournalTables, kJournalVersion2,
+                                                                        kJournalVersion3};
 
 constexpr const char* kRowColumns =
     "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, "
@@ -150,7 +161,8 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
   Query query(connection,
               "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
               "shelved_until_s, on_count, off_count, value, std, limit_value, unit, text, raised_time_s, "
-              "raised_wall_s, raised_stroke, first_stroke, last_stroke, cause_kind, cause_effects FROM alarm "
+              "raised_wall_s, raised_stroke, first_stroke, last_stroke, cause_kind, cause_effects, "
+              "finding, finding_german, evidence, evidence_german, action, action_german FROM alarm "
               "WHERE machine = ? ORDER BY id",
               machine);
   std::vector<AlarmState> alarms;
@@ -178,6 +190,8 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     a.last_stroke = query.Int(19);
     a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
                SplitEffects(query.Text(21))};
+    a.words = {
+        {query.Text(22), query.Text(23)}, {query.Text(24), query.Text(25)}, {query.Text(26), query.Text(27)}};
     alarms.push_back(std::move(a));
   }
   return alarms;
@@ -187,12 +201,13 @@ void StoreAlarm(Connection& connection, const std::string& machine, const AlarmS
   const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
   Query(connection,
         "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-        "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
         static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
         shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
         a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
-        fmt::format("{}", fmt::join(a.cause.effects, ",")))
+        fmt::format("{}", fmt::join(a.cause.effects, ",")), a.words.finding.english, a.words.finding.german,
+        a.words.evidence.english, a.words.evidence.german, a.words.action.english, a.words.action.german)
       .Run();
 }
 

@@ -39,6 +39,27 @@ class AlarmJournalFile : public ::testing::Test {
   std::string path;
 };
 
+TEST_F(AlarmJournalFile, KeepsWhatAnAlarmSaysInBothLanguages) {
+  const AlarmWords words{{"Oil column softer", "Ölsäule weicher"},
+                         {"since stroke 481", "seit Hub 481"},
+                         {"Bleed the cylinder.", "Den Zylinder entlüften."}};
+  {
+    auto journal = AlarmJournal::Open(path);
+    ASSERT_TRUE(journal) << journal.error().text;
+    const Status told = journal->Change("press", 12.5, [&](AxisContent& axis) -> Status {
+      axis.Alarm("entrained_air").words = words;
+      return {};
+    });
+    ASSERT_TRUE(told) << told.error().text;
+  }
+  const auto journal = AlarmJournal::Open(path);
+  ASSERT_TRUE(journal) << journal.error().text;
+  const auto axis = journal->Axis("press");
+  ASSERT_TRUE(axis) << axis.error().text;
+  ASSERT_EQ(axis->alarms.size(), 1u);
+  EXPECT_EQ(axis->alarms.front().words, words);
+}
+
 /// As another user, who may read the file but neither write it nor make files beside it.
 TEST_F(AlarmJournalFile, IsReadWithoutTheRightToWrite) {
   const std::string folder = path + ".d";

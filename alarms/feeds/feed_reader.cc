@@ -62,7 +62,7 @@ Result<AxisPicture> FeedReader::ReadAxis(const std::string& machine) {
   if (!content) return tl::unexpected(content.error());
   axis.health = JudgeHealth({.alarms = content->alarms,
                              .has_reference = content->monitor.judges(),
-                             .not_judged = "",
+                             .not_judged = {},
                              .trouble = {}});
   axis.alarms = std::move(content->alarms);
   if (const Status read = ReadTrends(axis); !read) {

@@ -48,18 +48,22 @@ const char* JudgementName(JudgementReason reason) {
   return "";
 }
 
-const char* JudgementText(JudgementReason reason) {
+Told JudgementTold(JudgementReason reason) {
   switch (reason) {
     case JudgementReason::kJudged:
-      return "judged against the reference";
+      return Tell("judged against the reference", "an der Referenz gemessen");
     case JudgementReason::kTooCold:
-      return "oil colder than minimum_temperature of the rules file";
+      return Tell("oil colder than minimum_temperature of the rules file",
+                  "Öl kälter als minimum_temperature der Regeldatei");
     case JudgementReason::kNewClass:
-      return "a tool, speed or pressure that commissioning did not see; being learned";
+      return Tell(
+          "a tool, speed or pressure that commissioning did not see; being learned",
+          "ein Werkzeug, eine Geschwindigkeit oder ein Druck, die beim Lernen nicht vorkamen; werden gelernt");
     case JudgementReason::kUnusable:
-      return "the stroke tells nothing: bad signals or nothing moved";
+      return Tell("the stroke tells nothing: bad signals or nothing moved",
+                  "der Hub sagt nichts: schlechte Signale, oder nichts hat sich bewegt");
   }
-  return "";
+  return {};
 }
 
 DriftMonitor::DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference)
@@ -117,7 +121,7 @@ void DriftMonitor::LearnClass(const StrokeEvidence& stroke) {
   new_classes_.erase(index);
 }
 
-void DriftMonitor::TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled,
+void DriftMonitor::TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled,
                                    AlarmCause cause) {
   for (DriftFinding& f : findings_) {
     if (f.number != number) continue;
@@ -280,18 +284,24 @@ void DriftMonitor::Name(DriftFinding& finding, const std::vector<Moved>& moved,
     finding.severity = rule->severity;
   } else {
     finding.rule.clear();
-    const char* counted = CountedAs(model_.kind());
+    const Told& counted = CountedInOf(model_.kind()).several;
     finding.name = finding.state == FindingState::kNamed
-                       ? "Change that no rule names"
-                       : fmt::format("Change that the {}s do not tell apart", counted);
-    finding.guidance = fmt::format(
-        "Run `hydroscope explain` on the {}s since the change; vary what drives the machine (speed, pressure, "
+                       ? Tell("Change that no rule names", "Änderung, die keine Regel benennt")
+                       : Tell("Change that the {} do not tell apart",
+                              "Änderung, deren Ursache die {} nicht unterscheiden", counted);
+    const Told by_oil = model_.kind().temperature.empty()
+                            ? Told{}
+                            : Tell(
+                                  " If the oil is warmer or colder than when the healthy machine was "
+                                  "learned, learn again (`hydroscope learn`).",
+                                  " Ist das Öl wärmer oder kälter als beim Lernen der gesunden Maschine, neu "
+                                  "lernen (`hydroscope learn`).");
+    finding.guidance = Tell(
+        "Run `hydroscope explain` on the {} since the change; vary what drives the machine (speed, pressure, "
         "load).{}",
-        counted,
-        model_.kind().temperature.empty()
-            ? ""
-            : " If the oil is warmer or colder than when the healthy machine was "
-              "learned, learn again (`hydroscope learn`).");
+        "`hydroscope explain` auf die {} seit der Änderung anwenden; variieren, was die Maschine antreibt "
+        "(Geschwindigkeit, Druck, Last).{}",
+        counted, by_oil);
   }
   // Sizes are followed from the strokes since the change alone, what was explained before included.
   recent_score_.setZero();

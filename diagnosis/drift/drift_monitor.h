@@ -24,7 +24,7 @@ enum class JudgementReason {
   kUnusable,  ///< its equations tell nothing (bad signals, no excitation)
 };
 const char* JudgementName(JudgementReason reason);
-const char* JudgementText(JudgementReason reason);
+Told JudgementTold(JudgementReason reason);
 
 /// One quantity of one stroke against the reference.
 struct QuantityJudgement {
@@ -61,7 +61,7 @@ struct DriftFinding {
   std::int64_t number = 0;  ///< 1, 2, ... per axis
   FindingState state = FindingState::kSuspected;
   std::string rule;  ///< id of the rule, "" if none fits (yet)
-  std::string name, guidance;
+  Told name, guidance;
   RuleSeverity severity = RuleSeverity::kWarning;
   ChangeTime since;            ///< stroke numbers
   std::int64_t found = 0;      ///< stroke at which the test said so
@@ -71,15 +71,28 @@ struct DriftFinding {
   std::vector<std::string> rivals;  ///< quantities that would explain the same
   bool alarm = false;               ///< one part is beyond its alarm change
   int quiet = 0;                    ///< strokes it has been small for
-  std::string explanation;          ///< what comparing strokes before and after said; "" before that was done
+  Told explanation;                 ///< what comparing strokes before and after said; "" before that was done
   std::int64_t explained = 0;       ///< strokes since the change that the explanation rests on
   bool settled = false;             ///< it names the cause, or names none: more strokes are not waited for
   AlarmCause cause;                 ///< as far as that comparison carries it
 };
 
-/// What was measured, in one sentence: "since stroke 48210: Oil column softer; K -10.0 +- 0.6 % (12000 ->
-/// 10800 bar)". `counted`: what its numbers count.
-std::string FindingText(const DriftFinding& finding, const char* counted = "stroke");
+/// What the numbers of a finding count: one, and several.
+struct CountedIn {
+  Told one{"stroke", "Hub"}, several{"strokes", "Hübe"};
+};
+/// Strokes; of models with states episodes.
+CountedIn CountedInOf(const MachineKind& kind);
+CountedIn ValveChecksCounted();
+
+/// "since stroke 48210 (48190 to 48230)".
+Told SinceText(const DriftFinding& finding, const CountedIn& counted = {});
+/// What changed, "Oil column softer".
+Told NameText(const DriftFinding& finding);
+/// "K -10.0 +- 0.6 % (12000 -> 10800 bar); would explain as much: V0".
+Told SizesText(const DriftFinding& finding);
+/// All of it in one sentence: "since stroke 48210: Oil column softer; K -10.0 +- 0.6 % (12000 -> 10800 bar)".
+std::string FindingText(const DriftFinding& finding, const CountedIn& counted = {});
 
 /// Slow drift of one quantity towards a limit.
 struct SlowDrift {
@@ -95,7 +108,7 @@ struct SlowDrift {
 /// tests go on, so that a second fault is found beside the first.
 class DriftMonitor {
  public:
-  static constexpr std::uint32_t kFormat = 5;
+  static constexpr std::uint32_t kFormat = 6;
   static constexpr std::size_t kRemembered = 160;  ///< strokes
 
   DriftMonitor(WatchedModel model, const RuleBook& rules, Reference reference);
@@ -103,8 +116,7 @@ class DriftMonitor {
   Judgement Add(const StrokeEvidence& stroke);
   /// Findings that are not gone; a gone one is listed once, by the stroke that cleared it.
   const std::vector<DriftFinding>& findings() const { return findings_; }
-  void TakeExplanation(std::int64_t number, std::string text, std::int64_t strokes, bool settled,
-                       AlarmCause cause);
+  void TakeExplanation(std::int64_t number, Told text, std::int64_t strokes, bool settled, AlarmCause cause);
   /// Slow drifts that would reach their alarm change.
   std::vector<SlowDrift> SlowDrifts() const;
   const Reference& reference() const { return reference_; }

@@ -10,7 +10,11 @@ constexpr std::uint32_t kMostMembers = 100;
 void PutFinding(ByteWriter& out, const DriftFinding& f) {
   out.Put(f.number);
   out.Put(f.state);
-  for (const std::string& text : {f.rule, f.name, f.guidance, f.explanation}) PutText(out, text);
+  PutText(out, f.rule);
+  for (const Told* told : {&f.name, &f.guidance, &f.explanation}) {
+    PutText(out, told->english);
+    PutText(out, told->german);
+  }
   out.Put(f.severity);
   out.Put(f.since);
   out.Put(f.found);
@@ -38,7 +42,11 @@ DriftFinding GetFinding(ByteReader& in) {
   DriftFinding f;
   f.number = in.Get<std::int64_t>();
   f.state = in.Get<FindingState>();
-  for (std::string* text : {&f.rule, &f.name, &f.guidance, &f.explanation}) *text = GetText(in);
+  f.rule = GetText(in);
+  for (Told* told : {&f.name, &f.guidance, &f.explanation}) {
+    told->english = GetText(in);
+    told->german = GetText(in);
+  }
   f.severity = in.Get<RuleSeverity>();
   f.since = in.Get<ChangeTime>();
   f.found = in.Get<std::int64_t>();

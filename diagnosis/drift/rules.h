@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "core/told.h"
 #include "diagnosis/drift/cumulative_sum.h"
 
 namespace hydroscope::drift {
@@ -35,8 +36,8 @@ enum class RuleSeverity { kAdvisory, kWarning, kAlarm };
 /// cause is told by comparing strokes alone (AlarmCause).
 struct Rule {
   std::string id;                        ///< "entrained_air"
-  std::string name;                      ///< "Oil column softer"
-  std::string guidance;                  ///< for the person at the machine
+  Told name;                             ///< "Oil column softer"
+  Told guidance;                         ///< for the person at the machine
   std::map<std::string, Movement> when;  ///< all of these have moved so ...
   std::vector<std::string> may;          ///< ... these may have moved, others not
   RuleSeverity severity = RuleSeverity::kWarning;

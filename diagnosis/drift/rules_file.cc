@@ -69,8 +69,14 @@ void ReadRule(const toml::table& source, std::size_t number, const std::vector<s
   table.AllowOnly(Keys("rule"));
   Rule rule;
   table.Text("id", rule.id);
-  table.Text("name", rule.name);
-  table.Text("guidance", rule.guidance);
+  table.Text("name", rule.name.english);
+  table.Text("guidance", rule.guidance.english);
+  if (const toml::table* german = table.Table("german")) {
+    TableReader words(*german, fmt::format("rule {}.german", number), problems);
+    words.AllowOnly(Keys("rule.german"));
+    words.Text("name", rule.name.german);
+    words.Text("guidance", rule.guidance.german);
+  }
   for (const char* key : {"id", "name", "guidance", "when"})
     if (!table.Has(key)) table.Problem(fmt::format("{} is missing", key));
   if (const toml::table* when = table.Table("when"))
@@ -99,7 +105,8 @@ const std::vector<RuleSection>& RuleFileSections() {
       {"monitor",
        {"commissioning", "freeze", "minimum_temperature", "warn_delay", "clear_delay", "deadband"}},
       {"watch.<quantity>", {"change", "alarm_change", "at", "only_upwards"}},
-      {"rule", {"id", "name", "guidance", "when", "may", "severity", "axes", "within"}},
+      {"rule", {"id", "name", "guidance", "german", "when", "may", "severity", "axes", "within"}},
+      {"rule.german", {"name", "guidance"}},
   };
   return sections;
 }

@@ -64,6 +64,18 @@ TEST(Rules, WhatIsNoListOfTablesIsRefused) {
     EXPECT_NE(ErrorOf(text).find("[[rule]]"), std::string::npos) << text << ErrorOf(text);
 }
 
+TEST(Rules, EveryRuleOfOursIsToldInGermanToo) {
+  for (const char* file : {"die_cushion", "manipulator", "pump"}) {
+    const auto book = ParseRules(Text(std::string("machines/") + file + "_rules.toml"), file);
+    ASSERT_TRUE(book) << book.error().text;
+    EXPECT_FALSE(book->rules.empty());
+    for (const Rule& rule : book->rules) {
+      EXPECT_FALSE(rule.name.german.empty()) << file << ": " << rule.id;
+      EXPECT_FALSE(rule.guidance.german.empty()) << file << ": " << rule.id;
+    }
+  }
+}
+
 TEST(Rules, EveryKeyIsDocumented) {
   const std::string docs = Text("docs/drift.md");
   for (const RuleSection& section : RuleFileSections()) {

@@ -63,8 +63,10 @@ DriftFinding ValveCheckMonitor::Add(const ValveCheck& check, std::int64_t sequen
   }
   finding.state = FindingState::kNamed;
   finding.since = {last_good_, last_good_, sequence - 1};
-  finding.name = "Change of the valve that no rule names";
-  finding.guidance = "Repeat the valve check; compare its plot with the one of commissioning.";
+  finding.name =
+      Tell("Change of the valve that no rule names", "Änderung des Ventils, die keine Regel benennt");
+  finding.guidance = Tell("Repeat the valve check; compare its plot with the one of commissioning.",
+                          "Die Ventilprüfung wiederholen; ihr Bild mit dem der Inbetriebnahme vergleichen.");
   if (const Rule* rule = rules_->Match(movements)) {
     finding.rule = rule->id;
     finding.name = rule->name;

@@ -57,12 +57,14 @@ nlohmann::json HealthJson(const nlohmann::json& told, const Health& own) {
     return {{"letter", told.value("health", "C")},
             {"reason", told.value("health_reason", "nothing_known")},
             {"text", told.value("health_text", "")},
+            {"german", told.value("health_text_german", "")},
             {"learned", told.value("commissioning_strokes", 0)},
             {"needed", told.value("commissioning_needed", 0)},
             {"live", true}};
   return {{"letter", std::string(1, own.letter())},
           {"reason", HealthReasonName(own.reason)},
           {"text", own.text},
+          {"german", own.german},
           {"learned", own.learned},
           {"needed", own.needed},
           {"live", false}};
@@ -232,7 +234,11 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
 hydroscope::Health WatchedMachine::Health() const {
   hydroscope::Health health;
   if (monitor_ && not_looked_.empty()) health = monitor_->JudgedHealth();
-  if (!not_looked_.empty()) health.text = "not known here: " + not_looked_;
+  if (!not_looked_.empty()) {
+    const Told unknown = Tell("not known here: {}", "hier nicht bekannt: {}", not_looked_);
+    health.text = unknown.english;
+    health.german = unknown.german;
+  }
   return health;
 }
 

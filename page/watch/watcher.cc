@@ -13,8 +13,6 @@
 #include "core/units.h"
 #include "host/real_clock.h"
 #include "monitor/alarm_json.h"
-#include "monitor/alarm_words.h"
-#include "monitor/rules_for.h"
 #include "page/json_number.h"
 #include "storage/file_identity.h"
 
@@ -47,12 +45,11 @@ std::optional<TrendMark> MarkOf(const AlarmEvent& event) {
 }  // namespace
 
 struct Watcher::Opened {
-  Opened(Database d, drift::RuleBook r) : database(std::move(d)), rules(std::move(r)) {}
+  explicit Opened(Database d) : database(std::move(d)) {}
 
   FileIdentity file, journal_file;
   Database database;
   std::optional<AlarmJournal> journal;
-  drift::RuleBook rules;
   std::vector<std::unique_ptr<WatchedMachine>> machines;
   std::map<std::string, std::vector<TrendMark>> marks;  ///< of the journal, by machine
   std::int64_t read_to = 0;                             ///< row of the journal
@@ -151,11 +148,9 @@ Status Watcher::Open() {
   const FileIdentity file = FileIdentity::Of(options_.database), journal_file = FileIdentity::Of(journal);
   if (opened_ && opened_->file == file && opened_->journal_file == journal_file) return {};
   opened_.reset();
-  auto rules = RulesFor(options_.machine_file, Machine{});  // whose words are the same for every kind
-  if (!rules) return tl::unexpected(rules.error());
   auto database = Database::OpenReadOnly(options_.database);
   if (!database) return tl::unexpected(database.error());
-  opened_ = std::make_unique<Opened>(std::move(*database), std::move(*rules));
+  opened_ = std::make_unique<Opened>(std::move(*database));
   opened_->file = file;
   opened_->journal_file = journal_file;
   if (!journal_file.exists()) return {};
@@ -226,9 +221,18 @@ nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& mac
   return list;
 }
 
+/// null of an alarm that is told in English alone.
+nlohmann::json GermanJson(const AlarmState& alarm) {
+  const AlarmWords& words = alarm.words;
+  if (words.finding.german.empty()) return {};
+  return {{"finding", words.finding.german},
+          {"evidence", words.evidence.InGerman()},
+          {"action", words.action.InGerman()},
+          {"cause", CauseTold(alarm.cause).german}};
+}
+
 /// All alarms the journal knows; `standing` gets the number of those not at rest, by machine.
-Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, const drift::RuleBook& rules,
-                                  std::map<std::string, int>& standing) {
+Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, std::map<std::string, int>& standing) {
   nlohmann::json list = nlohmann::json::array();
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());
@@ -236,13 +240,14 @@ Result<nlohmann::json> AlarmsJson(const AlarmJournal& journal, const drift::Rule
     const auto axis = journal.Axis(machine);
     if (!axis) return tl::unexpected(axis.error());
     for (const AlarmState& alarm : axis->alarms) {
-      const AlarmWords words = WordsOf(alarm, rules);
+      const AlarmWords& words = alarm.words;
       nlohmann::json json = AlarmJson(machine, alarm);
       json.update({{"at_rest", AtRest(alarm)},
                    {"raised_time_s", JsonNumber(alarm.raised_time)},
-                   {"finding", words.finding},
-                   {"evidence", words.evidence},
-                   {"action", words.action}});
+                   {"finding", words.finding.empty() ? alarm.text : words.finding.english},
+                   {"evidence", words.evidence.english},
+                   {"action", words.action.english},
+                   {"german", GermanJson(alarm)}});
       list.push_back(std::move(json));
       standing[machine] += AtRest(alarm) ? 0 : 1;
     }
@@ -259,7 +264,7 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
   std::map<std::string, int> standing;
   if (opened.journal) {
     if (const Status rows = opened.ReadRows(); !rows) return rows;
-    auto alarms = AlarmsJson(*opened.journal, opened.rules, standing);
+    auto alarms = AlarmsJson(*opened.journal, standing);
     if (!alarms) return tl::unexpected(alarms.error());
     state->alarms = std::move(*alarms);
   }

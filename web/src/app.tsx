@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { post } from "./api";
 import { Audit } from "./access/audit";
 import { Account, Login } from "./access/login";
@@ -11,7 +11,7 @@ import { firstUnits, showUnitsIn, writeNumbersIn, type ChosenUnits } from "./uni
 import { useUrl } from "./url_state";
 import { Watch, WatchNavigation, views, type View } from "./watch/watch";
 import { Workbench } from "./workbench/workbench";
-import { firstLanguage, sayIn, useWords, WordsContext, type Language } from "./words";
+import { firstLanguage, LanguageContext, sayIn, useWords, WordsContext, type Language } from "./words";
 
 /** Where one is: only a database has more to look at than the workbench. */
 function useView(): View {
@@ -76,7 +76,7 @@ export function App() {
   const [units, setUnits] = useState(firstUnits);
   const { session, connected, locked } = useStore();
   const view = useView();
-  const say = sayIn(language);
+  const say = useMemo(() => sayIn(language), [language]);
   writeNumbersIn(language);
   showUnitsIn(units);
   useEffect(() => localStorage.setItem("units", JSON.stringify(units)), [units]);
@@ -85,7 +85,7 @@ export function App() {
     document.documentElement.lang = language;
   }, [language]);
   return (
-    <WordsContext.Provider value={say}>
+    <LanguageContext.Provider value={language}><WordsContext.Provider value={say}>
       <Header {...{ language, setLanguage, units, setUnits }} />
       {!connected && !locked && <p class="lost" role="alert">{say("lost")}</p>}
       {locked && <main><Login /></main>}
@@ -99,6 +99,6 @@ export function App() {
           : <Workbench session={session} />}
       </main>
       <Working />
-    </WordsContext.Provider>
+    </WordsContext.Provider></LanguageContext.Provider>
   );
 }

@@ -93,7 +93,7 @@ export interface ExplainResult {
 
 export interface Effect {
   id: string; title: string; law: string; source: string; parameter: string; unit: string; plain: string; hidden_in: string;
-  told_apart_by: string; measured_by: string; nonlinear: { name: string; unit: string }[];
+  told_apart_by: string; measured_by: string; german?: { title: string; plain: string; told_apart_by: string } | null; nonlinear: { name: string; unit: string }[];
 }
 
 export interface Preview {

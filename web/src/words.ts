@@ -1,4 +1,4 @@
-// The words of the page in the language chosen. What the engine says (effects, warnings, hints) is English in both.
+// The words of the page in the language chosen. What the engine says is told by told.tsx.
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
@@ -20,4 +20,5 @@ export function sayIn(language: Language): Say {
 }
 
 export const WordsContext = createContext<Say>(sayIn("en"));
+export const LanguageContext = createContext<Language>("en");
 export const useWords = () => useContext(WordsContext);

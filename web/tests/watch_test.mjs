@@ -186,6 +186,21 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
   await again.page.waitForSelector(".detail[data-state=ACKED] .journal li:has-text('seal ordered')");
 });
 
+test("a German page tells the alarm in German: finding, evidence and what to do, of the alarm and of its health", async (t) => {
+  const { page, address } = await visit(t, words, { locale: "de-DE" });
+  await page.goto(address);
+  await page.waitForSelector(".tile .health-M");
+  assert.match(await page.locator(".tile .health").innerText(), /internal_leakage steht an \(Warnung\)/);
+  await page.goto(`${address}#view=alarms&alarm=die_cushion/internal_leakage`);
+  const detail = page.locator(".detail");
+  assert.equal(await detail.locator("h2").innerText(), "Mehr Öl geht unter Druck verloren");
+  assert.match(await detail.locator("dd", { hasText: "seit Hub" }).innerText(), /^seit Hub 1\d\d.*: internal_leakage \+3,\d.* l\/min bei 200 bar.*Hübe \d+ bis \d+ gegen \d+ bis \d+: aufgetreten: internal_leakage \(G = /s);
+  assert.match(await detail.locator("dd strong").innerText(), /^Eine verschlissene Kolbendichtung bewirkt das/);
+  assert.equal(await detail.locator("[lang=en]:not(.journal *)").count(), 0, "nothing of the alarm is left in English");
+  await page.selectOption("header select >> nth=-1", "en");
+  await page.waitForSelector(".detail h2:has-text('More oil lost under pressure')");
+});
+
 test("an alarm that another program changes shows without loading anew", async (t) => {
   const own = copyOfHistory("elsewhere");
   const { page, address } = await visit(t, own);

@@ -80,8 +80,9 @@ StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, cons
   found.before_end = series.blocks[last_before]->first;
   found.since = series.blocks[first_after]->first;
   found.by = series.parameter;
-  found.text = fmt::format("between {} {} and {}, where {} changes its level", counted.many, found.before_end,
-                           found.since, series.parameter);
+  found.text = Tell("between {} {} and {}, where {} changes its level",
+                    "zwischen {} {} und {}, wo {} die Höhe wechselt", counted.Many(), found.before_end,
+                    found.since, series.parameter);
   return found;
 }
 
@@ -94,9 +95,9 @@ std::optional<StoredChange> ToldByAlarm(const HistoryPart& part, const std::vect
   std::optional<StoredChange> earliest;
   for (const AlarmState& alarm : alarms) {
     if (!TellsAChange(alarm)) continue;
-    StoredChange change{
-        alarm.first_stroke, alarm.first_stroke, alarm.id,
-        fmt::format("since {} {}, told by the alarm {}", counted.one, alarm.first_stroke, alarm.id)};
+    StoredChange change{alarm.first_stroke, alarm.first_stroke, alarm.id,
+                        Tell("since {} {}, told by the alarm {}", "seit {} {}, wie der Alarm {} sagt",
+                             counted.One(), alarm.first_stroke, alarm.id)};
     if (LeavesEnough(change, part) && (!earliest || change.since < earliest->since))
       earliest = std::move(change);
   }

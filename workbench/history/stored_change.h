@@ -15,7 +15,7 @@ struct StoredChange {
   std::int64_t since = 0;       ///< first stroke behind it, machine-wide
   std::int64_t before_end = 0;  ///< strokes from here to `since` may lie on either side
   std::string by;               ///< what shows it: id of an alarm, or a parameter
-  std::string text;             ///< "since stroke 481, told by the alarm internal_leakage"
+  Told text;                    ///< "since stroke 481, told by the alarm internal_leakage"
 };
 
 /// The alarm speaks of a change of the machine that stands: not of signals, limits or the service itself.

@@ -73,6 +73,12 @@ std::string EffectText(const MachineKind& kind, const Effect& e) {
   return text;
 }
 
+/// null of an effect of users' own.
+nlohmann::json GermanJson(const Effect::German& german) {
+  if (german.title.empty()) return {};
+  return {{"title", german.title}, {"plain", german.plain}, {"told_apart_by", german.told_apart_by}};
+}
+
 nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
   nlohmann::json nonlinear = nlohmann::json::array();
   for (const NonlinearParameter& n : e.nonlinear)
@@ -91,6 +97,7 @@ nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
           {"hidden_in", e.hidden_in},
           {"plain", e.plain},
           {"told_apart_by", e.told_apart_by},
+          {"german", GermanJson(e.german)},
           {"measured_by", e.measured_by},
           {"signals", NeededSignals(kind, e)}};
 }

@@ -124,7 +124,7 @@ TEST_F(ModbusFeedTest, AnAxisThatIsBeingLearnedIsNotGood) {
 TEST_F(ModbusFeedTest, HealthIsThatOfTheServiceAlsoWhereTheJournalCannotBeRead) {
   const auto board = std::make_shared<HealthBoard>();
   board->TellAxis("press/left",
-                  JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = "", .trouble = {}}));
+                  JudgeHealth({.alarms = {}, .learned = 19, .needed = 100, .not_judged = {}, .trouble = {}}));
   Start({}, board);
   ASSERT_TRUE(WaitUntil([&] { return Words(kFirstHealth, 3) == std::vector<std::uint16_t>{2, 19, 100}; }));
   ASSERT_TRUE(journal().Change("press/left", 1, [](AxisContent&) -> Status { return {}; }));

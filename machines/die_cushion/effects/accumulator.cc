@@ -38,6 +38,9 @@ Effect Accumulator(const CushionGeometry&) {
   e.plain =
       "A gas cushion hangs on chamber A and takes up oil above its pre-charge; look for: an accumulator left "
       "open, a trapped air pocket, a soft hose.";
+  e.german = {"Gasgefülltes Volumen an Kammer A",
+              "An Kammer A hängt ein Gaspolster, das oberhalb seiner Vorspannung Öl aufnimmt; zu suchen: ein "
+              "offen gelassener Speicher, eine eingeschlossene Luftblase, ein weicher Schlauch."};
   e.shown_by = kLowPressure;
   e.variant = [](const std::vector<double>& values) {
     const double exponent = values.size() > 1 ? values[1] : kPolytropic;

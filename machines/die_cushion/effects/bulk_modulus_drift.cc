@@ -22,6 +22,12 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.plain =
       "The oil column gets softer or stiffer while the log runs; look for: air "
       "drawn in or coming out, oil that warms.";
+  e.german = {
+      "Kompressionsmodul wandert während der Aufzeichnung",
+      "Die Ölsäule wird während der Aufzeichnung weicher oder steifer; zu suchen: Luft, die angesaugt "
+      "wird oder ausgast, Öl, das warm wird.",
+      "dieselben Hübe später noch einmal bei gleicher Öltemperatur: was driftet, läuft weiter, was der "
+      "Temperatur folgt, kommt zurück"};
   e.told_apart_by =
       "the same strokes once more later, at the same oil temperature: what drifts goes "
       "on, what follows the temperature comes back";

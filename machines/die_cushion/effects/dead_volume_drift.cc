@@ -22,6 +22,12 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
   e.plain =
       "The oil volume beside the stroke changes while the log runs; look for: a hose or accumulator that "
       "fills, a wandering zero of the position.";
+  e.german = {
+      "Totvolumen wandert während der Aufzeichnung",
+      "Das Ölvolumen neben dem Hub ändert sich während der Aufzeichnung; zu suchen: ein Schlauch oder "
+      "Speicher, der sich füllt, ein wandernder Nullpunkt des Wegs.",
+      "dieselben Hübe später noch einmal bei gleicher Öltemperatur: was driftet, läuft weiter, was der "
+      "Temperatur folgt, kommt zurück"};
   e.told_apart_by =
       "the same strokes once more later, at the same oil temperature: what drifts goes "
       "on, what follows the temperature comes back";

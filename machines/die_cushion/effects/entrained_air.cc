@@ -52,6 +52,10 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.plain =
       "Free air in the oil makes the column soft at low pressure; look for: foam in the tank, low oil level, "
       "a leaking suction line, a column not bled after repair.";
+  e.german = {
+      "Luft im Öl",
+      "Freie Luft im Öl macht die Säule bei kleinem Druck weich; zu suchen: Schaum im Tank, niedriger "
+      "Ölstand, undichte Saugleitung, eine nach der Reparatur nicht entlüftete Säule."};
   e.shown_by = kLowPressure;
   e.separations = {{"accumulator", kLowPressure}};
   e.variant = [area = geometry.piston_area](const std::vector<double>& nonlinear) {

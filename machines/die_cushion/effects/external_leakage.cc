@@ -21,6 +21,10 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.plain =
       "Oil leaves chamber A to tank or to the outside; look for: oil at fittings and hoses, a leaking check "
       "or drain valve, a valve body worn through to tank.";
+  e.german = {
+      "Leckage der Kammer A nach außen",
+      "Öl verlässt Kammer A zum Tank oder nach außen; zu suchen: Öl an Verschraubungen und Schläuchen, "
+      "ein undichtes Rückschlag- oder Ablassventil, ein zum Tank hin verschlissenes Ventilgehäuse."};
   e.shown_by = kHoldAndSpeeds;
   e.separations = {
       {"orifice_leakage", kPressureSteps}, {"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};

@@ -21,6 +21,11 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.plain =
       "The valve lets through more or less as the log goes on; look for: oil that "
       "warms, dirt on the edge, a spool that sticks.";
+  e.german = {
+      "Durchflussverstärkung des Ventils wandert während der Aufzeichnung",
+      "Das Ventil lässt im Lauf der Aufzeichnung mehr oder weniger durch; zu suchen: Öl, das warm wird, "
+      "Schmutz an der Kante, ein klemmender Schieber.",
+      "Hübe bei lange gleicher Öltemperatur, dann Hübe mit kaltem und mit warmem Öl"};
   e.told_apart_by =
       "strokes with the oil at one temperature for a long time, then strokes with cold and with warm oil";
   e.drifting = "Q_vn";

@@ -21,6 +21,9 @@ Effect InternalLeakage(const CushionGeometry&) {
   e.plain =
       "Oil passes the piston seal from one chamber to the other; look for: the cushion sinks when held, warm "
       "cylinder barrel, worn or cut piston seal.";
+  e.german = {"Innere Leckage an der Kolbendichtung",
+              "Öl strömt an der Kolbendichtung vorbei von einer Kammer in die andere; zu suchen: das Kissen "
+              "sinkt beim Halten, warmes Zylinderrohr, verschlissene oder beschädigte Kolbendichtung."};
   e.shown_by = kHoldAndSpeeds;
   e.separations = {{"external_leakage", kRodSide},
                    {"orifice_leakage", kPressureSteps},

@@ -41,6 +41,12 @@ Effect LaminarEdge(const CushionGeometry&) {
   e.plain =
       "The valve lets through less than the root of the pressure says where the pressure difference is "
       "small; look for: cold or thick oil, a very small opening, strokes near tank pressure.";
+  e.german = {
+      "Steuerkante bei kleinen Druckdifferenzen laminar",
+      "Das Ventil lässt bei kleiner Druckdifferenz weniger durch, als die Wurzel des Drucks angibt; zu "
+      "suchen: kaltes oder dickes Öl, eine sehr kleine Öffnung, Hübe nahe dem Tankdruck.",
+      "Hübe bei einigen bar und bei Arbeitsdruck, und dasselbe noch einmal mit warmem Öl: eine laminare "
+      "Kante folgt der Viskosität, ein Nullpunktfehler nicht"};
   e.told_apart_by =
       "strokes at a pressure of a few bar and at a working pressure, and the same again with warm oil: a "
       "laminar edge follows the viscosity, a zero error does not";

@@ -28,6 +28,10 @@ Effect LeakageTemperature(const CushionGeometry&) {
   e.plain =
       "Oil leaks past the seal, and more so when it is warm; look for: worn rings, "
       "oil of too low a viscosity, the cooler.";
+  e.german = {"Leckage, die mit der Öltemperatur wächst",
+              "Öl strömt an der Dichtung vorbei, und mehr davon, wenn es warm ist; zu suchen: verschlissene "
+              "Ringe, Öl zu geringer Viskosität, der Kühler.",
+              "Druck halten bei stehendem Stößel, einmal mit kaltem und einmal mit warmem Öl"};
   e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
   e.channels = {kPressureB, kOilTemperature};
   e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, "the oil", "K"};

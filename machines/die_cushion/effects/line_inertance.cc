@@ -85,6 +85,9 @@ Effect LineInertance(const CushionGeometry&) {
   e.plain =
       "A long or narrow line between cylinder and valve makes the oil column swing; look for: a long hose "
       "fitted, a throttled line.";
+  e.german = {"Trägheit der Ölsäule zwischen Zylinder und Ventil",
+              "Eine lange oder enge Leitung zwischen Zylinder und Ventil lässt die Ölsäule schwingen; zu "
+              "suchen: ein langer Schlauch, eine gedrosselte Leitung."};
   e.shown_by = kSteps;
   e.separations = {{"spool_signal_delay", kSteps}};
   e.variant = [](const std::vector<double>& nonlinear) {

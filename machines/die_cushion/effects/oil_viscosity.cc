@@ -29,6 +29,12 @@ Effect OilViscosity(const CushionGeometry&) {
   e.plain =
       "The valve lets through more when the oil is warm; normal to a degree. Look for: cooler or heater out "
       "of order, the wrong oil grade.";
+  e.german = {
+      "Durchflussverstärkung folgt der Öltemperatur",
+      "Das Ventil lässt mehr durch, wenn das Öl warm ist; bis zu einem Grad ist das normal. Zu suchen: "
+      "Kühler oder Heizung außer Betrieb, falsche Ölsorte.",
+      "Hübe mit kaltem und mit warmem Öl, dann dasselbe in umgekehrter Folge: was der Temperatur folgt, "
+      "kommt zurück, was driftet, nicht"};
   e.told_apart_by =
       "strokes with cold and with warm oil, then the same again in the other order: what follows the "
       "temperature comes back, what drifts does not";

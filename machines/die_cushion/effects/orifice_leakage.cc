@@ -23,6 +23,11 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.plain =
       "Oil passes through an opening with sharp edges, not a gap; look for: a broken seal ring, a scored "
       "bore, a check valve that does not close, an open bypass.";
+  e.german = {
+      "Blendenartige Leckage von A nach B",
+      "Öl strömt durch eine scharfkantige Öffnung, nicht durch einen Spalt; zu suchen: ein gebrochener "
+      "Dichtring, eine Riefe in der Bohrung, ein Rückschlagventil, das nicht schließt, ein offener "
+      "Bypass."};
   e.shown_by = kPressureSteps;
   e.separations = {{"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};

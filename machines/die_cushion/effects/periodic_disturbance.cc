@@ -30,6 +30,12 @@ Effect PeriodicDisturbance(const CushionGeometry&) {
   e.plain =
       "Flow or a reading swings at one steady frequency, also where the strokes differ; look for: pump "
       "ripple, a swinging relief valve, mains hum, a loose sensor.";
+  e.german = {"Periodische Störung (Pulsation oder Brumm)",
+              "Durchfluss oder Messwert schwingt mit einer festen Frequenz, auch wo sich die Hübe "
+              "unterscheiden; zu suchen: Pulsation der Pumpe, ein schwingendes Druckbegrenzungsventil, "
+              "Netzbrumm, ein loser Sensor.",
+              "dieselben Signale bei stehendem Stößel, die Pumpe einmal an und einmal aus: Brumm im Messwert "
+              "bleibt, Pulsation des Durchflusses geht mit der Pumpe"};
   e.told_apart_by =
       "the same signals with the ram at rest, the pump once on and once off: hum on a reading stays, ripple "
       "of the flow goes with the pump";

@@ -25,6 +25,10 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.plain =
       "Oil passes the piston at one place of the stroke only; look for: scoring or wear of the bore at the "
       "position named, side load, dirt.";
+  e.german = {
+      "Leckage in einer verschlissenen Zone der Bohrung",
+      "Öl strömt nur an einer Stelle des Hubs am Kolben vorbei; zu suchen: Riefen oder Verschleiß der "
+      "Bohrung an der genannten Position, Querkraft, Schmutz."};
   e.shown_by = "slow strokes over the whole cylinder length at one high pressure";
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {

@@ -18,6 +18,9 @@ Effect PositionSignalDelay(const CushionGeometry&) {
   e.plain =
       "The position is recorded later than the other signals; look for: a slow "
       "encoder interface, a filter, a bus cycle.";
+  e.german = {"Wegsignal kommt verspätet",
+              "Der Weg wird später aufgezeichnet als die anderen Signale; zu suchen: eine langsame "
+              "Schnittstelle des Gebers, ein Filter, ein Buszyklus."};
   e.shown_by = kSteps;
   e.variant = [](const std::vector<double>& nonlinear) {
     const double delay = nonlinear[0];

@@ -36,6 +36,12 @@ Effect PressureDependentBulkModulus(const CushionGeometry& geometry) {
   e.plain =
       "The oil column is stiffer at high pressure than at low pressure; some 5 to 12 is a property of every "
       "oil. Look for: hoses that stiffen, finely spread air, if it is more.";
+  e.german = {
+      "Kompressionsmodul wächst mit dem Druck",
+      "Die Ölsäule ist bei hohem Druck steifer als bei kleinem; etwa 5 bis 12 ist eine Eigenschaft "
+      "jedes Öls. Ist es mehr, zu suchen: Schläuche, die sich versteifen, fein verteilte Luft.",
+      "Hübe, die bei einigen bar beginnen: Luft macht die Säule unter etwa 30 bar weich, Öl versteift "
+      "gleichmäßig bis zum höchsten Druck"};
   e.told_apart_by =
       "strokes that start from a few bar: air makes the column soft below some 30 bar, oil stiffens evenly "
       "up to the highest pressure";

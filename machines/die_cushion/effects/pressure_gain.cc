@@ -25,6 +25,12 @@ Effect PressureGain(const CushionGeometry&) {
   e.plain =
       "The pressure sensor reads too much or too little in proportion; look for: a wrong range in the "
       "controller, a sensor of another range, a wrong scale in the machine file.";
+  e.german = {
+      "Skalenfehler des Drucksensors der Kammer A",
+      "Der Drucksensor zeigt im Verhältnis zu viel oder zu wenig; zu suchen: ein falscher Messbereich "
+      "in der Steuerung, ein Sensor anderen Bereichs, ein falscher Faktor in der Maschinendatei.",
+      "ein Vergleichsmanometer neben dem Sensor bei zwei Drücken: Hübe allein halten einen falschen "
+      "Faktor für ein anderes Q_vn und K"};
   e.told_apart_by =
       "a reference gauge beside the sensor at two pressures: strokes alone "
       "take a wrong scale for another Q_vn and K";

@@ -32,6 +32,12 @@ Effect PressureOffset(const CushionGeometry&) {
   e.plain =
       "The pressure sensor does not read zero without pressure; look for: a drifted sensor, a wrong scale in "
       "the controller. Check it with the cushion relieved.";
+  e.german = {
+      "Nullpunktfehler des Drucksensors der Kammer A",
+      "Der Drucksensor zeigt ohne Druck nicht null; zu suchen: ein gedrifteter Sensor, ein falscher "
+      "Faktor in der Steuerung. Bei entlastetem Kissen prüfen.",
+      "der Drucksensor mit zur Luft entlüfteter Leitung: er muss null zeigen; nur zum Tank entlastet, "
+      "liest sich ein Rückschlagventil oder eine Vorspannung der Tankleitung als ihr eigener Druck"};
   e.told_apart_by =
       "the pressure sensor with its line vented to the air: it must read zero; relieved to tank only, a "
       "check valve or a preload in the tank line reads as its own pressure";

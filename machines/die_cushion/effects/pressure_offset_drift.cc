@@ -25,6 +25,11 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.plain =
       "The zero of the pressure sensor wanders while the machine runs; look for: a sensor that warms up, a "
       "loose connector, moisture in the plug.";
+  e.german = {
+      "Nullpunkt des Drucksensors wandert während der Aufzeichnung",
+      "Der Nullpunkt des Drucksensors wandert, während die Maschine läuft; zu suchen: ein Sensor, der "
+      "warm wird, ein loser Stecker, Feuchtigkeit im Stecker.",
+      "der Drucksensor bei entlastetem Kissen, vor und nach dem Lauf: beide Werte müssen null sein"};
   e.told_apart_by =
       "the pressure sensor with the cushion relieved, before and after the run: both readings must be zero";
   e.drifting = "the zero of the pressure sensor";

@@ -19,6 +19,9 @@ Effect PressureSignalDelay(const CushionGeometry&) {
   e.plain =
       "The pressure is recorded later than the other signals; look for: a filter in "
       "the amplifier, a long dead sensor line.";
+  e.german = {"Drucksignal kommt verspätet",
+              "Der Druck wird später aufgezeichnet als die anderen Signale; zu suchen: ein Filter im "
+              "Verstärker, eine lange tote Messleitung."};
   e.shown_by = kSteps;
   e.separations = {{"position_signal_delay", kSteps}};
   e.variant = [](const std::vector<double>& nonlinear) {

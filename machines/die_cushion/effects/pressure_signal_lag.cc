@@ -19,6 +19,11 @@ Effect PressureSignalLag(const CushionGeometry&) {
   e.plain =
       "The pressure is smoothed before it is recorded; look for: a filter in the amplifier or the "
       "controller, a long thin sensor line.";
+  e.german = {
+      "Drucksignal hinkt nach (Filter erster Ordnung)",
+      "Der Druck wird geglättet, bevor er aufgezeichnet wird; zu suchen: ein Filter im Verstärker oder "
+      "in der Steuerung, eine lange dünne Messleitung.",
+      "die Filtereinstellung des Druckeingangs, oder ein Drucksprung, im Stillstand aufgezeichnet"};
   e.told_apart_by = "the filter setting of the pressure input, or a step of pressure recorded at rest";
   e.measured_by =
       "the time constant of the filter in the pressure input, as set there or from a step recorded at rest";

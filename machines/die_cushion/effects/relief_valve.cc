@@ -28,6 +28,9 @@ Effect ReliefValve(const CushionGeometry&) {
   e.plain =
       "A relief valve lets oil through at working pressure; look for: a setting too low, a tired spring, "
       "dirt on the seat, a warm return line.";
+  e.german = {"Druckbegrenzungsventil öffnet zu früh",
+              "Ein Druckbegrenzungsventil lässt bei Arbeitsdruck Öl durch; zu suchen: eine zu niedrige "
+              "Einstellung, eine lahme Feder, Schmutz auf dem Sitz, eine warme Rücklaufleitung."};
   e.shown_by = kPressureSteps;
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([crack = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

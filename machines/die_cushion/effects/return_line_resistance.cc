@@ -42,6 +42,13 @@ Effect ReturnLineResistance(const CushionGeometry&) {
   e.plain =
       "The way from the valve to tank resists in proportion to the flow; look for: a long or narrow return "
       "hose, a cooler in the return line, cold oil.";
+  e.german = {
+      "Laminarer Widerstand der Rücklaufleitung",
+      "Der Weg vom Ventil zum Tank setzt dem Durchfluss einen Widerstand im Verhältnis zu ihm entgegen; "
+      "zu suchen: ein langer oder enger Rücklaufschlauch, ein Kühler im Rücklauf, kaltes Öl.",
+      "ein Manometer gleich hinter dem Ventil, bei einem langsamen und einem schnellen Hub abgelesen: "
+      "der Abfall verdoppelt sich mit dem Durchfluss in einer laminaren Leitung und vervierfacht sich "
+      "in einer Blende"};
   e.told_apart_by =
       "a pressure gauge right behind the valve, read at a slow and at a fast stroke: the drop doubles with "
       "the flow in a laminar line and grows fourfold in an orifice";

@@ -38,6 +38,11 @@ Effect SignalLag(const CushionGeometry&) {
   e.plain =
       "All signals are smoothed before they are recorded; look for: one filter time set for all inputs of "
       "the controller, a recorder that averages.";
+  e.german = {
+      "Alle Signale hinken gleich nach (Filter erster Ordnung)",
+      "Alle Signale werden geglättet, bevor sie aufgezeichnet werden; zu suchen: eine Filterzeit, die "
+      "für alle Eingänge der Steuerung gesetzt ist, ein Schreiber, der mittelt.",
+      "die Filtereinstellungen der Eingänge, oder dieselben Hübe ohne Filter aufgezeichnet"};
   e.told_apart_by = "the filter settings of the inputs, or the same strokes recorded without filters";
   e.variant = [](const std::vector<double>&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {

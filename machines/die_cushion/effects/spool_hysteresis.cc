@@ -68,6 +68,9 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.plain =
       "The edge lags behind the measured spool when it turns; look for: play in the position transducer, a "
       "sticking spool, silt in the pilot stage.";
+  e.german = {"Spiel zwischen gemessenem Schieber und Steuerkante",
+              "Die Kante bleibt hinter dem gemessenen Schieber zurück, wenn er umkehrt; zu suchen: Spiel im "
+              "Wegaufnehmer, ein klemmender Schieber, Schlamm in der Vorstufe."};
   e.shown_by = "strokes in which the spool turns back and forth while the ram moves";
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {

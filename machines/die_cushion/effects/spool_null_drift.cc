@@ -21,6 +21,11 @@ Effect SpoolNullDrift(const CushionGeometry&) {
   e.plain =
       "The spool position at which no oil flows moves while the log runs; look for: a transducer or "
       "amplifier that warms up, a pilot stage that wanders.";
+  e.german = {
+      "Nullpunkt des Schiebers wandert während der Aufzeichnung",
+      "Die Schieberstellung, bei der kein Öl fließt, wandert während der Aufzeichnung; zu suchen: ein "
+      "Aufnehmer oder Verstärker, der warm wird, eine wandernde Vorstufe.",
+      "die Schieberstellung, bei der der Stößel stillsteht, vor und nach dem Lauf"};
   e.told_apart_by = "the spool position at which the ram stands still, before and after the run";
   e.drifting = "y_0";
   e.drifts_by = "1";

@@ -26,6 +26,10 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.plain =
       "The valve has to move a little before it lets oil through; look for: a spool with overlap in place of "
       "a zero-lap one, the wrong valve after a repair, a mechanical null far off.";
+  e.german = {"Überdeckung des Schiebers",
+              "Das Ventil muss sich ein wenig bewegen, bevor es Öl durchlässt; zu suchen: ein Schieber mit "
+              "Überdeckung anstelle eines mit Nullüberdeckung, das falsche Ventil nach einer Reparatur, ein "
+              "weit verstellter mechanischer Nullpunkt."};
   e.shown_by = "slow strokes with the spool near its null as well as fast ones";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

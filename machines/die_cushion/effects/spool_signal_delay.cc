@@ -19,6 +19,10 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.plain =
       "The spool position is recorded later than the other signals; look for: a "
       "filter in the transducer, a bus cycle.";
+  e.german = {
+      "Schiebersignal kommt verspätet",
+      "Die Schieberstellung wird später aufgezeichnet als die anderen Signale; zu suchen: ein Filter im "
+      "Aufnehmer, ein Buszyklus."};
   e.shown_by = kSteps;
   e.separations = {
       {"pressure_signal_delay", kSteps}, {"position_signal_delay", kSteps}, {"spool_hysteresis", kSteps}};

@@ -37,6 +37,9 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.plain =
       "The way from the valve to tank chokes large flows; look for: a clogged return filter, a half-closed "
       "cock, a squeezed return hose.";
+  e.german = {"Staudruck in der Rücklaufleitung",
+              "Der Weg vom Ventil zum Tank drosselt große Durchflüsse; zu suchen: ein zugesetzter "
+              "Rücklauffilter, ein halb geschlossener Hahn, ein gequetschter Rücklaufschlauch."};
   e.shown_by = kOpenings;
   e.separations = {{"valve_flow_curvature", kOpenings}, {"spool_overlap", kOpenings}};
   e.walks = true;

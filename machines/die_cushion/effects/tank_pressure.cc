@@ -28,6 +28,12 @@ Effect TankPressure(const CushionGeometry&) {
   e.plain =
       "The tank line stands at another pressure than the machine file says; look for: a check valve with a "
       "strong spring, a preloaded tank, p_t of the machine file.";
+  e.german = {
+      "Tankleitung nicht auf dem Druck der Maschinendatei",
+      "Die Tankleitung steht unter einem anderen Druck, als die Maschinendatei sagt; zu suchen: ein "
+      "Rückschlagventil mit starker Feder, ein vorgespannter Tank, p_t der Maschinendatei.",
+      "der Drucksensor mit zur Luft entlüfteter Leitung, der null zeigen muss, und ein Manometer an der "
+      "Tankleitung, während Öl fließt"};
   e.told_apart_by =
       "the pressure sensor with its line vented to the air, which must read zero, and "
       "a gauge on the tank line while oil flows";

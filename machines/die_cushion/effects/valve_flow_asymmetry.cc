@@ -23,6 +23,9 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.hidden_in = "Q_vn";
   e.plain =
       "One control edge lets through more than the other; look for: one-sided wear or dirt of the valve.";
+  e.german = {"Verschiedene Verstärkung der beiden Steuerkanten",
+              "Die eine Steuerkante lässt mehr durch als die andere; zu suchen: einseitiger Verschleiß oder "
+              "Schmutz des Ventils."};
   e.shown_by = "strokes in which the valve also opens towards the supply";
   e.channels = {kSupplyPressure};
   e.walks = true;

@@ -11,6 +11,8 @@ Effect FreeAir() {
   e.title = "Air in the oil";
   e.source = "compliance of oil and isothermal air in series, Merritt 1967, 2.5";
   e.plain = "Bleed the cylinder; look for foam in the tank and for a leak on the suction side.";
+  e.german = {"Luft im Öl",
+              "Den Zylinder entlüften; nach Schaum im Tank und einer Undichtigkeit der Saugseite suchen."};
   e.adds = {{"p_1", fmt::format("{0}*(1/(1 + {1}*air*p_atm/(max(p_1, 0) + p_atm)^2) - 1)", PressureRate(1),
                                 BulkModulus("p_1"))},
             {"p_2", fmt::format("{0}*(1/(1 + {1}*air*p_atm/(max(p_2, 0) + p_atm)^2) - 1)", PressureRate(2),

@@ -8,6 +8,8 @@ Effect LoadPositionZero() {
   e.title = "Zero of the load's position sensor off";
   e.source = "zero of a sensor";
   e.plain = "The position sensor of the load shows a distance that is not there.";
+  e.german = {"Nullpunkt des Wegsensors der Last verschoben",
+              "Der Wegsensor der Last zeigt eine Strecke, die es nicht gibt."};
   e.adds = {{"load_position", "zero"}};
   e.parameters = {{.name = "zero", .start = 0.001, .min = -0.1, .max = 0.1, .unit = "m"}};
   return e;

@@ -12,6 +12,8 @@ Effect RetractionFriction() {
   e.title = "More friction while the rod moves in";
   e.source = "wiper of the rod gland, Bonchis, Ha and Corke 1999";
   e.plain = "The wiper at the rod gland is tight, swollen or dirty.";
+  e.german = {"Mehr Reibung beim Einfahren der Stange",
+              "Der Abstreifer an der Stangenführung ist eng, gequollen oder verschmutzt."};
   e.adds = {{"f", "sigma_0*" + slower},
             {"v_p", "-sigma_1*" + slower + "/m_1"},
             {"acceleration", "-sigma_1*" + slower + "/m_1"}};

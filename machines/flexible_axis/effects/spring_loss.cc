@@ -8,6 +8,8 @@ Effect SpringLoss() {
   e.title = "Spring between piston and load softer";
   e.source = "Hooke";
   e.plain = "The spring or its mount is softer than stated: cracked, loose, or exchanged.";
+  e.german = {"Feder zwischen Kolben und Last weicher",
+              "Die Feder oder ihre Befestigung ist weicher als angegeben: gerissen, lose oder ausgetauscht."};
   e.adds = {{"v_p", "share*k*(x_p - x_l)/m_1"},
             {"v_l", "-share*k*(x_p - x_l)/m_2"},
             {"acceleration", "share*k*(x_p - x_l)/m_1"}};

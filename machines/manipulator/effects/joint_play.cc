@@ -16,6 +16,9 @@ Effect JointPlay(int joint) {
   e.source = "dead zone of a rod without mass, smoothed";
   e.plain =
       "Pin or bush is worn: the joint stands while the piston crosses the clearance when the load reverses.";
+  e.german = {fmt::format("Spiel zwischen Zylinder {} und seinem Gelenk", joint),
+              "Bolzen oder Buchse ist verschlissen: das Gelenk steht, während der Kolben bei Lastumkehr das "
+              "Spiel durchläuft."};
   e.parameters = {{"play", 5e-4, 0, 0.02, "m"}, {"F_0", 2000, 200, 2e4, "N"}};
   const std::string soft = fmt::format("play/(2*F_0*cosh(min(abs({}/F_0), 50))^2)", CylinderForce(joint));
   const std::string stiff =

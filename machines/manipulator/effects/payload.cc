@@ -11,6 +11,8 @@ Effect Payload() {
   e.law = "mx_1 + m a_1, J_1 + m a_1^2, mx_2 + m a_2, J_2 + m a_2^2";
   e.source = "rigid-body dynamics, a point mass at the tip";
   e.plain = "The arm carries more or less than when its base parameters were identified.";
+  e.german = {"Nutzlast verändert",
+              "Der Arm trägt mehr oder weniger als bei der Identifikation seiner Basisparameter."};
   e.parameters = {{"m_payload", 20, -1e3, 1e4, "kg"}};
   const BaseParameters heavier = {"(mx_1 + m_payload*a_1)", "my_1", "(J_1 + m_payload*a_1^2)",
                                   "(mx_2 + m_payload*a_2)", "my_2", "(J_2 + m_payload*a_2^2)"};

@@ -12,6 +12,8 @@ Effect StribeckFriction(int joint) {
   e.law = "F = F_s exp(-(v/v_s)^2) sign(v)";
   e.source = "Stribeck 1902; Armstrong-Helouvry 1994";
   e.plain = "The seals stick near standstill: look at the oil film, the rod's surface and side loads.";
+  e.german = {fmt::format("Stribeck-Reibung des Zylinders {}", joint),
+              "Die Dichtungen haften nahe dem Stillstand: Ölfilm, Stangenoberfläche und Querkräfte prüfen."};
   e.parameters = {{"F_s", 500, 0, 5e4, "N"}, {"v_s", 0.01, 0.002, 0.1, "m/s"}};
   const std::string speed = PistonSpeed(StateJoint(joint));
   const std::string torque =

@@ -13,6 +13,9 @@ Effect WornEdge(const char* edge, int joint) {
   e.law = "opening (y + sqrt(y^2 + r^2))/2";
   e.source = "Merritt 1967, 5.4 (radial clearance and rounded edges)";
   e.plain = "Erosion has rounded the edge: look at the oil's cleanliness; the valve leaks about its null.";
+  e.german = {
+      fmt::format("Kante {} des Ventils {} ist verschlissen", edge, joint),
+      "Erosion hat die Kante gerundet: Sauberkeit des Öls prüfen; das Ventil leckt um seinen Nullpunkt."};
   e.parameters = {{"r", 0.01, 0, 0.3, "1"}};
   const int chamber = EdgeChamber(edge);
   const std::string y =

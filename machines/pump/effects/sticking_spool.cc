@@ -12,6 +12,8 @@ Effect StickingSpool() {
   e.source =
       "Coulomb 1785; the speed that the ripple lends the spool lets dry friction act gradually (dither)";
   e.plain = "Dirt or varnish at the compensator spool: clean it, look at the filter.";
+  e.german = {"Reglerschieber klemmt",
+              "Schmutz oder Lackbildung am Reglerschieber: reinigen, den Filter prüfen."};
   e.adds = {{"v_v", fmt::format("-{}/m_v", DryFriction("F_d", "v_v", "v_d"))}};
   e.parameters = {{.name = "F_d", .start = 2, .min = 0, .max = 50, .unit = "N"},
                   {.name = "v_d", .start = 1e-2, .min = 2e-3, .max = 1e-1, .unit = "m/s"}};

@@ -11,6 +11,9 @@ Effect SwashBearing() {
   e.title = "Swash bearing worn";
   e.source = "Coulomb 1785";
   e.plain = "Dry friction of the swash plate: its bearing is worn or dry; the pressure hunts.";
+  e.german = {
+      "Lager der Schrägscheibe verschlissen",
+      "Trockene Reibung der Schrägscheibe: ihr Lager ist verschlissen oder trocken; der Druck pendelt."};
   e.adds = {{"v_p", fmt::format("-{}/m_p", DryFriction("F_b", "v_p", "v_dry"))}};
   e.parameters = {{.name = "F_b", .start = 30, .min = 0, .max = 5000, .unit = "N"}};
   return e;

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { get, post } from "../api";
 import { useStore } from "../store";
 import { useUrl } from "../url_state";
+import { Told } from "../told";
 import { useWords } from "../words";
 import { sinceText, sizeText } from "./alarms";
 import { StrokePicture } from "./overview";
@@ -49,16 +50,16 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
   return (
     <article class="detail work-order" aria-label={alarm.alarm} data-state={alarm.state}>
       <p class="print-only">{say("workOrder")} · {say("printed", { when: dateText(Date.now() / 1000) })}</p>
-      <header><h2 lang="en">{alarm.finding || alarm.alarm}</h2><button class="quiet no-print" onClick={close}>{say("close")}</button></header>
+      <header><h2><Told of={alarm} what="finding" /></h2><button class="quiet no-print" onClick={close}>{say("close")}</button></header>
       <dl class="facts">
         <div><dt>{say("alarm_axis")}</dt><dd>{alarm.machine}</dd></div>
         <div><dt>{say("alarm_state")}</dt><dd>{alarm.state} · {say(`state_${alarm.state}` as "state_UNACK")}{isDate(alarm.shelved_until_s) && ` · ${say("shelvedUntil", { when: dateText(alarm.shelved_until_s) })}`}</dd></div>
         <div><dt>{say("alarm_severity")}</dt><dd>{say(`severity_${alarm.severity}`)}</dd></div>
         <div><dt>{say("alarm_since")}</dt><dd>{sinceText(alarm, say)}</dd></div>
         <div><dt>{say("alarm_size")}</dt><dd>{sizeText(alarm)}</dd></div>
-        {alarm.evidence && <div><dt>{say("evidence")}</dt><dd lang="en">{alarm.evidence}</dd></div>}
-        <div><dt>{say("alarm_cause")}</dt><dd lang="en">{alarm.cause || "–"}</dd></div>
-        {alarm.action && <div><dt>{say("whatToDo")}</dt><dd lang="en"><strong>{alarm.action}</strong></dd></div>}
+        {alarm.evidence && <div><dt>{say("evidence")}</dt><dd><Told of={alarm} what="evidence" /></dd></div>}
+        <div><dt>{say("alarm_cause")}</dt><dd>{alarm.cause ? <Told of={alarm} what="cause" /> : "–"}</dd></div>
+        {alarm.action && <div><dt>{say("whatToDo")}</dt><dd><strong><Told of={alarm} what="action" /></strong></dd></div>}
       </dl>
       {has_strokes && <div class="no-print jump">
         <button onClick={toTrend}>{say("jumpTrend", { from: alarm.first_stroke, to: alarm.last_stroke })}</button>

@@ -1,5 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import { useUrl } from "../url_state";
+import { Told } from "../told";
 import { useWords, type Say } from "../words";
 import { amount } from "../units";
 import { Scroll } from "../workbench/parts";
@@ -47,7 +48,7 @@ export function Alarms({ overview }: { overview: Overview }) {
   const axes = useMemo(() => [...new Set(alarms.map((a) => a.machine))].sort(), [alarms]);
   const shown = alarms.filter((a) =>
     (query.show === "all" || !a.at_rest) && (!query.axis || a.machine === query.axis) && (!query.severity || a.severity === query.severity) &&
-    (!query.state || a.state === query.state) && `${a.machine} ${a.alarm} ${a.text} ${a.cause}`.toLowerCase().includes(text.toLowerCase()));
+    (!query.state || a.state === query.state) && `${a.machine} ${a.alarm} ${a.text} ${a.cause} ${a.german?.finding ?? ""}`.toLowerCase().includes(text.toLowerCase()));
   const falling = query.order === "down";
   shown.sort((a, b) => {
     const x = keyOf(a, sort), y = keyOf(b, sort);
@@ -85,9 +86,9 @@ export function Alarms({ overview }: { overview: Overview }) {
                   <td><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}`)}</span></td>
                   <td>{sinceText(alarm, say)}</td>
                   <td>{alarm.machine}</td>
-                  <td class="finding"><button class="link" lang="en" data-alarm={key} onClick={() => setUrl({ alarm: key })}>{alarm.finding || alarm.alarm}</button></td>
+                  <td class="finding"><button class="link" data-alarm={key} onClick={() => setUrl({ alarm: key })}><Told of={alarm} what="finding" /></button></td>
                   <td>{sizeText(alarm)}</td>
-                  <td lang="en">{alarm.cause || "–"}</td>
+                  <td>{alarm.cause ? <Told of={alarm} what="cause" /> : "–"}</td>
                 </tr>
               );
             })}</tbody>

@@ -3,6 +3,7 @@ import { find } from "../api";
 import { useStore, work } from "../store";
 import { useUrl } from "../url_state";
 import { WholeNumber } from "../whole_number";
+import { Told } from "../told";
 import { useWords } from "../words";
 import { dateText, isDate, symbolOf } from "./shown";
 import { placeOf } from "./trend_axis";
@@ -90,7 +91,7 @@ function LearnForm({ machine, from, to, asksWho, user }: { machine: string; from
         class={here.learned || here.doubts.length === 0 ? "verdict good" : "verdict bad"}>
         {here.learned ? say("learned", { version: here.learned.reference_version, from: here.first, to: here.last })
           : here.doubts.length === 0 ? say("learnNothingAgainst") : say(here.refused ? "learnRefused" : "learnDoubts")}
-        {here.doubts.length > 0 && <ul lang="en">{here.doubts.map((doubt) => <li key={doubt.text}>{doubt.text}</li>)}</ul>}
+        {here.doubts.length > 0 && <ul>{here.doubts.map((doubt) => <li key={doubt.text}><Told of={{ text: doubt.text, german: { text: doubt.german } }} what="text" /></li>)}</ul>}
       </div>}
       {here && !here.learned && <>
         {here.refused && <label class="tick-box"><input type="checkbox" name="insist" checked={insist} onChange={(e) => setInsist(e.currentTarget.checked)} /> {say("learnInsist")}</label>}

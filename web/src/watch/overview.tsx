@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
+import { Told } from "../told";
 import { amount, inChosen } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
@@ -17,7 +18,7 @@ export function HealthBadge({ health }: { health: Health }) {
       <b aria-hidden="true">{health.letter === "-" ? "✓" : health.letter}</b>
       <span>
         <strong>{learning ? say("healthLearning", { learned: health.learned, needed: health.needed }) : say(`health_${health.letter}` as keyof Words)}</strong>
-        {!learning && health.reason !== "judged_good" && <small lang="en">{health.text}</small>}
+        {!learning && health.reason !== "judged_good" && <small><Told of={{ text: health.text, german: { text: health.german } }} what="text" /></small>}
       </span>
     </div>
   );

@@ -145,6 +145,7 @@ export class TrendView {
     ctx.save();
     ctx.lineWidth = 2;
     ctx.font = `${12 * devicePixelRatio}px system-ui`;
+    ctx.textAlign = "left";
     for (const mark of trend.marks) {
       const x = plot.valToPos(this.at(mark.stroke), "x", true);
       if (x < bbox.left || x > bbox.left + bbox.width) continue;

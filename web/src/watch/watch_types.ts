@@ -3,7 +3,7 @@
 export type MaybeNumber = number | null;
 
 export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; sentence: string; relative: boolean }
-export interface Health { letter: "F" | "C" | "S" | "M" | "-"; reason: string; text: string; learned: number; needed: number; live: boolean }
+export interface Health { letter: "F" | "C" | "S" | "M" | "-"; reason: string; text: string; learned: number; needed: number; live: boolean; german: string }
 export interface AgainstReference {
   value: MaybeNumber; deviation: MaybeNumber; std: MaybeNumber; smallest: MaybeNumber; strokes: number; moved: boolean; percent: MaybeNumber; percent_std?: number;
 }
@@ -23,7 +23,7 @@ export interface Overview {
 export interface Alarm {
   machine: string; alarm: string; state: string; severity: "advisory" | "warning" | "alarm" | "signal_loss"; at_rest: boolean; active: boolean;
   acknowledged: boolean; shelved_until_s: MaybeNumber; out_of_service: boolean; value: MaybeNumber; std: MaybeNumber; limit: MaybeNumber; unit: string;
-  text: string; finding: string; evidence: string; action: string; cause: string;
+  text: string; finding: string; evidence: string; action: string; cause: string; german: { finding: string; evidence: string; action: string; cause: string } | null;
   raised_stroke: number; raised_wall_s: number; raised_time_s: MaybeNumber; first_stroke: number; last_stroke: number;
 }
 export interface JournalRow {
@@ -55,7 +55,7 @@ export interface Tag { feed: string; axis: string; address: string; name: string
 export interface FeedLink { name: string; connected: boolean; state: string; clients: number; behind: number }
 /** What speaks against strokes that are to be learned, and the reference that came of them. */
 export interface Learning {
-  first: number; last: number; refused: boolean; doubts: { kind: string; text: string; refuses: boolean }[];
+  first: number; last: number; refused: boolean; doubts: { kind: string; text: string; german: string; refuses: boolean }[];
   learned: null | { reference_version: number; first_stroke: number; last_stroke: number };
 }
 /** What a running service tells of itself (`status --json`, docs/command_line.md). */

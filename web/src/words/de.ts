@@ -201,6 +201,7 @@ export const de: Words = {
   ownName: "Name",
   ownExpression: "Ausdruck",
   ownNotNegative: "seine Größe kann nicht negativ sein",
+  ownCourse: "der Term ohne seine Größe, Hub {stroke}",
   ownFine: "Das lässt sich versuchen:",
   ownTry: "Versuchen",
   addAgainst: "Was dagegen spricht",

@@ -200,6 +200,7 @@ export const en = {
   ownExpression: "Expression",
   ownNotNegative: "its size cannot be negative",
   ownFine: "This can be tried:",
+  ownCourse: "the term without its size, stroke {stroke}",
   ownTry: "Try it",
   addAgainst: "What speaks against it",
   parameter: "Parameter",

@@ -1,8 +1,9 @@
+import type { ComponentChild } from "preact";
 import { useState } from "preact/hooks";
 import type { Effect, ExplainResult, Parameter, Ranked, RegionErrors } from "../types";
 import { nameOf, short, shownNumber, withInterval, type Units } from "../units";
 import { useWords } from "../words";
-import { Scroll } from "./parts";
+import { Scroll, TitleOf } from "./parts";
 
 const shownAtFirst = 7;
 
@@ -19,7 +20,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
   const before = there ? there.rms : explain.base.rms_holdout, noise = there ? there.noise : explain.noise_floor;
   const ruledOut = explain.ranking.filter((ranked) => ranked.testable && ranked.rms_holdout === null);
   const untestable = explain.ranking.filter((ranked) => !ranked.testable);
-  const title = (id: string) => effects.find((effect) => effect.id === id)?.title || id;
+  const title = (id: string) => <TitleOf id={id} effects={effects} />;
   return (
     <section class="ranking">
       <h2>{say("rankingTitle")}</h2>
@@ -31,7 +32,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} class={ranked.effect === chosen ? "chosen" : ""}>
-                  <th scope="row"><button class="link" lang="en" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
+                  <th scope="row"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
                   <td class="num">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
                   <td>{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
                 </tr>
@@ -61,11 +62,11 @@ function Bar({ share }: { share: number }) {
   return <span class="mini" aria-hidden="true"><i style={{ width: `${100 * Math.max(0, Math.min(1, share))}%` }} /></span>;
 }
 
-function Excluded({ title, text, list, name }: { title: string; text: string; list: Ranked[]; name: (id: string) => string }) {
+function Excluded({ title, text, list, name }: { title: string; text: string; list: Ranked[]; name: (id: string) => ComponentChild }) {
   return (
     <details class="untestable"><summary>{title}</summary>
       {text && <p class="quiet">{text}</p>}
-      <dl lang="en">{list.map((ranked) => <div key={ranked.effect}><dt>{name(ranked.effect)}</dt><dd>{ranked.why_not}</dd></div>)}</dl>
+      <dl>{list.map((ranked) => <div key={ranked.effect}><dt>{name(ranked.effect)}</dt><dd lang="en">{ranked.why_not}</dd></div>)}</dl>
     </details>
   );
 }

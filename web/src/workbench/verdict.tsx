@@ -1,9 +1,10 @@
 import { Formula } from "../formula";
 import type { Effect, ExplainResult } from "../types";
+import { Told } from "../told";
 import { amount, type Units } from "../units";
 import { useWords } from "../words";
 import { Experiment } from "./experiment";
-import { AsPrinted } from "./parts";
+import { AsPrinted, TitleOf } from "./parts";
 import { rangeWords } from "./region";
 import { Remainder } from "./remainder";
 
@@ -41,10 +42,10 @@ function Suspect({ id, effect, choose }: { id: string; effect?: Effect; choose: 
   const say = useWords();
   return (
     <div class="suspect">
-      <button class="primary" data-effect={id} onClick={() => choose(id)} lang="en">{effect?.title || id}</button>
+      <button class="primary" data-effect={id} onClick={() => choose(id)}><TitleOf id={id} effects={effect ? [effect] : []} /></button>
       {effect && <>
         <p><Formula law={effect.law} /></p>
-        {effect.plain && <><h3>{say("inspect")}</h3><p lang="en">{effect.plain}</p></>}
+        {effect.plain && <><h3>{say("inspect")}</h3><p><Told of={effect} what="plain" /></p></>}
       </>}
     </div>
   );

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hydroscope {
+
+/// What the program tells people, in the languages of its page. Tell() writes both from the same values where the sentence is
+/// made: none is translated afterwards, and one without German does not compile.
+struct Told {
+  std::string english;  ///< what command line, journal and feeds say
+  std::string german;   ///< "": told in English alone (the text of an error, words of users' own)
+
+  bool empty() const { return english.empty(); }
+  /// In German as far as it is told so.
+  const std::string& InGerman() const { return german.empty() ? english : german; }
+  bool operator==(const Told&) const = default;
+};
+
+namespace told {
+
+/// A number that is written with a decimal comma.
+struct GermanNumber {
+  double value = 0;
+};
+
+inline const std::string& English(const Told& part) { return part.english; }
+inline const std::string& German(const Told& part) { return part.InGerman(); }
+template <class T>
+const T& English(const T& value) {
+  return value;
+}
+template <class T>
+const T& German(const T& value) {
+  return value;
+}
+inline GermanNumber German(const double& value) { return {value}; }
+
+template <class T>
+using EnglishOf = decltype(English(std::declval<const T&>()));
+template <class T>
+using GermanOf = decltype(German(std::declval<const T&>()));
+
+}  // namespace told
+
+/// A sentence with its values: numbers, names, and parts that are told themselves. `german` may name them in another order.
+template <class... V>
+Told Tell(fmt::format_string<told::EnglishOf<V>...> english, fmt::format_string<told::GermanOf<V>...> german,
+          const V&... values);
+
+/// A number that is written already, "1.210 ± 0.012 GPa".
+Told TellNumber(std::string number);
+
+/// The parts, "a, b, c"; "" without any.
+Told Joined(const std::vector<Told>& parts, std::string_view between = ", ");
+
+}  // namespace hydroscope
+
+template <>
+struct fmt::formatter<hydroscope::told::GermanNumber> : fmt::formatter<double> {
+  auto format(const hydroscope::told::GermanNumber& number, fmt::format_context& context) const {
+    fmt::memory_buffer written;
+    fmt::format_context inner(fmt::appender(written), {}, context.locale());
+    fmt::formatter<double>::format(number.value, inner);
+    for (char& c : written)
+      if (c == '.') c = ',';
+    return std::copy(written.begin(), written.end(), context.out());
+  }
+};
+
+namespace hydroscope {
+
+template <class... V>
+Told Tell(fmt::format_string<told::EnglishOf<V>...> english, fmt::format_string<told::GermanOf<V>...> german,
+          const V&... values) {
+  const auto written = [](fmt::string_view form, const auto&... shown) {
+    return fmt::vformat(form, fmt::make_format_args(shown...));
+  };
+  return {written(english, told::English(values)...), written(german, told::German(values)...)};
+}
+
+}  // namespace hydroscope

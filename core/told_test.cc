@@ -1,0 +1,34 @@
+#include "core/told.h"
+
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+TEST(Told, BothLanguagesAreWrittenFromTheSameValues) {
+  const Told told = Tell("K is {:.4g} ± {:.2g} {}, above {}", "K liegt bei {:.4g} ± {:.2g} {}, über {}",
+                         12.25, 0.5, "bar", Tell("the limit", "der Grenze"));
+  EXPECT_EQ(told.english, "K is 12.25 ± 0.5 bar, above the limit");
+  EXPECT_EQ(told.german, "K liegt bei 12,25 ± 0,5 bar, über der Grenze");
+}
+
+TEST(Told, GermanMayNameValuesInAnotherOrder) {
+  const Told told = Tell("{} of {} strokes", "von {1} Hüben {0}", 19, 100);
+  EXPECT_EQ(told.english, "19 of 100 strokes");
+  EXPECT_EQ(told.german, "von 100 Hüben 19");
+}
+
+TEST(Told, WhatIsToldInEnglishAloneStandsInGermanSentencesAsItIs) {
+  EXPECT_EQ(Tell("refused: {}", "abgelehnt: {}", Told{"no such file", ""}).german, "abgelehnt: no such file");
+}
+
+TEST(Told, NumbersThatAreWrittenGetACommaAndPartsAreJoined) {
+  EXPECT_EQ(TellNumber("1.21 ± 0.02 GPa").german, "1,21 ± 0,02 GPa");
+  const Told joined = Joined({Tell("one", "eins"), Tell("two", "zwei")});
+  EXPECT_EQ(joined.english, "one, two");
+  EXPECT_EQ(joined.german, "eins, zwei");
+  EXPECT_TRUE(Joined({}).empty());
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,70 @@
+#include "monitor/axis_alarms.h"
+
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+drift::DriftFinding SofterOil() {
+  drift::DriftFinding finding;
+  finding.rule = "entrained_air";
+  finding.name = {"Oil column softer", "Ölsäule weicher"};
+  finding.guidance = {"Bleed the cylinder. Look for foam in the tank.",
+                      "Den Zylinder entlüften. Nach Schaum im Tank sehen."};
+  finding.since = {.last_before = 480, .low = 470, .high = 490};
+  finding.parts = {{.quantity = "K", .unit = "Pa", .size = -1.2e8, .std = 3e6, .reference = 1.2e9}};
+  finding.explanation = {"Strokes 5 to 9 against 1 to 4: nothing new appeared.",
+                         "Hübe 5 bis 9 gegen 1 bis 4: nichts Neues ist aufgetreten."};
+  finding.cause = {CauseKind::kNamed, {"entrained_air"}};
+  return finding;
+}
+
+TEST(AlarmWords, FindingEvidenceAndActionStandApartInBothLanguages) {
+  const AlarmWords words = WordsOf(SofterOil());
+  EXPECT_EQ(words.finding.english, "Oil column softer");
+  EXPECT_EQ(words.finding.german, "Ölsäule weicher");
+  EXPECT_EQ(
+      words.evidence.english,
+      "since stroke 481 (471 to 491): K -10.0 ± 0.5 % (1.2e+04 -> 1.08e+04 bar). Strokes 5 to 9 against 1 "
+      "to 4: nothing new appeared.");
+  EXPECT_EQ(
+      words.evidence.german,
+      "seit Hub 481 (471 bis 491): K -10,0 ± 0,5 % (1,2e+04 -> 1,08e+04 bar). Hübe 5 bis 9 gegen 1 bis 4: "
+      "nichts Neues ist aufgetreten.");
+  EXPECT_EQ(words.action.german, "Den Zylinder entlüften. Nach Schaum im Tank sehen.");
+}
+
+TEST(AlarmWords, TheTextOfTheAlarmHoldsThemAllAndTheCause) {
+  EXPECT_EQ(
+      AlarmTextOf(SofterOil()),
+      "since stroke 481 (471 to 491): Oil column softer; K -10.0 ± 0.5 % (1.2e+04 -> 1.08e+04 bar). "
+      "Strokes 5 to 9 against 1 to 4: nothing new appeared. Cause: entrained_air. Bleed the cylinder. Look "
+      "for foam in the tank.");
+}
+
+TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {
+  drift::DriftFinding finding = SofterOil();
+  finding.name = {};
+  finding.rivals = {"V0", "y_0"};
+  EXPECT_EQ(
+      drift::FindingText(finding),
+      "since stroke 481 (471 to 491): something changed; its cause is not told apart yet; K -10.0 ± 0.5 % "
+      "(1.2e+04 -> 1.08e+04 bar); would explain as much: V0, y_0");
+  EXPECT_EQ(NameText(finding).german, "etwas hat sich geändert; die Ursache ist noch nicht zu unterscheiden");
+}
+
+TEST(AlarmWords, AnAlarmThatNoFindingRaisesSaysOneSentenceInBothLanguages) {
+  StrokeRecord record;
+  record.summary.counters.gated = 100;
+  record.summary.counters.used = 20;
+  AxisContent content;
+  for (int k = 0; k < 3; ++k)
+    axis_alarms::JudgeSignals({record, k, drift::JudgementReason::kUnusable}, {}, content);
+  ASSERT_EQ(content.alarms.size(), 1u);
+  const AlarmState& alarm = content.alarms.front();
+  EXPECT_EQ(alarm.text, alarm.words.finding.english);
+  EXPECT_TRUE(alarm.words.finding.german.starts_with("nur 20 % der Zeilen")) << alarm.words.finding.german;
+}
+
+}  // namespace
+}  // namespace hydroscope

@@ -1,0 +1,25 @@
+// Sentences of the engine. It tells them in English, and beside it in German as far as there is German; the page shows what is told
+// in its language and says of the rest that it is English.
+
+import { useContext } from "preact/hooks";
+import { LanguageContext } from "./words";
+
+/** Something with sentences under these keys, and the same in German. */
+export type Telling<K extends string> = Record<K, string> & { german?: Partial<Record<K, string>> | null };
+
+export type Tell = <K extends string>(of: Telling<K>, what: K) => { text: string; lang?: "en" };
+
+/** A sentence, with the language to say of it where it is not that of the page. */
+export function useTold(): Tell {
+  const language = useContext(LanguageContext);
+  return (of, what) => {
+    const german = of.german?.[what];
+    if (language === "de" && german) return { text: german };
+    return language === "en" ? { text: of[what] } : { text: of[what], lang: "en" };
+  };
+}
+
+export function Told<K extends string>({ of, what }: { of: Telling<K>; what: K }) {
+  const { text, lang } = useTold()(of, what);
+  return <span lang={lang}>{text}</span>;
+}
