@@ -102,7 +102,9 @@ HttpReply PostSave(WorkSession& session, const HttpRequest& request) {
 
 HttpReply PostEffect(WorkSession& session, const HttpRequest& request) {
   const auto effect = ParseOwnEffect(request.body);
-  return effect ? DoneReply(session.TakeEffect(*effect)) : FailureReply(effect.error());
+  if (!effect) return FailureReply(effect.error());
+  auto course = session.TakeEffect(*effect);
+  return course ? JsonReply({{"course", std::move(*course)}}) : FailureReply(course.error());
 }
 
 HttpReply PostStrokes(WorkSession& session, const HttpRequest& request) {

@@ -72,6 +72,7 @@ Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, S
   if (!compared) return tl::unexpected(compared.error());
   strokes.pictures = StrokePicturesJson(*compared);
   strokes.errors.Take(*compared);
+  strokes.term = TermStroke::Of(*compared, FittedLogs(input));
   return WithText(CompareJson(*compared), CompareText(*compared));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "core/result.h"
 #include "page/api_arguments.h"
 #include "page/region_errors.h"
+#include "page/term_course.h"
 #include "workbench/model/model_change.h"
 
 namespace hydroscope {
@@ -21,6 +23,7 @@ struct WorkInput {
 struct StrokeFindings {
   nlohmann::json pictures = nlohmann::json::array();  ///< StrokePicturesJson
   RegionErrors errors;
+  std::shared_ptr<const TermStroke> term;  ///< for terms that are being written; null: nothing was compared
 };
 
 /// What `check`, `fit`, `compare` and `explain` give of it: the JSON of the commands, with `text`, what they print.

@@ -447,18 +447,24 @@ nlohmann::json WorkSession::Effects() const {
   return machine ? EffectsJson(&*machine) : nlohmann::json{{"effects", nlohmann::json::array()}};
 }
 
-Status WorkSession::TakeEffect(const OwnEffect& effect) {
+Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
   if (machine_file_.empty()) return BadInput("there is no machine file yet");
   const auto text = WithOwnEffect(TextIn(machine_file_), effect);
   if (!text) return tl::unexpected(text.error());
-  if (!effect.keep) return {};
-  if (const Status written = WriteTextFile(machine_file_, *text); !written) return written;
+  if (!effect.keep) {
+    const auto tried = ParseMachine(*text, "machine file");
+    const auto strokes = tried ? strokes_.find(tried->model_version) : strokes_.end();
+    if (strokes == strokes_.end() || strokes->second.term == nullptr) return nlohmann::json();
+    return strokes->second.term->Course(*tried, tried->user_effects.back());
+  }
+  if (const Status written = WriteTextFile(machine_file_, *text); !written)
+    return tl::unexpected(written.error());
   ++generation_;  // what is being worked out knows another library
   const auto machine = LoadMachine(machine_file_);
   if (machine) results_[machine->model_version].erase("explain");
   Changed();
-  return {};
+  return nlohmann::json();
 }
 
 Result<std::string> WorkSession::Save(const std::string& name) {

@@ -81,9 +81,9 @@ class WorkSession {
   std::string MachineText() const;
   /// Effects of the machine's library (EffectsJson).
   nlohmann::json Effects() const;
-  /// Looks at an effect a person writes and, if it is to be kept, puts it into the library of the machine file worked on. Error:
-  /// what is wrong with it.
-  Status TakeEffect(const OwnEffect& effect);
+  /// Looks at an effect a person writes: its term over a stroke (TermStroke::Course; null where nothing was compared yet). One that
+  /// is to be kept joins the library of the machine file worked on. Error: what is wrong with it.
+  Result<nlohmann::json> TakeEffect(const OwnEffect& effect);
   /// Writes it to the file it came from, whose version before is kept beside, or, of one that was made on the page, to `name`
   /// in the folder where the program was started. Returns the path. Error: another file of that name is there.
   Result<std::string> Save(const std::string& name);

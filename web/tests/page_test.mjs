@@ -283,7 +283,18 @@ test("an expression of one's own is checked while it is written, tried and added
   await page.waitForSelector(".own pre.problem");
   assert.match(await page.locator(".own pre.problem").innerText(), /unknown signal "y"[^]*\n +\^/);
   assert.ok(await page.locator(".own button.primary").isDisabled());
+  assert.equal(await page.locator("[data-course]").count(), 0, "what is wrong has no course");
   await page.fill("input[name=own-expression]", "p*sign(ddt(x))");
+  await page.waitForSelector("[data-course] canvas");
+  assert.match(await page.locator("[data-course]").innerText(), /the term without its size, stroke \d+/);
+  const { token } = (await (await fetch(`${address}api/v1/session`)).json()).user;
+  const termOf = async (expression) => (await (await fetch(`${address}api/v1/effect`, { method: "POST", headers: { "X-Hydroscope-Token": token }, body: JSON.stringify({ id: "looked_at", expression }) })).json()).course;
+  const [plain, twice] = [await termOf("p"), await termOf("2*p")];
+  assert.equal(plain.unit, "Pa");
+  assert.ok(plain.values.length > 10 && plain.values.every((value, k) => value === null || Math.abs(twice.values[k] - 2 * value) < 1e-6 * Math.abs(value)));
+  const { signals } = await (await fetch(`${address}api/v1/strokes?stroke=${plain.stroke}`)).json();
+  const bar = signals.find((signal) => signal.name === "p").values, known = plain.values.filter((value) => value !== null).map((value) => value / 1e5);
+  assert.ok(Math.min(...known) > Math.min(...bar) - 1 && Math.max(...known) < Math.max(...bar) + 1, "the term p over the stroke is its signal p");
   await page.waitForSelector(".own .verdict.good");
   await page.click(".own button.primary");
   await page.waitForSelector("[data-preview]");

@@ -3,18 +3,20 @@ import { find } from "../api";
 import { Formula } from "../formula";
 import { work } from "../store";
 import type { CompareResult, Effect, ExplainResult, Preview, Session } from "../types";
+import { Told, useTold } from "../told";
 import { amount } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import { OwnEffect } from "./own_effect";
 import { ParameterTable } from "./parameter_table";
+import { TitleOf } from "./parts";
 import { Outputs, usePicture } from "./stroke_overlay";
 
 interface Props { id: string; session: Session; effects: Effect[]; explain?: ExplainResult; compare?: CompareResult }
 
 /** What an effect would do to the error, and the button that adds it. */
 export function AddEffect({ id, session, effects, explain, compare }: Props) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const [, setUrl] = useUrl();
   const machine = session.machine!;
   const effect = effects.find((known) => known.id === id);
@@ -35,19 +37,19 @@ export function AddEffect({ id, session, effects, explain, compare }: Props) {
     setBusy(false);
   };
   const choose = (effect: string) => setUrl({ effect });
-  const others = <><PartList session={session} effects={effects} choose={choose} /><OwnEffect machine={machine} choose={choose} /></>;
+  const others = <><PartList session={session} effects={effects} choose={choose} /><OwnEffect machine={machine} units={session.units} choose={choose} /></>;
   if (!effect) return <><h1>{say("addTitle")}</h1><p class="empty">{say("addChoose")}</p>{others}</>;
-  const title = effect.title || effect.id;
+  const title = tell(effect, "title").text || effect.id;
   return (
     <>
       <h1>{say("addTitle")}</h1>
-      <h2 lang="en">{title}</h2>
-      {effect.plain && <p lang="en">{effect.plain}</p>}
+      <h2><Told of={effect} what="title" /></h2>
+      {effect.plain && <p><Told of={effect} what="plain" /></p>}
       <dl class="facts">
         <div><dt>{say("addLaw")}</dt><dd><Formula law={effect.law} /></dd></div>
         {effect.source && <div><dt>{say("addSource")}</dt><dd lang="en">{effect.source}</dd></div>}
         {effect.hidden_in && <div><dt>{say("addHides")}</dt><dd lang="en">{effect.hidden_in}</dd></div>}
-        {effect.told_apart_by && <div><dt>{say("addTold")}</dt><dd lang="en">{effect.told_apart_by}</dd></div>}
+        {effect.told_apart_by && <div><dt>{say("addTold")}</dt><dd><Told of={effect} what="told_apart_by" /></dd></div>}
       </dl>
       {part ? <>
         <p>{say("addPart")}</p>
@@ -69,7 +71,7 @@ function PartList({ session, effects, choose }: { session: Session; effects: Eff
   const say = useWords();
   const parts = session.machine!.effects;
   if (parts.length === 0) return null;
-  return <p class="quiet">{say("addPart")} {parts.map((id) => <button key={id} class="link" lang="en" onClick={() => choose(id)}>{effects.find((e) => e.id === id)?.title || id}</button>)}</p>;
+  return <p class="quiet">{say("addPart")} {parts.map((id) => <button key={id} class="link" onClick={() => choose(id)}><TitleOf id={id} effects={effects} /></button>)}</p>;
 }
 
 function Effects({ preview, session }: { preview: Preview; session: Session }) {

@@ -1,25 +1,32 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { post } from "../api";
 import { refresh } from "../store";
 import type { MachineInfo } from "../types";
 import { Formula } from "../formula";
+import { pageColor, Plot } from "../plot";
+import { unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
 
 const pause = 250;  // ms without a key after which what was written is looked at
 
+/** The term over a stroke, SI; null between stretches of it. */
+interface Course { stroke: number; step: number; values: (number | null)[]; unit: string }
+
 /** A law that the library does not have, written as an expression over the signals. */
-export function OwnEffect({ machine, choose }: { machine: MachineInfo; choose: (effect: string) => void }) {
+export function OwnEffect({ machine, units, choose }: { machine: MachineInfo; units: Units; choose: (effect: string) => void }) {
   const say = useWords();
   const [id, setId] = useState("own_effect");
   const [expression, setExpression] = useState("");
   const [notNegative, setNotNegative] = useState(true);
   const [problem, setProblem] = useState<string | null>(null);
+  const [course, setCourse] = useState<Course | null>(null);
   const written = { id, expression, not_negative: notNegative };
   useEffect(() => {
-    if (expression.trim() === "") return setProblem(null);
+    if (expression.trim() === "") { setCourse(null); return setProblem(null); }
     let wanted = true;
+    const says = (wrong: string, there: Course | null) => { if (wanted) { setProblem(wrong); setCourse(there); } };
     const timer = setTimeout(() => {
-      post("effect", written).then(() => wanted && setProblem(""), (failure: Error) => wanted && setProblem(failure.message));
+      post<{ course: Course | null }>("effect", written).then((answer) => says("", answer.course), (failure: Error) => says(failure.message, null));
     }, pause);
     return () => { wanted = false; clearTimeout(timer); };
   }, [id, expression, notNegative]);
@@ -45,7 +52,24 @@ export function OwnEffect({ machine, choose }: { machine: MachineInfo; choose: (
       <div id="own-says" role="status">
         {problem ? <pre class="problem" lang="en">{problem}</pre> : problem === "" && <p class="verdict good">{say("ownFine")} <Formula law={`k ${expression}`} /></p>}
       </div>
+      {course && <TermPlot course={course} expression={expression} units={units} />}
       <button class="primary" disabled={problem !== ""} onClick={() => void keep()}>{say("ownTry")}</button>
     </details>
+  );
+}
+
+/** What the expression gives over the stroke that the model errs most on, while it is being written. */
+function TermPlot({ course, expression, units }: { course: Course; expression: string; units: Units }) {
+  const say = useWords();
+  const unit = unitOf(units, course.unit), name = unitName(unit);
+  const { x, values } = useMemo(() => ({
+    x: course.values.map((_, k) => (k + 0.5) * course.step),
+    values: [course.values.map((value) => (value === null ? null : value * unit.factor + unit.offset))],
+  }), [course, unit.factor, unit.offset]);
+  const title = say("ownCourse", { stroke: course.stroke });
+  return (
+    <div data-course={course.stroke}>
+      <Plot label={`${title}: ${expression}`} x={x} values={values} lines={[{ label: title, color: pageColor("--line-a") }]} xLabel={`${say("time")} (s)`} yLabel={name} height={180} />
+    </div>
   );
 }
