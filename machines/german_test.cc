@@ -1,7 +1,9 @@
 // What the page says of effects to a plant stands in the effect's file, in German beside the English.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <tuple>
 #include <vector>
 
 #include "models/effect.h"
@@ -24,7 +26,7 @@ TEST(German, EveryEffectTellsThePlantInGermanWhatItTellsInEnglish) {
             {"plain", effect->plain, german.plain},
             {"told_apart_by", effect->told_apart_by, german.told_apart_by}})
         if (english.empty() != told.empty())
-          missing.push_back(kind->id + std::string("/") + effect->id + "." + key);
+          missing.push_back(fmt::format("{}/{}.{}", kind->id, effect->id, key));
     }
   }
   EXPECT_GT(effects, 50);
