@@ -13,7 +13,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kPeriod = 0.002;
+constexpr double kGatePeriod = 0.002;
 
 /// Only what the gate needs: z falls at `speed` inside the strokes, y_v is open throughout.
 Machine TestMachine() {
@@ -53,9 +53,9 @@ class Motion {
 
  private:
   Motion& Move(double seconds, double speed) {
-    for (int k = 0; k < std::lround(seconds / kPeriod); ++k) {
-      z_ += speed * kPeriod;
-      block_.time.push_back(static_cast<double>(block_.rows()) * kPeriod);
+    for (int k = 0; k < std::lround(seconds / kGatePeriod); ++k) {
+      z_ += speed * kGatePeriod;
+      block_.time.push_back(static_cast<double>(block_.rows()) * kGatePeriod);
       const double values[] = {80e5 + 1e5 * random_.Normal(), z_ + 1e-5 * random_.Normal(),
                                0.2 + 1e-3 * random_.Normal(), 313.15};
       for (int s = 0; s < 4; ++s) {
@@ -203,7 +203,7 @@ TEST(StrokeSegmenter, PiecesKnowWhatWasMeasuredBeyondTheirEndsUpToABadValue) {
   int cut_short = 0;
   for (const Heard::Piece& piece : heard.pieces) {
     const auto first =
-        static_cast<std::size_t>(std::lround(piece.begin / kPeriod)) - piece.continues - piece.before;
+        static_cast<std::size_t>(std::lround(piece.begin / kGatePeriod)) - piece.continues - piece.before;
     const std::size_t last = first + piece.known.size() - 1;
     EXPECT_EQ(piece.known, std::vector<double>(p.begin() + first, p.begin() + last + 1)) << piece.begin;
     EXPECT_TRUE(last < kBad || first > kBad) << piece.begin;
@@ -227,7 +227,7 @@ TEST(StrokeSegmenter, ABadValueEndsTheSegmentAndIsCounted) {
     for (const auto& piece : heard.pieces) {
       segments += !piece.continues;
       for (double p : piece.pressure) EXPECT_TRUE(std::isfinite(p));
-      const double end = piece.begin + (piece.samples - (piece.continues ? 1.5 : 0.5)) * kPeriod;
+      const double end = piece.begin + (piece.samples - (piece.continues ? 1.5 : 0.5)) * kGatePeriod;
       EXPECT_FALSE(piece.begin <= 1.2 && end > 1.2)
           << "the piece from " << piece.begin << " s holds the bad row";
     }
@@ -254,7 +254,7 @@ TEST(StrokeSegmenter, AGapRestartsTheBlockGridAtTheRowBehindIt) {
   EXPECT_EQ(Flagged(heard, quality::kGap), 4);  // once per channel
   bool found = false;
   for (const auto& piece : heard.pieces)
-    found = found || (!piece.continues && std::abs(piece.begin - (603 * kPeriod + 0.1)) < 1e-9);
+    found = found || (!piece.continues && std::abs(piece.begin - (603 * kGatePeriod + 0.1)) < 1e-9);
   EXPECT_TRUE(found);
 }
 
@@ -344,7 +344,7 @@ TEST(StrokeSegmenter, AStrokeEndsAndTheNextBeginsWhereTheMarkerChanges) {
   const Heard heard = Hear(block, 1024, machine);
   ASSERT_EQ(heard.strokes.size(), 4u);
   for (std::size_t i = 1; i < 4; ++i)
-    EXPECT_NEAR(heard.strokes[i].begin, static_cast<double>(i * cycle) * kPeriod, 1e-9) << i;
+    EXPECT_NEAR(heard.strokes[i].begin, static_cast<double>(i * cycle) * kGatePeriod, 1e-9) << i;
   EXPECT_EQ(heard.totals.samples, 2000);
   for (const std::size_t size : {1, 7, 503})
     EXPECT_EQ(Hear(block, size, machine).pieces, heard.pieces) << size;
@@ -359,7 +359,7 @@ TEST(StrokeSegmenter, AMarkerThatChangesOnAFlaggedRowEndsTheStrokeThere) {
   rows.Flag(kOil, 503, quality::kSpike);
   const Heard heard = Hear(Counted(rows, 503), 1024, MachineWithCounter());
   ASSERT_EQ(heard.strokes.size(), 2u);
-  EXPECT_NEAR(heard.strokes[1].begin, 503 * kPeriod, 1e-9);
+  EXPECT_NEAR(heard.strokes[1].begin, 503 * kGatePeriod, 1e-9);
 }
 
 TEST(StrokeSegmenter, RatesOfTheGateAreTakenOverTheWindowOfFlows) {

@@ -61,7 +61,7 @@ Outbox::~Outbox() = default;
 std::string Outbox::PathFor(const std::string& database) { return PathBeside(database, "outbox"); }
 
 Result<Outbox> Outbox::Open(const std::string& path) {
-  auto impl = OpenOrMake<Impl>(path, Prepare);
+  auto impl = OpenOrMake<Impl>(path, PrepareOutbox);
   if (!impl) return tl::unexpected(impl.error());
   return Outbox(std::move(*impl));
 }

@@ -17,7 +17,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostRows = 20'000;   ///< of the journal that are searched, the newest
+constexpr std::int64_t kMostRowsListed = 20'000;   ///< of the journal that are searched, the newest
 constexpr std::size_t kMostRowsShown = 500;  ///< and told
 constexpr std::size_t kMostSamples = 1500;   ///< of a signal of a stroke
 constexpr double kMargin = 0.2;              ///< s shown before and behind a stroke
@@ -196,7 +196,7 @@ HttpReply WatchApi::Journal(const HttpRequest& request) {
   if (!journal) return ErrorReply(404, "there is no alarm journal beside the database");
   const auto last = journal->LastSequence();
   if (!last) return FailureReply(last.error());
-  const auto rows = journal->Rows(machine, std::max<std::int64_t>(0, *last - kMostRows));
+  const auto rows = journal->Rows(machine, std::max<std::int64_t>(0, *last - kMostRowsListed));
   if (!rows) return FailureReply(rows.error());
   nlohmann::json list = nlohmann::json::array();
   for (auto row = rows->rbegin(); row != rows->rend() && list.size() < kMostRowsShown; ++row)
