@@ -16,6 +16,13 @@ namespace {
 /// Sizes outside would be a row of zeros, before or behind the point.
 bool ReadsWithoutExponent(double size) { return size == 0 || (size >= 1e-4 && size < 1e7); }
 
+/// No "-0" where the digits shown are all zero.
+std::string Fixed(double value, int decimals) {
+  const std::string text = fmt::format("{:.{}f}", value, decimals);
+  const bool zero = std::isfinite(value) && text.find_first_of("123456789") == std::string::npos;
+  return zero ? fmt::format("{:.{}f}", 0.0, decimals) : text;
+}
+
 }  // namespace
 
 std::string WithInterval(double value, double half_width) {
@@ -29,7 +36,7 @@ std::string WithInterval(double value, double half_width) {
   const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
   const int decimals =
       leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
-  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, half_width, decimals);
+  return fmt::format("{} ± {}", Fixed(value, decimals), Fixed(half_width, decimals));
 }
 
 std::string ShownWithInterval(double value, double std, const std::string& si_unit) {

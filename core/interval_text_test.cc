@@ -12,6 +12,8 @@ TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
   EXPECT_EQ(WithInterval(12202, 424), "12202 ± 424");
   EXPECT_EQ(WithInterval(3, NAN), "3 ± ?");
   EXPECT_EQ(WithInterval(0, 0), "0 ± 0");
+  EXPECT_EQ(WithInterval(-0.3, 11), "0 ± 11");
+  EXPECT_EQ(WithInterval(NAN, 11), "nan ± 11");
 }
 
 TEST(WithInterval, SmallAndLargeValuesCarryAnExponent) {
