@@ -17,10 +17,10 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::int64_t kMostRowsListed = 20'000;   ///< of the journal that are searched, the newest
-constexpr std::size_t kMostRowsShown = 500;  ///< and told
-constexpr std::size_t kMostSamples = 1500;   ///< of a signal of a stroke
-constexpr double kMargin = 0.2;              ///< s shown before and behind a stroke
+constexpr std::int64_t kMostRowsListed = 20'000;  ///< of the journal that are searched, the newest
+constexpr std::size_t kMostRowsShown = 500;       ///< and told
+constexpr std::size_t kMostSamples = 1500;        ///< of a signal of a stroke
+constexpr double kMargin = 0.2;                   ///< s shown before and behind a stroke
 
 std::string QueryOf(const HttpRequest& request, const char* name) {
   const auto found = request.query.find(name);
