@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
 #include "studies/coverage_benchmark.h"
 #include "studies/drift/drift_benchmark.h"
@@ -110,7 +111,7 @@ void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
   command->add_option("--kinds", o->kinds, "Only these kinds of imperfection, separated by commas")
       ->delimiter(',');
-  command->add_option("--jobs", o->jobs, "Threads")->check(CLI::Range(1, 256))->capture_default_str();
+  AddJobs(*command, o->threads);
   command->add_option("--details", o->details, "Write one line per log to this tab-separated file");
   command->footer(
       "Examples:\n"
@@ -311,9 +312,7 @@ void AddStateMachines(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the machines")->capture_default_str();
-  command->add_option("--threads", o->threads, "Cases worked on at once, 0: one per core")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  AddJobs(*command, o->threads);
   command->footer("Example:\n  hydroscope benchmark state-machines --cases 36");
   command->callback([o, &exit_code] { exit_code = RunStateMachines(*o); });
 }

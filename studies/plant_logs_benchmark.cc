@@ -193,7 +193,7 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ForEachCase(
       o.cases, progress,
       [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunCase(DrawPlantCase(k, o.seed, *kinds)); },
-      o.jobs);
+      o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});
   for (std::size_t k = 0; k < outcomes.size(); ++k) {

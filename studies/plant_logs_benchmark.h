@@ -13,7 +13,7 @@ struct PlantLogsOptions {
   int cases = 1000;                ///< simulated logs
   std::uint64_t seed = 1;          ///< of the whole campaign
   std::vector<std::string> kinds;  ///< of PlantKinds(), empty = all
-  int jobs = 1;                    ///< threads
+  int threads = 0;                 ///< 0: one per core
   std::string details;             ///< one line per case to this tab-separated file, "" = none
 };
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
 #include "host/output.h"
 #include "report/text_sink.h"
@@ -127,7 +128,7 @@ void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
   command->add_option("--effects", o->effects, "Logs with a hidden effect to explain, 0 = none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--jobs", o->threads, "Threads, 0 = one per core")->check(CLI::Range(0, 256));
+  AddJobs(*command, o->threads);
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
   command->footer(
       "Examples:\n"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/jobs_option.h"
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "host/output.h"
@@ -114,7 +115,7 @@ void AddBenchmarkPump(CLI::App& benchmark, int& exit_code) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
-  command->add_option("--jobs", o->threads, "Threads, 0 = one per core")->check(CLI::Range(0, 256));
+  AddJobs(*command, o->threads);
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark pump\n"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
 #include "host/output.h"
 #include "report/text_sink.h"
@@ -131,9 +132,7 @@ void AddBenchmarkTestCylinder(CLI::App& benchmark, int& exit_code) {
   app->add_option("--changes", o->changes, "Pairs of records of each change")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--threads", o->threads, "Records worked on at once, 0: one per core")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  AddJobs(*app, o->threads);
   app->add_option("--seed", o->seed, "Seed of the first record")->capture_default_str();
   app->footer("Example:\n  hydroscope benchmark test-cylinder --seeds 10 --changes 3");
   app->callback([o, &exit_code] { exit_code = RunTestCylinderBenchmark(*o); });
