@@ -59,6 +59,14 @@ CountedNoise NoiseOf(const std::shared_ptr<const ModelStructure>& base, const Wi
           weights.transpose() * equations.walk};
 }
 
+/// The same with white noise of standard deviation `std` on a channel.
+CountedNoise WithNoise(const std::shared_ptr<const ModelStructure>& base, const WindowSamples& window,
+                       const Eigen::VectorXd& weights, Stretch stretch, std::size_t channel, double std,
+                       Signs& signs) {
+  for (double& x : stretch.channel[channel]) x += std * signs.Next();
+  return NoiseOf(base, window, weights, std::move(stretch));
+}
+
 std::vector<int> MeasuredChannels(const ModelStructure& model) {
   std::vector<int> channels;
   for (std::size_t c = 0; c < model.channel_source.size(); ++c)
@@ -133,11 +141,11 @@ void Conclude(double floor_excess, FloorTrust& trust) {
   if (!trust.believable) trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
 }
 
-}  // namespace
-
-std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
-                                const WindowSamples& window, const Eigen::VectorXd& theta,
-                                std::span<const double> std) {
+/// Shares of channels whose readings scatter by `std`. What is integrated counts for its part `white_std` alone: what is slower
+/// than the rows may be motion, of a spool say, which is no noise.
+std::vector<double> SharesOf(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                             const WindowSamples& window, const Eigen::VectorXd& theta,
+                             std::span<const double> std, std::span<const double> white_std) {
   const auto base = BaseAlone(model);
   Eigen::VectorXd weights(model.base_count + 1);
   weights << theta.head(model.base_count), -1.0;
@@ -147,11 +155,12 @@ std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std
     const CountedNoise measured = NoiseOf(base, window, weights, *stretch);
     for (std::size_t c = 0; c < std.size(); ++c) {
       if (!(std[c] > 0)) continue;
-      Stretch noisy = *stretch;
-      for (double& x : noisy.channel[c]) x += std[c] * signs.Next();
-      const CountedNoise more = NoiseOf(base, window, weights, std::move(noisy));
+      Signs same = signs;
+      const CountedNoise more = WithNoise(base, window, weights, *stretch, c, std[c], signs);
+      const CountedNoise integrated =
+          white_std[c] == std[c] ? more : WithNoise(base, window, weights, *stretch, c, white_std[c], same);
       const double white = (more.white - measured.white).squaredNorm();
-      const double walk = std::max(0.0, more.walk.squaredNorm() - measured.walk.squaredNorm());
+      const double walk = std::max(0.0, integrated.walk.squaredNorm() - measured.walk.squaredNorm());
       if (std::isfinite(white + walk)) energy[c] += white + walk;
     }
   }
@@ -161,12 +170,26 @@ std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std
   return energy;
 }
 
+/// Of the readings' scatter what passes for white: energy over pairs of rows less than twice that over rows (WhitePartVariance).
+double WhiteStd(const SignalNoise& noise) {
+  if (!std::isfinite(noise.ratio)) return noise.std;
+  return noise.std * std::sqrt(std::clamp(2 - noise.ratio, 0.0, 1.0));
+}
+
+}  // namespace
+
+std::vector<double> NoiseShares(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
+                                const WindowSamples& window, const Eigen::VectorXd& theta,
+                                std::span<const double> std) {
+  return SharesOf(model, strokes, window, theta, std, std);
+}
+
 FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<Stretch>> strokes,
                       const WindowSamples& window, const Eigen::VectorXd& theta, const Machine& machine,
                       const FloorTrustOptions& options) {
   FloorTrust trust;
   const std::vector<int> channels = MeasuredChannels(model);
-  std::vector<double> std(model.channel_source.size(), 0.0);
+  std::vector<double> std(model.channel_source.size(), 0.0), white = std;
   std::vector<SignalNoise> judged;
   for (const int channel : channels) {
     const SignalSpec& spec = machine.signals[static_cast<std::size_t>(model.channel_source[channel])];
@@ -175,8 +198,9 @@ FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<S
     judged.push_back(JudgeSignalNoise(spec.name, UnitOf(spec), runs, window.period,
                                       spec.noise_std.value_or(kUnstated), options.signal));
     std[static_cast<std::size_t>(channel)] = judged.back().std;
+    white[static_cast<std::size_t>(channel)] = WhiteStd(judged.back());
   }
-  const std::vector<double> shares = NoiseShares(model, strokes, window, theta, std);
+  const std::vector<double> shares = SharesOf(model, strokes, window, theta, std, white);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     judged[k].share = shares[static_cast<std::size_t>(channels[k])];
     if (judged[k].share > 0) trust.signals.push_back(std::move(judged[k]));

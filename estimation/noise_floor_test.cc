@@ -77,5 +77,13 @@ TEST(NoiseFloor, CountsNoiseOfThePressureThatIsIntegratedAsTheFlowSeesIt) {
   for (const double span : {0.4, 1.6}) EXPECT_NEAR(ErrorOverFloor(logs, span), 1.0, 0.08) << span;
 }
 
+TEST(NoiseFloor, CountsNoiseOfTheSpoolThatIsIntegratedAsTheFlowSeesIt) {
+  SensorNoise noise;
+  noise.z = noise.p_A = 0;
+  noise.y_v = 3e-3;
+  const auto logs = Logs(noise, 6);
+  for (const double span : {0.4, 1.6}) EXPECT_NEAR(ErrorOverFloor(logs, span), 1.0, 0.08) << span;
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -183,11 +183,6 @@ void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
   const int between = model_->disturb ? kWalkStep : 1;
   const int first = (stretch.continues ? 1 : 0) + window_.block / 2, step = between * window_.block;
   const int rates = (blocks + between - 1) / between;
-  out_.walk.setZero(model_->column_count(), rates);
-  if (model_->disturb)
-    FillDisturbedRates(stretch, first, step, out_.walk);
-  else
-    model_->integrated_noise(stretch, first, step, out_.walk);
   // A step after x of B blocks has the centred energy x (B - x) / B; steps all along the span sum to (B^2 -
   // 1) / 6.
   weights_of_walk_.resize(rates);
@@ -195,24 +190,36 @@ void SpanEquationBuilder::FillWalk(const Stretch& stretch, int blocks) {
     const double x = std::min(0.5 + (k + 0.5) * between, blocks - 0.5);
     weights_of_walk_[k] = x * (blocks - x);
   }
+  if (model_->disturb) {
+    FillDisturbedRates(stretch, first, step, out_.walk);
+  } else {
+    out_.walk.setZero(model_->column_count(), rates);
+    model_->integrated_noise(stretch, first, step, out_.walk);
+  }
   const double energy = window_.block * (blocks * blocks - 1.0) / 6.0 / weights_of_walk_.sum();
-  for (int k = 0; k < rates; ++k)
-    out_.walk.col(k) *= std::sqrt(weights_of_walk_[k] * energy) * stretch.period;
+  for (Eigen::Index k = 0; k < out_.walk.cols(); ++k)
+    out_.walk.col(k) *= std::sqrt(weights_of_walk_[k % rates] * energy) * stretch.period;
 }
 
 void SpanEquationBuilder::FillDisturbedRates(const Stretch& stretch, int first, int step,
                                              Eigen::MatrixXd& rate_noise) {
   // One sample more than rates, since a rate lies between two.
-  const int rates = static_cast<int>(rate_noise.cols());
-  twice_.samples = 2 * (rates + 1);
-  twice_.continues = twice_.scattered = true;
-  model_->disturb(stretch, first, step, twice_);
-  const double *plain = increments_.data(), *disturbed = plain + rates + 1;
+  const int rates = static_cast<int>(weights_of_walk_.size()), samples = rates + 1;
+  copies_.samples = samples;
+  copies_.continues = copies_.scattered = true;
+  model_->disturb(stretch, first, step, copies_);
+  const int sources = copies_.samples / samples - 1;
+  rate_noise.setZero(model_->column_count(), static_cast<Eigen::Index>(sources) * rates);
+  const double* plain = increments_.data();
   for (int c = 0; c < model_->column_count(); ++c) {
     if (!model_->columns[c].walks) continue;
     double state = column_state_[c];
-    model_->columns[c].fill(twice_, state, std::span(increments_.data(), 2 * rates + 1));
-    for (int k = 0; k < rates; ++k) rate_noise(c, k) = (disturbed[k] - plain[k]) / twice_.period;
+    model_->columns[c].fill(copies_, state, std::span(increments_.data(), copies_.samples - 1));
+    for (int source = 0; source < sources; ++source) {
+      const double* disturbed = plain + (source + 1) * samples;
+      for (int k = 0; k < rates; ++k)
+        rate_noise(c, source * rates + k) = (disturbed[k] - plain[k]) / copies_.period;
+    }
   }
 }
 

@@ -20,7 +20,7 @@ namespace hydroscope {
 /// Noise. The same block with alternating signs (+ - - +) sees neither level nor slope, only the sensor
 /// noise: its outer product estimates what the noise adds to the regressors' Gram, for every column and every
 /// nonlinearity, without knowing any noise level. Subtracting it takes out the errors-in-variables bias that
-/// is left. Noise that is integrated (pressure noise in the valve flow) walks away from the level at random;
+/// is left. Noise that is integrated (of pressure and spool in the valve flow) walks away from the level at random;
 /// the model says how much of it there is, and a random walk over B blocks of M samples has the centred
 /// energy M (B^2 - 1) / 6 per sample variance, most of it from what came in at the middle.
 ///
@@ -90,7 +90,7 @@ class SpanEquationBuilder {
   std::vector<double> column_state_;
   std::vector<double> last_level_;         ///< level of each column at the last sample of the stretch before
   Eigen::MatrixXd level_;                  ///< columns x (history + blocks), block means
-  Stretch twice_;                          ///< of ModelStructure::disturb
+  Stretch copies_;                         ///< of ModelStructure::disturb
   Eigen::VectorXd weights_of_walk_;        ///< of a step at the times of the rates
   Eigen::VectorXd mean_, before_, after_;  ///< of levels, one per column
   int history_ = 0;                        ///< block means kept from the stretch before

@@ -133,11 +133,11 @@ struct ModelStructure {
   /// from one common source, at samples `first`, `first + step`, ...: a column of `rate_noise` each, which comes in as
   /// zeros. Integrated, it is a random walk.
   std::function<void(const Stretch&, int first, int step, Eigen::MatrixXd& rate_noise)> integrated_noise;
-  /// The same for every column that walks, of base and effects, where one sensor is the source: the first half of `twice`
-  /// is filled with the samples `first`, `first + step`, ... of a stretch, all channels, the second half with the same at
-  /// noise of that sensor one standard deviation up. What a column's rates differ by is its noise. Where it is there, it
-  /// stands in for `integrated_noise`.
-  std::function<void(const Stretch&, int first, int step, Stretch& twice)> disturb;
+  /// The same for every column that walks, of base and effects, where single sensors are the sources: `copies`, which comes
+  /// with the number of samples asked for, is filled with the samples `first`, `first + step`, ... of a stretch, all channels,
+  /// and behind them, once per sensor, with the same at noise of that sensor one standard deviation up. What a column's rates
+  /// differ by is its noise. Where it is there, it stands in for `integrated_noise`.
+  std::function<void(const Stretch&, int first, int step, Stretch& copies)> disturb;
   /// Physical parameters of a regression result; all of them, admissible or not.
   std::function<std::vector<DerivedParameter>(const Eigen::VectorXd& theta)> derive;
 

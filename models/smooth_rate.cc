@@ -1,6 +1,7 @@
 #include "models/smooth_rate.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "core/wide.h"
@@ -19,6 +20,18 @@ inline void ThirdDifferences(const double* x, Doubles& out) {
   std::memcpy(&c, x - 2, sizeof c);
   std::memcpy(&d, x - 3, sizeof d);
   out = a - 3 * b + 3 * c - d;
+}
+
+/// Mean energy of the contrasts + - - + of means of `Rows` rows over `n` rows from x on; white noise has its variance.
+template <int Rows>
+double ContrastEnergy(const double* x, int n) {
+  double energy = 0;
+  for (int first = 0; first < n; first += 4 * Rows) {
+    double contrast = 0;
+    for (int k = 0; k < 4 * Rows; ++k) contrast += k < Rows || k >= 3 * Rows ? x[first + k] : -x[first + k];
+    energy += contrast * contrast;
+  }
+  return energy / n;
 }
 
 }  // namespace
@@ -41,6 +54,26 @@ HYDROSCOPE_WIDE double WhiteNoiseVariance(const double* x, int n) {
     total += third * third;
   }
   return total / (20.0 * (n - 3));
+}
+
+double WhitePartVariance(const double* x, int n) {
+  constexpr int kRows = 16, kMostWindows = 64;
+  struct Window {
+    double motion, pairs, rows;
+  };
+  std::array<Window, kMostWindows> windows;
+  const int all = n / kRows, taken = std::min(all, kMostWindows), quiet = (taken + 1) / 2;
+  if (taken == 0) return 0.0;
+  for (int w = 0; w < taken; ++w) {
+    const double* first = x + w * all / taken * kRows;
+    windows[w] = {ContrastEnergy<4>(first, kRows), ContrastEnergy<2>(first, kRows),
+                  ContrastEnergy<1>(first, kRows)};
+  }
+  std::nth_element(windows.begin(), windows.begin() + quiet - 1, windows.begin() + taken,
+                   [](const Window& a, const Window& b) { return a.motion < b.motion; });
+  double white = 0;
+  for (int w = 0; w < quiet; ++w) white += 2 * windows[w].rows - windows[w].pairs;
+  return std::max(0.0, white / quiet);
 }
 
 HYDROSCOPE_WIDE void SmoothRate(const double* x, int n, int half, double period, Ends ends, double* rate) {

@@ -8,6 +8,12 @@ namespace hydroscope {
 /// 1 + 9 + 9 + 1 = 20).
 double WhiteNoiseVariance(const double* x, int n);
 
+/// Variance of the white noise on a signal that may itself move from row to row, as a spool under a controller does. White
+/// noise has the same energy in contrasts (+ - - +) of rows, E1, and of means of two rows, E2, each scaled to its variance;
+/// motion has at least twice as much in the latter. So it is 2 E1 - E2, or 0, in that half of the windows of 16 rows that
+/// moves least over all 16. 0 for fewer samples than that.
+double WhitePartVariance(const double* x, int n);
+
 /// What the first and last samples of a smoothed derivative get, where a full window does not fit.
 enum class Ends {
   kHold,    ///< the nearest full window's value: fast signals

@@ -83,5 +83,33 @@ TEST(WhiteNoiseVariance, IsThatOfTheNoiseOnASmoothSignal) {
   EXPECT_NEAR(WhiteNoiseVariance(x.data(), kSamples), 0.09, 0.04);
 }
 
+/// Motion of standard deviation 1 about a jump: white noise through a first-order filter, as a valve under a controller.
+std::vector<double> FilteredMotion(double pole) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  double state = 0;
+  return Sampled([&](double t) {
+    state = pole * state + std::sqrt(1 - pole * pole) * normal(random);
+    return state + (t > 0.1 ? 20 : 0);
+  });
+}
+
+TEST(WhitePartVariance, IsThatOfTheNoiseWhereTheSignalJumps) {
+  constexpr int kLogs = 300;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 0.3);
+  double mean = 0;
+  for (int log = 0; log < kLogs; ++log)
+    mean += WhitePartVariance(Sampled([&](double t) { return (t > 0.1 ? 20 : 0) + noise(random); }).data(),
+                              kSamples);
+  EXPECT_NEAR(mean / kLogs, 0.09, 0.006);
+}
+
+TEST(WhitePartVariance, LeavesOutWhatMovesFromRowToRow) {
+  const auto x = FilteredMotion(0.95);
+  EXPECT_LT(WhitePartVariance(x.data(), kSamples), 0.3 * WhiteNoiseVariance(x.data(), kSamples));
+  EXPECT_EQ(WhitePartVariance(x.data(), 15), 0.0);
+}
+
 }  // namespace
 }  // namespace hydroscope

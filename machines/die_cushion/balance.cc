@@ -101,26 +101,39 @@ std::vector<Column> BaseColumns(double area) {
   };
 }
 
-/// Noise of p_A, which every flow has in its root of the pressure drop: d(root)/dp = +-1 / (2 root). Beyond
-/// the end of `s` its last sample stands.
-void DisturbPressure(bool has_supply, const Stretch& s, int first, int step, Stretch& twice) {
-  const int count = twice.samples / 2;
-  twice.period = s.period * step;
-  twice.channel.resize(s.channel.size());
+/// Samples first, first + step, ... of `s`, as many as `copies` asks for and `count` times, one behind the other. Beyond the
+/// end of `s` its last sample stands.
+void CopySamples(const Stretch& s, int first, int step, int count, Stretch& copies) {
+  const int samples = copies.samples;
+  copies.samples = count * samples;
+  copies.period = s.period * step;
+  copies.channel.resize(s.channel.size());
   for (std::size_t c = 0; c < s.channel.size(); ++c) {
     const double* from = s[static_cast<int>(c)];
-    std::vector<double>& to = twice.channel[c];
-    to.resize(twice.samples);
-    for (int k = 0; k < count; ++k) to[k] = to[count + k] = from[std::min(first + k * step, s.samples - 1)];
+    std::vector<double>& to = copies.channel[c];
+    to.resize(copies.samples);
+    for (int k = 0; k < samples; ++k)
+      for (int copy = 0; copy < count; ++copy)
+        to[copy * samples + k] = from[std::min(first + k * step, s.samples - 1)];
   }
-  const double std = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
-  for (int k = count; k < twice.samples; ++k) {
-    const double rise = 0.5 * std / std::max(std::abs(twice[kFlowRoot][k]), kLeastRoot);
-    twice[kPressureA][k] += std;
-    twice[kFlowRoot][k] +=
-        LeadsToTank(twice[kSpool][k], twice[kSupplyPressure][k], has_supply) ? rise : -rise;
+}
+
+/// Noise of p_A, which every flow has in its root of the pressure drop, d(root)/dp = +-1 / (2 root), and that of the
+/// spool, which moves for real under a controller that answers the noise of the pressure: only its white part is noise.
+void DisturbSensors(bool has_supply, const Stretch& s, int first, int step, Stretch& copies) {
+  constexpr int kCopies = 3;  // as measured, of the pressure, of the spool
+  const int count = copies.samples;
+  CopySamples(s, first, step, kCopies, copies);
+  const double pressure = std::sqrt(WhiteNoiseVariance(s[kPressureA], s.samples));
+  for (int k = count; k < 2 * count; ++k) {
+    const double rise = 0.5 * pressure / std::max(std::abs(copies[kFlowRoot][k]), kLeastRoot);
+    copies[kPressureA][k] += pressure;
+    copies[kFlowRoot][k] +=
+        LeadsToTank(copies[kSpool][k], copies[kSupplyPressure][k], has_supply) ? rise : -rise;
   }
-  FillLogarithms(twice);
+  const double spool = std::sqrt(WhitePartVariance(s[kSpool], s.samples));
+  for (int k = 2 * count; k < 3 * count; ++k) copies[kSpool][k] += spool;
+  FillLogarithms(copies);
 }
 
 DerivedParameter Derived(const char* name, const char* unit, double value, Eigen::Vector4d gradient,
@@ -190,8 +203,8 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   model->derive_channels = [tank = geometry.tank_pressure, has_supply](Stretch& s) {
     DeriveChannels(tank, has_supply, s);
   };
-  model->disturb = [has_supply](const Stretch& s, int first, int step, Stretch& twice) {
-    DisturbPressure(has_supply, s, first, step, twice);
+  model->disturb = [has_supply](const Stretch& s, int first, int step, Stretch& copies) {
+    DisturbSensors(has_supply, s, first, step, copies);
   };
   model->derive = [a = area->value, a_std = area->std, root = std::sqrt(dp_nom->value)](
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
