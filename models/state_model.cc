@@ -238,6 +238,14 @@ class Builder {
     model_.limits = limits.Build(model_.parameter_count(), 0, 0);
   }
 
+  /// What is read off an output has that reading's noise, which a model that takes it for the state would carry on; the fit
+  /// knows the reading anyway.
+  bool ReadsAnOutput(const std::string& text) const {
+    const auto names = NamesIn(*Parsed(text, machine()));
+    return std::any_of(spec_.outputs.begin(), spec_.outputs.end(),
+                       [&](const OutputSpec& output) { return names.contains(output.signal); });
+  }
+
   void BuildInitial() {
     EquationBuilder initial(states());
     InputNumbers numbers;
@@ -246,13 +254,14 @@ class Builder {
     numbers = NumbersFor("", std::move(numbers), signals);
     for (int i = 0; i < states(); ++i) {
       const StateSpec& state = spec_.states[static_cast<std::size_t>(i)];
-      model_.estimated.push_back(state.initial == "estimate");
-      model_.near.push_back(model_.estimated.back() && !state.near.empty());
-      if (!model_.estimated.back()) initial.Add(i, Parsed(state.initial, machine()), numbers);
-      if (model_.near.back()) initial.Add(i, Parsed(state.near, machine()), numbers);
       model_.measured_by.push_back(-1);
       for (std::size_t j = 0; j < spec_.outputs.size(); ++j)
         if (spec_.outputs[j].expression == state.name) model_.measured_by.back() = static_cast<int>(j);
+      const bool given = state.initial != "estimate", read = given && ReadsAnOutput(state.initial);
+      model_.estimated.push_back(!given || read);
+      model_.near.push_back(given ? read && model_.measured_by.back() < 0 : !state.near.empty());
+      if (given) initial.Add(i, Parsed(state.initial, machine()), numbers);
+      if (!given && model_.near.back()) initial.Add(i, Parsed(state.near, machine()), numbers);
       model_.rate_of.push_back(StateIndex(machine(), state.ddt));
     }
     model_.initial = initial.Build(signals + model_.parameter_count(), 0, signals);

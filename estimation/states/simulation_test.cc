@@ -48,6 +48,16 @@ StateRun RunOf(const Machine& machine, const Episode& episode, const Eigen::Vect
   return run;
 }
 
+TEST(StateModel, EstimatesAnInitialValueThatIsReadOffAnOutput) {
+  const auto estimated = [](const std::string& initial) {
+    return BuildStateModel(Lag("initial = " + initial), {}).value()->estimated.front();
+  };
+  EXPECT_TRUE(estimated("\"y\"")) << "the reading is noisy, and the model would carry its noise on";
+  EXPECT_TRUE(estimated("\"2*y - u\""));
+  EXPECT_FALSE(estimated("\"u\""));
+  EXPECT_FALSE(estimated("0"));
+}
+
 TEST(StateSimulation, FollowsAnExponentialAndItsDerivatives) {
   const Episode episode = Rows(50, 0.05, 3);
   RowMatrix slopes(1, 2);

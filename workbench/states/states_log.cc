@@ -58,8 +58,8 @@ std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<
     for (int i = 0; i < model.states(); ++i) {
       const auto at = static_cast<std::size_t>(i);
       const double x = registers[model.initial.values.output(at)];
-      outside[at] +=
-          !model.estimated[at] && (x < simulator.limits()[i] || x > simulator.limits()[model.states() + i]);
+      const bool given = model.machine.states.states[at].initial != "estimate";
+      outside[at] += given && (x < simulator.limits()[i] || x > simulator.limits()[model.states() + i]);
     }
   }
   std::vector<std::string> warnings;
