@@ -30,6 +30,15 @@ bool Uses(const CandidateModel& model, int effect) {
                      [&](const auto& c) { return c.effect == effect; });
 }
 
+/// Nonlinear parameters that the law leaves to the data.
+std::size_t FreeNumbers(const Effect& effect) { return effect.implied ? 0 : effect.nonlinear.size(); }
+
+/// A law that is confused with `simpler` and has more free numbers: a leak that grows with the temperature, and a leak.
+bool IsFreerThan(const Effect& law, const Effect& simpler) {
+  return FreeNumbers(law) > FreeNumbers(simpler) &&
+         std::find(law.confused_with.begin(), law.confused_with.end(), simpler.id) != law.confused_with.end();
+}
+
 /// Best first; of gains that are the same but for less than a noise variance the library's order decides.
 void BestFirst(std::vector<RankedEffect>& ranking) {
   std::stable_sort(ranking.begin(), ranking.end(), [](const RankedEffect& a, const RankedEffect& b) {
@@ -254,9 +263,15 @@ std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& 
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
+  const auto& effects = strokes_.model().effects;
   for (const RankedEffect& candidate : ranking) {
+    if (!candidate.stands_out) continue;
     const bool twin = IsTwin(candidate.id, candidate.fit, candidate.gain, best.id, best.fit, best.gain);
-    if (candidate.stands_out && (twin || IsRival(candidate.fit, best.fit))) set.push_back(candidate.id);
+    // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
+    const bool simpler =
+        IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
+        best.gain - candidate.gain < options_.max_remainder + options_.remainder_share * candidate.gain;
+    if (twin || simpler || IsRival(candidate.fit, best.fit)) set.push_back(candidate.id);
   }
   return set;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "diagnosis/effect_ranking.h"
 #include "estimation/analytic_stroke_fixture.h"
 #include "models/effect.h"
 
@@ -39,6 +40,35 @@ TEST(CorrectionOf, IsTheFirstEffectThatActsOnSignals) {
   EXPECT_EQ(CorrectionOf(model, choices, values, 1), std::nullopt);
   EXPECT_EQ(CorrectionOf(model, choices, values, 2), (Correction{delay.effect, 0.006}));
   EXPECT_EQ(CorrectionOf(model, std::span(choices).first(1), values, 0), std::nullopt);
+}
+
+/// An effect that explains all strokes evenly but for `left` noise variances of each.
+RankedEffect Explaining(const ModelStructure& model, const std::string& id, double gain, double left) {
+  RankedEffect ranked;
+  ranked.id = id;
+  ranked.effect = IndexOf(model, id);
+  ranked.gain = gain;
+  ranked.stands_out = ranked.significant = true;
+  ranked.fit.excess = Eigen::VectorXd::LinSpaced(10, left, left + 1);
+  return ranked;
+}
+
+/// Names that stay beside a leak that grows with the temperature and gains `more` than one that does not.
+std::vector<std::string> BesideTheFreerLeak(double more) {
+  auto model = std::make_shared<ModelStructure>(**BuildModel(AnalyticMachine()));
+  AddSampleEffects(*model);
+  const StrokeSet strokes(model, std::vector<StrokeGram>{}, WindowSamples::From(WindowSpec{}, 0.002));
+  const ExplainOptions options;
+  const std::vector<RankedEffect> ranking = {Explaining(*model, "leakage_temperature", 10000, 0),
+                                             Explaining(*model, "internal_leakage", 10000 - more, more / 10),
+                                             Explaining(*model, "orifice_leakage", 10000 - more, more / 10)};
+  return EffectRanking(strokes, options, 1.0).Rivals(ranking);
+}
+
+TEST(EffectRanking, ASimplerLawStaysBesideAFreerOneThatHardlyGains) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(BesideTheFreerLeak(68), (Names{"leakage_temperature", "internal_leakage"}));
+  EXPECT_EQ(BesideTheFreerLeak(72), Names{"leakage_temperature"});
 }
 
 }  // namespace
