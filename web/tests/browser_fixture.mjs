@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { browser, open } from "./program.mjs";
 
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const patience = 120_000;  // ms, also on a computer with many times more work than cores
+export const patience = 120_000;  // ms, also on a computer with many times more work than cores
 let chromium;
 
 export async function startBrowser() { chromium = await browser(); }
