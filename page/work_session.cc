@@ -6,6 +6,7 @@
 
 #include "host/real_clock.h"
 #include "host/text_file.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "page/log_picture.h"
 #include "page/log_proposal.h"
@@ -425,6 +426,7 @@ nlohmann::json WorkSession::Json() const {
                          {"output", words.output},
                          {"stroke", words.stroke},
                          {"sign", words.sign},
+                         {"counted", CountedWordsOf(*machine).one},
                          {"states", KindOf(*machine).has_states},
                          {"suggested_file", std::filesystem::path(machine_file_).filename().string()}});
   for (const UserEffectSpec& effect : machine->user_effects)

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/relative_change.h"
 #include "core/time_text.h"
+#include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
@@ -39,8 +40,8 @@ int QuantityIndex(const drift::DriftMonitor& monitor, const std::string& name) {
   const auto& quantities = monitor.model().quantities();
   const auto found =
       std::find_if(quantities.begin(), quantities.end(), [&](const auto& q) { return q.name == name; });
-  const bool watched = found != quantities.end() && monitor.rules().Find(name) != nullptr;
-  return watched ? static_cast<int>(found - quantities.begin()) : -1;
+  const int quantity = found == quantities.end() ? -1 : static_cast<int>(found - quantities.begin());
+  return quantity >= 0 && monitor.watched(quantity) ? quantity : -1;
 }
 
 /// Whether a change of the quantity is found and stands.
@@ -147,15 +148,14 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
   if (monitor == nullptr) return {};
   for (int q = 0; q < monitor->model().size(); ++q) {
     const drift::Quantity& quantity = monitor->model().quantities()[static_cast<std::size_t>(q)];
-    const drift::WatchSpec* watch = monitor->rules().Find(quantity.name);
-    if (watch == nullptr) continue;
+    if (!monitor->watched(q)) continue;
     const double typical = monitor->reference().typical(q);
     WatchedParameter& parameter = parameters_[quantity.name];
     if (parameter.si.empty()) {
       parameter.si = quantity.unit;
       parameter.info = InfoForQuantity(*model_->kind, quantity, typical);
     }
-    parameter.smallest = watch->Sizes(typical).smallest;
+    parameter.smallest = monitor->sizes(q).smallest;
     if (!quantity.effect) parameter.healthy = monitor->reference().curves()[static_cast<std::size_t>(q)];
   }
   return {};
@@ -264,6 +264,7 @@ Status WatchedMachine::Refresh(const nlohmann::json& told) {
   const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
   json_ = {{"machine", name_},
            {"health", HealthJson(told, picture_.health)},
+           {"counted", (model_ == nullptr ? CountedWords{} : CountedWordsOf(machine_)).one},
            {"strokes", end_},
            {"runs", runs_},
            {"last_s", JsonNumber(last)},

@@ -11,7 +11,7 @@ import { firstUnits, showUnitsIn, writeNumbersIn, type ChosenUnits } from "./uni
 import { useUrl } from "./url_state";
 import { Watch, WatchNavigation, views, type View } from "./watch/watch";
 import { Workbench } from "./workbench/workbench";
-import { firstLanguage, LanguageContext, sayIn, useWords, WordsContext, type Language } from "./words";
+import { CountedIn, firstLanguage, LanguageContext, sayIn, useWords, WordsContext, type Language } from "./words";
 
 /** Where one is: only a database has more to look at than the workbench. */
 function useView(): View {
@@ -52,8 +52,8 @@ function Header({ language, setLanguage, units, setUnits }: Looks) {
         <option value="dark">{say("themeDark")}</option>
       </select>
       <select aria-label={say("language")} value={language} onChange={(e) => setLanguage(e.currentTarget.value as Language)}>
-        <option value="en">English</option>
-        <option value="de">Deutsch</option>
+        <option value="en">EN</option>
+        <option value="de">DE</option>
       </select>
     </header>
   );
@@ -96,7 +96,7 @@ export function App() {
           : view !== "workbench" ? <Watch view={view} />
           : session.logs.length === 0 ? <Start />
           : session.machine === null ? <Mapping />
-          : <Workbench session={session} />}
+          : <CountedIn of={session.machine.counted}><Workbench session={session} /></CountedIn>}
       </main>
       <Working />
     </WordsContext.Provider></LanguageContext.Provider>

@@ -19,6 +19,11 @@ export function useTold(): Tell {
   };
 }
 
+/** Sentences that stand in a list, and the same in German in the same order. */
+export function ToldList({ of, german }: { of: string[]; german?: string[] }) {
+  return <>{of.map((text, k) => <li key={text}><Told of={{ text, german: { text: german?.[k] } }} what="text" /></li>)}</>;
+}
+
 export function Told<K extends string>({ of, what }: { of: Telling<K>; what: K }) {
   const { text, lang } = useTold()(of, what);
   return <span lang={lang}>{text}</span>;

@@ -14,7 +14,7 @@ export interface Version {
 }
 
 export interface MachineInfo {
-  name: string; title: string; version: number; effects: string[]; output: string; stroke: string; sign: string;
+  name: string; title: string; version: number; effects: string[]; output: string; stroke: string; counted: "stroke" | "episode"; sign: string;
   states: boolean; suggested_file: string; signals: string[]; own_effects: string[];
 }
 
@@ -46,7 +46,7 @@ export interface Session {
 export interface User { name: string; role: "view" | "operate" | "admin"; token: string }
 
 export interface CheckResult {
-  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number; hints: string[]; warnings: string[];
+  rows: number; rejected_rows: number; duration_s: number; data_s: number; strokes: number; hints: string[]; warnings: string[]; german?: { hints: string[] };
   sampling: { rate_hz: number; fast_enough: boolean; gaps: number };
   signals: { signal: string; column: string; unit: string; present: boolean; min: number | null; max: number | null; noise_std: number | null;
     good: number; flags: Record<string, { count: number; first_s: number }> }[];
@@ -82,7 +82,7 @@ export interface Plan {
   signals?: { signal: string; speed: boolean; levels: [number, number][] }[];
 }
 export interface ExplainResult {
-  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; doubt: string | null;
+  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; doubt: string | null; german?: { doubt: string; warnings: string[] };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
   final: { rms_holdout: number; drifts?: Record<string, string> }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
   odd_strokes?: { strokes: number[]; set: string[] }[]; relatives?: { effect: string; sentence: string }[];

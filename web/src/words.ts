@@ -1,7 +1,7 @@
 // The words of the page in the language chosen. What the engine says is told by told.tsx.
 
-import { createContext } from "preact";
-import { useContext } from "preact/hooks";
+import { createContext, createElement, type ComponentChildren } from "preact";
+import { useContext, useMemo } from "preact/hooks";
 import { de } from "./words/de";
 import { en, type Words } from "./words/en";
 
@@ -14,11 +14,23 @@ export function firstLanguage(): Language {
   return navigator.language.startsWith("de") ? "de" : "en";
 }
 
-export function sayIn(language: Language): Say {
+/** What a machine repeats and is judged by. Words that depend on it are written "<stroke|episode>". */
+export type Counted = "stroke" | "episode";
+
+export function sayIn(language: Language, counted: Counted = "stroke"): Say {
   const words = language === "de" ? de : en;
-  return (key, values = {}) => words[key].replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
+  return (key, values = {}) => words[key]
+    .replace(/<([^|>]*)\|([^>]*)>/g, (_, stroke: string, episode: string) => (counted === "episode" ? episode : stroke))
+    .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
 }
 
 export const WordsContext = createContext<Say>(sayIn("en"));
 export const LanguageContext = createContext<Language>("en");
 export const useWords = () => useContext(WordsContext);
+
+/** Inside, the words are those of a machine that counts in `of`. */
+export function CountedIn({ of, children }: { of: Counted | undefined; children: ComponentChildren }) {
+  const language = useContext(LanguageContext);
+  const say = useMemo(() => sayIn(language, of), [language, of]);
+  return createElement(WordsContext.Provider, { value: say, children });
+}

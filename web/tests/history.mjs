@@ -47,3 +47,36 @@ export function makeBeginning(path) {
   simulate(path, "begin.csv", begin, ["--seconds", "120", "--seed", "3", "--oil", "30:40"]);
   run(["replay", "begin.csv", "--machine", "press.toml", "--db", "learning.db"], path);
 }
+
+/** tank.toml, a machine with states, and tank.db: 40 episodes of a tank whose outlet clogs from the 30th on. */
+export function makeEpisodes(path) {
+  const episode = 100, seen = ["t,u,y"];
+  let seed = 1, h = 4, u = 3;
+  const random = () => (seed = (seed * 16_807) % 2_147_483_647) / 2_147_483_647;
+  for (let row = 0; row < 40 * episode; ++row) {
+    if (row % 20 === 0) u = 1 + 4 * random();
+    seen.push(`${row},${u.toFixed(3)},${(h + 0.03 * (random() + random() + random() - 1.5)).toFixed(5)}`);
+    const outlet = 0.3 * (1 - 0.01 * Math.max(0, row / episode - 30));
+    for (let step = 0; step < 20; ++step) h += 0.05 * (0.2 * u - outlet * Math.sqrt(Math.max(0, h)));
+  }
+  writeFileSync(join(path, "tank.csv"), seen.join("\n") + "\n");
+  writeFileSync(join(path, "tank.toml"), `[machine]
+name = "tank"
+[log]
+hold = "zero"
+time = { column = "t", unit = "s" }
+[signals]
+u = { column = "u", unit = "V" }
+level = { column = "y", unit = "V" }
+[states]
+h = { ddt = "pump*u - k*sqrt(max(h, 0))", min = 0 }
+[outputs]
+level = "h"
+[episodes]
+seconds = ${episode}
+[parameters]
+k = { start = 0.1, min = 0.01, max = 2 }
+pump = { start = 0.1, min = 0.01, max = 2 }
+`);
+  run(["replay", "tank.csv", "--machine", "tank.toml", "--db", "tank.db"], path);
+}

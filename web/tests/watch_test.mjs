@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { after, before, test } from "node:test";
 import { assertAccessible, assertFits, endBrowser, startBrowser, until, visitIn, visitServed } from "./browser_fixture.mjs";
-import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
+import { addValveChecks, copyHistory, makeBeginning, makeEpisodes, makeHistory } from "./history.mjs";
 import { folder, run, serve } from "./program.mjs";
 
 const place = folder();
@@ -199,6 +199,35 @@ test("a German page tells the alarm in German: finding, evidence and what to do,
   assert.equal(await detail.locator("[lang=en]:not(.journal *)").count(), 0, "nothing of the alarm is left in English");
   await page.selectOption("header select >> nth=-1", "en");
   await page.waitForSelector(".detail h2:has-text('More oil lost under pressure')");
+});
+
+test("a machine that counts in episodes is told in episodes, in both languages", async (t) => {
+  makeEpisodes(place.path);
+  for (const [locale, counted, strange] of [["en-US", "40 episodes", /[Ss]troke/], ["de-DE", "40 Episoden", /\b(Hub|Hübe|Hüben|Hubs)\b/]]) {
+    const { page, address } = await visit(t, ["--db", "tank.db", "--machine", "tank.toml"], { locale });
+    await page.goto(address);
+    await page.waitForSelector(`.tile .facts-line:has-text('${counted}')`);
+    for (const [view, there] of [["overview", ".tile"], ["trends", ".trend-plot canvas"], ["alarms", ".alarms"], ["learn", ".learn .trend-plot canvas"]]) {
+      await page.goto(`${address}#view=${view}`);
+      await page.waitForSelector(there);
+      assert.doesNotMatch(await page.locator("main").innerText(), strange, view);
+    }
+  }
+});
+
+test("the head stands in one line on a laptop in German, and alarms and tags are cards on a phone", async (t) => {
+  const laptop = await visit(t, words, { locale: "de-DE", viewport: { width: 1220, height: 800 } });
+  await laptop.page.goto(laptop.address);
+  await laptop.page.waitForSelector(".tile");
+  const tops = await laptop.page.locator(".top > *:visible, .views button").evaluateAll((parts) => parts.filter((part) => !part.matches(".spring")).map((part) => part.getBoundingClientRect()).map((box) => box.top + box.height / 2));
+  assert.ok(Math.max(...tops) - Math.min(...tops) < 10, tops.join(" "));
+  const phone = await visit(t, words, { locale: "de-DE", viewport: { width: 390, height: 844 } });
+  for (const [view, cells] of [["alarms", ".alarm-table tbody td:visible"], ["scada", ".tags tbody td:visible"]]) {
+    await phone.page.goto(`${phone.address}#view=${view}`);
+    await phone.page.waitForSelector(cells);
+    const right = await phone.page.locator(cells).evaluateAll((all) => Math.max(...all.map((cell) => cell.getBoundingClientRect().right)));
+    assert.ok(right <= 390, `${view} reaches to ${right}`);
+  }
 });
 
 test("an alarm that another program changes shows without loading anew", async (t) => {

@@ -1,7 +1,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
-import { useWords, type Say } from "../words";
+import { CountedIn, useWords, type Say } from "../words";
 import { amount } from "../units";
 import { Scroll } from "../workbench/parts";
 import { AlarmDetail } from "./alarm_detail";
@@ -12,6 +12,11 @@ import { useWatch } from "./watch_store";
 export const severities = ["signal_loss", "alarm", "warning", "advisory"] as const;
 const columns = ["state", "severity", "since", "axis", "finding", "size", "cause"] as const;
 type Column = (typeof columns)[number];
+
+/** When an alarm was raised, in the words of its machine. */
+function Since({ alarm }: { alarm: Alarm }) {
+  return <>{sinceText(alarm, useWords())}</>;
+}
 
 export function sinceText(alarm: Alarm, say: Say): string {
   if (isDate(alarm.raised_time_s)) return dateText(alarm.raised_time_s);
@@ -55,6 +60,7 @@ export function Alarms({ overview }: { overview: Overview }) {
     const order = x < y ? -1 : x > y ? 1 : keyOf(a, "severity") < keyOf(b, "severity") ? -1 : 1;
     return falling ? -order : order;
   });
+  const countedOf = (machine: string) => overview.machines.find((m) => m.machine === machine)?.counted;
   const chosen = alarms.find((a) => `${a.machine}/${a.alarm}` === query.alarm);
   const choice = (key: string, label: string, values: readonly string[], name: (value: string) => string, all: string) => (
     <label>{label} <select value={query[key] ?? ""} onChange={(e) => setUrl({ [key]: e.currentTarget.value })}>
@@ -73,29 +79,29 @@ export function Alarms({ overview }: { overview: Overview }) {
       </div>
       {shown.length === 0 ? <p class="empty" role="status">{alarms.length === 0 ? say("alarmsNone") : say("alarmsNoneShown")}</p> : (
         <Scroll label={say("view_alarms")}>
-          <table class="alarm-table">
-            <thead><tr>{columns.map((column) => (
-              <th key={column} scope="col" aria-sort={sort === column ? (falling ? "descending" : "ascending") : undefined}>
+          <table class="alarm-table cards" role="table">
+            <thead><tr role="row">{columns.map((column) => (
+              <th key={column} scope="col" role="columnheader" aria-sort={sort === column ? (falling ? "descending" : "ascending") : undefined}>
                 <button class="quiet small" onClick={() => setUrl({ sort: column, order: sort === column && !falling ? "down" : "" })}>{say(`alarm_${column}`)}{sort === column && (falling ? " ▼" : " ▲")}</button>
               </th>))}</tr></thead>
             <tbody>{shown.map((alarm) => {
               const key = `${alarm.machine}/${alarm.alarm}`;
               return (
-                <tr key={key} class={key === query.alarm ? "chosen" : ""}>
-                  <td><span class={`state state-${alarm.state}`} title={say(`state_${alarm.state}` as "state_UNACK")}>{alarm.state}</span></td>
-                  <td><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}`)}</span></td>
-                  <td>{sinceText(alarm, say)}</td>
-                  <td>{alarm.machine}</td>
-                  <td class="finding"><button class="link" data-alarm={key} onClick={() => setUrl({ alarm: key })}><Told of={alarm} what="finding" /></button></td>
-                  <td>{sizeText(alarm)}</td>
-                  <td>{alarm.cause ? <Told of={alarm} what="cause" /> : "–"}</td>
+                <tr key={key} role="row" class={key === query.alarm ? "chosen" : ""}>
+                  <td role="cell"><span class={`state state-${alarm.state}`} title={say(`state_${alarm.state}` as "state_UNACK")}>{alarm.state}</span></td>
+                  <td role="cell"><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}`)}</span></td>
+                  <td role="cell" data-label={say("alarm_since")}><CountedIn of={countedOf(alarm.machine)}><Since alarm={alarm} /></CountedIn></td>
+                  <td role="cell" data-label={say("alarm_axis")}>{alarm.machine}</td>
+                  <td role="cell" class="leads"><button class="link" data-alarm={key} onClick={() => setUrl({ alarm: key })}><Told of={alarm} what="finding" /></button></td>
+                  <td role="cell" data-label={say("alarm_size")}>{sizeText(alarm)}</td>
+                  <td role="cell" data-label={say("alarm_cause")}>{alarm.cause ? <Told of={alarm} what="cause" /> : "–"}</td>
                 </tr>
               );
             })}</tbody>
           </table>
         </Scroll>
       )}
-      {chosen && <AlarmDetail key={query.alarm} alarm={chosen} user={overview.user} close={() => setUrl({ alarm: "" })} />}
+      {chosen && <CountedIn of={countedOf(chosen.machine)}><AlarmDetail key={query.alarm} alarm={chosen} user={overview.user} close={() => setUrl({ alarm: "" })} /></CountedIn>}
     </section>
   );
 }

@@ -4,8 +4,10 @@ import { Plot, pageColor } from "../plot";
 import { Told } from "../told";
 import { amount, inChosen } from "../units";
 import { useUrl } from "../url_state";
-import { useWords } from "../words";
+import { CountedIn, useWords } from "../words";
 import type { Words } from "../words/en";
+import { severities } from "./alarms";
+import { useWatch } from "./watch_store";
 import { celsius, dateText, interval, isDate, ofParameter, symbolOf } from "./shown";
 import type { Health, MaybeNumber, Overview, StrokeSignals, WatchedMachine, WatchedParameter } from "./watch_types";
 
@@ -44,6 +46,22 @@ function Against({ parameter }: { parameter: WatchedParameter }) {
   return <span class={reference.moved ? "moved" : "quiet"}>{reference.moved && <b>▲ {say("moved")} </b>}{size}</span>;
 }
 
+const mostNamed = 3;  // alarms of an axis that its tile names
+
+/** What the alarms of a machine have found, the gravest first. */
+function Standing({ machine }: { machine: string }) {
+  const [, setUrl] = useUrl();
+  const { alarms } = useWatch();
+  const standing = alarms.filter((alarm) => alarm.machine === machine && !alarm.at_rest)
+    .sort((a, b) => severities.indexOf(a.severity) - severities.indexOf(b.severity)).slice(0, mostNamed);
+  if (standing.length === 0) return null;
+  return (
+    <ul class="standing">{standing.map((alarm) => (
+      <li key={alarm.alarm}><button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine}/${alarm.alarm}` })}><Told of={alarm} what="finding" /></button></li>
+    ))}</ul>
+  );
+}
+
 /** `signals`: those of the last stroke are shown without asking. */
 function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean }) {
   const say = useWords();
@@ -60,6 +78,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
         {machine.effects.length > 0 && <> · <span lang="en">+ {machine.effects.join(" + ")}</span></>}
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
+      <Standing machine={machine.machine} />
       <table>
         <thead><tr><th scope="col">{say("parameter")}</th><th scope="col">{say("newest")}</th><th scope="col">{say("against")}</th><th scope="col"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
         <tbody>
@@ -124,7 +143,8 @@ export function OverviewPage({ overview }: { overview: Overview }) {
       <p class="quiet">{overview.service ? say("serviceRuns") : say("serviceNone")}{!overview.journal && ` ${say("journalNone")}`}</p>
       {overview.presses.filter((press) => press.alarms > 0).map((press) => <p key={press.machine} class="problem">{press.machine}: {say("alarmsStand", { count: press.alarms })}</p>)}
       {machines.length === 0 && <p class="empty">{say("noMachines")}</p>}
-      <div class="tiles">{machines.map((machine) => <Tile key={machine.machine} machine={machine} signals={machine.health.live && machines.length <= mostShown} />)}</div>
+      <div class="tiles">{machines.map((machine) => (
+        <CountedIn key={machine.machine} of={machine.counted}><Tile machine={machine} signals={machine.health.live && machines.length <= mostShown} /></CountedIn>))}</div>
     </section>
   );
 }

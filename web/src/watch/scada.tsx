@@ -15,6 +15,8 @@ function csvOf(tags: Tag[]): string {
   return [["feed", "axis", "address", "name", "type", "unit", "scaling", "meaning"], ...rows].map((row) => row.map(quoted).join(",")).join("\n") + "\n";
 }
 
+const columns = ["feed", "address", "tagName", "tagType", "tagNow", "tagUnit", "scaling"] as const;
+
 /** Everything that SCADA systems can read, with what it is now. */
 export function Scada() {
   const say = useWords();
@@ -52,13 +54,13 @@ export function Scada() {
         <button onClick={() => download("tags.csv", new Blob([csvOf(tags)], { type: "text/csv" }))}>{say("tagsCsv", { count: tags.length })}</button>
       </div>
       <p class="quiet">{say("tagsText")}</p>
-      <Scroll label={say("view_scada")}><table class="tags">
-        <thead><tr><th scope="col">{say("feed")}</th><th scope="col">{say("address")}</th><th scope="col">{say("tagName")}</th><th scope="col">{say("tagType")}</th><th scope="col">{say("tagNow")}</th><th scope="col">{say("tagUnit")}</th><th scope="col">{say("scaling")}</th></tr></thead>
+      <Scroll label={say("view_scada")}><table class="tags cards" role="table">
+        <thead><tr role="row">{columns.map((column) => <th key={column} scope="col" role="columnheader">{say(column)}</th>)}</tr></thead>
         <tbody>{tags.slice(0, shown).map((tag) => (
-          <tr key={`${tag.feed}${tag.address}${tag.name}`}>
-            <td>{tag.feed}</td><td class="code">{tag.address}</td>
-            <td lang="en">{tag.axis && <small>{tag.axis} · </small>}{tag.name}{tag.meaning && <small> · {tag.meaning}</small>}</td>
-            <td lang="en">{tag.type}</td><td>{tag.value === "" ? "–" : tag.value}</td><td>{tag.unit}</td><td>{tag.scaling}</td>
+          <tr key={`${tag.feed}${tag.address}${tag.name}`} role="row">
+            <td role="cell">{tag.feed}</td><td role="cell" class="code">{tag.address}</td>
+            <td role="cell" class="leads" lang="en">{tag.axis && <small>{tag.axis} · </small>}{tag.name}{tag.meaning && <small> · {tag.meaning}</small>}</td>
+            <td role="cell" lang="en">{tag.type}</td><td role="cell" data-label={say("tagNow")}>{tag.value === "" ? "–" : tag.value}</td><td role="cell">{tag.unit}</td><td role="cell">{tag.scaling}</td>
           </tr>))}</tbody>
       </table></Scroll>
       {tags.length > shown && <p class="quiet">{say("tagsMore", { shown, count: tags.length })}</p>}

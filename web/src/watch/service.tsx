@@ -2,7 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import { find } from "../api";
 import { amount, short } from "../units";
-import { useWords } from "../words";
+import { CountedIn, useWords } from "../words";
 import { Scroll } from "../workbench/parts";
 import { dateText } from "./shown";
 import type { Overview, ServiceStatus } from "./watch_types";
@@ -41,8 +41,12 @@ function Table({ title, heads, rows }: { title: string; heads: string[]; rows: C
 
 /** Sources, rates, queues, disk and log of the service that writes the database. */
 export function Service({ overview }: { overview: Overview }) {
-  const say = useWords();
   const service = useService();
+  return <CountedIn of={service?.counted}><Status overview={overview} service={service} /></CountedIn>;
+}
+
+function Status({ overview, service }: { overview: Overview; service: ServiceStatus | null | undefined }) {
+  const say = useWords();
   if (service === undefined) return <p class="empty" role="status">{say("loading")}</p>;
   if (service === null) return <section class="service"><h1>{say("view_service")}</h1><p class="empty" role="status">{say("serviceNone")} <code>hydroscope serve MACHINE.toml --db {overview.database}</code></p></section>;
   const { writer, inbox } = service;

@@ -2,7 +2,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import { useStore } from "../store";
 import { useUrl } from "../url_state";
 import { inChosen, unitsKey } from "../units";
-import { useWords } from "../words";
+import { CountedIn, useWords } from "../words";
 import { Alarms } from "./alarms";
 import { OverviewPage } from "./overview";
 import { Trends } from "./trends";
@@ -49,9 +49,11 @@ export function Watch({ view }: { view: View }) {
     const again = setInterval(() => void refreshWatch().catch(() => {}), 30_000);  // the program rests while nobody asks
     return () => clearInterval(again);
   }, []);
+  const [query] = useUrl();
   if (!overview) return <p class="empty" role="status">{say("loading")}</p>;
+  const looked_at = overview.machines?.find((machine) => machine.machine === query.machine) ?? overview.machines?.[0];
   return (
-    <div class="watch">
+    <CountedIn of={looked_at?.counted}><div class="watch">
       {overview.problem && <p class="problem" role="alert">{say("watchProblem")} <span lang="en">{overview.problem}</span></p>}
       {!overview.machines ? null
         : view === "trends" ? <Trends overview={overview} />
@@ -61,6 +63,6 @@ export function Watch({ view }: { view: View }) {
         : view === "scada" ? <Scada />
         : view === "service" ? <Service overview={overview} />
         : <OverviewPage overview={overview} />}
-    </div>
+    </div></CountedIn>
   );
 }

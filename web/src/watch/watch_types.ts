@@ -12,7 +12,7 @@ export interface WatchedParameter {
   value?: MaybeNumber; std?: MaybeNumber; reason?: string; reason_text?: string; spark?: MaybeNumber[];
 }
 export interface WatchedMachine {
-  machine: string; health: Health; strokes: number; runs: number; last_s: MaybeNumber; dated: boolean; oil_temperature_K: MaybeNumber;
+  machine: string; counted: "stroke" | "episode"; health: Health; strokes: number; runs: number; last_s: MaybeNumber; dated: boolean; oil_temperature_K: MaybeNumber;
   model_version: number; effects: string[]; reference_version: number; judged_to: number; alarms: number; parameters: WatchedParameter[];
 }
 export interface Overview {
@@ -60,7 +60,7 @@ export interface Learning {
 }
 /** What a running service tells of itself (`status --json`, docs/command_line.md). */
 export interface ServiceStatus {
-  machine: string; database: string; state: string; uptime_s: number; limits: string; cpu_s: number; memory_bytes: number; descriptors: number; valve_check: string;
+  machine: string; counted?: "stroke" | "episode"; database: string; state: string; uptime_s: number; limits: string; cpu_s: number; memory_bytes: number; descriptors: number; valve_check: string;
   sources: { name: string; connected: boolean; state: string; age_s: MaybeNumber; rows: number; lost_rows: number; reconnects: number; malformed: number }[];
   channels: { name: string; unit: string; rate_hz: number; age_s: MaybeNumber; value: MaybeNumber; noise_std: MaybeNumber; stale: boolean }[];
   axes: { name: string; strokes: number; counters: { missing_rows: number; late_rows: number; gaps: number } }[];

@@ -2,6 +2,7 @@ import { LogView } from "../log_view";
 import { duration } from "../start/mapping";
 import type { CheckResult, LogPicture, Session } from "../types";
 import { short, unitName, unitOf, withInterval } from "../units";
+import { ToldList } from "../told";
 import { useWords } from "../words";
 import { AsPrinted, Scroll } from "./parts";
 
@@ -15,7 +16,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
       <p>{say("checkRows", { rows: check.rows, duration: duration(check.duration_s), rate: short(check.sampling.rate_hz), strokes: check.strokes })}</p>
       <div class={check.hints.length > 0 ? "verdict bad" : "verdict good"}>
         {check.hints.length > 0
-          ? <><strong>{say("checkHints")}</strong><ul lang="en">{check.hints.map((hint) => <li key={hint}>{hint}</li>)}</ul></>
+          ? <><strong>{say("checkHints")}</strong><ul><ToldList of={check.hints} german={check.german?.hints} /></ul></>
           : say("checkNoHints")}
       </div>
       {picture && <LogView picture={picture} />}
@@ -39,12 +40,12 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
         </table>
       </Scroll>
       <Scroll label={say("checkParameter")}>
-        <table>
-          <thead><tr><th>{say("checkParameter")}</th><th>{say("checkValue")}</th><th>{say("checkCan")}</th><th>{say("mapDecided")}</th></tr></thead>
+        <table class="cards" role="table">
+          <thead><tr role="row"><th role="columnheader">{say("checkParameter")}</th><th role="columnheader">{say("checkValue")}</th><th role="columnheader">{say("checkCan")}</th><th role="columnheader">{say("mapDecided")}</th></tr></thead>
           <tbody>
             {Object.entries(check.parameters).map(([name, parameter]) => (
-              <tr key={name}><th scope="row">{name}</th><td>{withInterval(parameter, session.units)}</td>
-                <td>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td lang="en">{[parameter.why, parameter.advice].filter(Boolean).join(": ")}</td></tr>
+              <tr key={name} role="row"><th scope="row" role="rowheader">{name}</th><td role="cell">{withInterval(parameter, session.units)}</td>
+                <td role="cell" data-label={say("checkCan")}>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td role="cell" lang="en">{[parameter.why, parameter.advice].filter(Boolean).join(": ")}</td></tr>
             ))}
           </tbody>
         </table>
