@@ -65,6 +65,7 @@ void Take(AlarmState& alarm, const AlarmCondition& condition) {
   alarm.first_stroke = condition.first_stroke;
   alarm.last_stroke = condition.last_stroke;
   alarm.cause = condition.cause;
+  alarm.quantities = condition.quantities;
 }
 
 }  // namespace

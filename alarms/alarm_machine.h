@@ -24,6 +24,7 @@ struct AlarmCondition {
   std::int64_t first_stroke = -1, last_stroke = -1;
   AlarmCause cause = {};
   AlarmWords words = {};
+  std::vector<std::string> quantities = {};  ///< parameters and effects it speaks of
 
   /// One sentence is all there is to say.
   void Say(Told sentence) {

@@ -65,10 +65,11 @@ struct AlarmState {
   double limit = std::numeric_limits<double>::quiet_NaN();  ///< SI
   std::string unit;                                         ///< SI
   std::string text;                                         ///< finding and guidance
-  AlarmWords words;        ///< the same apart; empty in alarms of old journals
-  AlarmCause cause;        ///< of what was found
-  double raised_time = 0;  ///< s, machine time
-  double raised_wall = 0;  ///< s since 1970
+  AlarmWords words;                     ///< the same apart; empty in alarms of old journals
+  AlarmCause cause;                     ///< of what was found
+  std::vector<std::string> quantities;  ///< parameters and effects it speaks of, the most evident first
+  double raised_time = 0;               ///< s, machine time
+  double raised_wall = 0;               ///< s since 1970
   std::int64_t raised_stroke = 0;
   std::int64_t first_stroke = -1, last_stroke = -1;  ///< evidence
 

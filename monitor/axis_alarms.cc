@@ -52,6 +52,12 @@ AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules) {
   return {rules.warn_delay, rules.clear_delay, rules.deadband, false};
 }
 
+std::vector<std::string> QuantitiesOf(const drift::DriftFinding& finding) {
+  std::vector<std::string> names;
+  for (const drift::FindingPart& part : finding.parts) names.push_back(part.quantity);
+  return names;
+}
+
 std::string AlarmIdOf(const drift::DriftFinding& finding) {
   if (!finding.rule.empty()) return finding.rule;
   return kUnnamed + (finding.parts.empty() ? std::string("none") : finding.parts.front().quantity);
@@ -90,6 +96,7 @@ void JudgeFindings(const drift::DriftMonitor& monitor, const drift::RuleBook& ru
                              finding.cause,
                              WordsOf(finding, counted)};
     if (finding.alarm) condition.severity = AlarmSeverity::kAlarm;
+    condition.quantities = QuantitiesOf(finding);
     content.Append(alarm_machine::Observe(alarm, settings, condition, now));
   }
 }
@@ -119,6 +126,7 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
         std::any_of(content.alarms.begin(), content.alarms.end(), [&](const auto& a) { return a.id == id; });
     if (found == drifts.end() && !known) continue;
     AlarmCondition condition{-1, 0, 0, true, quantity.unit, AlarmSeverity::kAdvisory, "", -1, now.stroke};
+    condition.quantities = {quantity.name};
     if (found != drifts.end()) {
       condition.value = std::abs(found->figures.now);
       condition.std = found->figures.slope_std * static_cast<double>(found->figures.strokes);
@@ -155,6 +163,7 @@ void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook
                            shown(e.value), kNormal95 * e.std * unit.factor, unit.name,
                            high ? Tell("above", "über") : Tell("below", "unter"), name, shown(*limit),
                            unit.name));
+        condition.quantities = {spec.parameter};
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));
       };
@@ -174,12 +183,12 @@ void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisConten
       1 - used,       0, 1 - kLeastUsed, true, "1", AlarmSeverity::kSignalLoss, "", stroke.sequence,
       stroke.sequence};
   if (lost) condition.value = std::max(condition.value, condition.limit);
-  condition.Say(Tell(
-      "only {:.0f} % of the stroke's rows could be used: check sensors and cables; `hydroscope check` on a "
-      "log tells which signal",
-      "nur {:.0f} % der Zeilen des Hubs waren zu gebrauchen: Sensoren und Kabel prüfen; `hydroscope check` "
-      "auf eine Aufzeichnung sagt, welches Signal",
-      100 * used));
+  condition.Say(
+      Tell("only {:.0f} % of the rows could be used: check sensors and cables; `hydroscope check` on a "
+           "log tells which signal",
+           "nur {:.0f} % der Zeilen waren zu gebrauchen: Sensoren und Kabel prüfen; `hydroscope check` "
+           "auf eine Aufzeichnung sagt, welches Signal",
+           100 * used));
   content.Append(alarm_machine::Observe(content.Alarm("signal_loss"), {3, 3, 0, false}, condition, now));
 }
 
@@ -222,7 +231,8 @@ void JudgeValveCheck(const drift::DriftFinding& finding, const drift::RuleBook& 
       now.stroke,
       now.stroke,
       {},
-      WordsOf(finding, drift::ValveChecksCounted())};
+      WordsOf(finding, drift::ValveChecksCounted()),
+      QuantitiesOf(finding)};
   content.Append(alarm_machine::Observe(content.Alarm(AlarmIdOf(finding)), settings, condition, now));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "alarms/alarm_machine.h"
@@ -17,6 +18,9 @@ AlarmSettings AlarmSettingsOf(const drift::RuleBook& rules);
 
 /// Id of the alarm a finding raises: that of its rule, or "unnamed_change_<quantity>".
 std::string AlarmIdOf(const drift::DriftFinding& finding);
+
+/// Parameters and effects that the finding says have moved, the most evident first.
+std::vector<std::string> QuantitiesOf(const drift::DriftFinding& finding);
 
 /// Whether the finding is what its alarm tells: the first of those that raise it and stand. A later one about
 /// the same quantities only corrects their size.

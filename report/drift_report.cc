@@ -126,14 +126,13 @@ std::vector<double> ChangesOf(const drift::DriftMonitor& monitor, const std::str
 std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
                           const std::vector<AxisMonitor::JudgedValue>& values) {
   const drift::Quantity& quantity = monitor.model().quantities()[static_cast<std::size_t>(q)];
-  const drift::WatchSpec* watch = monitor.rules().Find(quantity.name);
   const Blocks blocks = BlocksOf(values, q);
-  if (watch == nullptr || blocks.stroke.empty()) return "";
+  if (!monitor.watched(q) || blocks.stroke.empty()) return "";
   const double typical = monitor.reference().typical(q);
   const ParameterInfo info = InfoForQuantity(monitor.model().kind(), quantity, typical);
   const CountedWords counted = CountedWordsOf(monitor.model().kind());
   const double width = quantity.effect ? kPageWidth : SvgPlot::Options().width;
-  const std::string deviation = DeviationPlot(blocks, info, watch->Sizes(typical).smallest,
+  const std::string deviation = DeviationPlot(blocks, info, monitor.sizes(q).smallest,
                                               ChangesOf(monitor, quantity.name), width, counted);
   if (quantity.effect) return deviation;
   return "<div class=\"pair\">" + deviation +
@@ -154,7 +153,7 @@ std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<Al
       changed = changed || TellsAChange(alarm);
       sentences += fmt::format(
           "<li><b>{}</b>, {}{}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
-          alarm.raised_stroke > 0 ? fmt::format(", since {} {}", counted.one, alarm.raised_stroke) : "",
+          alarm.raised_stroke > 0 ? fmt::format(", raised at {} {}", counted.one, alarm.raised_stroke) : "",
           alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
     }
   if (sentences.empty()) return "";

@@ -74,7 +74,7 @@ std::string ErrorSentence(const ExplainResult& result) {
   };
   std::string text =
       fmt::format("On strokes it has not seen the model errs by {}; sensor noise alone would cause {}.",
-                  shown(x.base.rms_holdout), shown(x.base.noise_floor));
+                  shown(x.base.rms_holdout), shown(result.base.noise_floor));
   if (x.steps.size() > 1)
     text +=
         fmt::format(" With {} it errs by {}.", x.steps.size() > 2 ? "the effects found" : "the effect found",
@@ -90,7 +90,7 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
       out.push_back("Check on the machine – " + DescribedInPage(result, id));
   if (!x.doubt.empty())
     out.push_back(fmt::format("Not proven – {}. The cause may be a relative that the library does not hold.",
-                              EscapeText(x.doubt)));
+                              EscapeText(x.doubt.english)));
   if (x.verdict == Verdict::kAmbiguous)
     for (const auto& group : x.groups)
       for (const std::string& id : group)

@@ -76,7 +76,7 @@ Report Prepare(const ReportInput& input) {
   for (const ParameterAnalysis& analysis : report.analysis.parameters) {
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
-    report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted));
+    report.words.push_back(DescribeParameter(analysis, report.infos.back(), report.counted, input.alarms));
   }
   report.verdict = DescribeVerdict(input, report.analysis, report.infos, report.words);
   return report;

@@ -67,6 +67,29 @@ TEST(FormatReport, DoesNotDenyAnAlarmThatTellsAYoungChange) {
   EXPECT_THAT(text, testing::Not(HasSubstr("No change stands out in this record")));
 }
 
+TEST(FormatReport, ShowsNoGreenCardBesideAnAlarmOfItsParameter) {
+  ReportFixture fixture;
+  fixture.warm = 26.5;
+  ReportInput input = fixture.Make();
+  EXPECT_TRUE(Has(FormatReport(input), "No change stands out in <b>K′</b>"));
+  AlarmState alarm;
+  alarm.id = "unnamed_change_K";
+  alarm.active = true;
+  alarm.first_stroke = 290;
+  alarm.quantities = {"K"};
+  input.alarms = {alarm};
+  const std::string page = FormatReport(input);
+  ExpectSound(page);
+  EXPECT_FALSE(Has(page, "No change stands out in <b>K′</b>"));
+  EXPECT_TRUE(Has(page,
+                  "The alarm <b>unnamed_change_K</b> tells a change since stroke 290. Over the record as a "
+                  "whole it does not stand out."));
+  EXPECT_THAT(VerdictText(page), HasSubstr("An alarm tells a change"));
+  alarm.active = false;
+  input.alarms = {alarm};
+  EXPECT_TRUE(Has(FormatReport(input), "No change stands out in <b>K′</b>"));
+}
+
 TEST(FormatReport, NamesTheChangedParameterButNoCause) {
   ReportFixture fixture;
   fixture.wear = 0.06;

@@ -11,8 +11,8 @@
 #include "diagnosis/remainder/locate.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
+#include "report/heard_alarms.h"
 #include "report/svg_text.h"
-#include "workbench/history/stored_change.h"
 
 namespace hydroscope {
 namespace {
@@ -394,11 +394,7 @@ std::string Headline(Standing worst, const ReportAnalysis& analysis, bool insepa
 
 /// A change that an alarm tells is not denied because it is small over the record as a whole, or young.
 void HearAlarms(const std::vector<AlarmState>& alarms, const CountedWords& counted, ReportVerdict& verdict) {
-  std::vector<std::string> told;
-  for (const AlarmState& alarm : alarms)
-    if (TellsAChange(alarm))
-      told.push_back(fmt::format("<b>{}</b> ({} {} on)", EscapeText(alarm.id), counted.one,
-                                 FormatCount(alarm.first_stroke)));
+  const std::vector<std::string> told = ToldByAlarms(alarms, counted);
   if (told.empty() || verdict.standing >= Standing::kChanged) return;
   verdict.standing = Standing::kChanged;
   verdict.headline = "An alarm tells a change, though it does not stand out over the record as a whole";
@@ -409,7 +405,7 @@ void HearAlarms(const std::vector<AlarmState>& alarms, const CountedWords& count
 }  // namespace
 
 ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info,
-                                 const CountedWords& counted) {
+                                 const CountedWords& counted, const std::vector<AlarmState>& alarms) {
   ParameterWords words;
   words.standing = StandingOf(analysis);
   words.pill = PillOf(words.standing, analysis, counted);
@@ -420,6 +416,7 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
                            info);
   words.reading = Reading(words.standing, analysis, info, counted);
   words.limits = LimitText(analysis.limits, info, counted);
+  HearAlarms(alarms, analysis.parameter, counted, words);
   if (analysis.updated == 0) return words;
   words.change = ChangeText(analysis, info, counted);
   words.oil = OilText(analysis.oil, info, counted);
@@ -434,7 +431,7 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& an
   bool inseparable = false;
   verdict.standing = words.empty() ? Standing::kUnknown : Standing::kSteady;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    verdict.standing = std::max(verdict.standing, words[i].standing);
+    if (!words[i].by_alarm) verdict.standing = std::max(verdict.standing, words[i].standing);
     inseparable |= words[i].standing == Standing::kOil && !analysis.parameters[i].oil.separable;
   }
   if (ErrorGrew(analysis.error.ratio)) verdict.standing = std::max(verdict.standing, Standing::kHint);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/alarm_records.h"
 #include "models/counted_words.h"
 #include "report/report_analysis.h"
 #include "report/report_parameters.h"
@@ -16,15 +17,18 @@ enum class Standing { kSteady, kOil, kUnknown, kHint, kChanged, kWarned, kAlarme
 /// may be the machine's, the oil's or a sensor's.
 struct ParameterWords {
   Standing standing = Standing::kUnknown;
-  std::string pill;     ///< two or three words for `standing`
-  std::string value;    ///< "1.412 ± 0.021 GPa" or "not identified"
-  std::string reading;  ///< one or two sentences, the verdict
-  std::string change;   ///< over the record
-  std::string oil;      ///< dependence on oil temperature
-  std::string limits;   ///< against the machine file
+  std::string pill;       ///< two or three words for `standing`
+  std::string value;      ///< "1.412 ± 0.021 GPa" or "not identified"
+  std::string reading;    ///< one or two sentences, the verdict
+  std::string change;     ///< over the record
+  std::string oil;        ///< dependence on oil temperature
+  std::string limits;     ///< against the machine file
+  bool by_alarm = false;  ///< `standing` is what an alarm says, not the record as a whole
 };
+/// Alarms that stand and speak of the parameter override what the record as a whole does not show: a young change, a slow one.
 ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const ParameterInfo& info,
-                                 const CountedWords& counted = {});
+                                 const CountedWords& counted = {},
+                                 const std::vector<AlarmState>& alarms = {});
 
 /// The verdict over all parameters.
 struct ReportVerdict {

@@ -102,9 +102,12 @@ ALTER TABLE alarm ADD COLUMN action TEXT NOT NULL DEFAULT '';
 ALTER TABLE alarm ADD COLUMN action_german TEXT NOT NULL DEFAULT '';
 )sql";
 
+/// What alarms speak of.
+constexpr const char* kJournalVersion4 = "ALTER TABLE alarm ADD COLUMN quantities TEXT NOT NULL DEFAULT '';";
+
 /// Element i brings version i to version i + 1; version 0 is an empty file.
 constexpr std::array<const char*, kJournalFormat> kJournalMigrations = {kJournalTables, kJournalVersion2,
-                                                                        kJournalVersion3};
+                                                                        kJournalVersion3, kJournalVersion4};
 
 constexpr const char* kRowColumns =
     "sequence, machine, wall_s, time_s, stroke, alarm, event, state_before, state, severity, value, std, "
@@ -150,7 +153,7 @@ AlarmSeverity Severity(const std::string& name) {
   return SeverityFromName(name).value_or(AlarmSeverity::kWarning);
 }
 
-std::vector<std::string> SplitEffects(const std::string& listed) {
+std::vector<std::string> SplitNames(const std::string& listed) {
   std::vector<std::string> names;
   std::istringstream stream(listed);
   for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
@@ -158,13 +161,14 @@ std::vector<std::string> SplitEffects(const std::string& listed) {
 }
 
 std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& machine) {
-  Query query(connection,
-              "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
-              "shelved_until_s, on_count, off_count, value, std, limit_value, unit, text, raised_time_s, "
-              "raised_wall_s, raised_stroke, first_stroke, last_stroke, cause_kind, cause_effects, "
-              "finding, finding_german, evidence, evidence_german, action, action_german FROM alarm "
-              "WHERE machine = ? ORDER BY id",
-              machine);
+  Query query(
+      connection,
+      "SELECT id, severity, active, acknowledged, latched, out_of_service, suppressed, "
+      "shelved_until_s, on_count, off_count, value, std, limit_value, unit, text, raised_time_s, "
+      "raised_wall_s, raised_stroke, first_stroke, last_stroke, cause_kind, cause_effects, "
+      "finding, finding_german, evidence, evidence_german, action, action_german, quantities FROM alarm "
+      "WHERE machine = ? ORDER BY id",
+      machine);
   std::vector<AlarmState> alarms;
   while (query.Step()) {
     AlarmState a;
@@ -189,9 +193,10 @@ std::vector<AlarmState> LoadAlarms(Connection& connection, const std::string& ma
     a.first_stroke = query.Int(18);
     a.last_stroke = query.Int(19);
     a.cause = {static_cast<CauseKind>(std::clamp<std::int64_t>(query.Int(20), 0, 3)),
-               SplitEffects(query.Text(21))};
+               SplitNames(query.Text(21))};
     a.words = {
         {query.Text(22), query.Text(23)}, {query.Text(24), query.Text(25)}, {query.Text(26), query.Text(27)}};
+    a.quantities = SplitNames(query.Text(28));
     alarms.push_back(std::move(a));
   }
   return alarms;
@@ -201,13 +206,14 @@ void StoreAlarm(Connection& connection, const std::string& machine, const AlarmS
   const double shelved = a.shelved_until.value_or(std::numeric_limits<double>::quiet_NaN());
   Query(connection,
         "INSERT OR REPLACE INTO alarm VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-        "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         machine, a.id, SeverityName(a.severity), static_cast<int>(a.active), static_cast<int>(a.acknowledged),
         static_cast<int>(a.latched), static_cast<int>(a.out_of_service), static_cast<int>(a.suppressed),
         shelved, a.on_count, a.off_count, a.value, a.std, a.limit, a.unit, a.text, a.raised_time,
         a.raised_wall, a.raised_stroke, a.first_stroke, a.last_stroke, static_cast<int>(a.cause.kind),
         fmt::format("{}", fmt::join(a.cause.effects, ",")), a.words.finding.english, a.words.finding.german,
-        a.words.evidence.english, a.words.evidence.german, a.words.action.english, a.words.action.german)
+        a.words.evidence.english, a.words.evidence.german, a.words.action.english, a.words.action.german,
+        fmt::format("{}", fmt::join(a.quantities, ",")))
       .Run();
 }
 

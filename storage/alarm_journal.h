@@ -13,7 +13,7 @@
 namespace hydroscope {
 
 /// Version of the journal's tables, in `PRAGMA user_version`; docs/alarms.md describes them.
-inline constexpr int kJournalFormat = 3;
+inline constexpr int kJournalFormat = 4;
 /// "HYDJ", in `PRAGMA application_id`.
 inline constexpr int kJournalApplicationId = 0x4859444a;
 

@@ -48,6 +48,7 @@ TEST_F(AlarmJournalFile, KeepsWhatAnAlarmSaysInBothLanguages) {
     ASSERT_TRUE(journal) << journal.error().text;
     const Status told = journal->Change("press", 12.5, [&](AxisContent& axis) -> Status {
       axis.Alarm("entrained_air").words = words;
+      axis.Alarm("entrained_air").quantities = {"K", "V0"};
       return {};
     });
     ASSERT_TRUE(told) << told.error().text;
@@ -58,6 +59,7 @@ TEST_F(AlarmJournalFile, KeepsWhatAnAlarmSaysInBothLanguages) {
   ASSERT_TRUE(axis) << axis.error().text;
   ASSERT_EQ(axis->alarms.size(), 1u);
   EXPECT_EQ(axis->alarms.front().words, words);
+  EXPECT_EQ(axis->alarms.front().quantities, (std::vector<std::string>{"K", "V0"}));
 }
 
 /// As another user, who may read the file but neither write it nor make files beside it.

@@ -54,6 +54,7 @@ TEST(DatabasePage, DescribesEveryTableAndColumn) {
   }
   EXPECT_GT(seen, 60);
   EXPECT_THAT(page, HasSubstr("**format version " + std::to_string(kFormatVersion) + "**"));
+  EXPECT_THAT(page, HasSubstr("`PRAGMA user_version = " + std::to_string(kFormatVersion) + "`"));
 }
 
 TEST(DatabasePage, ItsQueriesRunAndFindSomething) {

@@ -34,7 +34,7 @@ Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) con
       if (ends.Real(0) < before)
         return BadInput(
             "{}: the time of log {} (run {}) begins at {:.6g} s, before the log ahead of it ended ({:.6g} "
-            "s), so a time does not tell which log is meant; give a stroke "
+            "s), so a time does not tell which log is meant; give its "
             "number, or run:{} for where a log begins",
             impl_->path, run.source, run.id, ends.Real(0), before, run.id);
       before = ends.Real(1);

@@ -122,6 +122,10 @@ class DriftMonitor {
   const Reference& reference() const { return reference_; }
   const WatchedModel& model() const { return model_; }
   const RuleBook& rules() const { return *rules_; }
+  /// Whether changes of a quantity are found: the rules name it, or they name none of this machine.
+  bool watched(int quantity) const { return watched_[static_cast<std::size_t>(quantity)]; }
+  /// Of a quantity's changes, those that count.
+  const DriftSize& sizes(int quantity) const { return sizes_[static_cast<std::size_t>(quantity)]; }
 
   void Save(ByteWriter& out) const;
   /// The monitor as saved; nullopt if the bytes are damaged, of another version or of another model.
