@@ -10,6 +10,7 @@
 #include "cli/trend_summary.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/shown_width.h"
 #include "core/time_text.h"
 #include "core/units.h"
 #include "report/text_sink.h"
@@ -17,7 +18,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr std::size_t kSparkWidth = 10;
+constexpr std::size_t kSparkWidth = 10, kLeastSparkWidth = 4;
 
 std::string Counted(std::int64_t count, const CountedWords& counted) {
   return fmt::format("{} {}", count, counted.Of(count));
@@ -49,18 +50,46 @@ std::string ChangeText(const TrendSummary& s, const CountedWords& counted) {
   return fmt::format("{}{}{}, {}", value >= 0 ? "+" : "", ValueText(value, half_width), name, judged);
 }
 
-std::string TableRow(std::size_t name_width, const std::array<std::string, 5>& cells) {
-  return fmt::format("{:<{}} {:>20} {:<6} {:<31} {}\n", cells[0], name_width, cells[1], cells[2], cells[3],
-                     cells[4]);
+/// Widths of the columns. What a long name or unit takes, values and changes give as far as they are shorter, then the course.
+struct TableWidths {
+  std::size_t name = 9, value = 20, unit = 6, change = 31, course = kSparkWidth;
+
+  std::size_t Line() const { return name + value + unit + change + course + 4; }
+};
+
+std::string TableRow(const TableWidths& widths, const std::array<std::string, 5>& cells) {
+  return fmt::format("{:<{}} {:>{}} {:<{}} {:<{}} {}\n", cells[0], widths.name, cells[1], widths.value,
+                     cells[2], widths.unit, cells[3], widths.change, cells[4]);
 }
 
-std::string Row(const TrendSummary& s, std::size_t name_width, const CountedWords& counted) {
+std::string LatestText(const TrendSummary& s) {
   const DisplayUnit unit = DisplayUnitFor(s.unit);
-  const double value = s.latest.value * unit.factor + unit.offset;
-  const double half_width = kNormal95 * s.latest.std * unit.factor;
-  return TableRow(name_width,
-                  {s.parameter, ValueText(value, half_width), unit.name == "1" ? "-" : std::string(unit.name),
-                   ChangeText(s, counted), Sparkline(s.values, s.stds, kSparkWidth)});
+  return ValueText(s.latest.value * unit.factor + unit.offset, kNormal95 * s.latest.std * unit.factor);
+}
+
+TableWidths WidthsFor(const std::vector<TrendSummary>& summaries, const CountedWords& counted) {
+  TableWidths widths;
+  std::size_t value = ShownWidth("latest, 95 %"), change = ShownWidth("change, 95 %");
+  for (const TrendSummary& s : summaries) {
+    widths.name = std::max(widths.name, ShownWidth(s.parameter));
+    widths.unit = std::max(widths.unit, ShownWidth(DisplayUnitFor(s.unit).name));
+    value = std::max(value, ShownWidth(LatestText(s)));
+    change = std::max(change, ShownWidth(ChangeText(s, counted)));
+  }
+  const auto give = [&](std::size_t& width, std::size_t least) {
+    const std::size_t beyond = widths.Line() - std::min(widths.Line(), kLineWidth);
+    width = std::max(std::min(width, least), width - std::min(width, beyond));
+  };
+  give(widths.value, value);
+  give(widths.change, change);
+  give(widths.course, kLeastSparkWidth);
+  return widths;
+}
+
+std::string Row(const TrendSummary& s, const TableWidths& widths, const CountedWords& counted) {
+  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  return TableRow(widths, {s.parameter, LatestText(s), unit.name == "1" ? "-" : std::string(unit.name),
+                           ChangeText(s, counted), Sparkline(s.values, s.stds, widths.course)});
 }
 
 std::string Header(const MachineTrends& trends) {
@@ -186,11 +215,10 @@ Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const Tre
 std::string TrendText(const MachineTrends& trends) {
   const std::vector<TrendSummary>& summaries = trends.summaries;
   std::string text = Header(trends);
-  std::size_t name_width = 9;
-  for (const TrendSummary& s : summaries) name_width = std::max(name_width, s.parameter.size());
-  text += "\n" + TableRow(name_width, {"parameter", "latest, 95 %", "unit", "change, 95 %",
-                                       std::string(trends.counted.many)});
-  for (const TrendSummary& s : summaries) text += Row(s, name_width, trends.counted);
+  const TableWidths widths = WidthsFor(summaries, trends.counted);
+  text += "\n" + TableRow(widths, {"parameter", "latest, 95 %", "unit", "change, 95 %",
+                                   std::string(trends.counted.many)});
+  for (const TrendSummary& s : summaries) text += Row(s, widths, trends.counted);
   return text + Reasons(summaries, trends.counted) + AlarmsText(trends);
 }
 

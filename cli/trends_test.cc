@@ -7,7 +7,9 @@
 #include <sstream>
 
 #include "cli/commands.h"
+#include "cli/trend_output.h"
 #include "cli/trend_summary.h"
+#include "core/shown_width.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -94,6 +96,24 @@ TEST(Trends, NoLineIsLongerThanEightyCharacters) {
         std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
     EXPECT_LE(characters, 80) << line;
   }
+}
+
+TEST(Trends, NamesOfEffectsLeaveTheTableEightyWide) {
+  MachineTrends trends;
+  trends.machine = "press 7";
+  trends.runs.emplace_back();
+  TrendSummary leak;
+  leak.parameter = "internal_leakage.G";
+  leak.unit = "m3/(s Pa)";
+  leak.latest.value = 4.0617e-12;
+  leak.latest.std = 3.2e-14;
+  leak.values.assign(12, 4e-12);
+  leak.stds.assign(12, 1e-13);
+  trends.summaries = {leak};
+  const std::string text = TrendText(trends);
+  EXPECT_THAT(text, HasSubstr("internal_leakage.G 0.02437 ± 0.00038 l/min"));
+  std::stringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(ShownWidth(line), kLineWidth) << line;
 }
 
 TEST(Trends, CsvHasEveryPointWithEveryDigit) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/shown_width.h"
 #include "studies/simulated_strokes.h"
 #include "workbench/held_out_log.h"
 #include "workbench/model/model_history_output.h"
@@ -64,6 +65,8 @@ TEST_F(ModelEdit, TheFileKeepsItsCommentsAndSaysWhatEveryVersionAchieved) {
   ASSERT_EQ(read->model_history.size(), 2u);
   EXPECT_EQ(read->model_history[1].name, "base + relief_valve");
   EXPECT_THAT(ModelHistoryText(*read), HasSubstr("base + relief_valve"));
+  std::stringstream lines(ModelHistoryText(*read));
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(ShownWidth(line), kLineWidth) << line;
   EXPECT_THAT(LastStepText(*read), HasSubstr("1.2 -> 0.54 l/min"));
 }
 

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/shown_width.h"
 #include "core/units.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
@@ -27,43 +29,67 @@ const RecordedValue* Find(const ModelRecord& record, const std::string& name) {
 }
 
 std::string Staircase(const std::vector<ModelRecord>& history) {
-  constexpr int kBar = 30;
+  constexpr int kBar = 14;
   double most = 0;
-  for (const ModelRecord& record : history) most = std::max({most, record.rms_holdout, record.noise_floor});
+  std::size_t width = 0;
+  for (const ModelRecord& record : history) {
+    most = std::max({most, record.rms_holdout, record.noise_floor});
+    width = std::max(width, ShownWidth(record.name));
+  }
   std::string text;
   for (const ModelRecord& record : history) {
     if (!record.judged()) {
-      text += fmt::format("  {:>3}  {:<34} not judged\n", record.version, record.name);
+      text += fmt::format("  {:>3}  {:<{}}  not judged\n", record.version, record.name, width);
       continue;
     }
     const auto mark = [&](double rms) { return static_cast<int>(std::lround(kBar * rms / most)); };
     std::string bar(static_cast<std::size_t>(mark(record.rms_holdout)), '#');
     bar.resize(kBar + 1, ' ');
     bar[static_cast<std::size_t>(mark(record.noise_floor))] = '|';
-    text += fmt::format("  {:>3}  {:<34} {:>8.3g}  {}  {} strokes of {}\n", record.version, record.name,
-                        Shown(record, record.rms_holdout), bar, record.strokes, record.source);
+    text += fmt::format("  {:>3}  {:<{}} {:>8.3g}  {}  {} strokes of {}\n", record.version, record.name,
+                        width, Shown(record, record.rms_holdout), bar, record.strokes, record.source);
   }
   return text;
 }
 
-/// Rows of parameters, a column per judged version.
+/// Rows of parameters, a column per judged version: of as many of the newest as a line holds, two at least.
 std::string Parameters(const std::vector<const ModelRecord*>& judged) {
-  std::vector<std::string> names;
+  std::vector<std::vector<std::string>> columns(
+      1);  // the names, then of each version its number and its values
   for (const ModelRecord* record : judged)
     for (const RecordedValue& value : record->parameters)
-      if (std::find(names.begin(), names.end(), value.name) == names.end()) names.push_back(value.name);
-  std::string text = fmt::format("  {:<28}", "");
-  for (const ModelRecord* record : judged)
-    text += fmt::format(" {:>28}", fmt::format("version {}", record->version));
-  text += "\n";
-  for (const std::string& name : names) {
-    text += fmt::format("  {:<28}", name);
-    for (const ModelRecord* record : judged) {
-      const RecordedValue* value = Find(*record, name);
-      text += fmt::format(" {:>29}",
-                          value == nullptr ? "-" : ShownWithInterval(value->value, value->std, value->unit));
+      if (std::find(columns[0].begin(), columns[0].end(), value.name) == columns[0].end())
+        columns[0].push_back(value.name);
+  columns[0].insert(columns[0].begin(), "");
+  for (const ModelRecord* record : judged) {
+    std::vector<std::string>& column = columns.emplace_back();
+    column.push_back(fmt::format("version {}", record->version));
+    for (std::size_t row = 1; row < columns[0].size(); ++row) {
+      const RecordedValue* value = Find(*record, columns[0][row]);
+      column.push_back(value == nullptr ? "-" : ShownWithInterval(value->value, value->std, value->unit));
     }
-    text += "\n";
+  }
+  std::vector<std::size_t> widths;
+  for (const std::vector<std::string>& column : columns) {
+    widths.push_back(0);
+    for (const std::string& cell : column) widths.back() = std::max(widths.back(), ShownWidth(cell));
+  }
+  constexpr std::size_t kIndent = 2, kGap = 2, kFewest = 2;
+  const auto line = [&] {
+    return std::accumulate(widths.begin(), widths.end(), kIndent + kGap * (widths.size() - 1));
+  };
+  while (columns.size() > 1 + kFewest && line() > kLineWidth) {
+    columns.erase(columns.begin() + 1);
+    widths.erase(widths.begin() + 1);
+  }
+  std::string text;
+  for (std::size_t row = 0; row < columns[0].size(); ++row) {
+    std::string written = fmt::format("{:{}}{:<{}}", "", kIndent, columns[0][row], widths[0]);
+    for (std::size_t k = 1; k < columns.size(); ++k) {
+      const std::size_t space = kGap + widths[k] - ShownWidth(columns[k][row]);
+      written += std::string(space, ' ') + columns[k][row];
+    }
+    text += written + "\n";
   }
   return text;
 }
@@ -94,8 +120,6 @@ std::string ModelHistoryText(const Machine& machine) {
   text += fmt::format("\nError on strokes left out{}; | is what sensor noise alone would cause\n",
                       judged.empty() ? "" : fmt::format(", {}", ShownUnit(*judged.front())));
   text += Staircase(machine.model_history);
-  constexpr std::size_t kColumns = 4;
-  if (judged.size() > kColumns) judged.erase(judged.begin(), judged.end() - kColumns);
   if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(judged);
   return text;
 }
