@@ -56,10 +56,10 @@ Told LearningText(const HealthEvidence& e) {
   if (!e.not_learned.empty())
     return Tell("nothing is judged: {}", "nichts wird beurteilt: {}", e.not_learned);
   if (e.learned >= e.needed)
-    return Tell("nothing is judged: {} strokes wait for `hydroscope learn`",
-                "nichts wird beurteilt: {} Hübe warten auf `hydroscope learn`", e.learned);
-  return Tell("learning the healthy machine, {} of {} strokes",
-              "die gesunde Maschine wird gelernt, {} von {} Hüben", e.learned, e.needed);
+    return Tell("nothing is judged: {} {} wait for `hydroscope learn`",
+                "nichts wird beurteilt: {} {} warten auf `hydroscope learn`", e.learned, e.counted.Several());
+  return Tell("learning the healthy machine, {} of {} {}", "die gesunde Maschine wird gelernt, {} von {} {}",
+              e.learned, e.needed, e.counted.SeveralDative());
 }
 
 }  // namespace
@@ -76,8 +76,7 @@ Health JudgeHealth(const HealthEvidence& e) {
                 0,
                 0,
                 "beurteilt, kein Alarm steht an"};
-  if (IsTrouble(e.trouble.reason))
-    Worsen(health, HealthState::kFailure, e.trouble.reason, {e.trouble.text, ""});
+  if (IsTrouble(e.trouble.reason)) Worsen(health, HealthState::kFailure, e.trouble.reason, e.trouble.text);
   if (!e.has_reference) {
     Worsen(health, HealthState::kFunctionCheck, HealthReason::kLearning, LearningText(e));
     health.learned = e.learned;
@@ -85,8 +84,8 @@ Health JudgeHealth(const HealthEvidence& e) {
   }
   if (!e.not_judged.empty())
     Worsen(health, HealthState::kFunctionCheck, HealthReason::kStrokesNotJudged,
-           Tell("the last strokes were not judged: {}", "die letzten Hübe wurden nicht beurteilt: {}",
-                e.not_judged));
+           Tell("the last {} were not judged: {}", "die letzten {} wurden nicht beurteilt: {}",
+                e.counted.Several(), e.not_judged));
   TakeAlarms(e.alarms, health);
   return health;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/alarm_records.h"
+#include "core/counted_words.h"
 
 namespace hydroscope {
 
@@ -41,7 +42,7 @@ struct Health {
   HealthReason reason = HealthReason::kNothingKnown;
   std::string text = "nothing has been judged yet";  ///< "learning the healthy machine, 19 of 100 strokes"
   std::int64_t learned = 0, needed = 0;  ///< strokes of commissioning; 0 once there is a reference
-  std::string german = {};               ///< `text` in German; "": it is told in English alone
+  std::string german = "noch wurde nichts beurteilt";  ///< `text` in German; "": it is told in English alone
 
   char letter() const { return HealthLetter(state); }
   bool operator==(const Health&) const = default;
@@ -50,7 +51,7 @@ struct Health {
 /// What keeps the service from storing or judging; kJudgedGood: nothing does.
 struct ServiceTrouble {
   HealthReason reason = HealthReason::kJudgedGood;
-  std::string text;
+  Told text;
   bool operator==(const ServiceTrouble&) const = default;
 };
 
@@ -62,6 +63,7 @@ struct HealthEvidence {
   Told not_learned = {};                 ///< why they will not be learned; "" if they will
   Told not_judged = {};                  ///< why the last strokes were not judged; "" if they were
   ServiceTrouble trouble = {};
+  CountedWords counted = {};  ///< what the machine is judged by
 };
 
 /// The most urgent of trouble (F), alarms (signal loss F, alarm S, warning and advisory M; shelved ones

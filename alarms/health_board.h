@@ -27,7 +27,8 @@ class HealthBoard {
   Health Of(const std::string& machine) const {
     std::lock_guard lock(mutex_);
     const ServiceTrouble worst = Worst();
-    if (IsTrouble(worst.reason)) return {HealthState::kFailure, worst.reason, worst.text, 0, 0};
+    if (IsTrouble(worst.reason))
+      return {HealthState::kFailure, worst.reason, worst.text.english, 0, 0, worst.text.german};
     const auto found = axes_.find(machine);
     return found == axes_.end() ? Health{} : found->second;
   }

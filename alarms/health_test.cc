@@ -49,6 +49,18 @@ TEST(Health, IsNeverGoodWhileTheHealthyMachineIsLearned) {
   EXPECT_THAT(waits.text, HasSubstr("hydroscope learn"));
 }
 
+TEST(Health, CallsEpisodesEpisodesInBothLanguages) {
+  const auto judged = [&](const CountedWords& counted) {
+    return JudgeHealth(
+        {.alarms = {}, .learned = 19, .needed = 100, .not_judged = {}, .trouble = {}, .counted = counted});
+  };
+  EXPECT_EQ(judged({}).text, "learning the healthy machine, 19 of 100 strokes");
+  EXPECT_EQ(judged({}).german, "die gesunde Maschine wird gelernt, 19 von 100 Hüben");
+  EXPECT_EQ(judged(kEpisodes).text, "learning the healthy machine, 19 of 100 episodes");
+  EXPECT_EQ(judged(kEpisodes).german, "die gesunde Maschine wird gelernt, 19 von 100 Episoden");
+  EXPECT_EQ(Health{}.german, "noch wurde nichts beurteilt");
+}
+
 TEST(Health, IsNotGoodWhileStrokesComeThatCannotBeJudged) {
   const Health health = JudgeHealth(
       {.alarms = {}, .has_reference = true, .not_judged = {"oil too cold", "Öl zu kalt"}, .trouble = {}});
@@ -61,8 +73,8 @@ TEST(Health, ATroubleOfTheServiceIsAFailureOfEveryAxis) {
   EXPECT_EQ(board.Of("press/left").letter(), 'C') << "nobody has spoken of it";
   board.TellAxis("press/left", {HealthState::kGood, HealthReason::kJudgedGood, "judged", 0, 0});
   EXPECT_EQ(board.Of("press/left").letter(), '-');
-  board.TellTrouble(HealthBoard::Part::kJudging, {HealthReason::kNotWatched, "no rules"});
-  board.TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, "the disk is full"});
+  board.TellTrouble(HealthBoard::Part::kJudging, {HealthReason::kNotWatched, {"no rules", ""}});
+  board.TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, {"the disk is full", ""}});
   EXPECT_EQ(board.Of("press/left").letter(), 'F');
   EXPECT_EQ(board.Of("press/left").text, "the disk is full");
   board.TellTrouble(HealthBoard::Part::kStoring, {});

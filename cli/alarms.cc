@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +18,7 @@
 #include "host/real_clock.h"
 #include "monitor/alarm_json.h"
 #include "storage/alarm_journal.h"
+#include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
 namespace {
@@ -155,13 +157,15 @@ Status Journal(const AlarmsArguments& a) {
   if (a.last > 0 && static_cast<std::int64_t>(rows->size()) > a.last)
     rows->erase(rows->begin(), rows->end() - a.last);
   Json document = {{"journal", Json::array()}};
+  std::map<std::string, CountedWords> counted;
   for (const JournalRow& row : *rows) {
     const AlarmEvent& e = row.event;
+    if (!counted.contains(row.machine)) counted[row.machine] = CountedWordsIn(a.db, row.machine);
     document["journal"].push_back(JournalRowJson(row));
     if (a.json != "-")
-      Say(fmt::format("{:>6}  {}  stroke {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
-                      e.stroke, Printable(row.machine), e.alarm.empty() ? "axis" : Printable(e.alarm),
-                      Printable(e.event),
+      Say(fmt::format("{:>6}  {}  {} {:<7} {} / {}: {}{}{}{}\n", row.sequence, LocalTimeText(row.wall),
+                      counted[row.machine].one, e.stroke, Printable(row.machine),
+                      e.alarm.empty() ? "axis" : Printable(e.alarm), Printable(e.event),
                       e.state.empty() ? "" : fmt::format(" ({} -> {})", e.state_before, e.state),
                       e.user.empty() ? "" : " by " + Printable(e.user),
                       e.comment.empty() ? "" : ", \"" + Printable(e.comment) + "\""));

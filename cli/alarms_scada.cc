@@ -44,13 +44,13 @@ Json RowJson(const ScadaRow& r) {
           {"event", r.event},       {"state", r.state}, {"stroke", r.stroke}, {"value", r.value}};
 }
 
-/// Why a parameter's value is not of the last stroke; "" if it is.
+/// Why a parameter's value is not of the last stroke or episode (registers do not say which it is); "" if it is.
 std::string QualityText(int quality) {
   static constexpr std::array kReasons = {"",
-                                          "no stroke yet",
-                                          "last stroke too short",
-                                          "last stroke did not excite it",
-                                          "last stroke could not separate it",
+                                          "nothing yet",
+                                          "the last was too short",
+                                          "the last did not excite it",
+                                          "the last could not separate it",
                                           "last estimate outside physics",
                                           "poor signals"};
   if (quality == 0) return "";
@@ -59,7 +59,7 @@ std::string QualityText(int quality) {
 }
 
 std::string AxisText(const ScadaAxis& axis) {
-  std::string text = fmt::format("{:<16} {} ({}: {}), {} strokes", axis.name, axis.health.letter(),
+  std::string text = fmt::format("{:<16} {} ({}: {}), {} stored", axis.name, axis.health.letter(),
                                  HealthName(axis.health.state), axis.health.text, axis.strokes);
   if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
   for (const ScadaParameter& p : axis.parameters)
@@ -104,7 +104,7 @@ void Print(const Seen& seen, const std::string& endpoint) {
   const std::size_t first = seen.rows.size() - std::min(seen.rows.size(), kRowsShown);
   for (std::size_t i = first; i < seen.rows.size(); ++i) {
     const ScadaRow& r = seen.rows[i];
-    Say(fmt::format("{:>6}  {}  stroke {:<7} {} / alarm {}: {}{}\n", r.sequence, LocalTimeText(r.wall),
+    Say(fmt::format("{:>6}  {}  no. {:<7} {} / alarm {}: {}{}\n", r.sequence, LocalTimeText(r.wall),
                     r.stroke == kNoStroke ? "-" : std::to_string(r.stroke), AxisName(seen, r.axis), r.alarm,
                     r.event, r.alarm == 0 ? "" : " -> " + r.state));
   }

@@ -48,7 +48,7 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
   }
   if (refused.empty() || a.force) return {};
   return BadInput(
-      "nothing was learned: the strokes of {} do not look like those of a healthy machine. Choose others "
+      "nothing was learned: what is stored of {} does not look like a healthy machine. Choose others "
       "with --from and --to, or insist with --force",
       refused);
 }
@@ -112,25 +112,26 @@ int RunLearn(const LearnArguments& a) {
 
 void AddLearnCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<LearnArguments>();
-  CLI::App* command = app.add_subcommand("learn",
-                                         "Learns the healthy machine from stored strokes and freezes it: "
-                                         "drift is judged against it from then on");
+  CLI::App* command =
+      app.add_subcommand("learn",
+                         "Learns the healthy machine from stored strokes or episodes and freezes it: "
+                         "drift is judged against it from then on");
   command->add_option("--db,-d", a->history.db, "Database that replay or serve fills")->required();
   command->add_option("--machine-name", a->history.machines,
                       "Machine of the database, repeatable; all without it");
   command->add_option("--from", a->history.from,
-                      "First stroke: number, log (run:3), time (81.5s) or date (2025-03-01)");
-  command->add_option("--to", a->history.to, "Stroke before which to stop, likewise");
+                      "First stroke or episode: number, log (run:3), time (81.5s) or date (2025-03-01)");
+  command->add_option("--to", a->history.to, "Stroke or episode before which to stop, likewise");
   command->add_option("--machine,-m", a->machine,
                       "Machine file whose rules file (press.toml -> press_rules.toml) says what is watched");
   command->add_option("--user", a->user, "Who acts (default: the user logged in)");
   command->add_option("--comment", a->comment, "Why, kept in the journal");
-  command->add_flag("--force", a->force, "Learn, whatever speaks against the strokes");
+  command->add_flag("--force", a->force, "Learn, whatever speaks against it");
   command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
   command->footer(
       "Needed where the rules file says freeze = \"command\", and after a repair or a change of oil. Every "
       "reference is\n"
-      "a version of its own in the journal; alarms of the one before are cleared. The strokes are explained\n"
+      "a version of its own in the journal; alarms of the one before are cleared. What is learned from is explained\n"
       "first: an effect in them, a change, an open alarm or several versions of the model are told, and "
       "nothing is\n"
       "learned without --force.\n"

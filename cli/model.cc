@@ -95,8 +95,9 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
   ModelChange& change = options->change;
   command->add_option("effect", change.effect, "Id of the effect, see 'hydroscope model effects'")
       ->required();
-  command->add_option("logs", change.logs,
-                      "Logs of one machine: on their strokes the model before and after is judged");
+  command->add_option(
+      "logs", change.logs,
+      "Logs of one machine: on their strokes or episodes the model before and after is judged");
   command->add_option("--hold-out", change.hold_out,
                       "Log the models are not fitted to: their errors on it are given as well");
   command->add_option("--machine,-m", change.machine,

@@ -127,7 +127,7 @@ void Wait(LiveService& service, Surveillance& surveillance, PageServer& page, co
     const WriterStatus writer = service.status().writer;
     if (writer.state == WriterState::kWriting)  // else the database may keep readers waiting
       if (const auto taken = service.TakePromotions(); taken && *taken) surveillance.TakePromotions();
-    sd_notifyf(0, "STATUS=%s, %lld strokes stored", WriterStateName(writer.state),
+    sd_notifyf(0, "STATUS=%s, %lld stored", WriterStateName(writer.state),
                static_cast<long long>(writer.strokes));
   }
 }

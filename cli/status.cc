@@ -101,7 +101,7 @@ int RunVerify(const std::string& database, const std::string& json) {
   const auto runs = VerifyLive(database);
   if (!runs) return ReportError(runs.error());
   nlohmann::json list = nlohmann::json::array();
-  std::string text = fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", "axis", "run", "rows", "strokes",
+  std::string text = fmt::format("{:<28} {:>5} {:>10} {:>8}  {}\n", "axis", "run", "rows", "stored",
                                  "replay of the raw window");
   std::int64_t same = 0, different = 0;
   for (const VerifiedRun& run : *runs) {

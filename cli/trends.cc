@@ -117,8 +117,8 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
 
   const auto names = database.ParameterNames(*id);
   if (!names) return tl::unexpected(names.error());
-  return BadInput("{}: machine \"{}\" has no parameter \"{}\" in these strokes; it has: {}{}", a.db, machine,
-                  a.parameter, Listed(*names), DidYouMean(a.parameter, *names));
+  return BadInput("{}: machine \"{}\" has no parameter \"{}\" in these {}; it has: {}{}", a.db, machine,
+                  a.parameter, trends.counted.many, Listed(*names), DidYouMean(a.parameter, *names));
 }
 
 Status Write(const TrendsArguments& a, const std::vector<MachineTrends>& machines,
@@ -144,14 +144,14 @@ Status RunTrends(const TrendsArguments& a) {
     auto trends = ReadTrends(a, *database, name);
     if (!trends) return tl::unexpected(trends.error());
     if (trends->summaries.empty())
-      std::cerr << fmt::format("{}: machine \"{}\" has no strokes yet\n", a.db, name);
+      std::cerr << fmt::format("{}: nothing of machine \"{}\" is stored yet\n", a.db, name);
     else
       machines.push_back(std::move(*trends));
   }
   if (machines.empty())
     return BadInput(
-        "{} holds no strokes yet: nothing in its logs was inside the gate, or their replay was stopped "
-        "before the first stroke. `hydroscope check LOG --machine M.toml` tells what a log contains",
+        "{} holds no strokes or episodes yet: nothing in its logs was inside the gate, or their replay was stopped "
+        "before the first. `hydroscope check LOG --machine M.toml` tells what a log contains",
         a.db);
   return Write(a, machines, PointsOf(a, *database));
 }
@@ -161,20 +161,20 @@ Status RunTrends(const TrendsArguments& a) {
 void AddTrendsCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<TrendsArguments>();
   CLI::App* command = app.add_subcommand(
-      "trends", "What the database recorded: every identified parameter over the strokes of a machine");
+      "trends",
+      "What the database recorded: every identified parameter over the strokes or episodes of a machine");
   command->add_option("--db,-d", a->db, "Database that `hydroscope replay` filled")->required();
   auto* machine =
       command->add_option("--machine,-m", a->machine, "Name of the machine, if the database holds several");
   command->add_flag("--all,-a", a->all, "All machines of the database")->excludes(machine);
   command->add_option("--parameter,-p", a->parameter, "Only this parameter, for example K");
-  command->add_option("--last,-n", a->last, "Only the last N strokes")->check(CLI::PositiveNumber);
+  command->add_option("--last,-n", a->last, "Only the last N strokes or episodes")
+      ->check(CLI::PositiveNumber);
   command->add_option("--csv", a->csv, "Write all points as CSV, SI units; - is stdout, .gz is compressed");
   command->add_option("--json", a->json, "Write all points as JSON, SI units; - is stdout");
   command->footer(
-      "The change compares the last third of the strokes with the first third, by the judgement of the "
-      "report's\n"
-      "cards: on independent blocks of strokes, significant if chance alone would show as much in less than "
-      "1 % of\n"
+      "The change compares the last third of them with the first third, by the judgement of the report's\n"
+      "cards: on independent blocks, significant if chance alone would show as much in less than 1 % of\n"
       "records; \"with the oil\": the oil temperature accounts for it.\n"
       "Examples:\n"
       "  hydroscope trends --db press.db\n"

@@ -25,19 +25,19 @@ const char* ReasonName(EstimateReason reason) {
 const char* ReasonText(EstimateReason reason) {
   switch (reason) {
     case EstimateReason::kUpdated:
-      return "identified from this stroke and those before";
+      return "identified from the newest data and those before";
     case EstimateReason::kNoStroke:
-      return "no stroke seen yet";
+      return "nothing seen yet";
     case EstimateReason::kTooShort:
-      return "the stroke was too short to learn from";
+      return "too short to learn from";
     case EstimateReason::kNotExcited:
-      return "this stroke did not move what the parameter acts on; the value is an older one";
+      return "nothing moved what the parameter acts on; the value is an older one";
     case EstimateReason::kConfounded:
-      return "these strokes cannot tell this parameter from another";
+      return "these data cannot tell this parameter from another";
     case EstimateReason::kOutsidePhysics:
       return "the data ask for a value physics forbids; the model misses an effect or a signal is wrong";
     case EstimateReason::kPoorSignal:
-      return "bad signal quality left too little of the stroke";
+      return "bad signal quality left too little to learn from";
   }
   return "";
 }

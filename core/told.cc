@@ -10,6 +10,18 @@ Told TellNumber(std::string number) {
   return told;
 }
 
+std::vector<std::string> InEnglish(const std::vector<Told>& sentences) {
+  std::vector<std::string> english;
+  for (const Told& sentence : sentences) english.push_back(sentence.english);
+  return english;
+}
+
+std::vector<std::string> InGerman(const std::vector<Told>& sentences) {
+  std::vector<std::string> german;
+  for (const Told& sentence : sentences) german.push_back(sentence.german);
+  return german;
+}
+
 Told Joined(const std::vector<Told>& parts, std::string_view between) {
   Told joined;
   for (const Told& part : parts) {

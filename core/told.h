@@ -56,6 +56,10 @@ Told Tell(fmt::format_string<told::EnglishOf<V>...> english, fmt::format_string<
 /// A number that is written already, "1.210 ± 0.012 GPa".
 Told TellNumber(std::string number);
 
+/// In English, and in German with "" for what is told in English alone.
+std::vector<std::string> InEnglish(const std::vector<Told>& sentences);
+std::vector<std::string> InGerman(const std::vector<Told>& sentences);
+
 /// The parts, "a, b, c"; "" without any.
 Told Joined(const std::vector<Told>& parts, std::string_view between = ", ");
 

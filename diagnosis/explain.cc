@@ -272,18 +272,24 @@ void Explainer::Judge(Explanation& out) const {
     return;
   }
   if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
-    out.doubt = fmt::format("it leaves something that another law would explain ({})", out.remainder_law);
+    out.doubt = Tell("it leaves something that another law would explain ({})",
+                     "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", out.remainder_law);
   } else if (out.final.excess_ratio > options_.doubt_excess) {
-    out.doubt = fmt::format("it leaves {:.0f} % more energy than sensor noise", 100 * out.final.excess_ratio);
+    out.doubt = Tell("it leaves {:.0f} % more energy than sensor noise",
+                     "es bleiben {:.0f} % mehr Energie als das Sensorrauschen", 100 * out.final.excess_ratio);
   } else if (out.margin < options_.doubt_margin) {
-    out.doubt = fmt::format("a law without a name explains the error as well ({})", out.margin_law);
+    out.doubt = Tell("a law without a name explains the error as well ({})",
+                     "ein Gesetz ohne Namen erklärt den Fehler ebenso gut ({})", out.margin_law);
   } else if (const auto blend = Relatives(out.groups)) {
-    out.doubt = fmt::format("{} and {} have similar signatures, and together they can pass for a third law",
-                            blend->first, blend->second);
+    out.doubt = Tell("{} and {} have similar signatures, and together they can pass for a third law",
+                     "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
+                     blend->first, blend->second);
   } else if (const double least = LeastShare(out); least < options_.small_second) {
-    out.doubt = fmt::format(
+    out.doubt = Tell(
         "one of the effects makes {:.1f} % of the difference only, as much as the other may owe to a "
         "law that is not quite its own",
+        "einer der Effekte macht nur {:.1f} % des Unterschieds aus, so viel wie am anderen liegen kann, wenn dessen "
+        "Gesetz nicht ganz zutrifft",
         100 * least);
   }
   out.partial = !out.doubt.empty();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "diagnosis/extended_fit.h"
 #include "diagnosis/refine.h"
 #include "diagnosis/remainder/predictability.h"
@@ -140,10 +141,9 @@ struct Explanation {
   /// With `unknown`: an effect explains part of the error. With a set: the data do not prove that it is one
   /// of the set, `doubt` says why.
   bool partial = false;
-  std::string doubt;
-  std::string
-      no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do
-  std::vector<std::string> warnings;  ///< what makes the result doubtful, a sentence each, for every output
+  Told doubt;
+  Told no_verdict;  ///< with `unknown`: why these strokes carry no verdict at all, a sentence; "" if they do
+  std::vector<Told> warnings;  ///< what makes the result doubtful, a sentence each, for every output
   double remainder = 0;  ///< largest gain of a further law on `final`, named or generic, in noise variances
   std::string remainder_law;
   double margin = 0;       ///< by which what was found beats the best generic law that is not much the same

@@ -156,8 +156,9 @@ void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
   if (options.floor_believable) limits.min_share = std::max(limits.min_share, limits.min_share_at_floor);
   const double before = out.set.empty() ? 0.0 : out.base_left.predictable();
   if (out.verdict == Verdict::kUnknown || !out.final_left.IsStructured(limits, before)) return;
-  out.doubt = fmt::format("{:.0f} % of the energy of what it leaves goes with {}", 100 * out.final_left.share,
-                          out.final_left.about);
+  out.doubt =
+      Tell("{:.0f} % of the energy of what it leaves goes with {}",
+           "{:.0f} % der Energie des Rests gehen mit {}", 100 * out.final_left.share, out.final_left.about);
   out.partial = !out.set.empty();
   out.verdict = Verdict::kUnknown;
   out.set.clear();
@@ -232,10 +233,12 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
   if (without.verdict == Verdict::kUnknown) return out;
-  without.warnings.push_back(
-      fmt::format("the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
-                  "it: taken as noise that is not quite white",
-                  100 * (std::sqrt(without.noise_scale) - 1)));
+  without.warnings.push_back(Tell(
+      "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "
+      "it: taken as noise that is not quite white",
+      "der Fehler liegt {:.0f} % über dem, was benachbarte Zeilen versprechen, und nichts sagt ihn voraus: "
+      "er gilt als Rauschen, das nicht ganz weiß ist",
+      100 * (std::sqrt(without.noise_scale) - 1)));
   return without;
 }
 
@@ -255,8 +258,12 @@ void DoubtTime(std::span<const StrokeStretches> strokes, const ExplainOptions& o
     if (measured && apart * excess > options.floor_excess + options.left_share * excess) continue;
     out.partial = true;
     out.doubt =
-        measured ? "the oil temperature moved evenly with time: a law of the temperature would look the same"
-                 : "the oil temperature is not measured: a law of the temperature may look the same";
+        measured
+            ? Tell(
+                  "the oil temperature moved evenly with time: a law of the temperature would look the same",
+                  "die Öltemperatur lief gleichmäßig mit der Zeit: ein Gesetz der Temperatur sähe genauso aus")
+            : Tell("the oil temperature is not measured: a law of the temperature may look the same",
+                   "die Öltemperatur wird nicht gemessen: ein Gesetz der Temperatur kann genauso aussehen");
   }
 }
 

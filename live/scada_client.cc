@@ -52,7 +52,8 @@ Health HealthOf(std::uint16_t state, Registers detail) {
   health.learned = detail[kLearned];
   health.needed = detail[kNeeded];
   health.text = HealthReasonName(health.reason);
-  if (health.needed > 0) health.text += fmt::format(", {} of {} strokes", health.learned, health.needed);
+  if (health.needed > 0) health.text += fmt::format(", {} of {} learned from", health.learned, health.needed);
+  health.german.clear();  // registers carry no sentences
   return health;
 }
 

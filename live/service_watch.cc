@@ -37,7 +37,7 @@ AlarmCondition ConditionOf(const ServiceTrouble& trouble) {
   condition.value = condition.limit = 1;
   condition.unit = "1";
   condition.severity = AlarmSeverity::kSignalLoss;
-  condition.text = trouble.text;
+  condition.Say(trouble.text);
   return condition;
 }
 
@@ -45,12 +45,13 @@ AlarmCondition ConditionOf(const ServiceTrouble& trouble) {
 
 ServiceTrouble TroubleOf(const WriterStatus& writer) {
   const HealthReason reason = ReasonOf(writer.state);
-  return {reason, reason == HealthReason::kJudgedGood ? "" : "strokes are not stored: " + writer.problem};
+  if (reason == HealthReason::kJudgedGood) return {};
+  return {reason, Tell("nothing is stored: {}", "nichts wird gespeichert: {}", writer.problem)};
 }
 
 ServiceTrouble NotWatched(const std::string& why) {
   if (why.empty()) return {};
-  return {HealthReason::kNotWatched, "drift is not watched: " + why};
+  return {HealthReason::kNotWatched, Tell("drift is not watched: {}", "Drift wird nicht überwacht: {}", why)};
 }
 
 void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judged, double wall) {
@@ -62,7 +63,7 @@ void ServiceWatch::Look(const WriterStatus& writer, const std::string& not_judge
 }
 
 void ServiceWatch::BegunAnew(const std::string& why, double wall) {
-  const ServiceTrouble lost{HealthReason::kNotStored, why};
+  const ServiceTrouble lost{HealthReason::kNotStored, {why, ""}};
   for (const ServiceTrouble& trouble : {lost, ServiceTrouble{}})
     if (!Observe("database_begun_anew", trouble, wall)) journal_.reset();
 }

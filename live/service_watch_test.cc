@@ -58,6 +58,7 @@ TEST_F(ServiceWatchTest, DriftThatIsNotWatchedIsTold) {
   EXPECT_THAT(Events(), testing::ElementsAre("raised not_judged"));
   EXPECT_EQ(board_.Of("press/left").reason, HealthReason::kNotWatched);
   EXPECT_THAT(board_.Of("press/left").text, HasSubstr("unknown key"));
+  EXPECT_THAT(board_.Of("press/left").german, HasSubstr("Drift wird nicht überwacht: "));
 }
 
 TEST_F(ServiceWatchTest, HealthIsToldAlsoWhereTheJournalCannotBeWritten) {

@@ -78,8 +78,8 @@ void ExplainPlant(LogStrokes strokes, PlantOutcome& out) {
   std::vector<std::string> groups;
   for (const auto& group : x.groups) groups.push_back(fmt::format("{}", fmt::join(group, "|")));
   for (const auto& set : out.answer.odd) groups.push_back(fmt::format("odd: {}", fmt::join(set, "|")));
-  out.said = fmt::format("{} {} {} {}", VerdictName(x.verdict), fmt::join(groups, " + "), x.doubt,
-                         fmt::join(x.warnings, "; "));
+  out.said = fmt::format("{} {} {} {}", VerdictName(x.verdict), fmt::join(groups, " + "), x.doubt.english,
+                         fmt::join(InEnglish(x.warnings), "; "));
 }
 
 PlantOutcome RunCase(PlantCase drawn) {

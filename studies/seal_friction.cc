@@ -92,7 +92,7 @@ int RunSealFriction(const SealFrictionOptions& options) {
   }
   std::cout << fmt::format("  {:<26} {:>17.2f}\n\nverdict {}: {}{}\n", "sensor noise alone",
                            x.final.noise_floor, VerdictName(x.verdict), fmt::join(x.set, ", "),
-                           x.doubt.empty() ? "" : fmt::format(" ({})", x.doubt));
+                           x.doubt.empty() ? "" : fmt::format(" ({})", x.doubt.english));
   for (const EffectEstimate& e : x.final.effects)
     std::cout << fmt::format("  {:<18} {} = {:.4g} ± {:.2g} {}\n", result->effect(e.choice.effect).id,
                              result->effect(e.choice.effect).parameter, e.size, kNormal95 * e.std,

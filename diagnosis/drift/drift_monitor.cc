@@ -60,8 +60,8 @@ Told JudgementTold(JudgementReason reason) {
           "a tool, speed or pressure that commissioning did not see; being learned",
           "ein Werkzeug, eine Geschwindigkeit oder ein Druck, die beim Lernen nicht vorkamen; werden gelernt");
     case JudgementReason::kUnusable:
-      return Tell("the stroke tells nothing: bad signals or nothing moved",
-                  "der Hub sagt nichts: schlechte Signale, oder nichts hat sich bewegt");
+      return Tell("they tell nothing: bad signals, or nothing moved",
+                  "sie sagen nichts: schlechte Signale, oder nichts hat sich bewegt");
   }
   return {};
 }

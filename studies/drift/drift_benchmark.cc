@@ -77,7 +77,7 @@ Status HealthyAxis(StrokePress press, std::int64_t strokes, int axis, HealthyTal
     monitor.Add(press.Next(oil, press.Product(), {}));
     for (const DriftFinding& f : monitor.findings()) {
       suspected = std::max(suspected, f.number);
-      if (!Told(f) || f.number <= told) continue;
+      if (!WasTold(f) || f.number <= told) continue;
       told = f.number;
       ++tally.told;
       tally.text += fmt::format("  false alarm, axis {} day {} oil {:.1f} degC: {}\n", axis + 1, k / kDay,

@@ -109,7 +109,7 @@ void FollowFault(DriftMonitor monitor, const std::vector<StrokeEvidence>& stroke
   for (const StrokeEvidence& stroke : strokes) {
     monitor.Add(stroke);
     for (const drift::DriftFinding& f : monitor.findings()) {
-      if (!Told(f)) continue;
+      if (!WasTold(f)) continue;
       ++tally.found;
       tally.named.push_back(static_cast<double>(stroke.sequence - begin + 1));
       tally.near += std::abs(f.since.last_before + 1 - begin) <= 10;
@@ -154,7 +154,7 @@ Status RunAxis(int index, const DriftFullSimulationOptions& o, Campaign& campaig
     campaign.judged += monitor.Add(stroke).reason == drift::JudgementReason::kJudged;
     ++campaign.strokes;
     for (const drift::DriftFinding& f : monitor.findings()) {
-      if (!Told(f) || f.number <= told) continue;
+      if (!WasTold(f) || f.number <= told) continue;
       told = f.number;
       ++campaign.false_alarms;
       std::cout << fmt::format("  false alarm, machine {} stroke {} oil {:.1f} degC: {}\n", index + 1,

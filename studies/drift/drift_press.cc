@@ -18,7 +18,7 @@ constexpr double kHealthyLeak = 0.05 / 6e4 / 2e7;  ///< m^3/(s Pa)
 
 }  // namespace
 
-bool Told(const drift::DriftFinding& finding) {
+bool WasTold(const drift::DriftFinding& finding) {
   return finding.state == drift::FindingState::kNamed || finding.state == drift::FindingState::kUndecided;
 }
 

@@ -24,7 +24,7 @@ inline constexpr double kOneLitre = 1 / 6e4 / 2e7;                         ///< 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< strokes to what did not happen
 
 /// Whether a person would hear of it.
-bool Told(const drift::DriftFinding& finding);
+bool WasTold(const drift::DriftFinding& finding);
 
 /// A product's strokes, fully simulated once: their information and how their equations scatter about the
 /// truth.

@@ -205,7 +205,7 @@ void WriteHistories(const std::string& path, const std::vector<MachineHistory>& 
         "{}\t{}\t{}\t{}\t{}\t{}\t{} {}\t{:.3f}\t{:.3f}\t{:.0f}\t{:.0f}\t{:.0f}\t{}\t{}\t{}{}\t{}\t{}\n",
         index++, kChangeNames[h.kind], SettingsText(h.before.effects), SettingsText(h.after.effects),
         VerdictName(x.verdict), GroupsText(x), VerdictName(was.verdict), GroupsText(was), x.base.excess_ratio,
-        x.final.excess_ratio, gain(x.ranking), gain(x.second), x.remainder, x.remainder_law, x.doubt,
+        x.final.excess_ratio, gain(x.ranking), gain(x.second), x.remainder, x.remainder_law, x.doubt.english,
         MovedText(h.result.parameters), MovedText(h.result.effects), h.result.newest, h.refused);
   }
 }

@@ -129,7 +129,7 @@ TEST_F(ModbusFeedTest, HealthIsThatOfTheServiceAlsoWhereTheJournalCannotBeRead) 
   ASSERT_TRUE(WaitUntil([&] { return Words(kFirstHealth, 3) == std::vector<std::uint16_t>{2, 19, 100}; }));
   ASSERT_TRUE(journal().Change("press/left", 1, [](AxisContent&) -> Status { return {}; }));
   std::filesystem::resize_file(AlarmJournal::PathFor(database()), 100);  // damaged while it is open
-  board->TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, "the disk is full"});
+  board->TellTrouble(HealthBoard::Part::kStoring, {HealthReason::kDiskFull, {"the disk is full", ""}});
   ASSERT_TRUE(WaitUntil([&] { return Words(kFirstAxis + kHealth, 1)[0] == 4; })) << "failure";
   EXPECT_EQ(Words(kTrouble, 1)[0], static_cast<int>(HealthReason::kDiskFull));
   const auto beat = Words(kHeartbeat, 1);

@@ -52,7 +52,7 @@ constexpr Place kAxisPlaces[] = {
     {kStrokeAge, Cell::kU16, "age of the last stroke", "s", "65535: longer, or none"},
     {kAxisStanding, Cell::kU16, "alarms not at rest", "", ""},
     {kStrokes, Cell::kU32, "strokes stored", "", ""},
-    {kOilTemperature, Cell::kFloat, "oil temperature", "degC", "during the last stroke"},
+    {kOilTemperature, Cell::kFloat, "oil temperature", "degC", "during the last stroke or episode"},
     {kAxisName, Cell::kText16, "name", "", ""},
 };
 constexpr Place kHealthPlaces[] = {
@@ -141,9 +141,10 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
     for (std::size_t p = 0; p < axes[a].estimates.size() && p < kMostParameters; ++p) {
       const Estimate& estimate = axes[a].estimates[p].estimate;
       const Place places[] = {
-          {kValue, Cell::kFloat, "value", nullptr, "after the last stroke"},
+          {kValue, Cell::kFloat, "value", nullptr, "after the last stroke or episode"},
           {kStd, Cell::kFloat, "standard deviation", nullptr, "value +- 1.96 of it is the 95 % interval"},
-          {kQuality, Cell::kU16, "quality", "", "0 identified in the last stroke, else older; 255 never"},
+          {kQuality, Cell::kU16, "quality", "",
+           "0 identified in the last stroke or episode, else older; 255 never"},
           {kEstimateAge, Cell::kU16, "age", "s", "since the data told something about it"},
           {kEstimateOil, Cell::kFloat, "oil temperature", "degC", "that the value stands for"},
           {kParameterName, Cell::kText16, "name", "", ""}};
