@@ -33,10 +33,7 @@ Result<std::vector<CompareResult>> CompareDatabase(const CompareArguments& a) {
     if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
       if (const auto change = FindStoredChange(chosen->database, part, choice.machine,
                                                AlarmsBeside(a.history.db, part.machine)))
-        result->warnings.push_back(fmt::format(
-            "these {} hold a change {}: one model for both sides of it errs on either; compare them with "
-            "--to {} and --from {}",
-            CountedWordsOf(choice.machine).many, change->text.english, change->before_end, change->since));
+        result->warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)).english);
     results.push_back(std::move(*result));
   }
   return results;

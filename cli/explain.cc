@@ -67,6 +67,10 @@ Status ExplainWhole(const ExplainArguments& a, const Database& database, const H
   if (!result) return tl::unexpected(result.error());
   result->described = HistoryLine(*history);
   result->target = choice.target;
+  if (const HistoryPart& part = choice.parts.front(); a.whole && choice.parts.size() == 1)
+    if (const auto change =
+            FindStoredChange(database, part, choice.machine, AlarmsBeside(a.history.db, part.machine)))
+      result->explanation.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)));
   const std::string text = note + ExplainText(*result);
   nlohmann::json json = HistoryJson(*history, *result);
   json["change_found"] = found;
@@ -187,16 +191,18 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<ExplainArguments>();
   CLI::App* command = app.add_subcommand(
       "explain", "Which physical effect the model misses: verdict, evidence and what to do next");
-  command->add_option("logs", a->logs, "Logs of one machine, their strokes summed (CSV, CSV.gz or MAT)");
+  command->add_option("logs", a->logs,
+                      "Logs of one machine, their strokes or episodes summed (CSV, CSV.gz or MAT)");
   command->add_option("--machine,-m", a->machine,
                       "Machine file (TOML); with --db the model stored there if it is not given");
   AddHistoryOptions(*command, a->history);
   command->add_option(
       "--since", a->since,
-      "What changed at this stroke number, log (run:3), time (81.5s) or date; with --db. Of a machine in "
+      "What changed at this stroke or episode, log (run:3), time (81.5s) or date; with --db. Of a machine in "
       "closed loop: against this log");
-  command->add_flag("--whole", a->whole,
-                    "With --db: all strokes as one, also where they hold a change that stands out");
+  command->add_flag(
+      "--whole", a->whole,
+      "With --db: all strokes or episodes as one, also where they hold a change that stands out");
   command->add_option(
       "--measured", a->measured,
       "Size of an effect that a test off the log gave, EFFECT=SIZE:STANDARD_ERROR in the unit "

@@ -69,7 +69,7 @@ hydroscope::Health AxisMonitor::JudgedHealth() const {
                       .needed = rules_.commissioning,
                       .not_learned = why_not_learned_,
                       .not_judged = judged ? Told{} : drift::JudgementTold(why_not_judged_),
-                      .trouble = {}});
+                      .counted = CountedWordsOf(machine_)});
 }
 
 /// Strokes first ... first + count - 1 as far as they are stored, with estimates.

@@ -51,27 +51,37 @@ Told MovedTold(const std::vector<Told>& moved) {
   return Tell("moved: {}", "bewegt haben sich: {}", Joined(moved));
 }
 
+/// What no parameters that stay take away, of episodes.
+Told WhatGoesOn(const ChangeResult& result, const drift::DriftFinding& finding) {
+  if (!result.after.each_alone)
+    return Tell(
+        "no parameters that stay as they are over these episodes take that away: one is still moving, or an effect is "
+        "missing",
+        "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt sich noch, oder ein Effekt "
+        "fehlt");
+  std::vector<Told> names;
+  for (const drift::FindingPart& part : finding.parts) names.push_back({part.quantity, ""});
+  return Tell("parameters of its own describe each of them down to the sensor noise: {} goes on moving",
+              "eigene Parameter beschreiben jede bis auf das Sensorrauschen: {} bewegt sich weiter",
+              names.empty() ? Tell("one", "einer") : Joined(names));
+}
+
 /// Of episodes, whose effects are tried on logs alone.
-Told SentenceOfEpisodes(const ChangeResult& result) {
+Told SentenceOfEpisodes(const ChangeResult& result, const drift::DriftFinding& finding) {
   const auto moved = Moved(result);
   const bool adequate = result.after.explanation.verdict == Verdict::kAdequate;
   const Told worse =
       adequate ? Told{} : Tell("the model errs more than before; ", "das Modell irrt mehr als zuvor; ");
-  const Told what =
-      !moved.empty() ? MovedTold(moved)
-      : adequate     ? Tell("no parameter moved beyond its interval",
-                            "kein Parameter hat sich über sein Intervall hinaus bewegt")
-                     : Tell(
-                           "no parameters that stay as they are over these episodes take that away: one is still "
-                               "moving, or an effect is missing",
-                           "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt sich "
-                               "noch, oder ein Effekt fehlt");
+  const Told what = !moved.empty() ? MovedTold(moved)
+                    : adequate     ? Tell("no parameter moved beyond its interval",
+                                          "kein Parameter hat sich über sein Intervall hinaus bewegt")
+                                   : WhatGoesOn(result, finding);
   return Tell("{}{}; which effect it is, `hydroscope explain` with the logs says",
               "{}{}; welcher Effekt es ist, sagt `hydroscope explain` mit den Aufzeichnungen", worse, what);
 }
 
-Told Sentence(const ChangeResult& result) {
-  if (InEpisodes(*result.after.log.model->kind)) return SentenceOfEpisodes(result);
+Told Sentence(const ChangeResult& result, const drift::DriftFinding& finding) {
+  if (InEpisodes(*result.after.log.model->kind)) return SentenceOfEpisodes(result, finding);
   const auto appeared = SizesThatAppeared(result);
   const auto moved = Moved(result);
   const Told also = moved.empty() ? Told{} : Tell("; {}", "; {}", MovedTold(moved));
@@ -144,14 +154,14 @@ FindingExplanation ExplainFinding(const Database& database, const std::string& p
                             after.last - 1, before.first, before.last - 1);
   const auto result = ExplainChange(database, path, before, after);
   if (!result)
-    return {Tell("Strokes {} could not be compared: {}.", "Hübe {} ließen sich nicht vergleichen: {}.",
-                 strokes, result.error().text),
+    return {Tell("{} {} could not be compared: {}.", "{} {} ließen sich nicht vergleichen: {}.",
+                 CountedWordsIn(path, machine).Several(), strokes, result.error().text),
             false,
             {}};
   const Verdict verdict = result->after.explanation.verdict;
   const bool episodes = InEpisodes(*result->after.log.model->kind);
   return {Tell("{} {}: {}.", "{} {}: {}.", episodes ? Tell("Episodes", "Episoden") : Tell("Strokes", "Hübe"),
-               strokes, Sentence(*result)),
+               strokes, Sentence(*result, finding)),
           verdict == Verdict::kNamed || verdict == Verdict::kAdequate, CauseOf(*result)};
 }
 

@@ -36,11 +36,10 @@ std::vector<LearningDoubt> OfModelVersions(const Database& database, const Histo
   if (versions.size() < 2) return {};
   return {
       {Kind::kModelVersions,
-       Tell("they were recorded with versions {} of the model: choose strokes of one of them with --from and "
-            "--to",
-            "sie wurden mit den Versionen {} des Modells aufgezeichnet: Hübe einer von ihnen wählen (--from, "
-            "--to)",
-            fmt::format("{}", fmt::join(versions, ", ")))}};
+       Tell(
+           "they were recorded with versions {} of the model: choose those of one version with --from and --to",
+           "sie wurden mit den Versionen {} des Modells aufgezeichnet: die einer Version wählen (--from, --to)",
+           fmt::format("{}", fmt::join(versions, ", ")))}};
 }
 
 std::vector<LearningDoubt> OfAlarms(const std::vector<AlarmState>& alarms, const HistoryPart& part,

@@ -130,7 +130,8 @@ Status PressMonitor::JudgeTogether(double wall) {
 AlarmCondition PressMonitor::ConditionOf(const drift::Rule& rule, const CommonCause& cause) const {
   std::vector<Told> axes;
   for (const CommonCause::Member& m : cause.members)
-    axes.push_back(Tell("{} since stroke {}", "{} seit Hub {}", axis(m.axis).name(), m.finding.since));
+    axes.push_back(Tell("{} since {} {}", "{} seit {} {}", axis(m.axis).name(), axis(m.axis).counted().One(),
+                        m.finding.since));
   AlarmCondition condition;
   condition.value = static_cast<double>(cause.members.size());
   condition.limit = rule.axes;

@@ -38,7 +38,7 @@ TEST(LogTrust, GivesNoVerdictWhereRowsAreTooFarApart) {
     const Explanation& x = result->explanation;
     EXPECT_EQ(x.verdict, Verdict::kUnknown);
     EXPECT_THAT(x.set, IsEmpty());
-    EXPECT_THAT(x.warnings, Contains(HasSubstr("sampled too slowly for this: rows every 100 ms")));
+    EXPECT_THAT(InEnglish(x.warnings), Contains(HasSubstr("sampled too slowly for this: rows every 100 ms")));
     EXPECT_THAT(ExplainText(*result), HasSubstr("these strokes carry no verdict"));
     const FitSuspicion suspicion = SuspicionOf(*result);
     EXPECT_THAT(suspicion.warnings, Contains(HasSubstr("sampled too slowly")));

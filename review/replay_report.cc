@@ -208,7 +208,7 @@ Result<ReportInput> MakeReportInput(const Database& database, std::int64_t machi
   if (unread) input.skipped.push_back(*unread);
   input.noise_floor = outcome.figures.noise_floor;
   input.rms_holdout = outcome.figures.rms_holdout;
-  if (outcome.figures.strokes > 0) input.not_judged = ImpossibleFigures(outcome.figures);
+  if (outcome.figures.strokes > 0) input.not_judged = ImpossibleFigures(outcome.figures).english;
   return input;
 }
 

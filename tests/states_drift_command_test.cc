@@ -41,6 +41,8 @@ TEST_F(StatesDrift, IsToldAlikeByAllWhoReadTheDatabase) {
   Replay(0.002);
   const std::string replayed = Words(ReadText(File("tank.html")));
   ASSERT_EQ(Run({"report", "--db", File("tank.db"), "--out", File("stored.html")}).exit_code, 0);
+  EXPECT_THAT(ReadText(File("tank.html")), HasSubstr("Deviation of k2"))
+      << "the rules name no parameter of it";
   for (const std::string& page : {replayed, Words(ReadText(File("stored.html")))}) {
     EXPECT_THAT(page, HasSubstr("◆ changed"));
     EXPECT_THAT(page, HasSubstr("A parameter changed"));
@@ -62,7 +64,15 @@ TEST_F(StatesDrift, IsToldAlikeByAllWhoReadTheDatabase) {
   EXPECT_THAT(compared, Not(HasSubstr("stroke")));
   const std::string explained = Run({"explain", "--db", File("tank.db")}).out;
   EXPECT_THAT(explained, HasSubstr("hold a change since episode"));
-  EXPECT_THAT(explained, Not(HasSubstr("stroke")));
+  EXPECT_THAT(explained, HasSubstr("changed and goes on changing"));
+  const std::string whole = Run({"explain", "--db", File("tank.db"), "--whole"}).out;
+  EXPECT_THAT(whole, HasSubstr("these episodes hold a change since episode"));
+  const std::string alarms = Run({"alarms", "--db", File("tank.db"), "list"}).out;
+  EXPECT_THAT(alarms, HasSubstr("k2 goes on moving"));
+  for (const std::string& text : {explained, whole, alarms}) {
+    EXPECT_THAT(text, Not(HasSubstr("stroke")));
+    EXPECT_THAT(text, Not(HasSubstr("or an effect is missing")));
+  }
 }
 
 /// What the stored sums take for noise is then the error of the model.

@@ -166,7 +166,7 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
     check.hints = PlausibilityHints(check);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
-    check.hints.insert(check.hints.end(), clamps.begin(), clamps.end());
+    for (const std::string& clamp : clamps) check.hints.push_back({clamp, ""});
   } else if (KindOf(*machine).has_states) {
     TakeStatesFit(log, check);
   }

@@ -60,7 +60,7 @@ struct CheckResult {
   std::string no_fit;                        ///< why there is no fit, "" if there is one
   LogTrust trust;                            ///< of noise and sampling rate
   FitSuspicion suspicion;                    ///< what the model may miss
-  std::vector<std::string> hints;            ///< what looks wrong in units, signs, gate
+  std::vector<Told> hints;                   ///< what looks wrong in units, signs, gate
 
   /// No row or value had to be left out because of its quality.
   bool Clean() const;

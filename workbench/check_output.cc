@@ -149,7 +149,7 @@ std::string Identification(const CheckResult& check) {
         // Where a model with states misses something, noise is what functions of its states do not predict.
         KindOf(check.machine).has_states && check.suspicion.suspected ? "at most" : "alone would cause",
         check.figures.noise_floor * unit.factor, unit.name);
-    if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+    if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
       text += fmt::format("  {}\n", impossible);
   }
   return text;
@@ -160,7 +160,7 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (const std::string suspicion = SuspicionText(check.suspicion); !suspicion.empty())
     text += "\n" + suspicion;
   if (!check.hints.empty()) text += "\nlook at this first\n";
-  for (const std::string& hint : check.hints) text += "  * " + hint + "\n";
+  for (const std::string& hint : InEnglish(check.hints)) text += "  * " + hint + "\n";
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
   const MachineKind& kind = KindOf(check.machine);
   const char* next = kind.build == nullptr && !kind.has_states ? "frf"
@@ -229,7 +229,7 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
 std::vector<std::string> Warnings(const CheckResult& check) {
   std::vector<std::string> warnings;
   if (!(check.figures.noise_floor > 0)) return warnings;
-  if (const std::string impossible = ImpossibleFigures(check.figures); !impossible.empty())
+  if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
     warnings.push_back(impossible);
   return warnings;
 }
@@ -280,7 +280,8 @@ nlohmann::json CheckJson(const CheckResult& check) {
                         {"model_version", check.machine.model_version},
                         {"effects", check.machine.added_effects},
                         {"warnings", Warnings(check)},
-                        {"hints", check.hints}};
+                        {"hints", InEnglish(check.hints)},
+                        {"german", {{"hints", InGerman(check.hints)}}}};
   AddSuspicion(check.suspicion, out);
   return out;
 }

@@ -59,8 +59,8 @@ void TakeVerdict(CompareResult& out) {
   const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
   if (!judged.explanation.base.solved) return;
   out.verdict = judged.explanation.verdict;
-  out.warnings = judged.explanation.warnings;
-  if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.base.noise_floor, out.residuals);
+  out.warnings = InEnglish(judged.explanation.warnings);
+  if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
 }
 
 }  // namespace

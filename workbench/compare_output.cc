@@ -190,7 +190,7 @@ ModelHeadline HeadlineOf(const CompareResult& result) {
 
 std::vector<std::string> Warnings(const CompareResult& result) {
   std::vector<std::string> warnings = result.warnings;
-  if (const std::string impossible = ImpossibleFigures(result.model.figures); !impossible.empty())
+  if (const std::string impossible = ImpossibleFigures(result.model.figures).english; !impossible.empty())
     warnings.insert(warnings.begin(), impossible);
   return warnings;
 }

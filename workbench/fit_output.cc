@@ -33,7 +33,7 @@ std::string WhyNot(const FitResult& result, const Estimate& e) {
 }
 
 std::vector<std::string> Warnings(const FitResult& result) {
-  const std::string impossible = ImpossibleFigures(result.fit);
+  const std::string impossible = ImpossibleFigures(result.fit).english;
   return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
 }
 

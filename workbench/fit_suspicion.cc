@@ -50,7 +50,7 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
             true};
   const ExplainResult& explained = *result;
   const Explanation& x = explained.explanation;
-  FitSuspicion out{VerdictName(x.verdict), x.set, x.warnings, false};
+  FitSuspicion out{VerdictName(x.verdict), x.set, InEnglish(x.warnings), false};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
   if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));

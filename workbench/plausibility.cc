@@ -18,7 +18,7 @@ struct Expectation {
   const char* si;
   enum { kLargest, kTravel, kMean } measure;
   double low, high;  ///< SI
-  const char* text;  ///< of what is expected
+  Told text;         ///< of what is expected
   std::vector<const char*> units;
 };
 
@@ -28,11 +28,27 @@ const std::vector<Expectation>& Expectations() {
        Expectation::kLargest,
        5e5,
        1e8,
-       "pressures of a hydraulic machine reach 5 to 1000 bar",
+       {"pressures of a hydraulic machine reach 5 to 1000 bar",
+        "Drücke einer Hydraulik reichen bis 5 bis 1000 bar"},
        {"bar", "Pa", "MPa", "kPa", "psi", "mbar"}},
-      {"m", Expectation::kTravel, 1e-3, 10, "strokes are 1 mm to 10 m long", {"mm", "m", "cm", "um"}},
-      {"K", Expectation::kMean, 253, 403, "oil is between -20 and 130 °C", {"degC", "K"}},
-      {"V", Expectation::kLargest, 0.1, 50, "valve commands reach 0.1 to 50 V", {"V", "mV"}}};
+      {"m",
+       Expectation::kTravel,
+       1e-3,
+       10,
+       {"strokes are 1 mm to 10 m long", "Hübe sind 1 mm bis 10 m lang"},
+       {"mm", "m", "cm", "um"}},
+      {"K",
+       Expectation::kMean,
+       253,
+       403,
+       {"oil is between -20 and 130 °C", "Öl liegt zwischen -20 und 130 °C"},
+       {"degC", "K"}},
+      {"V",
+       Expectation::kLargest,
+       0.1,
+       50,
+       {"valve commands reach 0.1 to 50 V", "Ventilbefehle reichen bis 0,1 bis 50 V"},
+       {"V", "mV"}}};
   return kAll;
 }
 
@@ -57,7 +73,7 @@ std::optional<Expectation> ExpectedShare(const Machine& machine, const std::stri
                          Expectation::kLargest,
                          kLeastShare * input.size->high,
                          input.size->high,
-                         "it should lie between -1 and 1",
+                         {"it should lie between -1 and 1", "er sollte zwischen -1 und 1 liegen"},
                          {"1", "%"}};
   return std::nullopt;
 }
@@ -84,7 +100,7 @@ std::optional<std::string> BetterUnit(const Expectation& expected, const Checked
   return std::nullopt;
 }
 
-void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<std::string>& hints) {
+void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<Told>& hints) {
   const auto unit = FindUnit(signal.spec.unit);
   if (!unit || !signal.range.seen()) return;
   const auto expected = ExpectationFor(machine, signal.spec, *unit);
@@ -92,63 +108,70 @@ void JudgeUnit(const Machine& machine, const CheckedSignal& signal, std::vector<
   const double measure = Measure(*expected, signal.range.min, signal.range.max, signal.range.mean());
   if (measure >= expected->low && measure <= expected->high) return;
   const auto raw = [&](double si) { return (si - unit->offset) / unit->scale; };
-  std::string text =
-      fmt::format("{} (column {}): the numbers go from {:.4g} to {:.4g}, unit \"{}\" in the machine file; {}",
-                  signal.spec.name, signal.spec.column, raw(signal.range.min), raw(signal.range.max),
-                  signal.spec.unit, expected->text);
-  if (const auto better = BetterUnit(*expected, signal, *unit))
-    text += fmt::format(". They look like {}: set unit = \"{}\"", *better, *better);
-  hints.push_back(text);
+  const auto better = BetterUnit(*expected, signal, *unit);
+  hints.push_back(Tell(
+      "{} (column {}): the numbers go from {:.4g} to {:.4g}, unit \"{}\" in the machine file; {}{}",
+      "{} (Spalte {}): die Zahlen gehen von {:.4g} bis {:.4g}, Einheit \"{}\" in der Maschinendatei; {}{}",
+      signal.spec.name, signal.spec.column, raw(signal.range.min), raw(signal.range.max), signal.spec.unit,
+      expected->text,
+      better ? Tell(". They look like {}: set unit = \"{}\"", ". Sie sehen nach {} aus: unit = \"{}\" setzen",
+                    *better, *better)
+             : Told{}));
 }
 
-void JudgeRest(const CheckedSignal& signal, std::vector<std::string>& hints) {
+void JudgeRest(const CheckedSignal& signal, std::vector<Told>& hints) {
   if (signal.range.readings < 100 || signal.range.max > signal.range.min) return;
   hints.push_back(
-      fmt::format("{} (column {}): one and the same reading in the whole log; is the sensor connected?",
-                  signal.spec.name, signal.spec.column));
+      Tell("{} (column {}): one and the same reading in the whole log; is the sensor connected?",
+           "{} (Spalte {}): ein und derselbe Wert in der ganzen Aufzeichnung; ist der Sensor angeschlossen?",
+           signal.spec.name, signal.spec.column));
 }
 
 /// Without strokes, a signal that is hardly ever good explains more than the gate.
-void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<std::string>& hints) {
+void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<Told>& hints) {
   if (check.driving.strokes > 0 || !signal.spec.required || check.time.rows == 0) return;
   if (static_cast<double>(signal.range.good) > 0.01 * static_cast<double>(check.time.rows)) return;
-  hints.push_back(
-      fmt::format("{} (column {}): {} of {} readings are good, and no stroke can be used without it",
-                  signal.spec.name, signal.spec.column, signal.range.good, check.time.rows));
+  hints.push_back(Tell("{} (column {}): {} of {} readings are good, and no stroke can be used without it",
+                       "{} (Spalte {}): {} von {} Werten sind gut, und ohne ihn ist kein Hub zu gebrauchen",
+                       signal.spec.name, signal.spec.column, signal.range.good, check.time.rows));
 }
 
-void JudgeGate(const CheckResult& check, std::vector<std::string>& hints) {
+void JudgeGate(const CheckResult& check, std::vector<Told>& hints) {
   if (check.driving.strokes > 0) return;
   for (const ConditionSurvey& c : check.conditions) {
     if (c.share >= 0.01) continue;
-    std::string text =
-        fmt::format("gate: the condition {} holds in {:.1f} % of the log", c.condition, 100 * c.share);
-    if (c.share_mirrored > 0.05)
-      text += fmt::format(
-          "; with the sign of the signal reversed it would hold in {:.0f} %: set scale = -1 "
-          "for that signal, or reverse the condition",
-          100 * c.share_mirrored);
-    else
-      text += "; check its limits in [gate] against the range of the signal above";
-    hints.push_back(text);
+    const Told what =
+        c.share_mirrored > 0.05
+            ? Tell(
+                  "with the sign of the signal reversed it would hold in {:.0f} %: set scale = -1 for that signal, or "
+                  "reverse the condition",
+                  "mit umgekehrtem Vorzeichen des Signals gälte sie in {:.0f} %: scale = -1 für dieses Signal setzen, "
+                  "oder die Bedingung umkehren",
+                  100 * c.share_mirrored)
+            : Tell("check its limits in [gate] against the range of the signal above",
+                   "ihre Grenzen in [gate] gegen den Bereich des Signals prüfen");
+    hints.push_back(Tell("gate: the condition {} holds in {:.1f} % of the log; {}",
+                         "Gate: die Bedingung {} gilt in {:.1f} % der Aufzeichnung; {}", c.condition,
+                         100 * c.share, what));
   }
 }
 
 /// Where strokes are all alike, what only their difference would show is not in the intervals.
-void JudgeVariety(const Driving& d, std::vector<std::string>& hints) {
+void JudgeVariety(const Driving& d, std::vector<Told>& hints) {
   if (d.strokes < 2) return;
   for (const ConditionRange& range : d.ranges)
     if (!range.condition.hides.empty() && range.low > 0 && !range.varies())
       hints.push_back(
-          fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; "
-                      "vary {} between strokes to find out",
-                      range.condition.title, range.Text(), range.condition.hides, range.condition.vary));
+          {fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; "
+                       "vary {} between strokes to find out",
+                       range.condition.title, range.Text(), range.condition.hides, range.condition.vary),
+           ""});
 }
 
 }  // namespace
 
-std::vector<std::string> PlausibilityHints(const CheckResult& check) {
-  std::vector<std::string> hints;
+std::vector<Told> PlausibilityHints(const CheckResult& check) {
+  std::vector<Told> hints;
   for (const CheckedSignal& signal : check.signals) {
     if (!signal.present) continue;
     if (check.driving.words.hydraulic) JudgeUnit(check.machine, signal, hints);

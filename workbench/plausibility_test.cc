@@ -26,50 +26,61 @@ CheckResult With(const std::string& name, const std::string& unit, double min, d
 }
 
 TEST(Plausibility, APressureThatIsBarIsToldFromPascal) {
-  EXPECT_THAT(PlausibilityHints(With("p_A", "Pa", 3, 210)), ElementsAre(HasSubstr("set unit = \"bar\"")));
-  EXPECT_THAT(PlausibilityHints(With("p_A", "bar", 3e10, 210e10)),
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("p_A", "Pa", 3, 210))),
+              ElementsAre(HasSubstr("set unit = \"bar\"")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("p_A", "bar", 3e10, 210e10))),
               ElementsAre(HasSubstr("set unit = \"Pa\"")));
 }
 
 TEST(Plausibility, ASpoolInPerCentIsToldFromAShare) {
-  EXPECT_THAT(PlausibilityHints(With("y_v", "1", -20, 45)), ElementsAre(HasSubstr("set unit = \"%\"")));
-  EXPECT_THAT(PlausibilityHints(With("y_v", "%", -0.002, 0.0045)),
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("y_v", "1", -20, 45))),
+              ElementsAre(HasSubstr("set unit = \"%\"")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("y_v", "%", -0.002, 0.0045))),
               ElementsAre(HasSubstr("set unit = \"1\"")));
 }
 
 TEST(Plausibility, AnOilTemperatureInTheWrongScaleIsNamed) {
-  EXPECT_THAT(PlausibilityHints(With("T_oil", "K", 35, 52)), ElementsAre(HasSubstr("set unit = \"degC\"")));
-  EXPECT_THAT(PlausibilityHints(With("T_oil", "degC", 583, 590)), ElementsAre(HasSubstr("set unit = \"K\"")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("T_oil", "K", 35, 52))),
+              ElementsAre(HasSubstr("set unit = \"degC\"")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("T_oil", "degC", 583, 590))),
+              ElementsAre(HasSubstr("set unit = \"K\"")));
 }
 
 TEST(Plausibility, APositionInMillimetresIsToldFromMetres) {
-  EXPECT_THAT(PlausibilityHints(With("z", "m", 10, 200)), ElementsAre(HasSubstr("set unit = \"mm\"")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("z", "m", 10, 200))),
+              ElementsAre(HasSubstr("set unit = \"mm\"")));
+  EXPECT_THAT(
+      InGerman(PlausibilityHints(With("z", "m", 10, 200))),
+      ElementsAre(HasSubstr("Hübe sind 1 mm bis 10 m lang. Sie sehen nach mm aus: unit = \"mm\" setzen")));
 }
 
 TEST(Plausibility, RightUnitsGiveNoHint) {
-  EXPECT_THAT(PlausibilityHints(With("p_A", "Pa", 1e5, 210e5)), IsEmpty());
-  EXPECT_THAT(PlausibilityHints(With("z", "m", 0.01, 0.2)), IsEmpty());
-  EXPECT_THAT(PlausibilityHints(With("y_v", "1", -0.2, 0.45)), IsEmpty());
-  EXPECT_THAT(PlausibilityHints(With("T_oil", "degC", 300, 330)), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("p_A", "Pa", 1e5, 210e5))), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("z", "m", 0.01, 0.2))), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("y_v", "1", -0.2, 0.45))), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("T_oil", "degC", 300, 330))), IsEmpty());
 }
 
 TEST(Plausibility, ASignalWithoutGoodReadingsExplainsWhyThereIsNoStroke) {
   CheckResult check = With("p_A", "Pa", 1e5, 210e5);
   check.driving.strokes = 0;
   check.time.rows = 1000;
-  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("0 of 1000 readings are good")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), ElementsAre(HasSubstr("0 of 1000 readings are good")));
   check.signals[0].range.good = 900;
-  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), IsEmpty());
 }
 
 TEST(Plausibility, ASignalThatNeverMovesIsNamed) {
-  EXPECT_THAT(PlausibilityHints(With("U_v", "V", 2, 2)), ElementsAre(HasSubstr("one and the same reading")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(With("U_v", "V", 2, 2))),
+              ElementsAre(HasSubstr("one and the same reading")));
+  EXPECT_THAT(InGerman(PlausibilityHints(With("U_v", "V", 2, 2))),
+              ElementsAre(HasSubstr("ein und derselbe Wert in der ganzen Aufzeichnung")));
 }
 
 TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
   CheckResult check;
   check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};
-  EXPECT_THAT(PlausibilityHints(check),
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)),
               ElementsAre(testing::AllOf(HasSubstr("ddt(z)"), HasSubstr("scale = -1"))));
 }
 
@@ -82,9 +93,9 @@ TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {
                         .vary = "ram speed",
                         .hides = "a leak looks like flow"};
   check.driving = {10, 0, {{speed, 0.049, 0.050}}, 313, 313};
-  EXPECT_THAT(PlausibilityHints(check), ElementsAre(HasSubstr("49 to 50 mm/s")));
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), ElementsAre(HasSubstr("49 to 50 mm/s")));
   check.driving.ranges.front().high = 0.12;
-  EXPECT_THAT(PlausibilityHints(check), IsEmpty());
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)), IsEmpty());
 }
 
 }  // namespace

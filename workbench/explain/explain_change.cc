@@ -208,7 +208,7 @@ void RefuseSmallShares(double excess_before, Explanation& after) {
   after.partial = true;
   after.set.clear();
   after.groups.clear();
-  after.doubt.clear();
+  after.doubt = {};
 }
 
 }  // namespace

@@ -75,6 +75,18 @@ void AddUntestable(const StrokeHistory& history, std::map<std::string, std::stri
 
 }  // namespace
 
+namespace {
+
+/// What the parameters that suit each episode best leave, over what white noise would; NaN of strokes.
+double ErrorOfEachAlone(const StrokeHistory& history, double of_sums) {
+  if (!KindOf(history.machine).has_states || !(history.white_noise > 0)) return std::nan("");
+  return of_sums / history.white_noise;
+}
+
+bool IsDownToNoise(double ratio) { return ratio * ratio <= 1 + kFloorExcess; }
+
+}  // namespace
+
 Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOptions& asked) {
   ExplainOptions options = asked;
   AddUntestable(history, options.untestable);
@@ -103,7 +115,9 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   for (const StrokeSummary& summary : history.sample) out.log.strokes.push_back({summary, {}, {}});
   out.strokes = static_cast<std::size_t>(history.strokes());
   out.base = FiguresOf(*out.explanation.model, out.explanation.base, static_cast<int>(history.units.size()));
-  RefuseVerdict(history.too_slow.empty() ? ImpossibleFigures(out.base) : history.too_slow, out.explanation);
+  out.each_alone = IsDownToNoise(ErrorOfEachAlone(history, out.explanation.base.noise_floor));
+  RefuseVerdict(history.too_slow.empty() ? ImpossibleFigures(out.base) : Told{history.too_slow, ""},
+                out.explanation);
   out.unmeasured = UnmeasuredEffects(history.machine, *history.model);
   for (UnmeasuredEffect& effect : NotStoredEffects(*history.model))
     out.unmeasured.push_back(std::move(effect));
@@ -114,18 +128,31 @@ namespace {
 
 /// Why the sums of episodes carry no verdict on the model, "" if they do. They say whether one set of parameters does for all
 /// episodes; effects are tried on logs alone, and what no parameters take away may be noise that is not white.
-std::string WhyEpisodesDoNotTell(const StrokeHistory& history, const Explanation& x, double of_sums) {
-  if (!KindOf(history.machine).has_states || !(history.white_noise > 0)) return "";
-  if (x.verdict != Verdict::kAdequate)
-    return "one set of parameters does not describe these episodes as well as each by itself would: a parameter "
-           "moves ('hydroscope trends' shows which), or an effect is missing, which 'hydroscope explain' with the "
-           "logs names";
-  const double ratio = of_sums / history.white_noise;
-  if (ratio * ratio <= 1 + kFloorExcess) return "";
-  return fmt::format(
+Told WhyEpisodesDoNotTell(const StrokeHistory& history, const ExplainResult& result) {
+  const double ratio = ErrorOfEachAlone(history, result.explanation.base.noise_floor);
+  if (std::isnan(ratio)) return {};
+  if (result.explanation.verdict != Verdict::kAdequate)
+    return result.each_alone
+               ? Tell(
+                     "parameters of its own describe each of these episodes down to the sensor noise, no one set "
+                     "describes them all: a parameter moves ('hydroscope trends' shows which)",
+                     "eigene Parameter beschreiben jede dieser Episoden bis auf das Sensorrauschen, kein Satz "
+                     "beschreibt alle: ein Parameter bewegt sich ('hydroscope trends' zeigt welcher)")
+               : Tell(
+                     "one set of parameters does not describe these episodes as well as each by itself would: a "
+                     "parameter moves ('hydroscope trends' shows which), or an effect is missing, which 'hydroscope "
+                     "explain' with the logs names",
+                     "ein Satz von Parametern beschreibt diese Episoden nicht so gut wie jede für sich: ein Parameter "
+                     "bewegt sich ('hydroscope trends' zeigt welcher), oder ein Effekt fehlt, den 'hydroscope explain' "
+                     "mit den Aufzeichnungen nennt");
+  if (result.each_alone) return {};
+  return Tell(
       "the parameters that suit an episode best leave {:.2g} times what white noise would: the noise is not white, or "
       "the model misses something in all of these episodes. Stored sums do not tell the two apart, 'hydroscope "
       "explain' with the logs does",
+      "die Parameter, die einer Episode am besten passen, lassen {:.2g}-mal so viel übrig wie weißes Rauschen: das "
+      "Rauschen ist nicht weiß, oder dem Modell fehlt in allen diesen Episoden etwas. Gespeicherte Summen trennen "
+      "beides nicht, 'hydroscope explain' mit den Aufzeichnungen schon",
       ratio);
 }
 
@@ -137,7 +164,7 @@ Result<ExplainResult> ExplainHistory(const StrokeHistory& history, const Explain
   auto out = ExplainUnits(history, own);
   if (!out || !out->explanation.no_verdict.empty()) return out;
   Explanation& x = out->explanation;
-  RefuseVerdict(WhyEpisodesDoNotTell(history, x, x.base.noise_floor), x);
+  RefuseVerdict(WhyEpisodesDoNotTell(history, *out), x);
   for (double* floor : {&out->base.noise_floor, &x.base.noise_floor, &x.final.noise_floor})
     *floor = history.NoiseFloor(*floor);
   return out;

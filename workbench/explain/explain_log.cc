@@ -65,13 +65,14 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
       x.final.excess_ratio <= options.floor_excess + options.left_share * std::max(0.0, x.base.excess_ratio);
   if (x.set.empty() || at_floor || x.partial) return;
   x.partial = true;
-  x.doubt = fmt::format("of the model error's energy {:.1f} % is left, more than sensor noise",
-                        100 * x.final.excess_ratio / x.base.excess_ratio);
+  x.doubt = Tell("of the model error's energy {:.1f} % is left, more than sensor noise",
+                 "von der Energie des Modellfehlers bleiben {:.1f} %, mehr als das Sensorrauschen",
+                 100 * x.final.excess_ratio / x.base.excess_ratio);
 }
 
 }  // namespace
 
-void RefuseVerdict(const std::string& why, Explanation& x) {
+void RefuseVerdict(const Told& why, Explanation& x) {
   if (why.empty()) return;
   x.warnings.insert(x.warnings.begin(), why);
   x.no_verdict = why;
@@ -80,20 +81,23 @@ void RefuseVerdict(const std::string& why, Explanation& x) {
   x.groups.clear();
   x.odd_strokes.clear();
   x.partial = false;
-  x.doubt.clear();
+  x.doubt = {};
 }
 
 namespace {
 
 /// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
 void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
-  x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
+  for (const std::string& sentence : trust.sentences) x.warnings.push_back({sentence, ""});
   if (trust.stated)
-    x.warnings.emplace_back("the noise floor is taken from the noise that the machine file states");
+    x.warnings.push_back(Tell("the noise floor is taken from the noise that the machine file states",
+                              "als Rauschgrenze gilt das Rauschen, das die Maschinendatei angibt"));
   else if (!trust.believable && x.final_left.tested)
-    x.warnings.push_back(fmt::format(
+    x.warnings.push_back(Tell(
         "the noise floor is taken from what no function of the signals predicts; a law that explains "
         "less than {:.0f} % of the error left would not be seen",
+        "als Rauschgrenze gilt, was keine Funktion der Signale voraussagt; ein Gesetz, das weniger als {:.0f} % des "
+        "Restfehlers erklärt, bliebe ungesehen",
         std::ceil(100 * std::max(x.final_left.null_share, kLeastSeen))));
 }
 
@@ -122,9 +126,10 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
-  if (!floor.believable) figures.noise_floor = x.base.noise_floor;
+  // What the model lacks may pass for less noise than there is: the best model found tells it.
+  if (!floor.believable) figures.noise_floor = x.final.noise_floor;
   // Rows too far apart: what they miss looks like an effect, or hides one.
-  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
+  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : Told{out.trust.rate.sentence, ""},
                 out.explanation);
   return out;
 }

@@ -37,6 +37,9 @@ struct ExplainResult {
   std::size_t strokes = 0;  ///< strokes explained: those whose samples were kept
   GramFit base;             ///< MachineModel::figures: the model as it is, of the same strokes
   LogTrust trust;           ///< of the samples; where rows are too far apart there is no verdict
+  /// Stored episodes of a machine with states: parameters of its own describe each down to white noise. What is more than noise
+  /// is then what moves from one to the next.
+  bool each_alone = false;
   Explanation explanation;
   std::vector<UnmeasuredEffect> unmeasured;
   ErrorLocation location;                   ///< of the error of the model as it is
@@ -71,7 +74,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
 
 /// Takes the verdict away from strokes that carry none: unknown, `why` (a sentence) before all warnings. "" =
 /// it stands.
-void RefuseVerdict(const std::string& why, Explanation& explanation);
+void RefuseVerdict(const Told& why, Explanation& explanation);
 
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;

@@ -37,10 +37,10 @@ std::string ErrorSentence(const ExplainResult& result) {
   std::string text = fmt::format(
       "On {} it has not seen the model errs by {:.3g} {}; sensor noise alone would cause {:.3g} {}.",
       CountedWordsOf(result.log.machine).many, x.base.rms_holdout * unit.factor, unit.name,
-      x.base.noise_floor * unit.factor, unit.name);
+      result.base.noise_floor * unit.factor, unit.name);
   if (x.steps.size() > 1)
     text += fmt::format(" Extended, it errs by {:.3g} {}.", x.final.rms_holdout * unit.factor, unit.name);
-  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * x.base.noise_floor)
+  if (x.verdict != Verdict::kAdequate && x.base.rms_holdout < 1.02 * result.base.noise_floor)
     text += " In single flows it drowns in the noise; summed over the strokes it stands out.";
   return text + "\n";
 }
@@ -120,7 +120,7 @@ std::string DoubtText(const ExplainResult& result) {
   if (x.doubt.empty()) return "";
   return RelativesText(result) +
          fmt::format("  Not proven: {}. The cause may be a relative of {} that the library does not hold.\n",
-                     x.doubt, x.set.size() == 1 ? "this effect" : "these effects");
+                     x.doubt.english, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
 /// The curve of what is missing, for a person to recognise.
@@ -202,7 +202,7 @@ std::string StepsText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   constexpr int kBarWidth = 36;
   const DisplayUnit unit = OutputUnit(x.model.get());
-  const double scale = kBarWidth / std::max(x.base.rms_holdout, x.base.noise_floor);
+  const double scale = kBarWidth / std::max(x.base.rms_holdout, x.final.noise_floor);
   const auto line = [&](const std::string& name, double rms, char mark) {
     const int bar = static_cast<int>(std::lround(rms * scale));
     return fmt::format("  {:<30} {:>8.3g}  {}\n", name, rms * unit.factor,
@@ -385,7 +385,7 @@ std::string ExplainText(const ExplainResult& result) {
                                    : result.described;
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   text += NotFiniteText(result.log.totals);
-  for (const std::string& warning : x.warnings) text += fmt::format("WARNING: {}\n", warning);
+  for (const std::string& warning : InEnglish(x.warnings)) text += fmt::format("WARNING: {}\n", warning);
   if (result.strokes < result.log.strokes.size())
     text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
                         result.log.strokes.size());

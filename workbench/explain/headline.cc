@@ -16,39 +16,53 @@ bool IsNumber(double x) { return std::isfinite(x) && x >= 0; }
 
 }  // namespace
 
-std::string ImpossibleFigures(const GramFit& f) {
+Told ImpossibleFigures(const GramFit& f) {
   for (const double x : {f.rms_measured, f.rms_modelled, f.rms_residual, f.rms_holdout, f.noise_floor})
     if (!IsNumber(x))
-      return "the error of the model is no number: a signal it needs was bad in some of these strokes. See "
-             "which with 'hydroscope check'";
+      return Tell(
+          "the error of the model is no number: a signal it needs was bad in some of these strokes. See "
+          "which with 'hydroscope check'",
+          "der Fehler des Modells ist keine Zahl: ein Signal, das es braucht, war in einigen dieser Hübe schlecht. "
+          "Welches, zeigt 'hydroscope check'");
   if (f.rms_measured <= 0)
-    return "no stroke is long enough for an error of the model: see gate and window of "
-           "the machine file with 'hydroscope check'";
+    return Tell(
+        "no stroke is long enough for an error of the model: see gate and window of the machine file with "
+        "'hydroscope check'",
+        "kein Hub ist lang genug für einen Fehler des Modells: Gate und Fenster der Maschinendatei zeigt "
+        "'hydroscope check'");
   if (f.rms_modelled <= 0)
-    return "the model gives 0 throughout where an output was measured: a signal it needs is 0 or missing. "
-           "See which with 'hydroscope check'";
+    return Tell(
+        "the model gives 0 throughout where an output was measured: a signal it needs is 0 or missing. "
+        "See which with 'hydroscope check'",
+        "das Modell ergibt durchweg 0, wo ein Ausgang gemessen wurde: ein Signal, das es braucht, ist 0 oder fehlt. "
+        "Welches, zeigt 'hydroscope check'");
   if (f.noise_floor >= f.rms_measured)
-    return fmt::format(
-        "sensor noise alone would be {:.0f} % of the measured output: longer "
-        "blocks ([window]), or a better sensor",
+    return Tell(
+        "sensor noise alone would be {:.0f} % of the measured output: longer blocks ([window]), or a better sensor",
+        "Sensorrauschen allein wäre {:.0f} % des gemessenen Ausgangs: längere Blöcke ([window]) oder ein besserer "
+        "Sensor",
         100 * f.noise_floor / f.rms_measured);
   if (f.rms_residual > f.rms_measured)
-    return fmt::format(
+    return Tell(
         "the error is {:.0f} % of the measured output: the model describes none of it. Check units, "
         "signs and sampling rate with 'hydroscope check'",
+        "der Fehler ist {:.0f} % des gemessenen Ausgangs: das Modell beschreibt nichts davon. Einheiten, Vorzeichen "
+        "und Abtastrate prüft 'hydroscope check'",
         100 * f.rms_residual / f.rms_measured);
   if (f.rms_holdout > kUnstable * f.rms_residual)
-    return fmt::format(
+    return Tell(
         "the error on strokes left out is {:.1f} times that on the strokes of the fit: the fit hangs "
         "on single strokes. Record more of them, at different speeds and pressures",
+        "der Fehler auf ausgelassenen Hüben ist {:.1f}-mal der auf den angepassten: die Anpassung hängt an einzelnen "
+        "Hüben. Mehr davon aufzeichnen, bei verschiedenen Geschwindigkeiten und Drücken",
         f.rms_holdout / f.rms_residual);
-  return "";
+  return {};
 }
 
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const std::string& no_verdict,
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const Told& no_verdict,
                          const CountedWords& counted) {
-  std::string why = ImpossibleFigures(figures);
-  if (why.empty()) why = no_verdict;
+  std::string why = ImpossibleFigures(figures).english;
+  if (why.empty()) why = no_verdict.english;
   if (!why.empty())
     return {ModelStanding::kNotJudged,
             fmt::format("The model cannot be judged on these {}: {}.", counted.many, why)};

@@ -22,12 +22,12 @@ struct ModelHeadline {
 /// What is impossible about the figures of a fit, as a sentence, or "": no numbers, an output or a model that
 /// is 0 throughout, an error above the output itself, noise above the output, an error on strokes left out
 /// that is kUnstable times that on the strokes of the fit.
-std::string ImpossibleFigures(const GramFit& figures);
+Told ImpossibleFigures(const GramFit& figures);
 
 /// Every sentence in which a command says how well a model describes its strokes comes from here: `misses` is
 /// the command's own finding, which only possible figures can carry, and no strokes that carry no verdict (`no_verdict` says
 /// why, "" = they do).
-ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const std::string& no_verdict = {},
+ModelHeadline HeadlineOf(const GramFit& figures, bool misses, const Told& no_verdict = {},
                          const CountedWords& counted = {});
 
 }  // namespace hydroscope

@@ -83,7 +83,7 @@ TEST_P(PlantEffect, IsNamedOrOneOfTheClassThatStrokesCannotTellApart) {
   const auto result = ExplainStrokes(std::move(*strokes));
   ASSERT_TRUE(result) << result.error().text;
   EXPECT_THAT(result->explanation.set, testing::Contains(GetParam().id))
-      << VerdictName(result->explanation.verdict) << " " << result->explanation.doubt << " "
+      << VerdictName(result->explanation.verdict) << " " << result->explanation.doubt.english << " "
       << result->explanation.remainder_law
       << ", first in the ranking: " << result->explanation.ranking.front().id;
   if (result->explanation.verdict == Verdict::kAmbiguous) {
@@ -142,7 +142,8 @@ TEST(PlantEffects, ADriftIsDoubtedWhereTheOilWarmsEvenly) {
   const Explanation x = OfViscosity(323.15);
   EXPECT_THAT(x.set, ElementsAre("Q_vn_drift"));
   EXPECT_TRUE(x.partial);
-  EXPECT_THAT(x.doubt, HasSubstr("oil temperature moved evenly with time"));
+  EXPECT_THAT(x.doubt.english, HasSubstr("oil temperature moved evenly with time"));
+  EXPECT_THAT(x.doubt.german, HasSubstr("die Öltemperatur lief gleichmäßig mit der Zeit"));
 }
 
 /// The strokes in which the leak began and ended show it in part only.

@@ -76,8 +76,8 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
     if (explained) {
       out.verdict = explained->explanation.verdict;
       out.no_verdict = explained->explanation.no_verdict;
-      out.warnings = explained->explanation.warnings;
-      std::erase(out.warnings, out.no_verdict);  // the headline says it
+      out.warnings = InEnglish(explained->explanation.warnings);
+      std::erase(out.warnings, out.no_verdict.english);  // the headline says it
     }
   }
   return out;

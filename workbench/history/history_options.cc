@@ -8,8 +8,8 @@ void AddHistoryOptions(CLI::App& command, HistoryOptions& o) {
   command.add_option("--db,-d", o.db, "Database that 'hydroscope replay' filled, in place of a log");
   command.add_option("--machine-name", o.machines, "Machine of the database, repeatable; all without it");
   command.add_option("--from", o.from,
-                     "First stroke: number, log (run:3), time (81.5s) or date (2025-03-01)");
-  command.add_option("--to", o.to, "Stroke before which to stop, likewise");
+                     "First stroke or episode: number, log (run:3), time (81.5s) or date (2025-03-01)");
+  command.add_option("--to", o.to, "Stroke or episode before which to stop, likewise");
   command.add_flag("--fleet", o.fleet, "Take the machines chosen together, as if they were one");
 }
 

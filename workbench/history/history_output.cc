@@ -96,6 +96,22 @@ std::string NearestText(const Explanation& after) {
       fmt::join(added, " and "), 100 * (1 - after.final.excess_ratio / after.base.excess_ratio));
 }
 
+/// Of episodes of a machine with states that no parameters which stay describe.
+std::string EpisodesText(const ChangeResult& result) {
+  if (!result.after.each_alone)
+    return "UNKNOWN: the model errs more than before, and no parameters that stay as they are over these "
+           "episodes take that away: one is still moving, or an effect is missing. 'hydroscope trends' shows "
+           "what moves, 'hydroscope explain' with the logs which effect it is.\n";
+  std::vector<std::string> moved;
+  for (const ValueChange& v : result.parameters)
+    if (v.significant) moved.push_back(v.name);
+  return fmt::format(
+      "UNKNOWN cause: {} changed and goes on changing. Parameters of its own describe each episode down to the "
+      "sensor noise, none that stay describe all of them. 'hydroscope trends' shows the course, 'hydroscope "
+      "explain' with the logs which effect it is.\n",
+      moved.empty() ? "a parameter" : fmt::format("{}", fmt::join(moved, " and ")));
+}
+
 std::string VerdictText(const ChangeResult& result) {
   switch (result.after.explanation.verdict) {
     case Verdict::kAdequate:
@@ -110,10 +126,7 @@ std::string VerdictText(const ChangeResult& result) {
              "first.\n" +
              EffectsText(result);
     case Verdict::kUnknown:
-      if (KindOf(result.after.log.machine).has_states)
-        return "UNKNOWN: the model errs more than before, and no parameters that stay as they are over these "
-               "episodes take that away: one is still moving, or an effect is missing. 'hydroscope trends' shows "
-               "what moves, 'hydroscope explain' with the logs which effect it is.\n";
+      if (KindOf(result.after.log.machine).has_states) return EpisodesText(result);
       return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n" +
              NearestText(result.after.explanation);
   }
@@ -150,7 +163,7 @@ std::string ChangeText(const ChangeResult& result) {
   const DisplayUnit unit = OutputUnit(result.after.log.model.get());
   const CountedWords counted = CountedWordsOf(result.after.log.machine);
   std::string text = VerdictText(result);
-  if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt);
+  if (!after.doubt.empty()) text += fmt::format("Not proven: {}.\n", after.doubt.english);
   text += fmt::format("Before:\n{}After:\n{}", result.before.described, result.after.described);
   if (result.newest > 0)
     text += fmt::format("What appeared went on changing: explained on the newest {} of these {}.\n",
@@ -174,7 +187,7 @@ std::string ChangeText(const ChangeResult& result) {
                         effect.parameter, ShownWithInterval(e.size, e.std, effect.unit));
   }
   if (!before.no_verdict.empty())
-    text += fmt::format("\nOf the model as it was before: {}.\n", before.no_verdict);
+    text += fmt::format("\nOf the model as it was before: {}.\n", before.no_verdict.english);
   else if (before.verdict != Verdict::kAdequate)
     text += fmt::format(
         "\nBefore, the model missed something already (verdict {}): see 'hydroscope explain' with --to.\n",

@@ -167,6 +167,15 @@ std::optional<StoredChange> FindStoredChange(const Database& database, const His
   return EvidentInBlocks(database, part, machine);
 }
 
+Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {
+  return Tell(
+      "these {} hold a change {}: one model for both sides of it errs on either; look at each with --to {} and "
+      "--from {}",
+      "in diesen {} liegt eine Änderung {}: ein Modell für beide Seiten irrt auf jeder; jede für sich zeigen --to {} "
+      "und --from {}",
+      counted.SeveralDative(), change.text, change.before_end, change.since);
+}
+
 std::vector<AlarmState> AlarmsBeside(const std::string& database, const std::string& machine) {
   const auto journal = AlarmJournal::OpenExisting(AlarmJournal::PathFor(database));
   if (!journal) return {};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/alarm_records.h"
+#include "models/counted_words.h"
 #include "models/machine.h"
 #include "workbench/history/stroke_history.h"
 
@@ -29,6 +30,9 @@ bool TellsAChange(const AlarmState& alarm);
 inline constexpr std::int64_t kFewestOnASide = 8;
 std::optional<StoredChange> FindStoredChange(const Database& database, const HistoryPart& part,
                                              const Machine& machine, const std::vector<AlarmState>& alarms);
+
+/// What speaks against taking the strokes on both sides of a change as one.
+Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted);
 
 /// The alarms the journal beside the database knows of a machine; none if there is no journal, or it cannot
 /// be read. Never creates it.

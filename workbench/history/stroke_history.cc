@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "core/units.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/run_summary.h"
@@ -63,6 +64,7 @@ Status ReadUnits(const Database& database, const HistoryPart& part, std::int64_t
 
 /// Sample period and Gram columns of the runs the part touches must be those of the history.
 Status CheckRuns(const Database& database, const HistoryPart& part, double& period, StrokeHistory& history) {
+  const CountedWords counted = CountedWordsOf(history.machine);
   const auto runs = database.Runs(part.id);
   if (!runs) return tl::unexpected(runs.error());
   for (const RunInfo& run : *runs) {
@@ -72,9 +74,9 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     if (!model) return tl::unexpected(model.error());
     if (model->columns != history.model->ColumnNames())
       return BadInput(
-          "{}: strokes of run {} ({}) of {} were recorded with other sums of products than this machine and "
+          "{}: {} of run {} ({}) of {} were recorded with other sums of products than this machine and "
           "program have; replay their logs into a new database",
-          history.database, run.id, run.source, part.machine);
+          history.database, counted.many, run.id, run.source, part.machine);
     const RunSummary summary = ParseRunSummary(run.summary_json);
     if (!summary.too_slow.empty())
       history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
@@ -83,8 +85,8 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)
       return BadInput(
           "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; "
-          "choose strokes of one with --from and --to",
-          history.database, run.id, run.source, own, period);
+          "choose {} of one with --from and --to",
+          history.database, run.id, run.source, own, period, counted.many);
     period = own;
   }
   return {};
@@ -222,7 +224,7 @@ Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, c
   const auto time = Date(text) ? Date(text) : Seconds(text);
   if (!time)
     return UsageError(
-        "\"{}\" is no place in the history; expected a stroke number (1234), a log (run:3), a time of the "
+        "\"{}\" is no place in the history; expected the number of a stroke or episode (1234), a log (run:3), a time of the "
         "logs (81.5s) or a date (2025-03-01T06:30)",
         text);
   return database.SequenceAt(machine, *time);
@@ -248,13 +250,22 @@ Result<Machine> StoredMachine(const Database& database, const std::string& path,
   if (!*model) {
     const auto runs = database.Runs(part.id);
     if (!runs) return tl::unexpected(runs.error());
-    if (runs->empty()) return BadInput("{}: machine {} has no strokes yet", path, part.machine);
+    if (runs->empty()) return BadInput("{}: nothing of machine {} is stored yet", path, part.machine);
     auto last = database.GetModelVersion(part.id, runs->back().model_version);
     if (!last) return tl::unexpected(last.error());
     *model = std::move(*last);
   }
   return ParseMachine((*model)->definition,
                       fmt::format("{}: model version {} of {}", path, (*model)->version, part.machine));
+}
+
+CountedWords CountedWordsIn(const std::string& path, const std::string& machine) {
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return {};
+  const auto parts = ChosenMachines(*database, path, {machine});
+  if (!parts) return {};
+  const auto stored = StoredMachine(*database, path, parts->front());
+  return stored ? CountedWordsOf(*stored) : CountedWords{};
 }
 
 Result<StrokeHistory> LoadHistory(const Database& database, const std::string& path,
@@ -269,8 +280,8 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   history.model = std::move(*model);
   if (history.strokes() == 0)
     return BadInput(
-        "{}: no strokes in the chosen part of the history; `hydroscope trends --db {}` shows what it holds",
-        path, path);
+        "{}: no {} in the chosen part of the history; `hydroscope trends --db {}` shows what it holds", path,
+        CountedWordsOf(machine).many, path);
   double period = machine.log.sample_period.value_or(0.0);
   for (const HistoryPart& part : parts)
     if (const Status fits = CheckRuns(database, part, period, history); !fits)

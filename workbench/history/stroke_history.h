@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "estimation/span_equations.h"
+#include "models/counted_words.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 #include "storage/database.h"
@@ -59,6 +60,9 @@ Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, c
 
 /// Narrows a part to the strokes from `from` up to, not including, `to`; "" leaves that end as it is.
 Status Narrow(const Database& database, const std::string& from, const std::string& to, HistoryPart& part);
+
+/// What a machine of the database `path` is judged by; strokes where the database does not say.
+CountedWords CountedWordsIn(const std::string& path, const std::string& machine);
 
 /// The machine as the database has it: the version promoted last, else that of the newest run.
 Result<Machine> StoredMachine(const Database& database, const std::string& path, const HistoryPart& part);
