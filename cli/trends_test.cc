@@ -232,7 +232,7 @@ TEST(Trends, AMissingOrEmptyDatabaseSaysWhatToDo) {
   FillPress(folder.File("idle.db"), 0);
   const Outcome idle = Trends({"--db", folder.File("idle.db")});
   EXPECT_EQ(idle.code, kWrongInput);
-  EXPECT_THAT(idle.err, HasSubstr("holds no strokes yet"));
+  EXPECT_THAT(idle.err, HasSubstr("holds no strokes or episodes yet"));
 }
 
 TEST(Trends, TwoResultsOnStdoutAndAnUnwritableFileAreRefused) {
