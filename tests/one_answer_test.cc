@@ -182,6 +182,17 @@ TEST_F(OneAnswer, UnderColouredNoise) {
   ExpectOneAnswer(Simulate("coloured.csv", 60, 4, {"--imperfection", "coloured_noise"}), Cushion());
 }
 
+/// What a missing effect takes away with it is no smaller noise.
+TEST_F(OneAnswer, OnTheNoiseUnderColourWhereAnEffectIsMissing) {
+  const std::string log = Simulate(
+      "hidden.csv", 90, 4, {"--imperfection", "coloured_noise", "--effect", "internal_leakage=4e-12"});
+  const nlohmann::json explain = Json({"explain", log, "-m", Cushion()});
+  ASSERT_EQ(explain["verdict"], "named");
+  ExpectSame(explain["base"]["noise_floor"], explain["noise_floor"], "noise floor");
+  ExpectSame(Json({"fit", log, "-m", Cushion()})["noise_floor"], explain["noise_floor"],
+             "noise floor of fit");
+}
+
 TEST_F(OneAnswer, WhereSomeStrokesAreOdd) {
   ExpectOneAnswer(Simulate("odd.csv", 90, 4, {"--imperfection", "intermittent_leakage"}), Cushion());
 }
