@@ -54,7 +54,8 @@ std::optional<StateStart> CandidateFits::BestOf(const std::shared_ptr<const Stat
   std::vector<StateStart> on_few;
   for (const StateStart& start : starts) {
     on_few.push_back({start.parameters, {}});
-    if (start.initial.empty()) continue;
+    if (start.initial.size() < episodes_.size())
+      continue;  // short segments know those of the first rows only
     for (const std::size_t e : starts_on_) on_few.back().initial.push_back(start.initial[e]);
   }
   StateFitOptions rough = options_.fit;

@@ -3,439 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-#include <numeric>
-#include <optional>
-#include <set>
 
-#include "diagnosis/states/candidate_fits.h"
-#include "diagnosis/states/law_terms.h"
+#include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/spread_pieces.h"
-#include "models/state_effects.h"
 
 namespace hydroscope {
 namespace {
-
-double Sum(const std::vector<double>& energies) {
-  return std::accumulate(energies.begin(), energies.end(), 0.0);
-}
-
-class StatesExplainer {
- public:
-  StatesExplainer(const Machine& machine, std::span<const Episode> episodes,
-                  const ExplainStatesOptions& options)
-      : machine_(machine), episodes_(episodes), options_(options) {
-    const bool runs = std::any_of(episodes.begin(), episodes.end(),
-                                  [](const Episode& episode) { return episode.mean_rows > 1; });
-    starts_on_ = SpreadOver(episodes.size(), runs ? options.start_runs : std::numeric_limits<int>::max());
-  }
-
-  StatesExplanation Run() {
-    const auto model = BuildStateModel(machine_, machine_.added_effects);
-    if (!model) {
-      out_.base.fit.failed = model.error().text;
-      return std::move(out_);
-    }
-    out_.base.fit = FitFromAllStarts(*model);
-    if (!out_.base.fit.solved()) return std::move(out_);
-    out_.base.held_out = out_.base.fit.HeldOutEnergy();
-    out_.base_left = Left(out_.base.fit);
-    fits_.emplace(machine_, episodes_, starts_on_, options_, out_.base);
-    Search();
-    Prune();
-    Conclude();
-    return std::move(out_);
-  }
-
- private:
-  StateFit FitFromAllStarts(const std::shared_ptr<const StateModel>& model) const {
-    if (starts_on_.size() == episodes_.size()) return FitStates(model, episodes_, options_.fit);
-    StateFit few = FitStates(model, Chosen(episodes_, starts_on_), options_.fit);
-    if (!few.solved()) return few;
-    const StateStart start{few.parameters, {}};
-    StateFit all = RefitStates(model, episodes_, std::span(&start, 1), {}, options_.fit);
-    all.minima = std::move(few.minima);
-    all.starts_tried = few.starts_tried;
-    all.starts_diverged = few.starts_diverged;
-    return all;
-  }
-  StateRemainder Left(const StateFit& fit) const { return RemainderOf(fit, episodes_, options_.remainder); }
-  /// Energies left out, over the base's noise whatever the fit's own.
-  std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
-
-  void Search() {
-    levels_.push_back({out_.base});
-    out_.final = out_.base;
-    out_.final_left = out_.base_left;
-    std::vector<std::string> ids;
-    for (const Effect& effect : StateEffectsOf(machine_))
-      if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
-          machine_.added_effects.end())
-        ids.push_back(effect.id);
-    for (int size = 1; size <= options_.max_effects && static_cast<std::size_t>(size) <= ids.size(); ++size) {
-      if (size > 1 && !out_.final_left.structured) break;
-      if (!OneMore(Contenders(ids, size == 1), size == 1)) break;
-    }
-  }
-
-  /// Sets with one effect more than the best ones so far, best by what is foreseen first.
-  std::vector<StateContender> Contenders(const std::vector<std::string>& ids, bool single) {
-    std::vector<StateContender> contenders;
-    std::set<std::vector<std::string>> tried;
-    const std::vector<StateCandidate>& before = levels_.back();
-    for (std::size_t b = 0; b < before.size() && static_cast<int>(b) < options_.beam; ++b)
-      for (const std::string& id : ids) {
-        std::vector<std::string> added = before[b].added;
-        if (std::find(added.begin(), added.end(), id) != added.end()) continue;
-        added.push_back(id);
-        std::vector<std::string> sorted = added;
-        std::sort(sorted.begin(), sorted.end());
-        if (!tried.insert(sorted).second) continue;
-        auto contender = fits_->Screened(added, before[b]);
-        if (contender)
-          contenders.push_back(std::move(*contender));
-        else if (single)
-          out_.warnings.push_back(fmt::format("{} cannot be tried: {}", id, contender.error().text));
-      }
-    std::stable_sort(contenders.begin(), contenders.end(),
-                     [](const auto& a, const auto& b) { return a.foreseen < b.foreseen; });
-    return contenders;
-  }
-
-  /// Gain that must be foreseen of a set before it is fitted.
-  double WorthAFit(const std::vector<StateContender>& contenders) const {
-    if (!out_.final_left.structured)
-      return std::min(options_.worth_a_fit * options_.min_gain * EvidenceOf(out_.final),
-                      options_.min_removed * out_.final.held_out);
-    double best = 0;
-    for (const StateContender& c : contenders)
-      if (c.foreseen > 0) best = std::max(best, out_.final.held_out - c.foreseen);
-    return options_.contender_share * best;
-  }
-
-  /// Fits what is worth it: first what linearisation promises something of; as long as that leaves something structured all
-  /// contenders, from short segments too, since the fit without an effect may stand in a wrong minimum. False if none does
-  /// better than what was found with fewer effects.
-  bool OneMore(const std::vector<StateContender>& all, bool single) {
-    const std::span<const StateContender> contenders(
-        all.data(), std::min(all.size(), static_cast<std::size_t>(options_.contenders)));
-    const double worth = WorthAFit(all);
-    std::vector<StateCandidate> sets;
-    for (const StateContender& c : contenders)
-      if (out_.final.held_out - c.foreseen >= worth) Take(sets, fits_->Fitted(c));
-    Sort(sets);
-    StateRemainder left = LeftBy(sets);
-    if (out_.final_left.structured && !Settled(sets, left)) {
-      const double best = sets.empty() ? INFINITY : sets.front().held_out;
-      for (const StateContender& c : contenders) {
-        if (out_.final.held_out - c.foreseen < worth) Take(sets, fits_->Fitted(c));
-        if (out_.base_left.structured) Take(sets, fits_->FittedFromSegments(c));
-      }
-      Sort(sets);
-      if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
-    }
-    if (Better(out_.final, out_.final_left, sets) && (left.structured || Coloured(sets.front())) &&
-        LookAfar(sets))
-      left = LeftBy(sets);
-    if (Better(out_.final, out_.final_left, sets) && TakeNearLaws(all, sets)) left = LeftBy(sets);
-    if (single) TakeRanking(all, sets);
-    if (!Better(out_.final, out_.final_left, sets)) return false;
-    out_.final = sets.front();
-    out_.final_left = std::move(left);
-    levels_.push_back(std::move(sets));
-    return true;
-  }
-
-  void TakeRanking(const std::vector<StateContender>& contenders, const std::vector<StateCandidate>& sets) {
-    out_.ranking = sets;
-    for (const StateContender& c : contenders)
-      if (std::none_of(sets.begin(), sets.end(), [&](const auto& set) { return set.added == c.added; }))
-        out_.ranking.push_back(fits_->Foreseen(c));
-    std::stable_sort(out_.ranking.begin() + static_cast<std::ptrdiff_t>(sets.size()), out_.ranking.end(),
-                     [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
-  }
-
-  /// Into the list, in place of a worse fit of the same set.
-  void Take(std::vector<StateCandidate>& sets, StateCandidate candidate) {
-    const auto same = std::find_if(sets.begin(), sets.end(), [&](const StateCandidate& other) {
-      return other.added == candidate.added;
-    });
-    if (!candidate.fitted()) {
-      if (same == sets.end() && candidate.added.size() == 1 && !candidate.fit.failed.empty())
-        out_.warnings.push_back(
-            fmt::format("{} cannot be tried: {}", candidate.added.front(), candidate.fit.failed));
-    } else if (same == sets.end()) {
-      sets.push_back(std::move(candidate));
-    } else if (candidate.held_out < same->held_out) {
-      *same = std::move(candidate);
-    }
-  }
-
-  /// Best first.
-  void Sort(std::vector<StateCandidate>& sets) const {
-    std::sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) { return a.held_out < b.held_out; });
-    if (!sets.empty()) PreferFewParameters(sets);
-  }
-
-  /// Whether a set leaves more than white noise, as every wrong minimum does.
-  bool Coloured(const StateCandidate& set) const {
-    return EvidenceOf(set) * std::max(1, set.fit.readings()) > options_.white_readings * set.held_out;
-  }
-
-  /// What the best set leaves may be that of a wrong minimum, which a further effect would seem to mend: it is fitted from starts
-  /// all over the ranges. Whether there was a better one.
-  bool LookAfar(std::vector<StateCandidate>& sets) const {
-    StateCandidate afar = fits_->FittedFromAfar(sets.front());
-    if (!afar.fitted() || afar.held_out >= (1 - options_.fit.same_minimum) * sets.front().held_out)
-      return false;
-    sets.front() = std::move(afar);
-    return true;
-  }
-
-  /// Other sets that may be the law of the best one, or imitate it, are fitted from where they come nearest to it: not to be
-  /// beaten by it for having begun far off. Whether another is the best now.
-  bool TakeNearLaws(const std::vector<StateContender>& contenders, std::vector<StateCandidate>& sets) {
-    const StateCandidate best = sets.front();
-    for (const StateContender& c : contenders)
-      if (c.added != best.added) Take(sets, fits_->FittedNear(c, best, options_.near_law));
-    Sort(sets);
-    return sets.front().added != best.added;
-  }
-
-  /// What the best set leaves, if it does better than what was found before.
-  StateRemainder LeftBy(const std::vector<StateCandidate>& sets) const {
-    return Better(out_.final, out_.final_left, sets) ? Left(sets.front().fit) : StateRemainder{};
-  }
-
-  /// Whether the best set needs no further look at the others.
-  bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
-    return Better(out_.final, out_.final_left, sets) &&
-           Unexplained(sets.front(), left) <= LeftShare(sets.front());
-  }
-
-  /// Whether a set does better than another, of which `left` is left.
-  bool Better(const StateCandidate& now, const StateRemainder& left, const StateCandidate& next) const {
-    const auto [removed, t] = PairedGain(Energies(now.fit), Energies(next.fit));
-    // An effect that acts in a few pieces has a small t however large its gain is against correlated noise.
-    const bool large = removed > options_.min_gain * EvidenceOf(next) && t > options_.few_t &&
-                       removed > options_.min_removed * now.held_out;
-    if (!left.structured)
-      return large || (removed > options_.min_gain * EvidenceOf(next) && t > options_.sure_t);
-    const double predictable = now.held_out * left.share;
-    return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
-           (large || t > options_.min_t);
-  }
-
-  /// ... or the best of some, if there is one.
-  bool Better(const StateCandidate& now, const StateRemainder& left,
-              const std::vector<StateCandidate>& next) const {
-    return !next.empty() && Better(now, left, next.front());
-  }
-
-  /// A set with an effect of the set found taken out, fitted from there.
-  const StateCandidate& Without(const std::string& id) {
-    std::vector<std::string> rest = out_.final.added;
-    rest.erase(std::find(rest.begin(), rest.end(), id));
-    const auto known = without_.find(rest);
-    if (known != without_.end()) return known->second;
-    StateCandidate fitted = fits_->Without(out_.final, rest);
-    return without_.emplace(rest, std::move(fitted)).first->second;
-  }
-
-  /// The fit of fewer effects may have ended in a wrong minimum, from where another effect seemed to help: each is taken out
-  /// again, the fit beginning where it ended with it, and stays out if it does not do better than what is left. What ends where
-  /// the search had been says nothing new.
-  void Prune() {
-    for (bool smaller = true; smaller && !out_.final.added.empty();) {
-      smaller = false;
-      for (const std::string& id : std::vector<std::string>(out_.final.added)) {
-        const StateCandidate& without = Without(id);
-        if (!without.fitted()) continue;
-        const StateCandidate& before = levels_[levels_.size() - 2].front();
-        if (without.added == before.added &&
-            without.held_out >= (1 - options_.fit.same_minimum) * before.held_out)
-          continue;
-        StateRemainder left = Left(without.fit);
-        if (Better(without, left, out_.final)) continue;
-        out_.final_left = std::move(left);
-        levels_.pop_back();
-        std::vector<StateCandidate>& level = levels_.back();
-        std::erase_if(level, [&](const StateCandidate& other) { return other.added == without.added; });
-        level.insert(level.begin(), without);
-        out_.final = without;
-        without_.clear();
-        smaller = true;
-        break;
-      }
-    }
-    if (!out_.final.added.empty()) return;
-    out_.base = out_.final;
-    out_.base_left = out_.final_left;
-  }
-
-  /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
-  void PreferFewParameters(std::vector<StateCandidate>& sets) const {
-    for (std::size_t k = 1; k < sets.size(); ++k)
-      if (sets[k].fit.parameters.size() < sets.front().fit.parameters.size() &&
-          NearlyAsGood(sets[k], sets.front()) &&
-          SameLaw(out_.base.fit, sets[k], sets.front(), episodes_, options_.same_law)) {
-        std::rotate(sets.begin(), sets.begin() + static_cast<std::ptrdiff_t>(k),
-                    sets.begin() + static_cast<std::ptrdiff_t>(k) + 1);
-        return;
-      }
-  }
-
-  /// Whether energies are hardly worse than the best, which removed `removed`; `noise` is one piece of evidence.
-  bool HardlyWorse(const std::vector<double>& other, const std::vector<double>& best, double removed,
-                   double noise) const {
-    const auto [worse, t] = PairedGain(other, best);
-    const bool near = worse < options_.rival_gain * noise || t < options_.rival_t;
-    return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
-  }
-
-  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
-    return HardlyWorse(Energies(other.fit), Energies(best.fit), out_.base.held_out - best.held_out,
-                       EvidenceOf(best));
-  }
-
-  /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
-  /// place: that function.
-  std::optional<LikeFunction> FunctionFor(const std::string& id) {
-    const StateCandidate& without = out_.final.added.size() == 1 ? out_.base : Without(id);
-    if (!without.fitted()) return {};
-    const Specificity specificity(without.fit, out_.final.fit, episodes_, options_.specificity);
-    const double noise = EvidenceOf(out_.final);
-    const Specificity::Function* best = nullptr;
-    for (const Specificity::Function& function : specificity.functions())
-      if (best == nullptr || Sum(function.energies) < Sum(best->energies)) best = &function;
-    if (best == nullptr || !HardlyWorse(best->energies, specificity.with_effect(),
-                                        without.held_out - Sum(specificity.with_effect()), noise))
-      return {};
-    return best->named;
-  }
-
-  /// Takes from the set found what is too weak to be told from laws that nobody has named.
-  void LeaveOutUnspecific() {
-    std::vector<std::string> named;
-    for (const std::string& id : out_.final.added) {
-      const std::optional<LikeFunction> like = FunctionFor(id);
-      if (!like) {
-        named.push_back(id);
-        continue;
-      }
-      out_.nearest.push_back(id);
-      out_.warnings.push_back(fmt::format(
-          "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} "
-          "that is no effect of the machine file explains as much. To tell them apart, excite the machine more strongly "
-          "or record for longer",
-          id, like->about, like->equation));
-    }
-    out_.set = std::move(named);
-  }
-
-  /// Rivals of the set found: of the same size, and hardly worse.
-  std::vector<StateCandidate> Rivals() const {
-    std::vector<StateCandidate> rivals;
-    if (levels_.size() < 2) return rivals;
-    const StateCandidate& best = out_.final;
-    for (const StateCandidate& other : levels_.back())
-      if (other.added != best.added && NearlyAsGood(other, best) &&
-          !(other.fit.parameters.size() > best.fit.parameters.size() &&
-            SameLaw(out_.base.fit, best, other, episodes_, options_.same_law)))
-        rivals.push_back(other);
-    return rivals;
-  }
-
-  /// Predictable energy that a set leaves, of what was there.
-  double Unexplained(const StateCandidate& set, const StateRemainder& left) const {
-    if (!left.structured) return 0;
-    const double predictable = out_.base.held_out * out_.base_left.share;
-    return set.held_out * left.share / std::max({predictable, out_.base.held_out - set.held_out, 1e-300});
-  }
-
-  /// What a complete explanation may leave of it.
-  double LeftShare(const StateCandidate& set) const {
-    const auto effects = static_cast<double>(set.added.size());
-    return options_.left_share / (effects * effects);
-  }
-
-  /// Whether nothing that functions can predict is left, or next to nothing of what they could before. `unexplained` is told.
-  bool Complete() {
-    out_.unexplained = Unexplained(out_.final, out_.final_left);
-    return out_.unexplained <= LeftShare(out_.final);
-  }
-
-  void Conclude() {
-    const auto readings = [](const StateCandidate& c) { return std::max(1, c.fit.readings()); };
-    out_.steps.emplace_back("", std::sqrt(out_.base.held_out / readings(out_.base)));
-    for (std::size_t k = 1; k < levels_.size(); ++k)
-      out_.steps.emplace_back(levels_[k].front().added.back(),
-                              std::sqrt(levels_[k].front().held_out / readings(levels_[k].front())));
-    if (out_.final.added.empty()) {
-      out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
-      return;
-    }
-    if (!Complete()) {
-      const std::vector<std::string> nearest = out_.final.added;
-      // Several effects imitate more than one does: what is not explained by all of them may be by the first.
-      StateCandidate all = out_.final;
-      StateRemainder left_by_all = out_.final_left;
-      while (levels_.size() > 2 && !Complete()) {
-        levels_.pop_back();
-        out_.final = levels_.back().front();
-        out_.final_left = Left(out_.final.fit);
-      }
-      if (!Complete()) {
-        out_.final = std::move(all);
-        out_.final_left = std::move(left_by_all);
-        Complete();
-        out_.verdict = Verdict::kUnknown;
-        out_.partial = true;
-        out_.nearest = nearest;
-        return;
-      }
-    }
-    out_.partial = out_.final_left.structured;
-    if (out_.partial)
-      out_.warnings.push_back(fmt::format(
-          "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
-          "{:.2g} % of what they could predict before; a small law more is missing, or one of "
-          "these differs a little",
-          100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
-    LeaveOutUnspecific();
-    if (out_.set.empty()) {
-      out_.verdict = Verdict::kUnknown;
-      out_.partial = true;
-      return;
-    }
-    for (const std::string& id : out_.set) out_.groups.push_back({id});
-    out_.verdict = Verdict::kNamed;
-    out_.rivals = Rivals();
-    for (const StateCandidate& rival : out_.rivals) {
-      for (const std::string& id : rival.added) {
-        if (std::find(out_.set.begin(), out_.set.end(), id) != out_.set.end()) continue;
-        const auto group = std::find_if(out_.groups.begin(), out_.groups.end(), [&](const auto& g) {
-          return std::find(rival.added.begin(), rival.added.end(), g.front()) == rival.added.end();
-        });
-        if (group == out_.groups.end()) continue;
-        out_.set.push_back(id);
-        group->push_back(id);
-        out_.verdict = Verdict::kAmbiguous;
-      }
-    }
-  }
-
-  const Machine& machine_;
-  std::span<const Episode> episodes_;
-  const ExplainStatesOptions& options_;
-  std::vector<std::size_t> starts_on_;                          ///< episodes that starts are tried on
-  std::optional<CandidateFits> fits_;                           ///< once the base is fitted
-  std::vector<std::vector<StateCandidate>> levels_;             ///< per number of effects, sets best first
-  std::map<std::vector<std::string>, StateCandidate> without_;  ///< the set found without an effect
-  StatesExplanation out_;
-};
 
 /// The model as it is, that with the set found and its rivals, fitted on from `out` to all episodes.
 void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& options,
@@ -464,17 +37,75 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
   for (StateCandidate& candidate : out.ranking) candidate.held_out *= out.base.held_out / before;
 }
 
-StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs,
-                              const ExplainStatesOptions& options) {
-  const std::vector<Episode> some = Chosen(runs, SpreadOver(runs.size(), options.most_runs));
-  StatesExplanation out = StatesExplainer(machine, some, options).Run();
+/// On so many of the runs, spread over the log; figures are those of all. `of_what`: readings of a run.
+StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs, const ShortRunOptions& run,
+                              const char* of_what, const ExplainStatesOptions& options) {
+  const std::vector<Episode> some = Chosen(runs, SpreadOver(runs.size(), run.most));
+  StatesExplanation out =
+      SearchEffects(machine, some, run.starts, options, FitAsItIs(machine, some, run.starts, options));
   if (some.size() < runs.size() && out.base.fit.solved()) {
     FitToAll(runs, options, out);
     out.warnings.push_back(fmt::format(
-        "effects were tried on {} of {} runs of {} revolutions, spread over the log; figures are those of all",
-        some.size(), runs.size(), options.run_readings));
+        "effects were tried on {} of {} runs of {} {}, spread over the log; figures are those of all",
+        some.size(), runs.size(), run.readings, of_what));
   }
   out.runs = std::move(runs);
+  return out;
+}
+
+/// Tells noise that acts on the process itself: it adds up over an episode until it covers what effects do, and no function of
+/// states and inputs predicts it.
+class CoveringNoise {
+ public:
+  CoveringNoise(const Machine& machine, std::span<const Episode> episodes,
+                const ExplainStatesOptions& options)
+      : options_(options) {
+    if (BeginsAnywhere(machine)) runs_ = ShortRuns(episodes, options.noisy.readings);
+    some_ = Chosen(runs_, SpreadOver(runs_.size(), options.noisy.most));
+  }
+
+  /// Whether functions predict little of what a fit over whole episodes leaves, and short runs leave far less of it.
+  bool Covers(const StateFit& whole, const StateRemainder& left) const {
+    if (runs_.empty() || left.share >= options_.covered_share) return false;
+    const StateStart start{whole.parameters, {}};
+    const StateFit fit = RefitStates(whole.model, some_, std::span(&start, 1), whole.noise, options_.fit);
+    return fit.solved() && (fit.noise.array() < options_.covered_error * whole.noise.array()).any();
+  }
+
+  const std::vector<Episode>& runs() const { return runs_; }
+
+ private:
+  const ExplainStatesOptions& options_;
+  std::vector<Episode> runs_, some_;
+};
+
+StatesExplanation ExplainNoisy(const Machine& machine, const CoveringNoise& noise,
+                               const ExplainStatesOptions& options) {
+  StatesExplanation out = ExplainRuns(machine, noise.runs(), options.noisy, "rows", options);
+  out.warnings.push_back(fmt::format(
+      "noise acts on the process itself (or a disturbance that is not measured) and adds up over an episode: effects "
+      "were looked for in runs of {} rows, each with initial states of its own",
+      options.noisy.readings));
+  return out;
+}
+
+StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
+                                  const ExplainStatesOptions& options) {
+  const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
+  const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
+  const CoveringNoise noise(machine, tried, options);
+  StatesExplanation as_it_is = FitAsItIs(machine, tried, tried.size(), options);
+  if (as_it_is.base.fit.solved() && noise.Covers(as_it_is.base.fit, as_it_is.base_left))
+    return ExplainNoisy(machine, noise, options);
+  StatesExplanation out = SearchEffects(machine, tried, tried.size(), options, std::move(as_it_is));
+  if (!out.base.fit.solved()) return out;
+  if (out.set.empty() && !out.final.added.empty() && noise.Covers(out.final.fit, out.final_left))
+    return ExplainNoisy(machine, noise, options);
+  if (pieces.empty()) return out;
+  FitToAll(episodes, options, out);
+  out.warnings.push_back(fmt::format(
+      "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
+      pieces.size(), options.piece_rows));
   return out;
 }
 
@@ -482,17 +113,12 @@ StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs,
 
 StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
                                 const ExplainStatesOptions& options) {
-  std::vector<Episode> runs = ShortRuns(episodes, options.run_readings);
-  if (!runs.empty()) return ExplainRuns(machine, std::move(runs), options);
-  const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
-  if (pieces.empty()) return StatesExplainer(machine, episodes, options).Run();
-  StatesExplanation out = StatesExplainer(machine, pieces, options).Run();
-  if (!out.base.fit.solved()) return out;
-  FitToAll(episodes, options, out);
-  out.warnings.push_back(fmt::format(
-      "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
-      pieces.size(), options.piece_rows));
-  return out;
+  const bool means = std::any_of(episodes.begin(), episodes.end(),
+                                 [](const Episode& episode) { return episode.mean_rows > 1; });
+  if (!means) return ExplainEpisodes(machine, episodes, options);
+  std::vector<Episode> runs = ShortRuns(episodes, options.means.readings);
+  if (runs.empty()) return ExplainEpisodes(machine, episodes, options);
+  return ExplainRuns(machine, std::move(runs), options.means, "revolutions", options);
 }
 
 }  // namespace hydroscope

@@ -11,17 +11,28 @@
 
 namespace hydroscope {
 
+/// Short runs that episodes are cut into, each with initial states of its own.
+struct ShortRunOptions {
+  int readings;        ///< of one run
+  std::size_t most;    ///< of more runs effects are tried on so many, spread over the log
+  std::size_t starts;  ///< of these that starts are tried on
+};
+
 /// Thresholds, calibrated by `hydroscope benchmark state-machines` (docs/state_models.md).
 struct ExplainStatesOptions {
   int max_effects = 3;    ///< hidden at once
   int beam = 3;           ///< sets that are extended by a further effect
   int most_rows = 20000;  ///< that effects are tried on; of more, pieces spread over the log ...
   int piece_rows = 2500;  ///< ... of so many rows each
-  /// Readings that are means (Episode::mean_rows) of one run; longer episodes are cut into runs whose initial states are
-  /// estimated each. A machine that hunts keeps its phase over so many, and less than a tenth of them tells where a run begins.
-  int run_readings = 25;
-  int most_runs = 15;  ///< of more such runs effects are tried on so many, spread over the log
-  int start_runs = 5;  ///< of these that starts are tried on
+  /// Readings that are means (Episode::mean_rows): a machine that hunts keeps its phase over so many, and less than a tenth of
+  /// them tells where a run begins.
+  ShortRunOptions means = {25, 15, 5};
+  /// Where noise acts on the process: over so many rows it adds up to little.
+  ShortRunOptions noisy = {50, 60, 20};
+  /// Noise acts on the process where functions predict less than this share of what whole episodes leave ...
+  double covered_share = 0.5;
+  /// ... and short runs leave less than this share of an output's rms error there.
+  double covered_error = 0.5;
   ScreeningOptions screening;
   int contenders = 6;  ///< sets of a size that are fitted; the others are left at what linearisation foresees
   double contender_share = 0.1;  ///< of what the best contender is foreseen to gain: less is tried last

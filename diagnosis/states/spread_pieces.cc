@@ -37,7 +37,7 @@ std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) 
   for (const Episode& episode : episodes) {
     const std::int64_t rows = episode.rows(),
                        length = static_cast<std::int64_t>(readings) * episode.mean_rows;
-    if (episode.mean_rows == 1 || rows <= 2 * length) {
+    if (rows <= 2 * length) {
       runs.push_back(episode);
       continue;
     }
@@ -51,8 +51,15 @@ std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings) 
   return cut ? runs : std::vector<Episode>();
 }
 
-std::vector<std::size_t> SpreadOver(std::size_t episodes, int most) {
-  const std::size_t count = std::min(episodes, static_cast<std::size_t>(std::max(1, most)));
+bool BeginsAnywhere(const Machine& machine) {
+  const auto model = BuildStateModel(machine, machine.added_effects);
+  return model &&
+         std::all_of((*model)->estimated.begin(), (*model)->estimated.end(), [](bool e) { return e; }) &&
+         !ReadsThePast(machine);
+}
+
+std::vector<std::size_t> SpreadOver(std::size_t episodes, std::size_t most) {
+  const std::size_t count = std::min(episodes, std::max<std::size_t>(1, most));
   std::vector<std::size_t> chosen;
   for (std::size_t k = 0; k < count; ++k) chosen.push_back((2 * k + 1) * episodes / (2 * count));
   return chosen;

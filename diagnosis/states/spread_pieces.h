@@ -14,12 +14,16 @@ namespace hydroscope {
 std::vector<Episode> SpreadPieces(const Machine& machine, std::span<const Episode> episodes, int most_rows,
                                   int piece_rows);
 
-/// Episodes whose readings are means, cut into runs of `readings` of them; each begins at the row where the one before ends. Other
-/// episodes stay whole. Empty where nothing is cut.
+/// Episodes cut into runs of so many readings (which may be means over several rows); each begins at the row where the one
+/// before ends. What is not twice as long stays whole. Empty where nothing is cut.
 std::vector<Episode> ShortRuns(std::span<const Episode> episodes, int readings);
 
+/// Whether a run of the model may begin at any row: no initial state is that of an episode's beginning, and nothing reads what
+/// an input was before.
+bool BeginsAnywhere(const Machine& machine);
+
 /// At most so many of the episodes, spread over them, in their order.
-std::vector<std::size_t> SpreadOver(std::size_t episodes, int most);
+std::vector<std::size_t> SpreadOver(std::size_t episodes, std::size_t most);
 std::vector<Episode> Chosen(std::span<const Episode> episodes, const std::vector<std::size_t>& chosen);
 
 }  // namespace hydroscope

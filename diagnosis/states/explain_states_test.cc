@@ -1,0 +1,94 @@
+#include "diagnosis/states/explain_states.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "models/machine.h"
+
+namespace hydroscope {
+namespace {
+
+/// A cylinder moves as its valve opens; what else pushes it is not measured.
+constexpr const char* kPushedCylinder = R"toml([signals]
+u = { column = "u", unit = "1" }
+y = { column = "y", unit = "m" }
+[states]
+x = { ddt = "k*u", initial = "estimate", unit = "m" }
+[outputs]
+y = "x"
+[parameters]
+k = { start = 1, min = 0.1, max = 10, unit = "m/s" }
+[[effect]]
+id = "bent_valve"
+adds = { x = "c*u*abs(u)" }
+parameters = { c = { start = 0.1, min = 0, max = 2, unit = "m/s" } }
+[[effect]]
+id = "dead_zone"
+adds = { x = "-k*max(min(u, d), -d)" }
+parameters = { d = { start = 0.05, min = 0, max = 0.5 } }
+)toml";
+
+/// What the valve passes beyond in proportion, m/s.
+using ValveLaw = double (*)(double opening);
+double Bent(double u) { return 0.3 * u * std::abs(u); }
+double Even(double) { return 0; }
+double Wavy(double u) { return 0.2 * std::sin(9 * u); }
+
+/// Rows of 10 ms under a valve that opens at several frequencies; `push`: m per row, at random.
+Episode PushedLog(ValveLaw law, double push) {
+  constexpr int kRows = 3000;
+  constexpr double kPeriod = 0.01, kSensor = 2e-4;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Episode episode;
+  episode.signal.resize(kRows, 2);
+  double x = 0;
+  for (int row = 0; row < kRows; ++row) {
+    const double t = kPeriod * row;
+    double u = 0;
+    for (const double hertz : {0.7, 1.9, 3.1}) u += 0.4 * std::sin(2 * std::numbers::pi * hertz * t + hertz);
+    episode.time.push_back(t);
+    episode.signal(row, 0) = u;
+    episode.signal(row, 1) = x + kSensor * normal(random);
+    x += kPeriod * (u + law(u)) + push * normal(random);
+  }
+  return episode;
+}
+
+StatesExplanation ExplainPushed(ValveLaw law, double push) {
+  const auto machine = ParseMachine(std::string("[log]\nhold = \"zero\"\n") + kPushedCylinder, "cylinder");
+  EXPECT_TRUE(machine) << machine.error().text;
+  const Episode episode = PushedLog(law, push);
+  return ExplainStates(*machine, std::span(&episode, 1));
+}
+
+TEST(ExplainStates, NamesWhatNoiseOfTheProcessCoversOverAWholeEpisode) {
+  const StatesExplanation x = ExplainPushed(Bent, 1e-3);
+  EXPECT_EQ(x.verdict, Verdict::kNamed);
+  EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
+  EXPECT_FALSE(x.runs.empty());
+}
+
+TEST(ExplainStates, FindsNothingInNoiseOfTheProcessAlone) {
+  const StatesExplanation x = ExplainPushed(Even, 1e-3);
+  EXPECT_EQ(x.verdict, Verdict::kAdequate);
+  EXPECT_FALSE(x.runs.empty());
+}
+
+TEST(ExplainStates, CallsALawThatIsNotInTheFileUnknownInShortRunsToo) {
+  const StatesExplanation x = ExplainPushed(Wavy, 1e-3);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_FALSE(x.runs.empty());
+}
+
+TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
+  const StatesExplanation x = ExplainPushed(Bent, 0);
+  EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
+  EXPECT_TRUE(x.runs.empty());
+}
+
+}  // namespace
+}  // namespace hydroscope
