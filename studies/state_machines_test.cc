@@ -124,6 +124,13 @@ TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
   }
 }
 
+TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
+  StateMachinesOptions options;
+  options.seed = 901;
+  const StateMachineOutcome outcome = RunCase(7, options);
+  EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
+}
+
 TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
   StateMachinesOptions options;
   options.seed = 89;
