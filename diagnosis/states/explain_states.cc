@@ -95,11 +95,12 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
   const CoveringNoise noise(machine, tried, options);
   StatesExplanation as_it_is = FitAsItIs(machine, tried, tried.size(), options);
-  if (as_it_is.base.fit.solved() && noise.Covers(as_it_is.base.fit, as_it_is.base_left))
-    return ExplainNoisy(machine, noise, options);
+  const bool covered = as_it_is.base.fit.solved() && noise.Covers(as_it_is.base.fit, as_it_is.base_left);
   StatesExplanation out = SearchEffects(machine, tried, tried.size(), options, std::move(as_it_is));
   if (!out.base.fit.solved()) return out;
-  if (out.set.empty() && !out.final.added.empty() && noise.Covers(out.final.fit, out.final_left))
+  // What is found over whole episodes stands: an effect that acts slowly shows nowhere else.
+  if (out.set.empty() &&
+      (covered || (!out.final.added.empty() && noise.Covers(out.final.fit, out.final_left))))
     return ExplainNoisy(machine, noise, options);
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);
