@@ -131,6 +131,13 @@ TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortR
   EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
 }
 
+TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
+  StateMachinesOptions options;
+  options.seed = 6203;
+  const StateMachineOutcome outcome = RunCase(136, options);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+}
+
 TEST(StateMachines, TheNextLogIsFollowedFromWhereverItBegins) {
   StateMachinesOptions options;
   options.seed = 89;
