@@ -8,6 +8,12 @@
 namespace hydroscope {
 namespace {
 
+StateMachineOutcome OutcomeOf(int seed, int number) {
+  StateMachinesOptions options;
+  options.seed = static_cast<std::uint64_t>(seed);
+  return RunCase(number, options);
+}
+
 StatesExplanation ExplainOf(StateMachineKind kind, const std::string& hidden, const std::string& without = {},
                             std::uint64_t seed = 6) {
   const Machine machine = StatesMachine(kind, without);
@@ -98,17 +104,13 @@ TEST(StateMachines, OfEffectsThatComeToTheSameTheSimplestStands) {
 
 /// The effect that holds the hidden one as a special case had begun nearer to it, and ended there.
 TEST(StateMachines, ASpecialCaseStandsThoughItsOwnFitBeganFarOff) {
-  StateMachinesOptions options;
-  options.seed = 89;
-  const StateMachineOutcome outcome = RunCase(1, options);
+  const StateMachineOutcome outcome = OutcomeOf(89, 1);
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
 }
 
 /// The next log begins with a tank beyond its brim, from where nothing leads back.
 TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy) {
-  StateMachinesOptions options;
-  options.seed = 5101;
-  const StateMachineOutcome outcome = RunCase(25, options);
+  const StateMachineOutcome outcome = OutcomeOf(5101, 25);
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
   EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
 }
@@ -116,25 +118,19 @@ TEST(StateMachines, WhatIsNotMeasuredAtTheBeginIsSoughtFromWhereTheModelComesBy)
 /// Alone in a wrong minimum the right effect left what a second one, or nothing at all, seemed to be needed for.
 TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
   for (const auto& [seed, number] : {std::pair(89, 52), std::pair(5101, 48), std::pair(5101, 52)}) {
-    StateMachinesOptions options;
-    options.seed = static_cast<std::uint64_t>(seed);
-    const StateMachineOutcome outcome = RunCase(number, options);
+    const StateMachineOutcome outcome = OutcomeOf(seed, number);
     EXPECT_EQ(outcome.score.first, 1) << outcome.line;
     EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
   }
 }
 
 TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
-  StateMachinesOptions options;
-  options.seed = 901;
-  const StateMachineOutcome outcome = RunCase(7, options);
+  const StateMachineOutcome outcome = OutcomeOf(901, 7);
   EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;
 }
 
 TEST(StateMachines, AnEffectThatActsSlowlyIsNamedThoughShortRunsShowNothing) {
-  StateMachinesOptions options;
-  options.seed = 6203;
-  const StateMachineOutcome outcome = RunCase(136, options);
+  const StateMachineOutcome outcome = OutcomeOf(6203, 136);
   EXPECT_EQ(outcome.score.first, 1) << outcome.line;
 }
 

@@ -30,7 +30,7 @@ class EffectSearch {
         options_(options),
         starts_on_(SpreadOver(episodes.size(), start_episodes)) {}
 
-  StatesExplanation FitAsItIs() {
+  StatesExplanation Run() {
     const auto model = BuildStateModel(machine_, machine_.added_effects);
     if (!model) {
       out_.base.fit.failed = model.error().text;
@@ -40,12 +40,6 @@ class EffectSearch {
     if (!out_.base.fit.solved()) return std::move(out_);
     out_.base.held_out = out_.base.fit.HeldOutEnergy();
     out_.base_left = Left(out_.base.fit);
-    return std::move(out_);
-  }
-
-  StatesExplanation Run(StatesExplanation as_it_is) {
-    out_ = std::move(as_it_is);
-    if (!out_.base.fit.solved()) return std::move(out_);
     fits_.emplace(machine_, episodes_, starts_on_, options_, out_.base);
     Search();
     Prune();
@@ -66,8 +60,6 @@ class EffectSearch {
     return all;
   }
   StateRemainder Left(const StateFit& fit) const { return RemainderOf(fit, episodes_, options_.remainder); }
-  /// Energies left out, over the base's noise whatever the fit's own.
-  std::vector<double> Energies(const StateFit& fit) const { return fit.HeldOutEnergies(); }
 
   void Search() {
     levels_.push_back({out_.base});
@@ -221,7 +213,7 @@ class EffectSearch {
 
   /// Whether a set does better than another, of which `left` is left.
   bool Better(const StateCandidate& now, const StateRemainder& left, const StateCandidate& next) const {
-    const auto [removed, t] = PairedGain(Energies(now.fit), Energies(next.fit));
+    const auto [removed, t] = PairedGain(now.fit.HeldOutEnergies(), next.fit.HeldOutEnergies());
     // An effect that acts in a few pieces has a small t however large its gain is against correlated noise.
     const bool large = removed > options_.min_gain * EvidenceOf(next) && t > options_.few_t &&
                        removed > options_.min_removed * now.held_out;
@@ -300,8 +292,8 @@ class EffectSearch {
   }
 
   bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
-    return HardlyWorse(Energies(other.fit), Energies(best.fit), out_.base.held_out - best.held_out,
-                       EvidenceOf(best));
+    return HardlyWorse(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies(),
+                       out_.base.held_out - best.held_out, EvidenceOf(best));
   }
 
   /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
@@ -443,15 +435,9 @@ class EffectSearch {
 
 }  // namespace
 
-StatesExplanation FitAsItIs(const Machine& machine, std::span<const Episode> episodes,
-                            std::size_t start_episodes, const ExplainStatesOptions& options) {
-  return EffectSearch(machine, episodes, start_episodes, options).FitAsItIs();
-}
-
 StatesExplanation SearchEffects(const Machine& machine, std::span<const Episode> episodes,
-                                std::size_t start_episodes, const ExplainStatesOptions& options,
-                                StatesExplanation as_it_is) {
-  return EffectSearch(machine, episodes, start_episodes, options).Run(std::move(as_it_is));
+                                std::size_t start_episodes, const ExplainStatesOptions& options) {
+  return EffectSearch(machine, episodes, start_episodes, options).Run();
 }
 
 }  // namespace hydroscope

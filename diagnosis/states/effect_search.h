@@ -7,14 +7,9 @@
 
 namespace hydroscope {
 
-/// The model as it is, fitted to these episodes, and what it leaves. Starts are tried on `start_episodes` of them, spread over
-/// all.
-StatesExplanation FitAsItIs(const Machine& machine, std::span<const Episode> episodes,
-                            std::size_t start_episodes, const ExplainStatesOptions& options);
-
-/// Searches the sets of effects that explain what it leaves; `as_it_is` comes from FitAsItIs with the same arguments.
+/// Fits the model as it is to these episodes and searches the sets of effects that explain what it leaves. Starts are tried on
+/// `start_episodes` of them, spread over all.
 StatesExplanation SearchEffects(const Machine& machine, std::span<const Episode> episodes,
-                                std::size_t start_episodes, const ExplainStatesOptions& options,
-                                StatesExplanation as_it_is);
+                                std::size_t start_episodes, const ExplainStatesOptions& options);
 
 }  // namespace hydroscope

@@ -41,8 +41,7 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
 StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs, const ShortRunOptions& run,
                               const char* of_what, const ExplainStatesOptions& options) {
   const std::vector<Episode> some = Chosen(runs, SpreadOver(runs.size(), run.most));
-  StatesExplanation out =
-      SearchEffects(machine, some, run.starts, options, FitAsItIs(machine, some, run.starts, options));
+  StatesExplanation out = SearchEffects(machine, some, run.starts, options);
   if (some.size() < runs.size() && out.base.fit.solved()) {
     FitToAll(runs, options, out);
     out.warnings.push_back(fmt::format(
@@ -93,15 +92,15 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
                                   const ExplainStatesOptions& options) {
   const std::vector<Episode> pieces = SpreadPieces(machine, episodes, options.most_rows, options.piece_rows);
   const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
-  const CoveringNoise noise(machine, tried, options);
-  StatesExplanation as_it_is = FitAsItIs(machine, tried, tried.size(), options);
-  const bool covered = as_it_is.base.fit.solved() && noise.Covers(as_it_is.base.fit, as_it_is.base_left);
-  StatesExplanation out = SearchEffects(machine, tried, tried.size(), options, std::move(as_it_is));
+  StatesExplanation out = SearchEffects(machine, tried, tried.size(), options);
   if (!out.base.fit.solved()) return out;
   // What is found over whole episodes stands: an effect that acts slowly shows nowhere else.
-  if (out.set.empty() &&
-      (covered || (!out.final.added.empty() && noise.Covers(out.final.fit, out.final_left))))
-    return ExplainNoisy(machine, noise, options);
+  if (out.set.empty()) {
+    const CoveringNoise noise(machine, tried, options);
+    if (noise.Covers(out.base.fit, out.base_left) ||
+        (!out.final.added.empty() && noise.Covers(out.final.fit, out.final_left)))
+      return ExplainNoisy(machine, noise, options);
+  }
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);
   out.warnings.push_back(fmt::format(

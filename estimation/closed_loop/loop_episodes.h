@@ -6,8 +6,8 @@
 
 namespace hydroscope {
 
-/// The transfer function that a machine in closed loop is measured by (ClosedLoopOf is not nullptr), its rows `sample_period` s
-/// apart.
+/// The transfer function that a machine in closed loop (ClosedLoopOf is not nullptr) is measured by, with its sample period
+/// in s.
 TransferModel TransferModelOf(const Machine& machine, double sample_period);
 /// What its file calls healthy, as LoopOptions::known.
 std::vector<double> ReferencesOf(const Machine& machine);
