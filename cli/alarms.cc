@@ -11,6 +11,7 @@
 #include "cli/alarms_scada.h"
 #include "cli/commands.h"
 #include "cli/user_name.h"
+#include "core/counted_words.h"
 #include "core/printable.h"
 #include "core/time_text.h"
 #include "core/units.h"
@@ -184,12 +185,13 @@ Status Metrics(const AlarmsArguments& a) {
   for (const Listed& l : *listed) states.push_back(l.alarm);
   const AlarmMetrics m = MeasureAlarms(*rows, states, WallSeconds());
   if (a.json != "-") {
-    Say(fmt::format(
-        "{} alarms raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {} floods\nchattering: "
-        "{}\nstale: {}\n",
-        m.annunciations, m.hours, m.per_hour, m.most_in_10_minutes, m.floods,
-        m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
-        m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", "))));
+    Say(
+        fmt::format("{} raised in {:.1f} h, {:.2f} per hour; at most {} in 10 minutes, {}\nchattering: "
+                    "{}\nstale: {}\n",
+                    Counted(m.annunciations, "alarm"), m.hours, m.per_hour, m.most_in_10_minutes,
+                    Counted(m.floods, "flood"),
+                    m.chattering.empty() ? "none" : fmt::format("{}", fmt::join(m.chattering, ", ")),
+                    m.stale.empty() ? "none" : fmt::format("{}", fmt::join(m.stale, ", "))));
     for (const auto& [source, count] : m.top) Say(fmt::format("{:>7}  {}\n", count, Printable(source)));
   }
   Json top = Json::array();

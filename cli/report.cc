@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/counted_words.h"
 #include "review/stored_report.h"
 
 namespace hydroscope {
@@ -16,8 +17,8 @@ Status RunReport(const ReportArguments& a) {
   const auto written = WriteStoredReport(a.db, a.machine, a.out);
   if (!written) return tl::unexpected(written.error());
   if (a.json != "-")
-    Say(fmt::format("{}: {} {} of {} in {} runs\n", a.out, written->strokes, written->counted.many,
-                    written->machine, written->runs));
+    Say(fmt::format("{}: {} of {} in {}\n", a.out, written->counted.Counted(written->strokes),
+                    written->machine, Counted(written->runs, "run")));
   if (a.json.empty()) return {};
   return WriteJson(a.json, {{"report", a.out},
                             {"machine", written->machine},

@@ -97,8 +97,9 @@ class Control {
 };
 
 std::string Announcement(const PressServer::Options& o) {
-  std::string text = fmt::format("serving {} axes at {:g} Hz, {:g} times real time", o.press.axes,
-                                 1 / o.press.press.sample_period, o.speed);
+  std::string text =
+      fmt::format("serving {} {} at {:g} Hz, {:g} times real time", o.press.axes,
+                  o.press.axes == 1 ? "axis" : "axes", 1 / o.press.press.sample_period, o.speed);
   if (o.dds) text += fmt::format("; DDS domain {}, topic {}", o.dds->domain, o.topic);
   if (o.modbus) text += fmt::format("; Modbus {}:{}", o.modbus->host, o.modbus->port);
   return text + fmt::format("; session {}", o.session);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -7,6 +8,12 @@
 #include "core/told.h"
 
 namespace hydroscope {
+
+/// "1 log", "3 logs"; the noun is regular.
+template <std::integral Count>
+std::string Counted(Count count, std::string_view noun) {
+  return std::to_string(count).append(" ").append(noun).append(count == 1 ? "" : "s");
+}
 
 /// How texts call what a machine repeats and is judged by.
 struct CountedWords {
@@ -16,6 +23,11 @@ struct CountedWords {
   std::string_view german_several = "Hübe", german_dative = "Hüben";
 
   std::string_view Of(std::int64_t count) const { return count == 1 ? one : many; }
+  /// "1 stroke", "3 strokes".
+  template <std::integral Count>
+  std::string Counted(Count count) const {
+    return hydroscope::Counted(count, one);
+  }
   /// Before a number, and before numbers.
   Told One() const { return {std::string(one), std::string(german)}; }
   Told Many() const { return {std::string(many), std::string(german)}; }

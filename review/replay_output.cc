@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/counted_words.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -73,7 +74,8 @@ std::string Troubles(const ReplayOutcome& outcome) {
       text +=
           fmt::format("PARTLY: {}: read up to row {}, then: {}\n", r.log, r.summary.rows, r.summary.stopped);
     if (r.summary.rejected_rows > 0) {
-      text += fmt::format("PARTLY: {}: {} rows could not be read\n", r.log, r.summary.rejected_rows);
+      text +=
+          fmt::format("PARTLY: {}: {} could not be read\n", r.log, Counted(r.summary.rejected_rows, "row"));
       for (std::size_t i = 0; i < std::min(kFindingsShown, r.summary.findings.size()); ++i)
         text += "  " + FindingText(r.summary.findings[i]) + "\n";
     }
@@ -92,8 +94,8 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                        WordsOf(outcome.machine).stroke);
   const CountedWords counted = CountedWordsOf(outcome.machine);
   std::string text =
-      fmt::format("\nafter {} {} of this machine, counted from 0 ({} {} of {} logs in the database)\n",
-                  counted.one, outcome.strokes - 1, outcome.strokes, counted.many, outcome.runs.size());
+      fmt::format("\nafter {} {} of this machine, counted from 0 ({} of {} in the database)\n", counted.one,
+                  outcome.strokes - 1, counted.Counted(outcome.strokes), Counted(outcome.runs.size(), "log"));
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/counted_words.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -63,7 +64,7 @@ std::string Sampling(const CheckResult& check) {
     break;
   }
   const RunSummary& s = check.pass.summary;
-  if (s.rejected_rows > 0) text += fmt::format("{} rows could not be read\n", s.rejected_rows);
+  if (s.rejected_rows > 0) text += Counted(s.rejected_rows, "row") + " could not be read\n";
   if (!s.stopped.empty()) text += fmt::format("read up to row {}, then: {}\n", s.rows, s.stopped);
   for (const LogFinding& finding : s.findings) text += "  " + FindingText(finding) + "\n";
   return text;
@@ -94,9 +95,9 @@ std::string Gate(const CheckResult& check) {
   const Driving& d = check.driving;
   const RunSummary& s = check.pass.summary;
   std::string text = fmt::format(
-      "\ngate: {} of {} rows inside ({:.1f} %), {} strokes", s.gated, s.rows,
+      "\ngate: {} of {} rows inside ({:.1f} %), {}", s.gated, s.rows,
       100.0 * static_cast<double>(s.gated) / static_cast<double>(std::max<std::int64_t>(1, s.rows)),
-      d.strokes);
+      Counted(d.strokes, "stroke"));
   if (d.too_short > 0)
     text += fmt::format(", {} more shorter than {:g} s", d.too_short, check.machine.gate.min_stroke);
   text += "\n";

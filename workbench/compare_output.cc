@@ -68,13 +68,13 @@ std::string OverallText(const CompareResult& result) {
   std::string text =
       fmt::format("Model: {}{}, fitted to these {}\n", result.log.machine.model,
                   added.empty() ? "" : fmt::format(" with {}", fmt::join(added, ", ")), counted.many);
-  text += result.described.empty() ? fmt::format("{} {}, {} of {} rows used\n", result.strokes, counted.many,
+  text += result.described.empty() ? fmt::format("{}, {} of {} rows used\n", counted.Counted(result.strokes),
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.strokes < result.log.strokes.size())
-    text += fmt::format("The log is very long: compared on its first {} strokes of {}.\n", result.strokes,
-                        result.log.strokes.size());
+    text += fmt::format("The log is very long: compared on its first {} {} of {}.\n", result.strokes,
+                        counted.many, result.log.strokes.size());
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   const MachineWords& words = result.log.model->words;
   text += fmt::format(

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/counted_words.h"
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
@@ -63,9 +64,9 @@ std::string FitText(const FitResult& result) {
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(
       "\nmodel error on strokes left out {:.3g} {}, sensor noise alone would cause {:.3g} {}\n"
-      "{} strokes, {} of {} rows used\n",
+      "{}, {} of {} rows used\n",
       result.fit.rms_holdout * unit.factor, unit.name, result.fit.noise_floor * unit.factor, unit.name,
-      result.fit.strokes, result.log.totals.used, result.log.totals.samples);
+      Counted(result.fit.strokes, "stroke"), result.log.totals.used, result.log.totals.samples);
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   if (result.held_out) text += HeldOutText(*result.held_out, unit);
   for (const AssumedTolerance& assumed : result.assumed) text += AssumedText(assumed) + "\n";

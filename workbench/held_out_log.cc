@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/counted_words.h"
 #include "diagnosis/remainder/residuals.h"
 
 namespace hydroscope {
@@ -55,8 +56,8 @@ Result<HeldOutError> ErrorHeldOut(const LogStrokes& fitted, const std::string& l
 }
 
 std::string HeldOutText(const HeldOutError& error, const DisplayUnit& unit) {
-  return fmt::format("error on {}, held out: {:.3g} {}, {} strokes\n", error.log, error.rms * unit.factor,
-                     unit.name, error.strokes);
+  return fmt::format("error on {}, held out: {:.3g} {}, {}\n", error.log, error.rms * unit.factor, unit.name,
+                     Counted(error.strokes, "stroke"));
 }
 
 nlohmann::json HeldOutJson(const HeldOutError& error, const DisplayUnit& unit) {

@@ -378,17 +378,17 @@ std::string NotFiniteText(const StrokeCounters& totals) {
 std::string ExplainText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const DisplayUnit unit = OutputUnit(x.model.get());
+  const CountedWords counted = CountedWordsOf(result.log.machine);
   std::string text = VerdictText(result) + OddText(result) + MeasuredText(result) + ErrorSentence(result);
-  text += result.described.empty() ? fmt::format("{} {}, {} of {} rows used.\n", result.strokes,
-                                                 CountedWordsOf(result.log.machine).many,
+  text += result.described.empty() ? fmt::format("{}, {} of {} rows used.\n", counted.Counted(result.strokes),
                                                  result.log.totals.used, result.log.totals.samples)
                                    : result.described;
   for (const std::string& note : result.log.notes) text += "Note: " + note + "\n";
   text += NotFiniteText(result.log.totals);
   for (const std::string& warning : InEnglish(x.warnings)) text += fmt::format("WARNING: {}\n", warning);
   if (result.strokes < result.log.strokes.size())
-    text += fmt::format("The log is very long: explained from its first {} strokes of {}.\n", result.strokes,
-                        result.log.strokes.size());
+    text += fmt::format("The log is very long: explained from its first {} {} of {}.\n", result.strokes,
+                        counted.many, result.log.strokes.size());
   if (!result.log.machine.added_effects.empty())
     text += fmt::format("The model as it is has these effects already: {}.\n",
                         fmt::join(result.log.machine.added_effects, ", "));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/counted_words.h"
 #include "core/units.h"
 #include "host/text_file.h"
 #include "models/machine_kind.h"
@@ -138,8 +139,9 @@ void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds,
                       {"before", before.rms * unit.factor},
                       {"after", after.rms * unit.factor},
                       {"unit", unit.name}};
-  changed.text += fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {} strokes\n", after.log,
-                              before.rms * unit.factor, after.rms * unit.factor, unit.name, after.strokes);
+  changed.text +=
+      fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {}\n", after.log, before.rms * unit.factor,
+                  after.rms * unit.factor, unit.name, Counted(after.strokes, "stroke"));
   if (adds && !(after.rms < before.rms))
     changed.warnings.push_back(
         fmt::format("on {}, which was held out, {} does not lower the error", after.log, effect));

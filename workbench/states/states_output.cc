@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/counted_words.h"
 #include "core/effect_units.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
@@ -114,13 +115,13 @@ std::string UnitWords(const StatesError& error) {
 }
 
 std::string RowsText(const EpisodeLog& log) {
-  return fmt::format("{} episodes, {} of {} rows used\n", log.episodes.size(), log.used, log.rows);
+  return fmt::format("{}, {} of {} rows used\n", kEpisodes.Counted(log.episodes.size()), log.used, log.rows);
 }
 
 std::string HeldOutLine(const StatesFit& fit) {
   if (!fit.held_out) return "";
-  return fmt::format("free-run error on {}, held out: {:.3g} {}, {} episodes\n", fit.held_out_log,
-                     *fit.held_out, UnitWords(fit.error), fit.held_out_episodes);
+  return fmt::format("free-run error on {}, held out: {:.3g} {}, {}\n", fit.held_out_log, *fit.held_out,
+                     UnitWords(fit.error), kEpisodes.Counted(fit.held_out_episodes));
 }
 
 nlohmann::json OutputsJson(const StateFit& fit) {

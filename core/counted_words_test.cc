@@ -1,0 +1,17 @@
+#include "core/counted_words.h"
+
+#include <gtest/gtest.h>
+
+namespace hydroscope {
+namespace {
+
+TEST(Counted, OneIsSingular) {
+  EXPECT_EQ(Counted(1, "log"), "1 log");
+  EXPECT_EQ(Counted(0, "log"), "0 logs");
+  EXPECT_EQ(Counted(std::size_t{3}, "row"), "3 rows");
+  EXPECT_EQ(kEpisodes.Counted(1), "1 episode");
+  EXPECT_EQ(CountedWords{}.Counted(2), "2 strokes");
+}
+
+}  // namespace
+}  // namespace hydroscope
