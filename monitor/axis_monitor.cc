@@ -10,6 +10,7 @@
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
 #include "monitor/learning_check.h"
+#include "monitor/stored_valve_check.h"
 
 namespace hydroscope {
 namespace {
@@ -23,20 +24,6 @@ std::vector<std::string> WatchedNames(const drift::RuleBook& rules) {
   std::vector<std::string> names;
   for (const drift::WatchSpec& watch : rules.watches) names.push_back(watch.quantity);
   return names;
-}
-
-ValveCheck CheckOf(const ValveCheckRecord& record) {
-  ValveCheck check;
-  check.time = record.begin;
-  check.natural_frequency = {record.f0, record.f0_std};
-  check.damping = {record.damping, record.damping_std};
-  check.gain = {record.gain, record.gain_std};
-  check.dead_time = {record.dead_time, record.dead_time_std};
-  check.bandwidth = {record.bandwidth, record.bandwidth_std};
-  check.amplitude = record.amplitude;
-  check.supply_pressure = record.supply_pressure;
-  check.oil_temperature = record.oil_temperature;
-  return check;
 }
 
 /// First stroke that is surely behind the change.
@@ -438,7 +425,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
 drift::DriftFinding AxisMonitor::JudgeInSilence(const ValveCheckRecord& check) {
   ++checks_;
   if (check.outcome != "measured") return {};
-  return valve_.Add(CheckOf(check), checks_);
+  return valve_.Add(StoredValveCheck(check), checks_);
 }
 
 /// Checks that measured the valve; refused and broken ones say nothing about it.

@@ -4,7 +4,7 @@
 namespace hydroscope::drift {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4d524448;  // "HDRM"
+constexpr std::uint32_t kStateMagic = 0x4d524448;  // "HDRM"
 constexpr std::uint32_t kMostMembers = 100;
 
 void PutFinding(ByteWriter& out, const DriftFinding& f) {
@@ -98,7 +98,7 @@ StrokeEvidence GetStroke(ByteReader& in) {
 }  // namespace
 
 void DriftMonitor::Save(ByteWriter& out) const {
-  out.Put(kMagic);
+  out.Put(kStateMagic);
   out.Put(kFormat);
   out.Put<std::uint32_t>(static_cast<std::uint32_t>(model_.size()));
   reference_.Save(out);
@@ -129,7 +129,7 @@ void DriftMonitor::Save(ByteWriter& out) const {
 
 std::optional<DriftMonitor> DriftMonitor::Restored(WatchedModel model, const RuleBook& rules,
                                                    ByteReader& in) {
-  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return std::nullopt;
+  if (in.Get<std::uint32_t>() != kStateMagic || in.Get<std::uint32_t>() != kFormat) return std::nullopt;
   if (in.Get<std::uint32_t>() != static_cast<std::uint32_t>(model.size())) return std::nullopt;
   Reference reference;
   if (!reference.Restore(in) || static_cast<int>(reference.curves().size()) != model.size())

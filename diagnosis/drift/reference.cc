@@ -10,7 +10,7 @@
 namespace hydroscope::drift {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x46455248;  // "HREF"
+constexpr std::uint32_t kReferenceMagic = 0x46455248;  // "HREF"
 constexpr double kStepsPerKelvin = 10.0;
 constexpr double kBinWidth = 1.5;  ///< K
 constexpr std::size_t kBinStrokes = 12;
@@ -371,7 +371,7 @@ StrokeEvidence Reference::Without(const WatchedModel& model, const StrokeEvidenc
 }
 
 void Reference::Save(ByteWriter& out) const {
-  out.Put(kMagic);
+  out.Put(kReferenceMagic);
   out.Put(kFormat);
   out.Put<std::int32_t>(version_);
   out.Put(first_);
@@ -392,7 +392,7 @@ void Reference::Save(ByteWriter& out) const {
 
 bool Reference::Restore(ByteReader& in) {
   *this = Reference();
-  if (in.Get<std::uint32_t>() != kMagic || in.Get<std::uint32_t>() != kFormat) return false;
+  if (in.Get<std::uint32_t>() != kReferenceMagic || in.Get<std::uint32_t>() != kFormat) return false;
   version_ = in.Get<std::int32_t>();
   first_ = in.Get<std::int64_t>();
   last_ = in.Get<std::int64_t>();
