@@ -321,7 +321,8 @@ void QualityMonitor::FlagRange(const double* x, std::size_t rows, const Track& t
 
 void QualityMonitor::FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags) {
   for (std::size_t i = 0; i < rows; ++i) {
-    track.run = x[i] == x[i - 1] ? track.run + 1 : 1;
+    const double* v = x + i;
+    track.run = v[0] == v[-1] ? track.run + 1 : 1;
     if (track.stuck_limit == 0 || track.run <= track.stuck_limit) continue;
     if (track.run == track.stuck_limit + 1) FlagBack(flags + i, track.run - 1, quality::kStuck);
     flags[i] |= quality::kStuck;

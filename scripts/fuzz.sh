@@ -3,8 +3,9 @@
 #   scripts/fuzz.sh            a minute each
 #   scripts/fuzz.sh 600        ten minutes each
 #   scripts/fuzz.sh 600 csv mat  these alone
-# HYDROSCOPE_FUZZ_JOBS of them (2) run at a time. What was found stays in build/fuzz/corpus and is where the next run
-# begins. A crash stops it and leaves its input there as crash-*. Installs clang if it is missing.
+# HYDROSCOPE_FUZZ_JOBS of them (2) run at a time. What was found stays in build/sanitize/corpus and is where the next run
+# begins. A crash stops it and leaves its input there as crash-*. Built as scripts/sanitize.sh builds; installs clang if it
+# is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -25,7 +26,7 @@ by_name=(replay/mat)
 
 # fuzz TARGET SECONDS: 255, which ends xargs, if it finds something.
 fuzz() {
-  local name=${1##*/} corpus=build/fuzz/corpus/${1##*/}
+  local name=${1##*/} corpus=build/sanitize/corpus/${1##*/}
   mkdir -p "$corpus"
   case $name in
     machine) cp -n machines/*.toml "$corpus/" ;;
@@ -37,7 +38,7 @@ fuzz() {
   esac
   local memory=(-rss_limit_mb=2048)
   [[ $name == mat ]] && memory=(-rss_limit_mb=0 -malloc_limit_mb=0)
-  if ! ASAN_OPTIONS=allocator_may_return_null=1 "build/fuzz/${1}_fuzz" -max_total_time="$2" -timeout=60 "${memory[@]}" \
+  if ! ASAN_OPTIONS=allocator_may_return_null=1 "build/sanitize/${1}_fuzz" -max_total_time="$2" -timeout=60 "${memory[@]}" \
     -artifact_prefix="$corpus/" -print_final_stats=1 "$corpus" >"$corpus.log" 2>&1; then
     tail -n 40 "$corpus.log"
     echo "fuzz: $name failed; its input is in $corpus"
@@ -59,6 +60,6 @@ if [[ $# -gt 0 ]]; then
   targets=("${wanted[@]}")
 fi
 names=("${targets[@]##*/}")
-scripts/build.sh fuzz "${names[@]/%/_fuzz}"
+scripts/build.sh sanitize "${names[@]/%/_fuzz}"
 printf '%s\n' "${targets[@]}" | xargs -P "${HYDROSCOPE_FUZZ_JOBS:-2}" -I{} bash -c 'fuzz "$@"' fuzz {} "$seconds"
 echo "fuzz: ${#targets[@]} parsers ran $seconds s each without a finding"

@@ -2,7 +2,7 @@
 # Installs what building Hydroscope needs on Debian 12, without questions. Does nothing if all is there.
 #   scripts/setup.sh           to build and to run the tests
 #   scripts/setup.sh --bench   and the benchmarks with the programs they compare with
-#   scripts/setup.sh --fuzz    and the fuzz targets
+#   scripts/setup.sh --clang   and what builds with sanitizers and the fuzz targets
 #   scripts/setup.sh --style   and what formats the sources
 set -euo pipefail
 
@@ -20,8 +20,8 @@ for option in "$@"; do
   case "$option" in
     --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev libpagmo-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
     --style) packages+=(clang-format) ;;
-    --fuzz) packages+=(clang libclang-rt-14-dev) ;;
-    *) echo "setup.sh: unknown option '$option', expected --bench, --fuzz or --style" >&2; exit 2 ;;
+    --clang) packages+=(clang libclang-rt-14-dev) ;;
+    *) echo "setup.sh: unknown option '$option', expected --bench, --clang or --style" >&2; exit 2 ;;
   esac
 done
 

@@ -76,8 +76,8 @@ void ExpectHonest(const Coverage& c, int seeds) {
 }
 
 TEST(FrequencyResponse, IntervalsOfThePublishedValveHoldTheTruthInNinetyFivePercentOfSweeps) {
-  const Coverage c = CoverageOver({}, 400, "published valve, 1 kHz");
-  ExpectHonest(c, 400);
+  const Coverage c = CoverageOver({}, 200, "published valve, 1 kHz");
+  ExpectHonest(c, 200);
   EXPECT_LT(c.worst_f0, 0.005 * 183.9);
 }
 
@@ -91,14 +91,14 @@ TEST(FrequencyResponse, IntervalsHoldForShortHolds) {
   Sweep sweep;
   sweep.sampling = 2000;
   sweep.hold = 0.4;
-  ExpectHonest(CoverageOver(sweep, 400, "2 kHz, 0.4 s"), 400);
+  ExpectHonest(CoverageOver(sweep, 200, "2 kHz, 0.4 s"), 200);
 }
 
 TEST(FrequencyResponse, IntervalsHoldWithANoisyCommand) {
   Sweep sweep;
   sweep.noise = 5e-4;
   sweep.input_noise = 2e-3;
-  ExpectHonest(CoverageOver(sweep, 400, "noisy command"), 400);
+  ExpectHonest(CoverageOver(sweep, 200, "noisy command"), 200);
 }
 
 void ExpectHeldCommandUnderstood(double update_rate, double sample_rate) {

@@ -78,11 +78,10 @@ Result<std::vector<std::string>> Check(
     }
   }
   for (const auto& [key, word] : said) {
-    const auto machine = database->MachineId(key.first);
-    const auto runs = database->Runs(*machine);
-    if (runs &&
-        std::none_of(runs->begin(), runs->end(), [&](const RunInfo& run) { return run.id == key.second; }))
-      faults.push_back(fmt::format("{}: run {} was acknowledged and is gone", key.first, key.second));
+    const auto& [name, run_id] = key;
+    const auto runs = database->Runs(*database->MachineId(name));
+    if (runs && std::ranges::count(*runs, run_id, &RunInfo::id) == 0)
+      faults.push_back(fmt::format("{}: run {} was acknowledged and is gone", name, run_id));
   }
   return faults;
 }

@@ -71,7 +71,7 @@ class Connection : public MqttConnection, public mqtt::callback, public mqtt::ia
     return Guarded(broker_, [&] { return client_.connect(connect)->wait_for(kPatience); });
   }
 
-  bool connected() const override { return client_.is_connected(); }
+  bool IsConnected() const override { return client_.is_connected(); }
   Status Subscribe(const std::string& topic) override {
     return Guarded(broker_, [&] { return client_.subscribe(topic, 1)->wait_for(kPatience); });
   }

@@ -43,7 +43,7 @@ class MqttConnection {
   /// Disconnects; after that the listener is not called.
   virtual ~MqttConnection() = default;
 
-  virtual bool connected() const = 0;
+  virtual bool IsConnected() const = 0;
   virtual Status Subscribe(const std::string& topic) = 0;
   /// Takes the message without waiting for the broker; messages keep their order. `id` > 0 with quality 1:
   /// acknowledged(id) tells that the broker has it.

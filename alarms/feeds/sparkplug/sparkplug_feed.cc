@@ -87,7 +87,7 @@ class SparkplugFeed : public Feed {
   /// told all the same.
   Status RoundSteps() {
     stored_ = Fill();
-    if (!connection_ || !connection_->connected())
+    if (!connection_ || !connection_->IsConnected())
       if (const Status connected = Connect(); !connected) return connected;
     TakeHostState();
     if (!host_.online()) {
@@ -166,7 +166,7 @@ class SparkplugFeed : public Feed {
 
   /// The end of the node's session as Sparkplug wants it: its death, then the connection.
   void Disconnect() {
-    if (born_ && connection_ && connection_->connected()) static_cast<void>(connection_->Publish(Death()));
+    if (born_ && connection_ && connection_->IsConnected()) static_cast<void>(connection_->Publish(Death()));
     connection_.reset();
     born_ = false;
   }
