@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/finite_number.h"
@@ -29,6 +31,34 @@ Status TakeFault(const std::string& text, const std::vector<Fault>& all, Faults&
     return {};
   }
   return UsageError("--effect {}: '{}' is not one of {}", text, id, fmt::join(known, ", "));
+}
+
+/// The lines of a help text: name, meaning.
+template <typename Named>
+std::string NameLines(const std::vector<Named>& all) {
+  std::string text;
+  for (const Named& one : all) text += fmt::format("  {:<22}{}\n", one.name, one.meaning);
+  return text;
+}
+
+/// ... of faults, with the sizes --effect NAME gives them.
+template <typename Fault>
+std::string FaultLines(const std::vector<Fault>& all) {
+  std::string text = "Effects, with sizes that are clearly visible:\n";
+  for (const Fault& fault : all) {
+    const std::string unit = std::string_view(fault.unit) == "1" ? "" : fmt::format(" {}", fault.unit);
+    text += fmt::format("  {:<22}{} ({:g}{})\n", fault.id, fault.meaning, fault.typical, unit);
+  }
+  return text;
+}
+
+/// The faults set, as JSON.
+template <typename Fault, typename Faults>
+nlohmann::json FaultsJson(const std::vector<Fault>& all, const Faults& faults) {
+  nlohmann::json set = nlohmann::json::array();
+  for (const Fault& fault : all)
+    if (faults.*fault.size != 0) set.push_back({{"id", fault.id}, {"size", faults.*fault.size}});
+  return set;
 }
 
 }  // namespace hydroscope

@@ -8,27 +8,29 @@
 
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
+#include "cli/machines/simulated_log.h"
 #include "host/output.h"
-#include "report/text_sink.h"
 #include "simulator/flexible_axis/log.h"
 
 namespace hydroscope {
 namespace {
 
 struct FlexibleAxisArguments {
-  std::string out, manoeuvre = "step", truth;
+  SimulatedLogFiles files;
+  std::string manoeuvre = "step";
   std::vector<std::string> effects;
   std::uint64_t random_machine = 0;
   FlexibleAxisOptions options;
 };
 
 nlohmann::json FlexibleAxisTruth(const FlexibleAxisOptions& o) {
-  nlohmann::json parameters, noise, faults = nlohmann::json::array();
+  nlohmann::json parameters, noise;
   for (const auto& [name, size] : TrueParameters(o.machine)) parameters[name] = size;
   for (const auto& [name, size] : NoiseOf(o.sensors)) noise[name] = size;
-  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults())
-    if (o.faults.*fault.size != 0) faults.push_back({{"id", fault.id}, {"size", o.faults.*fault.size}});
-  return {{"parameters", parameters}, {"noise", noise}, {"effects", faults}, {"seed", o.seed}};
+  return {{"parameters", parameters},
+          {"noise", noise},
+          {"effects", FaultsJson(AllFlexibleAxisFaults(), o.faults)},
+          {"seed", o.seed}};
 }
 
 Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
@@ -38,11 +40,8 @@ Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
   for (const std::string& text : a.effects)
     if (const Status s = TakeFault(text, AllFlexibleAxisFaults(), a.options.faults); !s) return s;
   if (const Status s = Validate(a.options); !s) return s;
-  auto sink = TextSink::Open(a.out);
-  if (!sink) return tl::unexpected(sink.error());
-  sink->Write(FormatFlexibleAxis(SimulateFlexibleAxis(a.options)));
-  if (const Status s = sink->Close(); !s) return s;
-  return a.truth.empty() ? Status() : WriteJson(a.truth, FlexibleAxisTruth(a.options));
+  return WriteSimulated(a.files, FormatFlexibleAxis(SimulateFlexibleAxis(a.options)),
+                        FlexibleAxisTruth(a.options));
 }
 
 }  // namespace
@@ -51,17 +50,9 @@ void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
   CLI::App* app = simulate.add_subcommand("flexible-axis", "A servo axis with a flexible load: a log as CSV");
   auto a = std::make_shared<FlexibleAxisArguments>();
   std::vector<std::string> names;
-  std::string manoeuvres, effects;
-  for (const AxisManoeuvreInfo& info : AllAxisManoeuvres()) {
-    names.emplace_back(info.name);
-    manoeuvres += fmt::format("  {:<22}{}\n", info.name, info.meaning);
-  }
-  for (const FlexibleAxisFault& fault : AllFlexibleAxisFaults())
-    effects += fmt::format("  {:<22}{} ({:g} {})\n", fault.id, fault.meaning, fault.typical, fault.unit);
+  for (const AxisManoeuvreInfo& info : AllAxisManoeuvres()) names.emplace_back(info.name);
   FlexibleAxisOptions& o = a->options;
-  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
-      ->type_name("FILE")
-      ->required();
+  AddFiles(*app, a->files);
   app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
@@ -78,9 +69,8 @@ void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
                   "How much of the noise remembers itself from row to row, 0 ... 1")
       ->capture_default_str();
   app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
-  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
   app->footer(
-      "Manoeuvres:\n" + manoeuvres + "Effects, with sizes that are clearly visible:\n" + effects +
+      "Manoeuvres:\n" + NameLines(AllAxisManoeuvres()) + FaultLines(AllFlexibleAxisFaults()) +
       "Examples:\n"
       "  hydroscope simulate flexible-axis --out axis.csv --manoeuvre staircase --truth axis.json\n"
       "  hydroscope simulate flexible-axis --out air.csv --manoeuvre staircase --effect free_air=0.01");

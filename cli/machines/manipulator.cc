@@ -8,15 +8,16 @@
 
 #include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
+#include "cli/machines/simulated_log.h"
 #include "host/output.h"
-#include "report/text_sink.h"
 #include "studies/manipulator/benchmark.h"
 
 namespace hydroscope {
 namespace {
 
 struct ManipulatorArguments {
-  std::string out, truth, motion = "series", control = "datasheet";
+  SimulatedLogFiles files;
+  std::string motion = "series", control = "datasheet";
   std::vector<std::string> effects;
   ManipulatorOptions options;
   std::uint64_t random_machine = 0, motion_seed = 1;
@@ -60,17 +61,14 @@ Status RunSimulation(const ManipulatorArguments& a) {
     Say(EffectLines());
     return {};
   }
-  if (a.out.empty()) return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
+  if (a.files.out.empty())
+    return UsageError("--out FILE is missing: where shall the log go? ('-' is stdout)");
   const auto options = ManipulatorOptionsOf(a);
   if (!options) return tl::unexpected(options.error());
-  auto sink = TextSink::Open(a.out);
-  if (!sink) return tl::unexpected(sink.error());
   const ManipulatorLog log = SimulateManipulator(*options);
   std::string text = kManipulatorLogHeader;
   for (const ManipulatorRow& row : log.rows) AppendManipulatorLine(row, text);
-  sink->Write(text);
-  if (const Status s = sink->Close(); !s || a.truth.empty()) return s;
-  return WriteJson(a.truth, ManipulatorTruthOf(*options, a.effects, log.tracking));
+  return WriteSimulated(a.files, text, ManipulatorTruthOf(*options, a.effects, log.tracking));
 }
 
 }  // namespace
@@ -80,7 +78,7 @@ void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
       "manipulator", "An arm of two joints, driven by cylinders with four-edge valves: a log as CSV");
   auto a = std::make_shared<ManipulatorArguments>();
   ManipulatorOptions& o = a->options;
-  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")->type_name("FILE");
+  app->add_option("--out", a->files.out, "Log to write, .csv or .csv.gz; - is stdout")->type_name("FILE");
   app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
   app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
   app->add_option("--motion", a->motion,
@@ -101,7 +99,8 @@ void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app->add_option("--sample-period", o.sample_period, "s")->capture_default_str();
-  app->add_option("--truth", a->truth, "Write the true parameters and how well the arm followed as JSON")
+  app->add_option("--truth", a->files.truth,
+                  "Write the true parameters and how well the arm followed as JSON")
       ->type_name("FILE");
   app->footer(
       "Examples:\n"

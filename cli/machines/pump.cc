@@ -7,8 +7,8 @@
 #include "cli/jobs_option.h"
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
+#include "cli/machines/simulated_log.h"
 #include "host/output.h"
-#include "report/text_sink.h"
 #include "simulator/pump/log.h"
 #include "studies/pump/benchmark.h"
 
@@ -16,18 +16,20 @@ namespace hydroscope {
 namespace {
 
 struct PumpArguments {
-  std::string out, manoeuvre = "levels", truth;
+  SimulatedLogFiles files;
+  std::string manoeuvre = "levels";
   std::vector<std::string> effects;
   std::uint64_t random_machine = 0;
   PumpOptions options;
 };
 
 nlohmann::json PumpTruth(const PumpOptions& o, const PumpLog& log) {
-  nlohmann::json parameters, faults = nlohmann::json::array();
+  nlohmann::json parameters;
   for (const auto& [name, size] : TrueParameters(o)) parameters[name] = size;
-  for (const PumpFault& fault : AllPumpFaults())
-    if (o.faults.*fault.size != 0) faults.push_back({{"id", fault.id}, {"size", o.faults.*fault.size}});
-  return {{"parameters", parameters}, {"effects", faults}, {"ripple_rms", log.RippleRms()}, {"seed", o.seed}};
+  return {{"parameters", parameters},
+          {"effects", FaultsJson(AllPumpFaults(), o.faults)},
+          {"ripple_rms", log.RippleRms()},
+          {"seed", o.seed}};
 }
 
 Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
@@ -44,12 +46,8 @@ Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
   for (const std::string& text : a.effects)
     if (const Status s = TakeFault(text, AllPumpFaults(), o.faults); !s) return s;
   if (const Status s = Validate(o); !s) return s;
-  auto sink = TextSink::Open(a.out);
-  if (!sink) return tl::unexpected(sink.error());
   const PumpLog log = SimulatePump(o);
-  sink->Write(FormatPump(log));
-  if (const Status s = sink->Close(); !s) return s;
-  return a.truth.empty() ? Status() : WriteJson(a.truth, PumpTruth(o, log));
+  return WriteSimulated(a.files, FormatPump(log), PumpTruth(o, log));
 }
 
 }  // namespace
@@ -59,17 +57,9 @@ void AddSimulatePump(CLI::App& simulate, int& exit_code) {
       simulate.add_subcommand("pump", "A pressure-compensated pump of variable displacement: a log as CSV");
   auto a = std::make_shared<PumpArguments>();
   std::vector<std::string> names;
-  std::string manoeuvres, effects;
-  for (const PumpManoeuvreInfo& info : AllPumpManoeuvres()) {
-    names.emplace_back(info.name);
-    manoeuvres += fmt::format("  {:<22}{}\n", info.name, info.meaning);
-  }
-  for (const PumpFault& fault : AllPumpFaults())
-    effects += fmt::format("  {:<22}{} ({:g} {})\n", fault.id, fault.meaning, fault.typical, fault.unit);
+  for (const PumpManoeuvreInfo& info : AllPumpManoeuvres()) names.emplace_back(info.name);
   PumpOptions& o = a->options;
-  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
-      ->type_name("FILE")
-      ->required();
+  AddFiles(*app, a->files);
   app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
@@ -91,8 +81,7 @@ void AddSimulatePump(CLI::App& simulate, int& exit_code) {
       ->capture_default_str();
   app->add_option("--wear-from", o.wear_from, "... from this time on, s")->capture_default_str();
   app->add_option("--seed", o.seed, "Seed of noise, load and pistons")->capture_default_str();
-  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
-  app->footer("Manoeuvres:\n" + manoeuvres + "Effects, with sizes that are clearly visible:\n" + effects +
+  app->footer("Manoeuvres:\n" + NameLines(AllPumpManoeuvres()) + FaultLines(AllPumpFaults()) +
               "Examples:\n"
               "  hydroscope simulate pump --out pump.csv --truth pump.json\n"
               "  hydroscope simulate pump --out sticky.csv --effect sticking_spool\n"

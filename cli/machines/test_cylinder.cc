@@ -6,15 +6,16 @@
 
 #include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
+#include "cli/machines/simulated_log.h"
 #include "host/output.h"
-#include "report/text_sink.h"
 #include "studies/test_cylinder_benchmark.h"
 
 namespace hydroscope {
 namespace {
 
 struct TestCylinderArguments {
-  std::string out, truth, valve = "19";
+  SimulatedLogFiles files;
+  std::string valve = "19";
   double noise_factor = 1;
   TestCylinderOptions options;
 };
@@ -57,11 +58,7 @@ Status WriteTestCylinder(const TestCylinderArguments& a, const CLI::App& app) {
   o.noise *= a.noise_factor;
   o.disturbance *= a.noise_factor;
   if (const Status valid = Validate(o); !valid) return valid;
-  auto sink = TextSink::Open(a.out);
-  if (!sink) return tl::unexpected(sink.error());
-  sink->Write(FormatTestCylinder(SimulateTestCylinder(o)));
-  if (const Status written = sink->Close(); !written) return written;
-  return a.truth.empty() ? Status() : WriteJson(a.truth, TestCylinderTruthJson(o));
+  return WriteSimulated(a.files, FormatTestCylinder(SimulateTestCylinder(o)), TestCylinderTruthJson(o));
 }
 
 }  // namespace
@@ -71,10 +68,7 @@ void AddSimulateTestCylinder(CLI::App& simulate, int& exit_code) {
       "test-cylinder", "A servo-hydraulic test cylinder in closed position control: a log as CSV");
   auto a = std::make_shared<TestCylinderArguments>();
   TestCylinderOptions& o = a->options;
-  app->add_option("--out", a->out, "Log to write, .csv or .csv.gz; - is stdout")
-      ->type_name("FILE")
-      ->required();
-  app->add_option("--truth", a->truth, "Write the true parameters as JSON")->type_name("FILE");
+  AddFiles(*app, a->files);
   app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
   app->add_option("--seed", o.seed, "Seed of excitation, disturbance and noise")->capture_default_str();
   app->add_option("--valve", a->valve, "Published valve: 19 or 38 l/min")
