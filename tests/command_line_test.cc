@@ -194,7 +194,7 @@ TEST_F(CommandLine, ATornFileIsReadUpToTheTearAndCountsAsPartlyDone) {
   EXPECT_EQ(check.Json()["rejected_rows"], 1);
   const Ran replay = Run({"replay", File("torn.csv"), "-m", kMachine, "--db", File("a.db")});
   EXPECT_EQ(replay.exit_code, 4);
-  EXPECT_THAT(replay.out, HasSubstr("1 rows could not be read"));
+  EXPECT_THAT(replay.out, HasSubstr("1 row could not be read"));
 }
 
 TEST_F(CommandLine, ABadLogInTheMiddleDoesNotStopTheOthers) {

@@ -112,6 +112,20 @@ TEST_F(OneAnswer, OfTheCushionWithAndWithoutAddedEffects) {
   ExpectOneAnswer(log, machine);
 }
 
+TEST_F(OneAnswer, TooFewStrokesForAVerdictAreNoAllClear) {
+  const std::string machine = Cushion();
+  const std::string log = Simulate("short.csv", 8, 1, {});
+  const Ran compare = Run({"compare", log, "-m", machine});
+  EXPECT_THAT(compare.out, HasSubstr("cannot be judged on these strokes: 2 strokes inside the gate"));
+  EXPECT_THAT(compare.out, Not(HasSubstr("down to the sensor noise")));
+  EXPECT_TRUE(Json({"compare", log, "-m", machine})["model_error_seen"].is_null());
+  for (const char* command : {"fit", "check"}) {
+    const Ran ran = Run({command, log, "-m", machine});
+    EXPECT_THAT(ran.out, HasSubstr("was not judged: 2 strokes")) << command;
+    EXPECT_THAT(ran.out, Not(HasSubstr("hydroscope explain"))) << command;
+  }
+}
+
 TEST_F(OneAnswer, FitAndCheckShowTheSizesOfAddedEffects) {
   const std::string machine = Cushion();
   const std::string log = Simulate("leak.csv", 60, 4, {"--effect", "internal_leakage=5e-12"});

@@ -67,7 +67,7 @@ void DoubtSlowRows(CheckResult& check) {
 
 /// More strokes of a machine that the model does not describe make intervals narrower and no truer.
 void SendToExplain(CheckResult& check) {
-  if (!check.suspicion.suspected) return;
+  if (!check.suspicion.ExplainSaysMore()) return;
   for (CheckedParameter& parameter : check.parameters)
     if (parameter.verdict == Identifiability::kWeak)
       parameter.advice = "find what the model misses first: 'hydroscope explain' with the same arguments";

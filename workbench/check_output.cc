@@ -71,10 +71,14 @@ std::string Sampling(const CheckResult& check) {
 }
 
 std::string Signals(const CheckResult& check) {
-  std::size_t column = 6;
-  for (const CheckedSignal& s : check.signals) column = std::max(column, s.spec.column.size());
-  std::string text = fmt::format("\n{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", "signal", "column",
-                                 column, "lowest", "highest", "noise std", "unit", "good", "flagged");
+  std::size_t name = 8, column = 6;
+  for (const CheckedSignal& s : check.signals) {
+    name = std::max(name, s.spec.name.size());
+    column = std::max(column, s.spec.column.size());
+  }
+  std::string text =
+      fmt::format("\n{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", "signal", name, "column", column,
+                  "lowest", "highest", "noise std", "unit", "good", "flagged");
   for (const CheckedSignal& s : check.signals) {
     const DisplayUnit unit = UnitOf(s.spec);
     const auto number = [&](double si, double offset) {
@@ -83,7 +87,7 @@ std::string Signals(const CheckResult& check) {
     const double good = 100.0 * static_cast<double>(s.range.good) /
                         static_cast<double>(std::max<std::int64_t>(1, check.time.rows));
     text +=
-        fmt::format("{:<8} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, s.spec.column,
+        fmt::format("{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, name, s.spec.column,
                     column, number(s.range.min, unit.offset), number(s.range.max, unit.offset),
                     s.present ? number(s.noise_std, 0) : "-", Dash(unit.name),
                     s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-", SignalFlags(s));
@@ -124,8 +128,11 @@ std::string Identification(const CheckResult& check) {
     text +=
         fmt::format(" of the model, version {}, {}", check.machine.model_version, ModelName(check.machine));
   text += "\n";
-  std::size_t width = 8;
-  for (const CheckedParameter& p : check.parameters) width = std::max(width, p.estimate.parameter.size());
+  std::size_t width = 8, unit_width = 6;
+  for (const CheckedParameter& p : check.parameters) {
+    width = std::max(width, p.estimate.parameter.size());
+    unit_width = std::max(unit_width, Dash(DisplayUnitFor(p.estimate.unit).name).size() + 1);
+  }
   for (const CheckedParameter& p : check.parameters) {
     const DisplayUnit unit = DisplayUnitFor(p.estimate.unit);
     const double half = kNormal95 * p.estimate.std * unit.factor;
@@ -134,8 +141,8 @@ std::string Identification(const CheckResult& check) {
                                                              : "NO";
     text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
     if (std::isfinite(half))
-      text += fmt::format("{:>10.4g} +- {:<9.3g} {:<6}", p.estimate.value * unit.factor + unit.offset, half,
-                          Dash(unit.name));
+      text += fmt::format("{:>10.4g} +- {:<9.3g} {:<{}}", p.estimate.value * unit.factor + unit.offset, half,
+                          Dash(unit.name), unit_width);
     if (p.estimate.unit != "1" && std::isfinite(half))
       text += fmt::format("(+- {:.2g} %)", 100 * HalfWidth(p.estimate));
     text += "\n";
@@ -144,12 +151,14 @@ std::string Identification(const CheckResult& check) {
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = OutputUnit(check.machine);
+    const std::string_view name =
+        check.machine.states.outputs.size() > 1 ? "of the outputs' variation" : std::string_view(unit.name);
     text += fmt::format(
         "  model error on strokes left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
-        check.figures.rms_holdout * unit.factor, unit.name,
+        check.figures.rms_holdout * unit.factor, name,
         // Where a model with states misses something, noise is what functions of its states do not predict.
         KindOf(check.machine).has_states && check.suspicion.suspected ? "at most" : "alone would cause",
-        check.figures.noise_floor * unit.factor, unit.name);
+        check.figures.noise_floor * unit.factor, name);
     if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
       text += fmt::format("  {}\n", impossible);
   }
@@ -165,7 +174,7 @@ std::string Next(const CheckResult& check, const std::string& machine_file) {
   if (!check.Clean()) text += "\nSome values are bad; they are left out, never interpolated.\n";
   const MachineKind& kind = KindOf(check.machine);
   const char* next = kind.build == nullptr && !kind.has_states ? "frf"
-                     : check.suspicion.suspected               ? "explain"
+                     : check.suspicion.ExplainSaysMore()       ? "explain"
                      : check.driving.strokes > 0               ? "fit"
                                                                : nullptr;
   if (next != nullptr)

@@ -55,15 +55,21 @@ void AddFreeRun(CompareResult& out) {
   out.rms_pressure = std::sqrt(pressure / blocks);
 }
 
-void TakeVerdict(CompareResult& out) {
+void JudgeOnLogs(CompareResult& out) {
   const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
   if (!judged.explanation.base.solved) return;
-  out.verdict = judged.explanation.verdict;
-  out.warnings = InEnglish(judged.explanation.warnings);
+  TakeVerdict(judged.explanation, out);
   if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
 }
 
 }  // namespace
+
+void TakeVerdict(const Explanation& explanation, CompareResult& out) {
+  out.verdict = explanation.verdict;
+  out.no_verdict = explanation.no_verdict;
+  out.warnings = InEnglish(explanation.warnings);
+  std::erase(out.warnings, out.no_verdict.english);  // the headline says it
+}
 
 std::size_t CompareResult::WorstStroke() const {
   const auto excess = [](const StrokeComparison& s) {
@@ -105,7 +111,7 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
   out.model = std::move(*model);
   out.residuals = ResidualsOf(out.model.structure, out.log.stretches, out.log.window,
                               ColumnWeights(*out.model.structure, out.model.fit));
-  if (out.strokes >= kMinExplainStrokes) TakeVerdict(out);
+  if (out.strokes >= kMinExplainStrokes) JudgeOnLogs(out);
   for (std::size_t s = 0; s < out.strokes; ++s) {
     Energy stroke;
     stroke.Add(out.residuals.strokes[s]);

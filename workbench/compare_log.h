@@ -53,6 +53,9 @@ struct CompareResult {
 Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                   const std::string& hold_out = {});
 
+/// What `explain` says of the strokes compared becomes the comparison's own word.
+void TakeVerdict(const Explanation& explanation, CompareResult& out);
+
 /// MachineModel::figures as a comparison of all strokes.
 StrokeComparison OverallOf(const GramFit& figures);
 

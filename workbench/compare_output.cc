@@ -184,8 +184,9 @@ bool HasModelError(const CompareResult& result) {
 }
 
 ModelHeadline HeadlineOf(const CompareResult& result) {
-  return HeadlineOf(result.model.figures, HasModelError(result), result.no_verdict,
-                    CountedWordsOf(result.log.machine));
+  const bool misses = HasModelError(result);
+  const Told no_verdict = result.verdict || misses ? result.no_verdict : TooFewForVerdict(result.strokes);
+  return HeadlineOf(result.model.figures, misses, no_verdict, CountedWordsOf(result.log.machine));
 }
 
 std::vector<std::string> Warnings(const CompareResult& result) {

@@ -47,10 +47,11 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
     return {"",
             {},
             {fmt::format("whether the model misses something was not judged: {}", result.error().text)},
-            true};
+            true,
+            false};
   const ExplainResult& explained = *result;
   const Explanation& x = explained.explanation;
-  FitSuspicion out{VerdictName(x.verdict), x.set, InEnglish(x.warnings), false};
+  FitSuspicion out{VerdictName(x.verdict), x.set, InEnglish(x.warnings), false, x.no_verdict.empty()};
   out.suspected = x.verdict != Verdict::kAdequate || !x.odd_strokes.empty();
   for (const OddStrokes& odd : x.odd_strokes) out.warnings.push_back(OddSentence(explained, odd));
   if (x.verdict != Verdict::kAdequate && x.no_verdict.empty()) out.warnings.push_back(Sentence(explained));
@@ -60,7 +61,7 @@ FitSuspicion SuspicionOf(const Result<ExplainResult>& result) {
 std::string SuspicionText(const FitSuspicion& suspicion) {
   std::string text;
   for (const std::string& warning : suspicion.warnings) text += "WARNING: " + warning + ".\n";
-  if (suspicion.suspected) text += "'hydroscope explain' says more.\n";
+  if (suspicion.ExplainSaysMore()) text += "'hydroscope explain' says more.\n";
   return text;
 }
 

@@ -15,6 +15,9 @@ struct FitSuspicion {
   std::vector<std::string> suspects;  ///< ids of the effects that may be missing, best first
   std::vector<std::string> warnings;  ///< a sentence each, those of `explain` first
   bool suspected = false;             ///< the parameters may lie outside their intervals
+  bool judged = true;                 ///< by strokes that carry a verdict
+
+  bool ExplainSaysMore() const { return suspected && judged; }
 };
 
 /// The suspicion that an explanation of the same strokes carries. Strokes too few or too little varied for a verdict

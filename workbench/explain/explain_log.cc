@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/counted_words.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
 
@@ -71,6 +72,18 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
 }
 
 }  // namespace
+
+Told TooFewForVerdict(std::size_t strokes) {
+  if (strokes >= kMinExplainStrokes) return {};
+  const Told counted{Counted(strokes, "stroke"),
+                     fmt::format("{} {}", strokes, strokes == 1 ? "Hub" : "Hübe")};
+  return Tell(
+      "{} inside the gate, expected at least {}: the error is judged on strokes left out. Record longer, or see "
+      "what the gate lets through with 'hydroscope check'",
+      "{} im Gate, mindestens {} erwartet: der Fehler wird an ausgelassenen Hüben beurteilt. Länger aufzeichnen; "
+      "was das Gate durchlässt, zeigt 'hydroscope check'",
+      counted, kMinExplainStrokes);
+}
 
 void RefuseVerdict(const Told& why, Explanation& x) {
   if (why.empty()) return;
@@ -138,12 +151,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   ExplainResult out;
   out.log = std::move(strokes);
   out.strokes = out.log.stretches.size();
-  if (out.strokes < kMinExplainStrokes)
-    return BadInput(
-        "{} strokes inside the gate, expected at least {}: the error is judged on strokes left out. Record "
-        "longer, or see "
-        "what the gate lets through with 'hydroscope check'",
-        out.strokes, kMinExplainStrokes);
+  if (const Told few = TooFewForVerdict(out.strokes); !few.empty()) return BadInput("{}", few.english);
   std::shared_ptr<const ModelStructure> model = out.log.model;
   if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);

@@ -79,6 +79,9 @@ void RefuseVerdict(const Told& why, Explanation& explanation);
 /// Strokes below which held-out errors and intervals clustered by stroke say nothing.
 inline constexpr std::size_t kMinExplainStrokes = 4;
 
+/// Why so few strokes carry no verdict, "" if they do.
+Told TooFewForVerdict(std::size_t strokes);
+
 /// Reads the log, fits the model of the machine file (base balance and the effects added to it) and finds
 /// what it misses. Errors: log or machine file are wrong, fewer than kMinExplainStrokes strokes, or strokes
 /// that do not excite the model. ExplainOptions::start is taken from the machine file.

@@ -73,12 +73,7 @@ Result<CompareResult> CompareHistory(const StrokeHistory& history) {
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;
   if (history.units.size() >= kMinExplainStrokes) {
     const auto explained = ExplainHistory(history);
-    if (explained) {
-      out.verdict = explained->explanation.verdict;
-      out.no_verdict = explained->explanation.no_verdict;
-      out.warnings = InEnglish(explained->explanation.warnings);
-      std::erase(out.warnings, out.no_verdict.english);  // the headline says it
-    }
+    if (explained) TakeVerdict(explained->explanation, out);
   }
   return out;
 }

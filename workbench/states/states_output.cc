@@ -93,7 +93,7 @@ std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& 
 
 std::string StartsText(const StateFit& fit) {
   if (fit.starts_tried < 2) return "";
-  std::string text = fmt::format("{} starts, {} of them in the best minimum", fit.starts_tried,
+  std::string text = fmt::format("{}, {} of them in the best minimum", Counted(fit.starts_tried, "start"),
                                  fit.minima.empty() ? 0 : fit.minima.front().starts);
   if (fit.minima.size() > 1)
     text += fmt::format(", {} other minima (the next with {:.3g} times the error, {} starts)",
@@ -375,10 +375,13 @@ std::string CompareText(const StatesFit& fit) {
       "{:.3g}\n",
       fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.left), fit.error.noise_floor,
       fit.error.one_step);
+  const auto& outputs = fit.log.machine.states.outputs;
+  std::size_t width = 12;
+  for (const auto& output : outputs) width = std::max(width, output.signal.size());
   for (int j = 0; j < fit.fit.noise.size(); ++j)
-    text += fmt::format("  {:<12} error {:.1f} % of its variation\n",
-                        fit.log.machine.states.outputs[static_cast<std::size_t>(j)].signal,
-                        100 * fit.fit.noise[j] / fit.fit.scale[j]);
+    text +=
+        fmt::format("  {:<{}} error {:.1f} % of its variation\n", outputs[static_cast<std::size_t>(j)].signal,
+                    width, 100 * fit.fit.noise[j] / fit.fit.scale[j]);
   text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
   if (fit.left.structured)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
