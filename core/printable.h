@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,18 @@ inline std::string Printable(std::string_view text) {
       out += fmt::format("\\x{:02x}", byte(i));
     else
       out += text[i];
+  }
+  return out;
+}
+
+/// The same of a text of several lines, whose line ends stay.
+inline std::string PrintableLines(std::string_view text) {
+  std::string out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    out += Printable(text.substr(begin, end - begin));
+    if (end < text.size()) out += '\n';
+    begin = end + 1;
   }
   return out;
 }

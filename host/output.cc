@@ -11,6 +11,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "core/printable.h"
 #include "host/progress_listener.h"
 #include "host/wrapped_text.h"
 
@@ -39,7 +40,7 @@ std::size_t LineWidth() {
 }  // namespace
 
 int ReportError(const Error& error) {
-  std::cerr << "hydroscope: " << error.text << "\n";
+  std::cerr << "hydroscope: " << PrintableLines(error.text) << "\n";
   switch (error.kind) {
     case ErrorKind::kUsage:
       return kWrongUse;
@@ -74,7 +75,7 @@ void BeQuiet() { quiet = true; }
 void ListenToProgress(ProgressListener listener) { Listener() = std::move(listener); }
 
 void Say(const std::string& text) {
-  if (!quiet) std::cout << WrappedText(text, LineWidth()) << std::flush;
+  if (!quiet) std::cout << WrappedText(PrintableLines(text), LineWidth()) << std::flush;
 }
 
 ProgressBar::ProgressBar(std::string what, std::string unit)

@@ -67,8 +67,8 @@ RunSummary ParseRunSummary(const std::string& text) {
 }
 
 std::string FindingText(const LogFinding& f) {
-  std::string text = fmt::format("line {}", f.line);
-  if (!f.column.empty()) text += fmt::format(", column {}", f.column);
+  std::string text = f.line > 0 ? fmt::format("line {}", f.line) : "";
+  if (!f.column.empty()) text += fmt::format("{}column {}", text.empty() ? "" : ", ", f.column);
   if (!f.found.empty()) text += fmt::format(": found '{}'", f.found);
   if (!f.expected.empty()) text += fmt::format(", expected {}", f.expected);
   return text;

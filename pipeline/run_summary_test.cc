@@ -38,6 +38,11 @@ TEST(RunSummary, TextThatIsNoUtf8IsReplaced) {
   EXPECT_EQ(ParseRunSummary(FormatRunSummary(s)).findings.front().expected, "a number");
 }
 
+TEST(FindingText, OfAColumnThatIsNotThereNamesNoLine) {
+  EXPECT_EQ(FindingText({0, "U_v", "no such column", "a column for the optional signal 'U_v'"}),
+            "column U_v: found 'no such column', expected a column for the optional signal 'U_v'");
+}
+
 TEST(FindingText, NamesLineColumnAndValue) {
   EXPECT_EQ(FindingText({17, "p_A", "x", "a number"}), "line 17, column p_A: found 'x', expected a number");
 }
