@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/printable.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 #include "setup/machine_proposal.h"
@@ -27,7 +28,7 @@ nlohmann::json ToJson(const MachineProposal& proposal) {
     columns.push_back({{"signal", column.signal},
                        {"column", column.column},
                        {"unit", column.unit},
-                       {"why", column.why},
+                       {"why", column.why.english},
                        {"sure", column.sure}});
   return {{"model", proposal.machine.model},
           {"columns", columns},
@@ -36,22 +37,24 @@ nlohmann::json ToJson(const MachineProposal& proposal) {
           {"to_fill_in", proposal.open}};
 }
 
-void Report(const InitArguments& arguments, const MachineProposal& proposal, std::ostream& out) {
+/// What was found, for people.
+std::string ReportText(const InitArguments& arguments, const MachineProposal& proposal) {
   std::size_t width = 6;
   for (const ProposedColumn& column : proposal.columns) width = std::max(width, column.column.size());
-  out << fmt::format("{:<10} {:<{}}  {:<5} why\n", "signal", "column", width, "unit");
+  std::string text = fmt::format("{:<10} {:<{}}  {:<5} why\n", "signal", "column", width, "unit");
   for (const ProposedColumn& column : proposal.columns)
-    out << fmt::format("{:<10} {:<{}}  {:<5} {}{}\n", column.signal, column.column, width, column.unit,
-                       column.why, column.sure ? "" : "  <-- check");
-  if (!proposal.unused.empty()) out << fmt::format("not used: {}\n", fmt::join(proposal.unused, ", "));
-  out << "\n";
-  for (const std::string& line : proposal.decided) out << line << "\n";
-  if (!proposal.open.empty()) out << "\nto fill in, marked \"<-- FILL IN\" in the file:\n";
-  for (const std::string& line : proposal.open) out << "  " << line << "\n";
+    text += fmt::format("{:<10} {:<{}}  {:<5} {}{}\n", column.signal, column.column, width, column.unit,
+                        column.why.english, column.sure ? "" : "  <-- check");
+  if (!proposal.unused.empty()) text += fmt::format("not used: {}\n", fmt::join(proposal.unused, ", "));
+  text += "\n";
+  for (const std::string& line : proposal.decided) text += line + "\n";
+  if (!proposal.open.empty()) text += "\nto fill in, marked \"<-- FILL IN\" in the file:\n";
+  for (const std::string& line : proposal.open) text += "  " + line + "\n";
   if (!arguments.out.empty())
-    out << fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
-                       KindOf(proposal.machine).build == nullptr ? "frf" : "check", arguments.log,
-                       arguments.out);
+    text += fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
+                        KindOf(proposal.machine).build == nullptr ? "frf" : "check", arguments.log,
+                        arguments.out);
+  return text;
 }
 
 Status WriteFile(const InitArguments& arguments, const std::string& text) {
@@ -85,7 +88,7 @@ int RunInit(const InitArguments& arguments) {
     if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written)
       return ReportError(written.error());
   const bool stdout_is_taken = arguments.out.empty() || arguments.json == "-";
-  Report(arguments, proposal, stdout_is_taken ? std::cerr : std::cout);
+  (stdout_is_taken ? std::cerr : std::cout) << PrintableLines(ReportText(arguments, proposal));
   return kDone;
 }
 

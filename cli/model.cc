@@ -74,7 +74,7 @@ nlohmann::json ChangedJson(const ModelChanged& changed) {
   out["restored"] = changed.restored;
   out["error"] = changed.error;
   out["held_out"] = changed.held_out;
-  out["warnings"] = changed.warnings;
+  out["warnings"] = InEnglish(changed.warnings);
   return out;
 }
 

@@ -1,5 +1,7 @@
 #include "core/records.h"
 
+#include "core/reason_told.h"
+
 namespace hydroscope {
 
 const char* ReasonName(EstimateReason reason) {
@@ -22,24 +24,33 @@ const char* ReasonName(EstimateReason reason) {
   return "unknown";
 }
 
-const char* ReasonText(EstimateReason reason) {
+Wording ReasonTold(EstimateReason reason) {
   switch (reason) {
     case EstimateReason::kUpdated:
-      return "identified from the newest data and those before";
+      return {"identified from the newest data and those before",
+              "aus den neuesten und früheren Daten bestimmt"};
     case EstimateReason::kNoStroke:
-      return "nothing seen yet";
+      return {"nothing seen yet", "noch nichts gesehen"};
     case EstimateReason::kTooShort:
-      return "too short to learn from";
+      return {"too short to learn from", "zu kurz, um daraus zu lernen"};
     case EstimateReason::kNotExcited:
-      return "nothing moved what the parameter acts on; the value is an older one";
+      return {"nothing moved what the parameter acts on; the value is an older one",
+              "nichts bewegte, worauf der Parameter wirkt; der Wert ist ein älterer"};
     case EstimateReason::kConfounded:
-      return "these data cannot tell this parameter from another";
+      return {"these data cannot tell this parameter from another",
+              "diese Daten trennen diesen Parameter nicht von einem anderen"};
     case EstimateReason::kOutsidePhysics:
-      return "the data ask for a value physics forbids; the model misses an effect or a signal is wrong";
+      return {
+          "the data ask for a value physics forbids; the model misses an effect or a signal is wrong",
+          "die Daten verlangen einen Wert, den die Physik verbietet; dem Modell fehlt ein Effekt, oder ein Signal "
+          "ist falsch"};
     case EstimateReason::kPoorSignal:
-      return "bad signal quality left too little to learn from";
+      return {"bad signal quality left too little to learn from",
+              "schlechte Signalqualität ließ zu wenig, um daraus zu lernen"};
   }
   return "";
 }
+
+const char* ReasonText(EstimateReason reason) { return ReasonTold(reason).english.data(); }
 
 }  // namespace hydroscope

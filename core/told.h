@@ -13,6 +13,10 @@ namespace hydroscope {
 /// What the program tells people, in the languages of its page. Tell() writes both from the same values where the sentence is
 /// made: none is translated afterwards, and one without German does not compile.
 struct Told {
+  Told() = default;
+  Told(std::string told_in_english, std::string told_in_german = "")
+      : english(std::move(told_in_english)), german(std::move(told_in_german)) {}
+
   std::string english;  ///< what command line, journal and feeds say
   std::string german;   ///< "": told in English alone (the text of an error, words of users' own)
 
@@ -20,6 +24,17 @@ struct Told {
   /// In German as far as it is told so.
   const std::string& InGerman() const { return german.empty() ? english : german; }
   bool operator==(const Told&) const = default;
+};
+
+/// What a table of the program calls something, in the same languages.
+struct Wording {
+  constexpr Wording(const char* in_english = "", const char* in_german = "")
+      : english(in_english), german(in_german) {}
+
+  std::string_view english, german;
+
+  constexpr operator std::string_view() const { return english; }
+  operator Told() const { return {std::string(english), std::string(german)}; }
 };
 
 namespace told {
@@ -74,6 +89,14 @@ struct fmt::formatter<hydroscope::told::GermanNumber> : fmt::formatter<double> {
     for (char& c : written)
       if (c == '.') c = ',';
     return std::copy(written.begin(), written.end(), context.out());
+  }
+};
+
+/// As it is called in English.
+template <>
+struct fmt::formatter<hydroscope::Wording> : fmt::formatter<std::string_view> {
+  auto format(const hydroscope::Wording& wording, fmt::format_context& context) const {
+    return fmt::formatter<std::string_view>::format(wording.english, context);
   }
 };
 

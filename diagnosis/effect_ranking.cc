@@ -160,7 +160,8 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
   RankedEffect ranked;
   ranked.effect = index;
   ranked.id = effect.id;
-  ranked.why_not = "the signals it needs have no usable samples in these strokes";
+  ranked.why_not = Tell("the signals it needs have no usable samples in these strokes",
+                        "die Signale, die er braucht, haben in diesen Hüben keine brauchbaren Werte");
   if (const auto why = options_.untestable.find(effect.id); why != options_.untestable.end()) {
     ranked.why_not = why->second;
     return ranked;
@@ -193,17 +194,27 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     ranked.fit = std::move(fit);
   }
   if (ranked.testable)
-    ranked.why_not = ranked.fit.solved ? "" : "it would fit only with a sign or size that physics forbids";
+    ranked.why_not = ranked.fit.solved
+                         ? Told{}
+                         : Tell("it would fit only with a sign or size that physics forbids",
+                                "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet");
   else if (separable)
     ranked.why_not =
         forbidden && !ranked.fit.solved
-            ? "it would fit only with a sign or size that physics forbids, and even a "
-              "large one would hide in the other parameters"
-            : "these strokes excite it too little: even a large one would hide in the other parameters";
+            ? Tell(
+                  "it would fit only with a sign or size that physics forbids, and even a "
+                  "large one would hide in the other parameters",
+                  "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet, und selbst ein großer "
+                  "verschwände in den anderen Parametern")
+            : Tell(
+                  "these strokes excite it too little: even a large one would hide in the other parameters",
+                  "diese Hübe regen ihn zu wenig an: selbst ein großer verschwände in den anderen Parametern");
   else if (strokes_.model().effect_shapes[index].empty())
-    ranked.why_not = "nothing like it was found in what the model leaves";
+    ranked.why_not = Tell("nothing like it was found in what the model leaves",
+                          "in dem, was das Modell übrig lässt, fand sich nichts dergleichen");
   else if (strokes_.Measured({index, 0}))
-    ranked.why_not = "these strokes cannot tell it from the parameters of the model";
+    ranked.why_not = Tell("these strokes cannot tell it from the parameters of the model",
+                          "diese Hübe trennen ihn nicht von den Parametern des Modells");
   return ranked;
 }
 

@@ -57,7 +57,7 @@ struct ExplainOptions {
   bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly
   std::vector<std::string>
       start;  ///< ids of effects that are part of the model already; each in its best shape
-  std::map<std::string, std::string> untestable;  ///< ids that these strokes cannot test, and why
+  std::map<std::string, Told> untestable;  ///< ids that these strokes cannot test, and why
   /// A twin (Effect::twins) leaves the set once it leaves so much more of the noise energy than the best does. Columns of late
   /// and of filtered signals err by less: `hydroscope benchmark late-signals` prints by how much.
   double twin_excess = kTwinExcess;
@@ -101,7 +101,7 @@ struct RankedEffect {
   std::string id;
   std::vector<double> nonlinear;  ///< values of the effect's nonlinear parameters, SI
   bool testable = false;
-  std::string why_not;      ///< why it cannot be tested with these data
+  Told why_not;             ///< why it cannot be tested with these data
   bool stands_out = false;  ///< of the noise, in the integral form: enough for a rival of what is named
   bool significant =
       false;  ///< ... and it lowers the error on strokes left out in the units shown: may be named

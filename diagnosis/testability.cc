@@ -40,21 +40,22 @@ std::vector<double> StrokeMeans(std::span<const StrokeStretches> strokes, int ch
 
 }  // namespace
 
-std::string WhyUntestable(const Effect& effect, std::span<const double> stroke_means) {
-  if (!effect.least_span || stroke_means.empty()) return "";
+Told WhyUntestable(const Effect& effect, std::span<const double> stroke_means) {
+  if (!effect.least_span || stroke_means.empty()) return {};
   const auto [low, high] = std::minmax_element(stroke_means.begin(), stroke_means.end());
   const double span = *high - *low, least = effect.least_span->span;
-  if (span >= least) return "";
-  return fmt::format("{0} changed by {2:.1f} {1}, it needs {3:.1f} {1} at least", effect.least_span->name,
-                     effect.least_span->unit, span, least);
+  if (span >= least) return {};
+  return Tell("{0} changed by {2:.1f} {1}, it needs {3:.1f} {1} at least",
+              "{0} änderte sich um {2:.1f} {1}, nötig sind mindestens {3:.1f} {1}", effect.least_span->name,
+              effect.least_span->unit, span, least);
 }
 
 void AddUntestable(const ModelStructure& model, std::span<const StrokeStretches> strokes,
-                   std::map<std::string, std::string>& untestable) {
+                   std::map<std::string, Told>& untestable) {
   for (const auto* effects : {&model.effects, &model.sample_effects})
     for (const auto& effect : *effects) {
       if (!effect->least_span) continue;
-      const std::string why = WhyUntestable(*effect, StrokeMeans(strokes, effect->least_span->channel));
+      const Told why = WhyUntestable(*effect, StrokeMeans(strokes, effect->least_span->channel));
       if (!why.empty()) untestable.emplace(effect->id, why);
     }
 }

@@ -132,7 +132,7 @@ void Conclude(double floor_excess, FloorTrust& trust) {
     if (noise.kind == NoiseKind::kDisagreesWithStated && noise.share > floor_excess)
       trust.sentences.push_back(noise.sentence);
     if (!counts) continue;
-    if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence;
+    if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence.english;
     trust.believable = false;
     trust.stated = trust.stated && FromStatement(noise);
     trust.sentences.push_back(noise.sentence);

@@ -24,8 +24,8 @@ struct FloorTrust {
   /// Not believable, but `noise_scale` is what the machine file states of the signals that count, of none of
   /// which the noise is filtered: a floor as good as the statement.
   bool stated = false;
-  std::string why;                     ///< one sentence; "" if believable
-  std::vector<std::string> sentences;  ///< of signals that count, for `warnings`
+  std::string why;              ///< one sentence; "" if believable
+  std::vector<Told> sentences;  ///< of signals that count, for `warnings`
 };
 
 /// Model error energy over noise energy that still counts as at the floor: what the noise estimate of a log of a minute

@@ -73,7 +73,7 @@ TEST(FloorTrust, DoesNotTakeAPressureThatMovesFromRowToRowForNoise) {
   const auto pressure = std::find_if(trust.signals.begin(), trust.signals.end(),
                                      [](const SignalNoise& s) { return s.name == "p_A"; });
   ASSERT_NE(pressure, trust.signals.end());
-  EXPECT_EQ(pressure->kind, NoiseKind::kSignalInContrast) << pressure->sentence;
+  EXPECT_EQ(pressure->kind, NoiseKind::kSignalInContrast) << pressure->sentence.english;
   EXPECT_FALSE(trust.believable);
 }
 

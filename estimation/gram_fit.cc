@@ -227,11 +227,11 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   if (fit.strokes == 0)
     return BadInput(
         "no {} found: check the [gate] of the machine file against the log with 'hydroscope check'",
-        model.words.stroke);
+        model.words.stroke.english);
   fit.theta = SolveNormalEquations(total);
   if (fit.theta.size() == 0)
     return BadInput("the strokes do not excite all parameters of the base model: vary {}, or record longer",
-                    model.words.vary);
+                    model.words.vary.english);
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);

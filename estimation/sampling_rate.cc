@@ -177,8 +177,8 @@ std::vector<double> NoiseOfChannels(const ModelStructure& model, const FloorTrus
   return noise;
 }
 
-std::string RowsEvery(double period) {
-  return period < 1 ? fmt::format("{:.3g} ms", 1e3 * period) : fmt::format("{:.3g} s", period);
+Told RowsEvery(double period) {
+  return TellNumber(period < 1 ? fmt::format("{:.3g} ms", 1e3 * period) : fmt::format("{:.3g} s", period));
 }
 
 /// The next shorter 1, 2, 5 times a power of ten.
@@ -191,9 +191,11 @@ double RoundedDown(double period) {
 
 void DescribeSlow(const std::string& unit, SamplingRate& rate) {
   const DisplayUnit shown = DisplayUnitFor(unit);
-  rate.sentence = fmt::format(
+  rate.sentence = Tell(
       "sampled too slowly for this: rows every {}, this balance needs {} or faster (the distance of the rows "
       "alone causes an error of {:.2g} {}, {:.2g} % of the output)",
+      "zu langsam abgetastet dafür: eine Zeile alle {}, diese Bilanz braucht eine alle {} oder schneller (der Abstand "
+      "der Zeilen allein macht einen Fehler von {:.2g} {}, {:.2g} % des Ausgangs)",
       RowsEvery(rate.period), RowsEvery(rate.needed_period), rate.error * shown.factor,
       shown.name.empty() ? unit : std::string(shown.name), 100 * rate.error / rate.output);
 }

@@ -20,7 +20,7 @@ struct SamplingRate {
   double error = 0;           ///< output unit rms, of the balance, that the distance of the rows causes alone
   double allowed = 0;         ///< output unit rms
   double output = 0;          ///< output unit rms, over the same windows
-  std::string sentence;       ///< "sampled too slowly for this: rows every ..."; "" if fast enough
+  Told sentence;              ///< "sampled too slowly for this: rows every ..."; "" if fast enough
 };
 
 struct SamplingRateOptions {

@@ -19,15 +19,15 @@ TEST(SamplingRate, IsEnoughFor500And250And100HzWhateverTheNoise) {
   for (const int every : {1, 2, 5})
     for (const double scale : {0.05, 1.0, 3.0}) {
       const SamplingRate rate = RateOf(LogWith(1, WhiteNoise, scale, every));
-      EXPECT_TRUE(rate.fast_enough) << every << " " << scale << ": " << rate.sentence;
-      EXPECT_EQ(rate.sentence, "");
+      EXPECT_TRUE(rate.fast_enough) << every << " " << scale << ": " << rate.sentence.english;
+      EXPECT_EQ(rate.sentence.english, "");
     }
 }
 
 TEST(SamplingRate, IsEnoughAt500HzUnderNoiseThatAFilterHasPassed) {
   for (const double phi : {0.5, 0.8, 0.95}) {
     const SamplingRate rate = RateOf(LogWith(2, Filtered(phi), 0.5));
-    EXPECT_TRUE(rate.fast_enough) << phi << ": " << rate.sentence;
+    EXPECT_TRUE(rate.fast_enough) << phi << ": " << rate.sentence.english;
   }
 }
 
@@ -45,8 +45,9 @@ TEST(SamplingRate, IsTooLowAt20And10HzWhateverTheNoise) {
 
 TEST(SamplingRate, SaysWhatTheBalanceNeeds) {
   const SamplingRate rate = RateOf(LogWith(4, WhiteNoise, 1.0, 50));
-  EXPECT_THAT(rate.sentence, HasSubstr("sampled too slowly for this: rows every 100 ms, this balance needs"));
-  EXPECT_THAT(rate.sentence, HasSubstr("l/min"));
+  EXPECT_THAT(rate.sentence.english,
+              HasSubstr("sampled too slowly for this: rows every 100 ms, this balance needs"));
+  EXPECT_THAT(rate.sentence.english, HasSubstr("l/min"));
 }
 
 TEST(SamplingRate, OfFewRowsIsNotJudged) {

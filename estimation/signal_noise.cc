@@ -40,13 +40,14 @@ struct ReadingSteps {
   static constexpr double kCoarseSteps = 2.5;
 };
 
-std::string WithUnit(double si, const std::string& unit) {
+Told WithUnit(double si, const std::string& unit) {
   const DisplayUnit shown = unit == "K" ? DisplayUnit{1, 0, "K"} : DisplayUnitFor(unit);
-  return fmt::format("{:.3g}{}{}", si * shown.factor, shown.name == "1" || shown.name.empty() ? "" : " ",
-                     shown.name == "1" ? "" : shown.name);
+  return TellNumber(fmt::format("{:.3g}{}{}", si * shown.factor,
+                                shown.name == "1" || shown.name.empty() ? "" : " ",
+                                shown.name == "1" ? "" : shown.name));
 }
 
-std::string Milliseconds(double s) { return fmt::format("{:.3g} ms", 1e3 * s); }
+Told Milliseconds(double s) { return TellNumber(fmt::format("{:.3g} ms", 1e3 * s)); }
 
 /// From the 5 % to the 95 % quantile.
 double RangeOf(std::span<const SignalRuns> strokes) {
@@ -67,46 +68,54 @@ void DescribeSteps(const ReadingSteps& steps, double period, SignalNoise& noise)
   const int percent = static_cast<int>(std::lround(100 * noise.repeated));
   if (steps.Coarse()) {
     noise.kind = NoiseKind::kQuantised;
-    noise.sentence = fmt::format(
+    noise.sentence = Tell(
         "{} is read in steps of {}, which hide its noise: {} % of the readings repeat the one before",
+        "{} wird in Stufen von {} gelesen, die das Rauschen verdecken: {} % der Werte wiederholen den davor",
         noise.name, WithUnit(noise.quantum, noise.unit), percent);
   } else {
     noise.kind = NoiseKind::kColoured;
-    noise.sentence = fmt::format(
-        "{} % of the readings of {} repeat the one before: it is updated less often than every {}", percent,
-        noise.name, Milliseconds(period));
+    noise.sentence =
+        Tell("{} % of the readings of {} repeat the one before: it is updated less often than every {}",
+             "{} % der Werte von {} wiederholen den davor: es wird seltener als alle {} erneuert", percent,
+             noise.name, Milliseconds(period));
   }
 }
 
 void DescribeMotion(double period, bool beyond_stated, SignalNoise& noise) {
   noise.kind = NoiseKind::kSignalInContrast;
-  const std::string over = Milliseconds(3 * period);
+  const Told over = Milliseconds(3 * period);
   noise.sentence =
       beyond_stated
-          ? fmt::format(
-                "{} scatters by {} from row to row, its stated noise is {}: it moves within {}, or more "
-                "noise "
-                "is there than stated",
+          ? Tell(
+                "{} scatters by {} from row to row, its stated noise is {}: it moves within {}, or more noise is there "
+                "than stated",
+                "{} streut von Zeile zu Zeile um {}, angegeben ist ein Rauschen von {}: es bewegt sich innerhalb von "
+                "{}, oder es rauscht mehr als angegeben",
                 noise.name, WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit), over)
-          : fmt::format(
+          : Tell(
                 "{} moves within the {} over which noise is told from motion: its noise cannot be seen",
+                "{} bewegt sich innerhalb der {}, über die Rauschen von Bewegung getrennt wird: sein Rauschen ist "
+                "nicht zu sehen",
                 noise.name, over);
 }
 
 void DescribeColour(bool stronger, SignalNoise& noise) {
   noise.kind = NoiseKind::kColoured;
   const bool four_rows = stronger && std::isfinite(noise.slow_ratio);
-  noise.sentence = fmt::format(
-      "noise of {} is not white: over {} rows {:.2g} times as strong as from row to row, {}", noise.name,
-      four_rows ? 4 : 2, four_rows ? noise.slow_ratio : noise.ratio,
-      stronger ? "a sensor or controller filters it" : "neighbouring rows are not independent readings");
+  noise.sentence = Tell(
+      "noise of {} is not white: over {} rows {:.2g} times as strong as from row to row, {}",
+      "das Rauschen von {} ist nicht weiß: über {} Zeilen {:.2g}-mal so stark wie von Zeile zu Zeile, {}",
+      noise.name, four_rows ? 4 : 2, four_rows ? noise.slow_ratio : noise.ratio,
+      stronger ? Tell("a sensor or controller filters it", "ein Sensor oder eine Steuerung filtert es")
+               : Tell("neighbouring rows are not independent readings",
+                      "benachbarte Zeilen sind keine unabhängigen Werte"));
 }
 
 void DescribeDisagreement(SignalNoise& noise) {
   noise.kind = NoiseKind::kDisagreesWithStated;
-  noise.sentence =
-      fmt::format("{} scatters by {} from row to row, the machine file states a noise of {}", noise.name,
-                  WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit));
+  noise.sentence = Tell("{} scatters by {} from row to row, the machine file states a noise of {}",
+                        "{} streut von Zeile zu Zeile um {}, die Maschinendatei gibt ein Rauschen von {} an",
+                        noise.name, WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit));
 }
 
 void JudgeContrasts(const RowContrasts& contrasts, double period, const SignalNoiseOptions& options,

@@ -38,8 +38,8 @@ struct SignalNoise {
   double quantum = 0;   ///< SI, smallest step between readings
   double repeated = 0;  ///< share of readings equal to the one before
   double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
-  double share = 1;      ///< of the noise energy of a balance; see JudgeFloor
-  std::string sentence;  ///< what is wrong with it, with units; "" if white
+  double share = 1;  ///< of the noise energy of a balance; see JudgeFloor
+  Told sentence;     ///< what is wrong with it, with units; "" if white
 };
 
 /// Thresholds of JudgeSignalNoise.

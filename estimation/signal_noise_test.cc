@@ -62,7 +62,7 @@ TEST(SignalNoise, GivesTheNoiseWithItsBand) {
   const SignalNoise filtered = Judged(Strokes(7, 0.8));
   EXPECT_EQ(filtered.kind, NoiseKind::kColoured);
   EXPECT_GT(filtered.slope, 1);
-  EXPECT_THAT(filtered.sentence, HasSubstr("noise of p is not white"));
+  EXPECT_THAT(filtered.sentence.english, HasSubstr("noise of p is not white"));
 }
 
 TEST(SignalNoise, SeesReadingsThatRepeat) {
@@ -77,7 +77,7 @@ TEST(SignalNoise, SeesReadingsThatRepeat) {
     for (std::size_t k = 1; k < stroke[0].size(); k += 2) stroke[0][k] = stroke[0][k - 1];
   const SignalNoise held = Judged(strokes);
   EXPECT_EQ(held.kind, NoiseKind::kColoured);
-  EXPECT_THAT(held.sentence, HasSubstr("updated less often than every 2 ms"));
+  EXPECT_THAT(held.sentence.english, HasSubstr("updated less often than every 2 ms"));
 }
 
 TEST(SignalNoise, TellsMotionFromNoise) {

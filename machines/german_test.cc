@@ -24,12 +24,34 @@ TEST(German, EveryEffectTellsThePlantInGermanWhatItTellsInEnglish) {
       for (const auto& [key, english, told] :
            {std::tuple("title", effect->title, german.title),
             {"plain", effect->plain, german.plain},
-            {"told_apart_by", effect->told_apart_by, german.told_apart_by}})
+            {"told_apart_by", effect->told_apart_by, german.told_apart_by},
+            {"shown_by", effect->shown_by.english, effect->shown_by.german},
+            {"measured_by", effect->measured_by.english, effect->measured_by.german},
+            {"family", effect->family.english, effect->family.german},
+            {"drifting", effect->drifting.english, effect->drifting.german}})
         if (english.empty() != told.empty())
           missing.push_back(fmt::format("{}/{}.{}", kind->id, effect->id, key));
     }
   }
   EXPECT_GT(effects, 50);
+  EXPECT_EQ(missing, std::vector<std::string>());
+}
+
+TEST(German, EverySignalKnownValueAndParameterIsCalledSomethingInGerman) {
+  std::vector<std::string> missing;
+  for (const MachineKind* kind : MachineKinds()) {
+    const auto ask = [&](std::string_view name, const Wording& wording) {
+      if (wording.english.empty() != wording.german.empty())
+        missing.push_back(fmt::format("{}/{}", kind->id, name));
+    };
+    ask("title", kind->title);
+    for (const MachineInput& input : kind->signals) ask(input.name, input.meaning);
+    for (const MachineInput& input : kind->geometry) ask(input.name, input.meaning);
+    for (const MachineParameter& parameter : kind->parameters) ask(parameter.name, parameter.meaning);
+    for (const Condition& condition : kind->conditions)
+      for (const Told& told : {condition.title, condition.vary, condition.hides})
+        if (told.english.empty() != told.german.empty()) missing.push_back(told.english);
+  }
   EXPECT_EQ(missing, std::vector<std::string>());
 }
 

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 /// What a stroke was driven at, as far as its machine cares: stored with the stroke. Strokes that differ much in one are
@@ -14,14 +16,14 @@ struct Condition {
   };
 
   std::string name;    ///< in tables and JSON: "speed"
-  std::string title;   ///< "mean speed"
+  Told title;          ///< "mean speed"
   std::string signal;  ///< of the machine
   Of of = Of::kMean;
   std::string unit;                ///< SI
   double least = 0;                ///< SI, magnitude below which values count as the same
   double lowest = 0, highest = 0;  ///< SI, beyond them no such machine works; equal: not known
-  std::string vary = {};   ///< what to vary so that it changes, "ram speed"; "": nobody sets it by itself
-  std::string hides = {};  ///< what nobody sees where it stays the same; "": nothing known
+  Told vary = {};   ///< what to vary so that it changes, "ram speed"; "": nobody sets it by itself
+  Told hides = {};  ///< what nobody sees where it stays the same; "": nothing known
 
   bool operator==(const Condition&) const = default;
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
 
@@ -78,23 +79,24 @@ struct Effect {
   };
   German german;
   /// Strokes that show it where those at hand do not: "strokes with cold and with warm oil". Empty: any.
-  std::string shown_by;
+  Told shown_by;
   /// Strokes that tell it from another effect; said by one of the two.
   struct Separation {
-    std::string id;       ///< of the other one
-    std::string strokes;  ///< that vary only what the two laws differ in
+    std::string id;  ///< of the other one
+    Told strokes;    ///< that vary only what the two laws differ in
   };
   std::vector<Separation> separations;
   /// A test off the log that gives its size, to be told to `explain --measured`: "the reading of the pressure sensor with its
   /// line vented". Empty: there is none.
-  std::string measured_by;
+  Told measured_by;
   /// What is wrong wherever a law of its kind is at work, though not quite this law: "oil is lost".
-  std::string family;
+  Told family;
   /// Where it is at work with these values of `nonlinear`, "above 170 bar"; empty: nowhere in particular.
-  std::function<std::string(const std::vector<double>& nonlinear)> where;
+  std::function<Told(const std::vector<double>& nonlinear)> where;
   /// What it lets move over time, "K" or "the zero of the sensor": its size is then a rate, of `drifts_by` (SI) per second,
   /// or relative if that is "". Empty: nothing.
-  std::string drifting, drifts_by;
+  Told drifting;
+  std::string drifts_by;
   std::vector<int> channels;  ///< DieCushionChannel needed beyond the base model's
   bool walks = false;         ///< Column::walks of its columns
   /// Of a model with states: a state or an output (TermSpec::parameter) and what is added to its equation, over what the
@@ -116,7 +118,8 @@ struct Effect {
   struct LeastSpan {
     int channel = 0;
     double span = 0;
-    std::string name = {}, unit = {};  ///< for messages: "the oil", SI "K"
+    Told name = {};         ///< for messages: "the oil"
+    std::string unit = {};  ///< SI, "K"
   };
   std::optional<LeastSpan> least_span;
 };

@@ -66,7 +66,7 @@ class Experimenter {
 
 /// A course of one input that shows of a machine with states what ordinary records hide.
 struct InputCourse {
-  std::string name;            ///< "staircase"
+  Told name;                   ///< "staircase"
   std::string signal;          ///< the input
   std::vector<double> levels;  ///< SI, held in turn ...
   double seconds = 0;          ///< ... for so long each
@@ -79,7 +79,7 @@ struct ExperimentRules {
   std::unique_ptr<Experimenter> (*on)(const Machine& machine,
                                       std::span<const StrokeStretches> recorded) = nullptr;
   /// "Record 40 strokes at 20 mm/s ... (200 s of drawing)" for the person at the machine.
-  std::string (*text)(const StrokeSeries& series, int strokes, double seconds) = nullptr;
+  Told (*text)(const StrokeSeries& series, int strokes, double seconds) = nullptr;
   /// Of a machine with states; nullptr: what was recorded is varied only.
   std::vector<InputCourse> (*courses)(const Machine& machine) = nullptr;
 };

@@ -15,7 +15,11 @@ const MachineKind& KindOf(const Machine& machine) {
   static const MachineKind kNone = [] {
     MachineKind none;
     none.words = [](const Machine&) {
-      return MachineWords{"output", "stroke", "what drives the machine", "", false};
+      return MachineWords{{"output", "Ausgang"},
+                          {"stroke", "Hub"},
+                          {"what drives the machine", "was die Maschine antreibt"},
+                          {},
+                          false};
     };
     return none;
   }();
@@ -61,6 +65,11 @@ std::string_view OutputSi(const Machine& machine) {
 }
 
 MachineWords WordsOf(const Machine& machine) { return KindOf(machine).words(machine); }
+
+MachinePicture PictureOf(const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  return kind.picture != nullptr ? kind.picture() : PictureOfSignals(machine);
+}
 
 const MachineParameter* FindParameter(const MachineKind& kind, std::string_view name) {
   for (const MachineParameter& parameter : kind.parameters)

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "core/result.h"
+#include "core/told.h"
 #include "models/closed_loop.h"
 #include "models/effect.h"
 #include "models/experimenter.h"
 #include "models/linear_form.h"
 #include "models/machine.h"
 #include "models/machine_draft.h"
+#include "models/machine_picture.h"
 #include "models/machine_words.h"
 #include "models/standstill_rule.h"
 
@@ -28,10 +30,10 @@ struct PlausibleSize {
 /// One signal, known value or parameter of a kind of machine.
 struct MachineInput {
   std::string_view name;
-  std::string_view si;       ///< SI unit its value must have
-  bool required;             ///< false: only some effects need it
-  std::string_view meaning;  ///< for messages
-  bool positive = false;     ///< must be greater than 0
+  std::string_view si;    ///< SI unit its value must have
+  bool required;          ///< false: only some effects need it
+  Wording meaning;        ///< for messages
+  bool positive = false;  ///< must be greater than 0
   /// Of known values, where `highest` is above `lowest`: no machine has one outside, in `unit` for messages.
   double lowest = 0, highest = 0;
   std::string_view unit = "";
@@ -43,7 +45,8 @@ struct MachineInput {
 
 /// A physical parameter that is identified.
 struct MachineParameter {
-  std::string_view name, si, meaning;
+  std::string_view name, si;
+  Wording meaning;
   std::string_view symbol = "";    ///< for plots, "Q_{vn}"; "" = the name
   std::string_view sentence = "";  ///< for reports: what it is, what moves it
   std::string_view shown = "";     ///< unit of plots where the usual one of `si` does not do, ...
@@ -53,8 +56,8 @@ struct MachineParameter {
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.
 struct MachineKind {
-  std::string_view id;     ///< `model` of the machine file
-  std::string_view title;  ///< "die cushion"
+  std::string_view id;  ///< `model` of the machine file
+  Wording title;        ///< "die cushion"
   std::span<const MachineInput> signals, geometry;
   std::span<const MachineParameter> parameters;
   std::string_view output_unit;  ///< SI; "": [balance] of the machine file says
@@ -65,6 +68,8 @@ struct MachineKind {
   /// signal it does not measure are left out. nullptr: the machine file says. `effects` are texts then (Effect::adds).
   StatesSpec (*states)(const Machine&) = nullptr;
   MachineWords (*words)(const Machine&) = nullptr;
+  /// How it is drawn; nullptr: as its signals (PictureOfSignals).
+  MachinePicture (*picture)() = nullptr;
   /// Signal of the temperature, K, that parameters are compensated for; "" = none.
   std::string_view temperature = "";
   std::string_view supply = "";                ///< signal of the supply pressure, Pa; "" = none
@@ -101,6 +106,7 @@ std::vector<std::string> KindNames();
 /// SI unit of the output of a machine, which must outlive it.
 std::string_view OutputSi(const Machine& machine);
 MachineWords WordsOf(const Machine& machine);
+MachinePicture PictureOf(const Machine& machine);
 /// Whether its rows are judged episode by episode, each as a whole: machines with states and plants in closed loop. What an
 /// episode leaves behind is linearised in the parameters (models/episode_structure.h).
 inline bool InEpisodes(const MachineKind& kind) { return kind.has_states || kind.closed_loop != nullptr; }

@@ -85,16 +85,16 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
 
 /// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they
 /// are not, or none are kept.
-std::string SlowRowsKept(const Database& database, const std::string& path, const HistoryPart& part,
-                         const RunInfo& run, const Machine& machine) {
+Told SlowRowsKept(const Database& database, const std::string& path, const HistoryPart& part,
+                  const RunInfo& run, const Machine& machine) {
   const std::int64_t last = std::min(part.last, run.first_sequence + run.strokes);
   const std::int64_t first = std::max({part.first, run.first_sequence, last - kStrokesWhoseRowsAreLookedAt});
   const auto strokes = database.SummariesOf(part.id, first, last, kLooked);
-  if (!strokes || strokes->empty()) return "";
+  if (!strokes || strokes->empty()) return {};
   auto rows = OpenRawRun(path, run.id, strokes->front().begin, strokes->back().end, machine);
-  if (!rows) return "";
+  if (!rows) return {};
   const auto trust = JudgeRows(**rows, machine);
-  return trust && !trust->rate.fast_enough ? trust->rate.sentence : "";
+  return trust && !trust->rate.fast_enough ? trust->rate.sentence : Told{};
 }
 
 void Append(std::vector<LearningDoubt>& all, std::vector<LearningDoubt> more) {
@@ -115,8 +115,8 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
   if (!runs) return std::nullopt;
   for (const RunInfo& run : *runs) {
     if (run.first_sequence >= part.last || run.first_sequence + run.strokes <= part.first) continue;
-    const std::string slow = run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine)
-                                                       : ParseRunSummary(run.summary_json).too_slow;
+    const Told slow = run.source == kLiveSource ? SlowRowsKept(database, path, part, run, machine)
+                                                : Told(ParseRunSummary(run.summary_json).too_slow);
     if (!slow.empty())
       return LearningDoubt{Kind::kTooSlow,
                            Tell("run {} ({}): {}", "Lauf {} ({}): {}", run.id, run.source, slow)};

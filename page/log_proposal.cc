@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "page/log_picture.h"
+#include "page/machine_info.h"
 #include "setup/column_meaning.h"
 
 namespace hydroscope {
@@ -34,16 +35,26 @@ std::string ColumnOf(const MachineProposal& proposal, const std::string& signal)
 }
 
 nlohmann::json PinJson(const LogColumns& log, const MachineProposal& proposal, const std::string& signal,
-                       std::string_view meaning, bool required, std::string_view si) {
-  nlohmann::json pin = {{"signal", signal},  {"meaning", meaning}, {"required", required}, {"si", si},
-                        {"column", nullptr}, {"unit", nullptr},    {"why", nullptr},       {"sure", false}};
+                       const Wording& meaning, bool required, std::string_view si) {
+  nlohmann::json pin = {{"signal", signal},
+                        {"meaning", meaning.english},
+                        {"german", {{"meaning", meaning.german}}},
+                        {"required", required},
+                        {"si", si},
+                        {"column", nullptr},
+                        {"unit", nullptr},
+                        {"why", nullptr},
+                        {"sure", false}};
   const std::string reference = ColumnOf(proposal, signal);
   const LogColumn* column = FindColumn(log, reference);
   if (column == nullptr) return pin;
   pin["column"] = reference;
   for (const ProposedColumn& proposed : proposal.columns)
     if (proposed.signal == signal)
-      pin.update({{"unit", proposed.unit}, {"why", proposed.why}, {"sure", proposed.sure}});
+      pin.update({{"unit", proposed.unit},
+                  {"why", proposed.why.english},
+                  {"german", {{"meaning", meaning.german}, {"why", proposed.why.german}}},
+                  {"sure", proposed.sure}});
   const int index = proposal.machine.SignalIndex(signal);
   if (index < 0) return pin;
   const SignalSpec& spec = proposal.machine.signals[static_cast<std::size_t>(index)];
@@ -61,7 +72,7 @@ nlohmann::json PinJson(const LogColumns& log, const MachineProposal& proposal, c
 /// What the machine's kind reads, then signals of its own.
 nlohmann::json PinsJson(const LogColumns& log, const MachineProposal& proposal) {
   nlohmann::json pins = nlohmann::json::array();
-  pins.push_back(PinJson(log, proposal, "time", "time", false, "s"));
+  pins.push_back(PinJson(log, proposal, "time", {"time", "Zeit"}, false, "s"));
   const MachineKind& kind = KindOf(proposal.machine);
   for (const MachineInput& input : kind.signals)
     pins.push_back(PinJson(log, proposal, std::string(input.name), input.meaning, input.required, input.si));
@@ -97,7 +108,8 @@ nlohmann::json GeometryJson(const Machine& machine) {
   for (const MachineInput& input : KindOf(machine).geometry) {
     const auto known = machine.Geometry(std::string(input.name));
     out.push_back({{"name", input.name},
-                   {"meaning", input.meaning},
+                   {"meaning", input.meaning.english},
+                   {"german", {{"meaning", input.meaning.german}}},
                    {"required", input.required},
                    {"si", input.si},
                    {"value", known ? nlohmann::json(known->value) : nlohmann::json()},
@@ -170,7 +182,9 @@ nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& propos
     if (const auto built = KindOf(machine).build(*usable); !built) problem = built.error().text;
   return {{"machine", machine.name},
           {"model", machine.model},
-          {"title", KindOf(machine).title},
+          {"title", KindOf(machine).title.english},
+          {"german", {{"title", KindOf(machine).title.german}}},
+          {"picture", PictureJson(machine)},
           {"pins", pins},
           {"columns", ColumnsJson(log, pins)},
           {"geometry", GeometryJson(machine)},

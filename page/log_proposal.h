@@ -12,7 +12,7 @@ namespace hydroscope {
 MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mapping);
 
 /// A proposal for the page: `machine` (name), `model`, `title`, `pins` (what the machine reads: `signal`, `meaning`,
-/// `required`, `si`, `column`, `unit`, `why`, `sure`, `low`, `high`, `shown_unit`), `columns` (`column`, `name`, `unit`,
+/// `german`, `required`, `si`, `column`, `unit`, `why`, `sure`, `low`, `high`, `shown_unit`), `picture` (page/machine_info.h), `columns` (`column`, `name`, `unit`,
 /// `low`, `high` as in the log, `thumbnail`, `signal`), `geometry` (`name`, `meaning`, `required`, `si`, `value`, `lowest`,
 /// `highest`), `gate`, `units` (that may be chosen), `decided`, `open`, `rows`, `duration_s`, `text` (the machine file),
 /// `problem` (why that cannot be used yet, or null).

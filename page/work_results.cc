@@ -94,7 +94,8 @@ Result<nlohmann::json> TryChange(const std::string& effect, MakeNext make_next, 
       {"effect", effect},
       {"error", changed->error},
       {"held_out", changed->held_out},
-      {"warnings", changed->warnings},
+      {"warnings", InEnglish(changed->warnings)},
+      {"german", {{"warnings", InGerman(changed->warnings)}}},
       {"parameters_before", count > 1 ? versions[count - 2]["parameters"] : nlohmann::json()},
       {"parameters_after", count > 0 ? versions[count - 1]["parameters"] : nlohmann::json()}};
 }

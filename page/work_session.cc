@@ -10,6 +10,7 @@
 #include "models/machine_kind.h"
 #include "page/log_picture.h"
 #include "page/log_proposal.h"
+#include "page/machine_info.h"
 #include "page/machine_versions.h"
 #include "replay/log_head.h"
 #include "workbench/model/model_edit.h"
@@ -417,20 +418,8 @@ nlohmann::json WorkSession::Json() const {
   const auto machine = LoadMachine(machine_file_);
   if (machine_file_.empty() || !machine) return out;
   out["machine"] = ModelJson(*machine);
-  const MachineWords words = WordsOf(*machine);
-  out["machine"].update({{"name", machine->name},
-                         {"title", KindOf(*machine).title},
-                         {"own_effects", nlohmann::json::array()},
-                         {"version", machine->model_version},
-                         {"effects", machine->added_effects},
-                         {"output", words.output},
-                         {"stroke", words.stroke},
-                         {"sign", words.sign},
-                         {"counted", CountedWordsOf(*machine).one},
-                         {"states", KindOf(*machine).has_states},
-                         {"suggested_file", std::filesystem::path(machine_file_).filename().string()}});
-  for (const UserEffectSpec& effect : machine->user_effects)
-    out["machine"]["own_effects"].push_back(effect.id);
+  out["machine"].update(MachineInfoJson(*machine));
+  out["machine"]["suggested_file"] = std::filesystem::path(machine_file_).filename().string();
   out["versions"] = VersionsWithErrors();
   out["units"] = UnitsJson(*machine);
   out["unsaved"] = TextIn(machine_file_) != saved_text_;

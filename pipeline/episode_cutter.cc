@@ -91,8 +91,9 @@ void EpisodeCutter::TakeRow(const SampleBlock& block, std::size_t row) {
   if (const bool marked = marker_.Changes(block.signal, row); breaks || marked) End();
   if (breaks && warnings_.size() < kMostWarnings)
     warnings_.push_back(
-        fmt::format("the clock steps by {:.4g} s at row {} ({:.6g} s): a new episode begins there",
-                    block.time[row] - *last_time_, row_ + 1, block.time[row]));
+        Tell("the clock steps by {:.4g} s at row {} ({:.6g} s): a new episode begins there",
+             "die Uhr springt um {:.4g} s in Zeile {} ({:.6g} s): dort beginnt eine neue Episode",
+             block.time[row] - *last_time_, row_ + 1, block.time[row]));
   last_time_ = block.time[row];
   for (StrokeCounters* c : {&totals_, &present_}) ++c->samples;
   for (const auto& flags : block.quality)
@@ -167,8 +168,10 @@ bool EpisodeCutter::AtAngles(Episode& episode) {
   const double rows = RowsPerRevolution(episode, shaft_);
   if (rows > 0 && rows < kLeastRowsPerRevolution) {
     if (warnings_.size() < kMostWarnings)
-      warnings_.push_back(fmt::format(
+      warnings_.push_back(Tell(
           "{:.3g} rows per revolution of the shaft at {:.6g} s, {} are needed to take its ripple out: it is left in",
+          "{:.3g} Zeilen je Umdrehung der Welle bei {:.6g} s, {} sind nötig, um ihre Welligkeit herauszunehmen: sie bleibt "
+          "darin",
           rows, episode.time.front(), kLeastRowsPerRevolution));
     return true;
   }

@@ -53,7 +53,7 @@ class EpisodeCutter {
   /// Pieces that were too short.
   std::int64_t discarded() const { return discarded_; }
   /// Steps of the clock, a sentence each; the first ten.
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<Told>& warnings() const { return warnings_; }
   /// s for which [gate] has not held.
   double outside() const { return outside_; }
 
@@ -91,7 +91,7 @@ class EpisodeCutter {
   double outside_ = 0;
   StrokeCounters totals_, present_;
   std::int64_t discarded_ = 0;
-  std::vector<std::string> warnings_;
+  std::vector<Told> warnings_;
 };
 
 }  // namespace hydroscope

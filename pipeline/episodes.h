@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/states/simulation.h"
 #include "pipeline/log_pass.h"
 
@@ -14,7 +15,7 @@ struct EpisodeLog {
   std::vector<Episode> episodes;
   std::int64_t rows = 0, used = 0;
   double period = 0;  ///< s
-  std::vector<std::string> warnings;
+  std::vector<Told> warnings;
   LogPass pass;  ///< of the last log
 
   double Seconds() const;

@@ -51,9 +51,9 @@ Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine) {
 
 std::vector<std::string> LogTrust::Warnings() const {
   std::vector<std::string> warnings;
-  if (!rate.fast_enough) warnings.push_back(rate.sentence);
-  for (const std::string& sentence : floor.sentences)
-    warnings.push_back(sentence + (floor.believable ? "" : "; the noise floor is not believed"));
+  if (!rate.fast_enough) warnings.push_back(rate.sentence.english);
+  for (const Told& sentence : floor.sentences)
+    warnings.push_back(sentence.english + (floor.believable ? "" : "; the noise floor is not believed"));
   return warnings;
 }
 

@@ -53,7 +53,7 @@ TEST(LogTrust, GivesNoVerdictWhereRowsAreTooFarApart) {
 TEST(LogTrust, LeavesVerdictsOfDenseRowsAsTheyAre) {
   for (const std::size_t every : {1, 5}) {
     const LogTrust trust = JudgeStrokes(Thinned(3, {}, every));
-    EXPECT_TRUE(trust.rate.fast_enough) << every << trust.rate.sentence;
+    EXPECT_TRUE(trust.rate.fast_enough) << every << trust.rate.sentence.english;
     EXPECT_TRUE(trust.floor.believable) << every << trust.floor.why;
     EXPECT_THAT(trust.Warnings(), IsEmpty());
   }

@@ -221,7 +221,7 @@ Status JudgeStrokes(const std::string& database, const Machine& machine,
         "{}: {}: the {} is {:.4g} {}, which no such machine has; plausible: {:g} to {:g} {}. They were "
         "replayed with a wrong unit of {} or of the time: correct the machine "
         "file and replay into a new database",
-        database, machine.name, condition.title, most * unit.factor, unit.name,
+        database, machine.name, condition.title.english, most * unit.factor, unit.name,
         condition.lowest * unit.factor, condition.highest * unit.factor, unit.name, condition.signal);
   }
   return {};

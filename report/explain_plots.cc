@@ -175,7 +175,7 @@ std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {
        {std::pair(order[order.size() / 2], "median error"), std::pair(order.back(), "largest error")}) {
     const StrokeResiduals& stroke = base[s];
     StrokeOverlay overlay;
-    overlay.output = result.log.model->words.output;
+    overlay.output = result.log.model->words.output.english;
     overlay.unit = OutputUnit(result.log.model.get());
     overlay.sequence = result.log.strokes[s].summary.index;
     overlay.label = label;

@@ -101,7 +101,7 @@ std::vector<std::string> Sentences(const ExplainResult& result) {
     out.push_back(
         "Look at where the error lies (map below) and check the signals with <code>hydroscope check</code>.");
   if (const auto experiment = WhatToRecord(result))
-    out.push_back("To record next: " + EscapeText(*experiment));
+    out.push_back("To record next: " + EscapeText(experiment->english));
   return out;
 }
 
@@ -128,7 +128,7 @@ std::string Overlays(const ExplainResult& result) {
 std::string Maps(const ExplainResult& result) {
   const std::string rms = ResidualMap(result, false), mean = ResidualMap(result, true);
   if (rms.empty()) return "";
-  const std::string& sign = result.log.model->words.sign;
+  const std::string& sign = result.log.model->words.sign.english;
   std::string out =
       "<h2>Where the model errs</h2>\n<div class=\"halves\">" +
       Figure(rms, "Model error with sensor noise taken out, over the two signals that explain it best.") +
@@ -163,9 +163,9 @@ std::string Ranking(const ExplainResult& result) {
     rows += "<tr><td>" + EscapeText(id) + "</td><td>" + EscapeText(why) + "</td></tr>";
   };
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable || !ranked.fit.solved) row(ranked.id, ranked.why_not);
+    if (!ranked.testable || !ranked.fit.solved) row(ranked.id, ranked.why_not.english);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
-    row(unmeasured.effect->id, WhyUnmeasured(unmeasured));
+    row(unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
   if (!rows.empty())
     out +=
         "<div class=\"sheet ids\"><table><tr><th>Not in the ranking</th><th>Why (which does not mean "

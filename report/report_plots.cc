@@ -214,7 +214,7 @@ std::string ErrorPlot(const ReportInput& input) {
   options.title = fmt::format("model error of every {}", counted.one);
   options.x_label = NumberOf(counted);
   const DisplayUnit unit = OutputUnit(input.machine);
-  options.y_label = fmt::format("{} error, rms ({})", WordsOf(input.machine).output, unit.name);
+  options.y_label = fmt::format("{} error, rms ({})", WordsOf(input.machine).output.english, unit.name);
   options.whole_x = true;
   std::vector<double> error, floor;
   std::vector<std::string> titles;

@@ -330,7 +330,7 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
     out.push_back(
         fmt::format("The model explains the measured {} about down to what sensor noise "
                     "leaves ({} times the noise floor).",
-                    EscapeText(WordsOf(input.machine).output), times));
+                    EscapeText(WordsOf(input.machine).output.english), times));
   else if (InEpisodes(KindOf(input.machine)))  // whose effects are tried on logs alone
     out.push_back(fmt::format(
         "The model error is {} times what white sensor noise would leave: the noise is not white, or "

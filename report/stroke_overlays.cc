@@ -38,7 +38,7 @@ StrokeOverlays::Kept StrokeOverlays::Compare(const StrokeRecord& record,
   const int output = pipeline_.model().output_column();
   Kept stroke;
   stroke.overlay.sequence = record.summary.index;
-  stroke.overlay.output = pipeline_.model().words.output;
+  stroke.overlay.output = pipeline_.model().words.output.english;
   stroke.overlay.unit = OutputUnit(&pipeline_.model());
   stroke.overlay.noise_floor = record.summary.noise_floor;
   stroke.overlay.time = time_;

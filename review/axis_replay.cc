@@ -229,7 +229,7 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary = std::move(pass->summary);
   const LogTrust trust = first.Judge(pipeline);
   replay.summary.warnings = trust.Warnings();
-  if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence;
+  if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence.english;
   replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
   if (const Status finished =
           database_.FinishRun(replay.run.id, FormatRunSummary(replay.summary), pipeline.SaveState());

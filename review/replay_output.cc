@@ -91,7 +91,7 @@ std::string Troubles(const ReplayOutcome& outcome) {
 std::string ParameterTable(const ReplayOutcome& outcome) {
   if (outcome.latest.empty())
     return fmt::format("\nNo parameter is identified yet: it takes one {} or more with enough equations.\n",
-                       WordsOf(outcome.machine).stroke);
+                       WordsOf(outcome.machine).stroke.english);
   const CountedWords counted = CountedWordsOf(outcome.machine);
   std::string text =
       fmt::format("\nafter {} {} of this machine, counted from 0 ({} of {} in the database)\n", counted.one,

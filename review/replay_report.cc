@@ -87,7 +87,7 @@ std::vector<SkippedItem> Skipped(const Sums& sums, const Machine& machine,
   add(fmt::format("{} too short", counted.many), sums.discarded,
       "shorter than min_stroke in [gate] of the machine file");
   add("rows outside the gate", sums.outside,
-      fmt::format("the model describes the {} only ([gate] conditions)", WordsOf(machine).stroke));
+      fmt::format("the model describes the {} only ([gate] conditions)", WordsOf(machine).stroke.english));
   add("rows inside the gate, not used", sums.unused,
       fmt::format("too few in a row for an equation: end of {}, or beside a bad value",
                   counted.with_article));

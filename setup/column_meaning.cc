@@ -11,142 +11,6 @@
 namespace hydroscope {
 namespace {
 
-bool IsPressure(Role role) {
-  return role == Role::kPressureA || role == Role::kPressureB || role == Role::kSupplyPressure ||
-         role == Role::kTankPressure || role == Role::kPressure;
-}
-
-std::string_view SiOf(Role role) {
-  if (IsPressure(role)) return "Pa";
-  switch (role) {
-    case Role::kTime:
-      return "s";
-    case Role::kPosition:
-    case Role::kPositionCommand:
-      return "m";
-    case Role::kValveCommand:
-      return "V";
-    case Role::kOilTemperature:
-      return "K";
-    case Role::kForce:
-      return "N";
-    default:
-      return "1";
-  }
-}
-
-/// The unit of the header as the machine file writes it: "Bar", "C", "°C", "grad" are usual spellings.
-std::string KnownSpelling(const std::string& unit) {
-  if (FindUnit(unit)) return unit;
-  std::string lower = unit;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (lower == "c" || lower == "deg c" || lower == "grad c" || lower == "celsius") return "degC";
-  if (lower == "sec" || lower == "sek") return "s";
-  if (lower == "-" || lower == "pu") return "1";
-  for (const std::string& name : UnitNames()) {
-    std::string candidate = name;
-    for (char& c : candidate) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (candidate == lower) return name;
-  }
-  return "";
-}
-
-std::string Size(const LogColumn& column) {
-  return fmt::format("values {:.4g} ... {:.4g}", column.low, column.high);
-}
-
-UnitGuess PressureBySize(double largest) {
-  const std::string seen = fmt::format("pressures reach {:.4g}", largest);
-  if (largest > 2e5) return {"Pa", 1, 0, seen + ", which can only be Pa"};
-  if (largest > 2e3) return {"kPa", 1, 0, seen + ", which fits kPa", false};
-  if (largest > 45) return {"bar", 1, 0, seen + ", which fits bar"};
-  if (largest > 12) return {"MPa", 1, 0, seen + ", which fits MPa; if it is bar, write bar", false};
-  return {"bar", 1, 0, seen + "; taken as bar, it may be MPa or volts", false};
-}
-
-/// Day numbers of a spreadsheet: 20000 is in 1954, 80000 in 2119; rows are at most minutes apart.
-bool IsDayNumber(const LogColumn& column) {
-  return column.low > 20'000 && column.high < 80'000 && column.step > 0 && column.step < 1e-3 &&
-         column.span() < 400;
-}
-
-/// The unit in which one stroke of the machine takes a plausible time: the nearest to some seconds.
-std::optional<UnitGuess> TimeByCycles(const LogColumn& column, double rows_per_cycle) {
-  constexpr double kShortest = 0.2, kLongest = 300, kUsual = 6;  // s, of a press stroke with its return
-  if (!(rows_per_cycle > 0)) return std::nullopt;
-  std::optional<UnitGuess> best;
-  double least = 0;
-  for (const char* name : {"s", "ms", "us"}) {
-    const double cycle = rows_per_cycle * column.step * FindUnit(name)->scale;
-    if (cycle < kShortest || cycle > kLongest) continue;
-    const double away = std::abs(std::log(cycle / kUsual));
-    if (best && away >= least) continue;
-    least = away;
-    best = UnitGuess{name, 1, 0,
-                     fmt::format("steps of {:.4g}; as {} a stroke with its return takes {:.3g} s",
-                                 column.step, name, cycle),
-                     true};
-  }
-  return best;
-}
-
-UnitGuess TimeBySize(const LogColumn& column, double rows_per_cycle) {
-  const std::string seen = fmt::format("steps of {:.4g}", column.step);
-  if (column.date) return {"s", 1, 0, "date or time of day"};
-  if (IsDayNumber(column))
-    return {"d", 1, 0,
-            fmt::format("numbers near {:.0f} with steps of {:.3g}: days of a spreadsheet", column.low,
-                        column.step)};
-  if (const auto guess = TimeByCycles(column, rows_per_cycle)) return *guess;
-  if (column.step >= 200) return {"us", 1, 0, seen + ", which fits us", false};
-  if (column.step >= 0.2) return {"ms", 1, 0, seen + ", which fits ms", column.step < 100};
-  return {"s", 1, 0, seen + ", which fits s"};
-}
-
-UnitGuess SpoolBySize(const LogColumn& column, const std::string& header) {
-  const double largest = std::max(std::abs(column.low), std::abs(column.high));
-  if (header == "V") return {"1", 0.1, 0, "volts in the header, 10 V taken as fully open", false};
-  if (header == "mA") return {"1", 0.125, -1.5, "mA in the header, 4 ... 20 mA taken as -1 ... 1", false};
-  if (largest <= 1.5) return {"1", 1, 0, Size(column) + " fit -1 ... 1"};
-  if (largest <= 12)
-    return {"1", 0.1, 0,
-            Size(column) + " taken as volts, 10 V fully open; if it is %, write unit % and no scale", false};
-  return {"%", 1, 0, Size(column) + " fit %", largest <= 130};
-}
-
-/// The spool tells volts from per cent and from -1 ... 1: full command opens it fully.
-UnitGuess CommandBySize(const LogColumn& column, const std::string& header, double spool_span) {
-  const double largest = std::max(std::abs(column.low), std::abs(column.high));
-  const double ratio = spool_span > 0 ? column.span() / spool_span : 0;
-  if (header == "mA") return {"V", 0.625, -7.5, "mA in the header, 4 ... 20 mA taken as -10 ... 10 V", false};
-  if (header == "%") return {"V", 0.1, 0, "% in the header, 100 % = 10 V"};
-  const std::string seen = fmt::format("{}, {:.3g} times the spool's, ", Size(column), ratio);
-  if (ratio > 40) return {"V", 0.1, 0, seen + "taken as %, 100 % = 10 V", false};
-  if (ratio > 4) return {"V", 1, 0, seen + "fit V", largest <= 15};
-  if (ratio > 0) return {"V", 10, 0, seen + "taken as -1 ... 1 of 10 V", false};
-  if (largest > 15) return {"V", 0.1, 0, Size(column) + " taken as %, 100 % = 10 V", false};
-  return {"V", 1, 0, Size(column) + " taken as V", largest > 1.05};
-}
-
-constexpr double kLoopLow = 3.6, kLoopHigh = 20.8;  ///< mA, NAMUR NE 43: a live 4 ... 20 mA signal
-/// Ranges that such transmitters usually have; the plate on the sensor knows.
-constexpr double kLoopPressure = 400, kLoopTravel = 500, kLoopTemperature = 100;  ///< bar, mm, K
-
-/// 4 ... 20 mA as 0 ... `range` of `unit`.
-UnitGuess CurrentLoop(const char* unit, double range, const std::string& seen) {
-  const double scale = range / 16;
-  return {unit, scale, -4 * scale,
-          fmt::format("{}: 4 ... 20 mA, taken as 0 ... {:g} {}, a guess: write the range of the sensor", seen,
-                      range, unit),
-          false};
-}
-
-UnitGuess PositionBySize(const LogColumn& column) {
-  const double largest = std::max(std::abs(column.low), std::abs(column.high));
-  if (largest > 6) return {"mm", 1, 0, Size(column) + " fit mm"};
-  return {"m", 1, 0, Size(column) + " fit m", largest <= 2.5 && column.span() < 2.5};
-}
-
 bool Taken(const std::vector<ColumnRole>& roles, Role role) {
   return std::any_of(roles.begin(), roles.end(), [&](const ColumnRole& r) { return r.role == role; });
 }
@@ -160,7 +24,7 @@ void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
     if (!column.numeric() || !head.layout.header) continue;
     const auto role = RoleByName(column.name);
     if (!role || Taken(roles, *role)) continue;
-    roles.push_back({i, *role, fmt::format("name \"{}\"", column.name), true});
+    roles.push_back({i, *role, Tell("name \"{}\"", "Name „{}“", column.name), true});
   }
   // A log with one pressure only: it is the one the model needs.
   if (!Taken(roles, Role::kPressureA))
@@ -179,7 +43,9 @@ void TimeByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
     for (std::size_t i = 0; i < head.columns.size(); ++i) {
       const LogColumn& column = head.columns[i];
       if (Used(roles, i) || !column.rising || (column.step == 1) != counter) continue;
-      roles.push_back({i, Role::kTime, fmt::format("rises in every row, by {:.4g}", column.step), !counter});
+      roles.push_back({i, Role::kTime,
+                       Tell("rises in every row, by {:.4g}", "steigt in jeder Zeile, um {:.4g}", column.step),
+                       !counter});
       return;
     }
 }
@@ -204,18 +70,21 @@ void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles
       found.push_back(i);
   std::sort(found.begin(), found.end(),
             [&](std::size_t a, std::size_t b) { return head.columns[a].span() > head.columns[b].span(); });
-  const auto give = [&](std::size_t column, Role role, const char* why) {
+  const auto give = [&](std::size_t column, Role role, const Told& why) {
     if (!Taken(roles, role)) roles.push_back({column, role, why, false});
   };
-  if (!found.empty()) give(found[0], Role::kPressureA, "the pressure that moves most");
-  if (found.size() == 2) give(found[1], Role::kPressureB, "the other pressure");
+  if (!found.empty())
+    give(found[0], Role::kPressureA,
+         Told("the pressure that moves most", "der Druck, der sich am meisten bewegt"));
+  if (found.size() == 2) give(found[1], Role::kPressureB, Told("the other pressure", "der andere Druck"));
   if (found.size() < 3) return;
   const auto highest = std::max_element(found.begin() + 1, found.end(), [&](std::size_t a, std::size_t b) {
     return head.columns[a].low < head.columns[b].low;
   });
-  give(*highest, Role::kSupplyPressure, "a high and steady pressure");
+  give(*highest, Role::kSupplyPressure, Told("a high and steady pressure", "ein hoher und stetiger Druck"));
   for (auto i = found.begin() + 1; i != found.end(); ++i)
-    if (i != highest) give(*i, Role::kPressureB, "a pressure that moves little");
+    if (i != highest)
+      give(*i, Role::kPressureB, Told("a pressure that moves little", "ein Druck, der sich wenig bewegt"));
 }
 
 /// Spool and command run together, within -1.2 ... 1.2 and within +-12; what is left and smooth is the
@@ -233,20 +102,28 @@ void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>
                          std::abs(command.high) < 12 && std::abs(command.low) < 12 &&
                          command.span() > 3 * spool.span();
       if (!sizes || Correlation(spool, command) < 0.8) continue;
-      roles.push_back({i, Role::kSpool, fmt::format("within -1 ... 1 and follows {}", command.name), false});
-      roles.push_back({k, Role::kValveCommand, fmt::format("within +-12, {} follows it", spool.name), false});
+      roles.push_back(
+          {i, Role::kSpool,
+           Tell("within -1 ... 1 and follows {}", "innerhalb -1 ... 1 und folgt {}", command.name), false});
+      roles.push_back({k, Role::kValveCommand,
+                       Tell("within +-12, {} follows it", "innerhalb +-12, {} folgt ihr", spool.name),
+                       false});
     }
   for (std::size_t i = 0; i < head.columns.size() && !Taken(roles, Role::kOilTemperature); ++i)
     if (free(i) && head.columns[i].low > 12 && head.columns[i].high < 95 && head.columns[i].span() < 15 &&
         Taken(roles, Role::kPressureA) && Taken(roles, Role::kSpool))
-      roles.push_back({i, Role::kOilTemperature, "hardly changes, within 12 ... 95", false});
+      roles.push_back({i, Role::kOilTemperature,
+                       Told("hardly changes, within 12 ... 95", "ändert sich kaum, innerhalb 12 ... 95"),
+                       false});
   if (Taken(roles, Role::kPosition) || !Taken(roles, Role::kPressureA)) return;
   std::optional<std::size_t> smoothest;
   for (std::size_t i = 0; i < head.columns.size(); ++i)
     if (free(i) && (!smoothest || head.columns[i].roughness < head.columns[*smoothest].roughness))
       smoothest = i;
   if (smoothest && head.columns[*smoothest].roughness < 0.1)
-    roles.push_back({*smoothest, Role::kPosition, "the smoothest of the remaining columns", false});
+    roles.push_back({*smoothest, Role::kPosition,
+                     Told("the smoothest of the remaining columns", "die glatteste der übrigen Spalten"),
+                     false});
 }
 
 /// A column's change over some rows, for its motion apart from noise.
@@ -292,8 +169,9 @@ class Anonymous {
     const LogColumn& c = head_.columns[i];
     return !Used(roles_, i) && c.numeric() && c.span() > 0 && !c.rising && !c.date;
   }
-  void Give(std::size_t column, Role role, const std::string& why) {
-    if (!Taken(roles_, role)) roles_.push_back({column, role, "guessed: " + why, false});
+  void Give(std::size_t column, Role role, const Told& why) {
+    if (!Taken(roles_, role))
+      roles_.push_back({column, role, Tell("guessed: {}", "geraten: {}", why), false});
   }
   /// Number of times the column comes back to the middle of its range: a drift does not.
   static bool GoesToAndFro(const LogColumn& column) {
@@ -318,7 +196,8 @@ class Anonymous {
           (!best || head_.columns[i].roughness < head_.columns[*best].roughness))
         best = i;
     if (!best) return false;
-    Give(*best, Role::kPosition, "the smoothest column that goes to and fro");
+    Give(*best, Role::kPosition,
+         Told("the smoothest column that goes to and fro", "die glatteste Spalte, die hin und her geht"));
     speed_ = Motion(head_.columns[*best], kLag);
     return true;
   }
@@ -342,10 +221,13 @@ class Anonymous {
         continue;
       const bool larger = head_.columns[k].span() > head_.columns[*best].span();
       spool = larger ? *best : k;
-      Give(larger ? k : *best, Role::kValveCommand, fmt::format("runs with {}", head_.columns[spool].name));
+      Give(larger ? k : *best, Role::kValveCommand,
+           Tell("runs with {}", "läuft mit {}", head_.columns[spool].name));
       break;
     }
-    Give(spool, Role::kSpool, "both signs, goes with the speed of the position");
+    Give(spool, Role::kSpool,
+         Told("both signs, goes with the speed of the position",
+              "beide Vorzeichen, geht mit der Geschwindigkeit der Position"));
   }
   void GuessPressure() {
     if (Taken(roles_, Role::kPressureA)) return;
@@ -358,7 +240,9 @@ class Anonymous {
       most = with;
       best = i;
     }
-    if (best) Give(*best, Role::kPressureA, "never negative, goes with the stroke");
+    if (best)
+      Give(*best, Role::kPressureA,
+           Told("never negative, goes with the stroke", "nie negativ, geht mit dem Hub"));
   }
   /// Of what is left, drifting slowly within 12 ... 95: oil temperature; the highest that stands: supply.
   void GuessRest() {
@@ -368,7 +252,8 @@ class Anonymous {
       if (!Free(i)) continue;
       const LogColumn& c = head_.columns[i];
       if (c.roughness < 0.5 && c.low > 12 && c.high < 95 && c.span() < 25) {
-        Give(i, Role::kOilTemperature, "drifts slowly within 12 ... 95");
+        Give(i, Role::kOilTemperature,
+             Told("drifts slowly within 12 ... 95", "wandert langsam innerhalb 12 ... 95"));
         continue;
       }
       if (c.low <= 0) continue;
@@ -381,11 +266,14 @@ class Anonymous {
     }
     const LogColumn* pressure = ColumnWith(Role::kPressureA);
     if (highest && pressure != nullptr && head_.columns[*highest].high > 0.8 * pressure->high)
-      Give(*highest, Role::kSupplyPressure, "high and steady, of the size of the pressure in A");
+      Give(*highest, Role::kSupplyPressure,
+           Told("high and steady, of the size of the pressure in A",
+                "hoch und stetig, von der Größe des Drucks in A"));
     else
       other = highest;
     if (other && pressure != nullptr && head_.columns[*other].high < 1.5 * pressure->high)
-      Give(*other, Role::kPressureB, "positive, of the size of the pressure in A");
+      Give(*other, Role::kPressureB,
+           Told("positive, of the size of the pressure in A", "positiv, von der Größe des Drucks in A"));
   }
   const LogColumn* ColumnWith(Role role) const {
     for (const ColumnRole& found : roles_)
@@ -399,88 +287,6 @@ class Anonymous {
 };
 
 }  // namespace
-
-UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
-  const bool named = column.unit.empty() && !UnitInName(column.name).empty();
-  const std::string header = named ? UnitInName(column.name) : KnownSpelling(column.unit);
-  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date)
-    return {header, 1, 0, named ? "unit in the name" : "unit in the header", true};
-  const bool milliamperes = header == "mA";
-  const std::string current = milliamperes ? "mA in the header or name" : Size(column);
-  const bool loop = milliamperes || (header.empty() && sizes.current_loop && column.low >= kLoopLow &&
-                                     column.high <= kLoopHigh);
-  if (IsPressure(role) && loop) return CurrentLoop("bar", kLoopPressure, current);
-  if ((role == Role::kPosition || role == Role::kPositionCommand) && loop)
-    return CurrentLoop("mm", kLoopTravel, current);
-  if (role == Role::kOilTemperature && loop) return CurrentLoop("degC", kLoopTemperature, current);
-  if (role == Role::kSpool && loop) return SpoolBySize(column, "mA");
-  if (role == Role::kValveCommand && loop) return CommandBySize(column, "mA", sizes.spool_span);
-  if (IsPressure(role)) return PressureBySize(sizes.largest_pressure);
-  switch (role) {
-    case Role::kTime:
-      return TimeBySize(column, sizes.rows_per_cycle);
-    case Role::kSpool:
-      return SpoolBySize(column, header);
-    case Role::kValveCommand:
-      return CommandBySize(column, header, sizes.spool_span);
-    case Role::kPosition:
-    case Role::kPositionCommand:
-      return PositionBySize(column);
-    case Role::kOilTemperature:
-      if (column.low > 220) return {"K", 1, 0, Size(column) + " fit K"};
-      return {"degC", 1, 0, Size(column) + " fit degC", column.low > -40 && column.high < 150};
-    default:
-      return {"N", 1, 0, Size(column) + " taken as N", false};
-  }
-}
-
-namespace {
-
-/// Rows from one rise through the middle of a column's range to the next, after it was low in between; 0 if
-/// there are fewer than three.
-double RowsPerCycle(const LogColumn& column) {
-  const double low = column.low + 0.25 * column.span(), high = column.low + 0.75 * column.span();
-  std::vector<double> rises;
-  bool was_low = false;
-  for (std::size_t i = 0; i < column.value.size(); ++i) {
-    if (column.value[i] < low) was_low = true;
-    if (!was_low || !(column.value[i] > high)) continue;
-    rises.push_back(static_cast<double>(i));
-    was_low = false;
-  }
-  if (rises.size() < 3) return 0;
-  return (rises.back() - rises.front()) / static_cast<double>(rises.size() - 1);
-}
-
-const LogColumn* ColumnOf(const LogColumns& head, const std::vector<ColumnRole>& roles, Role role) {
-  for (const ColumnRole& found : roles)
-    if (found.role == role) return &head.columns[found.column];
-  return nullptr;
-}
-
-}  // namespace
-
-SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles) {
-  SharedSizes sizes;
-  const LogColumn* pressure = ColumnOf(head, roles, Role::kPressureA);
-  const LogColumn* position = ColumnOf(head, roles, Role::kPosition);
-  if (pressure != nullptr && position != nullptr) sizes.rows_per_cycle = RowsPerCycle(*position);
-  // A cushion is relieved between strokes: 4 mA and a little. Pressures in MPa fall below that.
-  sizes.current_loop =
-      pressure != nullptr && pressure->low >= kLoopLow && pressure->low < 8 && pressure->high > 8;
-  for (const ColumnRole& found : roles)
-    if (IsPressure(found.role))
-      sizes.current_loop = sizes.current_loop && head.columns[found.column].low >= kLoopLow &&
-                           head.columns[found.column].high <= kLoopHigh;
-  for (const ColumnRole& found : roles) {
-    const LogColumn& column = head.columns[found.column];
-    if (IsPressure(found.role)) sizes.largest_pressure = std::max(sizes.largest_pressure, column.high);
-    if (found.role != Role::kSpool) continue;
-    const UnitGuess guess = GuessUnit(found.role, column, {});
-    sizes.spool_span = column.span() * guess.scale * FindUnit(guess.unit).value_or(Unit{}).scale;
-  }
-  return sizes;
-}
 
 std::vector<ColumnRole> AssignRoles(const LogColumns& head) {
   std::vector<ColumnRole> roles;

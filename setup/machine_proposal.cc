@@ -11,6 +11,7 @@
 #include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
 #include "setup/column_meaning.h"
+#include "setup/unit_guess.h"
 
 namespace hydroscope {
 namespace {
@@ -62,8 +63,8 @@ class Proposer {
     machine().log.time_column = column.reference;
     machine().log.time_unit = guess.unit;
     seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
-    result_.columns.push_back(
-        {"time", column.name, guess.unit, time->why + "; " + guess.why, time->sure && guess.sure});
+    result_.columns.push_back({"time", column.name, guess.unit,
+                               Tell("{}; {}", "{}; {}", time->why, guess.why), time->sure && guess.sure});
     result_.decided.push_back(fmt::format("rows are {:.3g} ms apart", seconds_ * 1e3));
     if (seconds_ > kSlowestPeriod)
       result_.open.push_back(
@@ -126,11 +127,11 @@ class Proposer {
       if (found.role == Role::kTime) continue;
       const LogColumn& column = head_.columns[found.column];
       const UnitGuess guess = GuessUnit(found.role, column, sizes);
-      AddSignal(SignalNameOf(found.role), column, guess, found.why + "; " + guess.why,
+      AddSignal(SignalNameOf(found.role), column, guess, Tell("{}; {}", "{}; {}", found.why, guess.why),
                 found.sure && guess.sure);
     }
   }
-  void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, std::string why,
+  void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, Told why,
                  bool sure) {
     SignalSpec spec;
     spec.name = name;
@@ -141,9 +142,10 @@ class Proposer {
     spec.required = Required(name);
     if (column.repeated > kRepeating) {
       spec.stuck_time = 0;
-      why += "; often repeats a reading, so it is never taken for stuck";
+      why = Tell("{}; often repeats a reading, so it is never taken for stuck",
+                 "{}; wiederholt oft einen Wert, gilt darum nie als hängend", why);
     }
-    notes_.signals[name] = why + (sure ? "" : "  <-- check");
+    notes_.signals[name] = why.english + (sure ? "" : "  <-- check");
     machine().signals.push_back(spec);
     result_.columns.push_back({name, column.name, guess.unit, why, sure});
   }
@@ -169,7 +171,9 @@ class Proposer {
       const bool row_counter = column.rising && column.step == 1;
       if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
       const bool known = FindUnit(column.unit).has_value();
-      const UnitGuess guess{known ? column.unit : "1", 1, 0, known ? "unit in the header" : "unit unknown",
+      const UnitGuess guess{known ? column.unit : "1", 1, 0,
+                            known ? Told("unit in the header", "Einheit in der Kopfzeile")
+                                  : Told("unit unknown", "Einheit unbekannt"),
                             known};
       AddSignal(FreeName(column.name), column, guess, guess.why, known);
       others_.push_back(i);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "models/machine.h"
 #include "setup/log_columns.h"
 
@@ -19,7 +20,7 @@ struct ProposedColumn {
   std::string signal;  ///< name in the machine file, "time" for the time column
   std::string column;  ///< column of the log
   std::string unit;
-  std::string why;
+  Told why;
   bool sure = true;  ///< false: a person should have a look
 };
 

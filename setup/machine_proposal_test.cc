@@ -103,7 +103,7 @@ TEST(MachineProposal, RecognisesTheExamplePressCompletely) {
                     {"U_v", "U_v V"},
                     {"T_oil", "T_oil degC"}});
   for (const ProposedColumn& column : proposal.columns)
-    EXPECT_TRUE(column.sure) << column.signal << ": " << column.why;
+    EXPECT_TRUE(column.sure) << column.signal << ": " << column.why.english;
   EXPECT_THAT(proposal.open, IsEmpty());
   EXPECT_THAT(proposal.decided, Contains(HasSubstr("z falls while the pressure is high")));
   ExpectLoads(proposal);
@@ -295,7 +295,7 @@ TEST(MachineProposal, TakesCurrentLoopsForAGuess) {
   for (const ProposedColumn& column : proposal.columns) {
     if (column.signal != "p_A" && column.signal != "z") continue;
     EXPECT_FALSE(column.sure) << column.signal;
-    EXPECT_THAT(column.why, HasSubstr("4 ... 20 mA")) << column.signal;
+    EXPECT_THAT(column.why.english, HasSubstr("4 ... 20 mA")) << column.signal;
   }
   ExpectLoads(proposal);
 }

@@ -339,7 +339,7 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,
         nonlinear, c.number, ErrorOverFloor(x.final),
-        (c.experiment.proposed() ? ExperimentText(c.experiment) : "-") + AfterText(c));
+        (c.experiment.proposed() ? ExperimentText(c.experiment).english : "-") + AfterText(c));
   }
 }
 

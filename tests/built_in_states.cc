@@ -74,19 +74,21 @@ std::vector<std::shared_ptr<const Effect>> Effects(const Machine&) {
   return {std::make_shared<Effect>(Leak()), std::make_shared<Effect>(UpperZero())};
 }
 
-const MachineKind kTanks = {.id = "tanks",
-                            .title = "two tanks",
-                            .signals = kSignals,
-                            .geometry = kGeometry,
-                            .parameters = kParameters,
-                            .output_unit = "m",
-                            .has_states = true,
-                            .states = Tanks,
-                            .words =
-                                [](const Machine&) {
-                                  return MachineWords{"level", "episode", "the pump", "", false};
-                                },
-                            .effects = Effects};
+const MachineKind kTanks = {
+    .id = "tanks",
+    .title = "two tanks",
+    .signals = kSignals,
+    .geometry = kGeometry,
+    .parameters = kParameters,
+    .output_unit = "m",
+    .has_states = true,
+    .states = Tanks,
+    .words =
+        [](const Machine&) {
+          return MachineWords{
+              {"level", "Stand"}, {"episode", "Episode"}, {"the pump", "die Pumpe"}, {}, false};
+        },
+    .effects = Effects};
 
 std::string File(const std::string& more, const std::string& signals = "") {
   return R"([machine]

@@ -60,8 +60,9 @@ void DoubtSlowRows(CheckResult& check) {
   if (rate.fast_enough) return;
   for (CheckedParameter& parameter : check.parameters) {
     parameter.verdict = Identifiability::kNot;
-    parameter.reason = "sampled too slowly";
-    parameter.advice = fmt::format("record a row every {:.3g} ms or faster", 1e3 * rate.needed_period);
+    parameter.reason = Tell("sampled too slowly", "zu langsam abgetastet");
+    parameter.advice = Tell("record a row every {:.3g} ms or faster",
+                            "eine Zeile alle {:.3g} ms oder schneller aufzeichnen", 1e3 * rate.needed_period);
   }
 }
 
@@ -70,7 +71,9 @@ void SendToExplain(CheckResult& check) {
   if (!check.suspicion.ExplainSaysMore()) return;
   for (CheckedParameter& parameter : check.parameters)
     if (parameter.verdict == Identifiability::kWeak)
-      parameter.advice = "find what the model misses first: 'hydroscope explain' with the same arguments";
+      parameter.advice =
+          Tell("find what the model misses first: 'hydroscope explain' with the same arguments",
+               "erst finden, was dem Modell fehlt: 'hydroscope explain' mit denselben Argumenten");
 }
 
 void TakeFit(Result<FitResult> fitted, const ModelStructure& model, CheckResult& check) {
@@ -106,7 +109,7 @@ void TakeStatesFit(const std::string& log, CheckResult& check) {
   pieces.strokes = static_cast<int>(fit->fit.pieces.size());
   pieces.of_one_log = true;
   check.parameters = JudgeParameters(fit->parameters, pieces);
-  check.suspicion.warnings = FitWarnings(*fit);
+  check.suspicion.warnings = InEnglish(FitWarnings(*fit));
   check.suspicion.suspected = fit->left.structured;
   SendToExplain(check);
   const double factor = fit->error.unit.factor;

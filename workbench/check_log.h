@@ -30,8 +30,8 @@ const char* IdentifiabilityName(Identifiability verdict);
 struct CheckedParameter {
   Estimate estimate;  ///< of the batch fit; only `parameter` and `unit` if there is no fit
   Identifiability verdict = Identifiability::kNot;
-  std::string reason;                        ///< why it is not good, "" if it is
-  std::string advice;                        ///< what to record to get it, "" if it is good
+  Told reason;                               ///< why it is not good, "" if it is
+  Told advice;                               ///< what to record to get it, "" if it is good
   std::vector<std::string> confounded_with;  ///< Confounding::effects
   double confounded_bias = 0;                ///< SI
 };

@@ -109,7 +109,7 @@ std::string Gate(const CheckResult& check) {
     text += fmt::format("  {:<34} holds in {:5.1f} % of the log\n", c.condition, 100 * c.share);
   if (d.strokes > 0) {
     for (const ConditionRange& range : d.ranges)
-      text += fmt::format("  {:<34} {}\n", range.condition.title, range.Text());
+      text += fmt::format("  {:<34} {}\n", range.condition.title.english, range.Text().english);
     if (std::isfinite(d.oil_min))
       text += fmt::format("  oil temperature                    {:.1f} to {:.1f} °C\n",
                           d.oil_min - kZeroCelsius, d.oil_max - kZeroCelsius);
@@ -146,8 +146,8 @@ std::string Identification(const CheckResult& check) {
     if (p.estimate.unit != "1" && std::isfinite(half))
       text += fmt::format("(+- {:.2g} %)", 100 * HalfWidth(p.estimate));
     text += "\n";
-    if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason);
-    if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice);
+    if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);
+    if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice.english);
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = OutputUnit(check.machine);
@@ -225,8 +225,9 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
     nlohmann::json one = ParametersJson({p.estimate})[p.estimate.parameter];
     one["verdict"] = IdentifiabilityName(p.verdict);
     one["half_width"] = HalfWidth(p.estimate);
-    one["why"] = p.reason;
-    one["advice"] = p.advice;
+    one["why"] = p.reason.english;
+    one["advice"] = p.advice.english;
+    one["german"] = {{"why", p.reason.german}, {"advice", p.advice.german}};
     if (!p.confounded_with.empty()) {
       one["confounded_with"] = p.confounded_with;
       one["confounded_bias"] = p.confounded_bias;
@@ -236,12 +237,10 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
   return out;
 }
 
-std::vector<std::string> Warnings(const CheckResult& check) {
-  std::vector<std::string> warnings;
-  if (!(check.figures.noise_floor > 0)) return warnings;
-  if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
-    warnings.push_back(impossible);
-  return warnings;
+std::vector<Told> Warnings(const CheckResult& check) {
+  if (!(check.figures.noise_floor > 0)) return {};
+  const Told impossible = ImpossibleFigures(check.figures);
+  return impossible.empty() ? std::vector<Told>{} : std::vector{impossible};
 }
 
 }  // namespace
@@ -261,37 +260,38 @@ nlohmann::json CheckJson(const CheckResult& check) {
   for (const LogFinding& f : s.findings)
     findings.push_back(
         {{"line", f.line}, {"column", f.column}, {"found", f.found}, {"expected", f.expected}});
-  nlohmann::json out = {{"log", check.log},
-                        {"machine", check.machine.name},
-                        {"rows", s.rows},
-                        {"rejected_rows", s.rejected_rows},
-                        {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
-                        {"findings", findings},
-                        {"clean", check.Clean()},
-                        {"duration_s", t.last - t.first},
-                        {"data_s", static_cast<double>(t.rows) * check.sample_period},
-                        {"sampling",
-                         {{"period_s", check.sample_period},
-                          {"rate_hz", 1 / check.sample_period},
-                          {"jitter_std_s", t.jitter},
-                          {"gaps", t.gaps},
-                          {"longest_gap_s", t.longest_gap},
-                          {"not_forward", t.not_forward},
-                          {"fast_enough", check.trust.rate.fast_enough},
-                          {"needed_period_s", check.trust.rate.needed_period}}},
-                        {"noise", NoiseJson(check.trust.floor)},
-                        {"signals", signals},
-                        {"gate", GateJson(check)},
-                        {"strokes", check.driving.strokes},
-                        {"parameters", ParametersCheckJson(check)},
-                        {"rms_holdout", check.figures.rms_holdout * unit.factor},
-                        {"noise_floor", check.figures.noise_floor * unit.factor},
-                        {"unit", unit.name},
-                        {"model_version", check.machine.model_version},
-                        {"effects", check.machine.added_effects},
-                        {"warnings", Warnings(check)},
-                        {"hints", InEnglish(check.hints)},
-                        {"german", {{"hints", InGerman(check.hints)}}}};
+  nlohmann::json out = {
+      {"log", check.log},
+      {"machine", check.machine.name},
+      {"rows", s.rows},
+      {"rejected_rows", s.rejected_rows},
+      {"stopped", s.stopped.empty() ? nlohmann::json(nullptr) : nlohmann::json(s.stopped)},
+      {"findings", findings},
+      {"clean", check.Clean()},
+      {"duration_s", t.last - t.first},
+      {"data_s", static_cast<double>(t.rows) * check.sample_period},
+      {"sampling",
+       {{"period_s", check.sample_period},
+        {"rate_hz", 1 / check.sample_period},
+        {"jitter_std_s", t.jitter},
+        {"gaps", t.gaps},
+        {"longest_gap_s", t.longest_gap},
+        {"not_forward", t.not_forward},
+        {"fast_enough", check.trust.rate.fast_enough},
+        {"needed_period_s", check.trust.rate.needed_period}}},
+      {"noise", NoiseJson(check.trust.floor)},
+      {"signals", signals},
+      {"gate", GateJson(check)},
+      {"strokes", check.driving.strokes},
+      {"parameters", ParametersCheckJson(check)},
+      {"rms_holdout", check.figures.rms_holdout * unit.factor},
+      {"noise_floor", check.figures.noise_floor * unit.factor},
+      {"unit", unit.name},
+      {"model_version", check.machine.model_version},
+      {"effects", check.machine.added_effects},
+      {"warnings", InEnglish(Warnings(check))},
+      {"hints", InEnglish(check.hints)},
+      {"german", {{"hints", InGerman(check.hints)}, {"warnings", InGerman(Warnings(check))}}}};
   AddSuspicion(check.suspicion, out);
   return out;
 }

@@ -85,8 +85,8 @@ std::string OverallText(const CompareResult& result) {
       "  ... {:<18} {:>8.3g}\n"
       "  sensor noise alone     {:>8.3g}\n"
       "  model error            {:>8.3g}   what is above the noise\n",
-      Capital(words.output), unit.name, o.rms_measured * unit.factor, o.rms_modelled * unit.factor,
-      o.rms_residual * unit.factor, PercentOfSignal(o), words.output,
+      Capital(words.output.english), unit.name, o.rms_measured * unit.factor, o.rms_modelled * unit.factor,
+      o.rms_residual * unit.factor, PercentOfSignal(o), words.output.english,
       fmt::format("{} left out", counted.many), result.model.figures.rms_holdout * unit.factor,
       o.noise_floor * unit.factor, ModelError(o) * unit.factor);
   if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);

@@ -16,13 +16,13 @@ constexpr double kAlike = 1.3;  ///< largest over smallest up to which strokes c
 
 bool ConditionRange::varies() const { return low > 0 && high > kAlike * low; }
 
-std::string ConditionRange::Text() const {
+Told ConditionRange::Text() const {
   const DisplayUnit unit = DisplayUnitFor(condition.unit);
   const auto number = [&](double si) {
     const double shown = si * unit.factor + unit.offset;
-    return std::abs(shown) >= 10 ? fmt::format("{:.0f}", shown) : fmt::format("{:.2g}", shown);
+    return TellNumber(std::abs(shown) >= 10 ? fmt::format("{:.0f}", shown) : fmt::format("{:.2g}", shown));
   };
-  return fmt::format("{} to {} {}", number(low), number(high), unit.name);
+  return Tell("{} to {} {}", "{} bis {} {}", number(low), number(high), unit.name);
 }
 
 void Widen(const std::vector<Condition>& conditions, const StrokeSummary& stroke,

@@ -17,7 +17,7 @@ struct ConditionRange {
   /// Whether the strokes differ in it enough to tell what depends on it.
   bool varies() const;
   /// "32 to 87 mm/s"
-  std::string Text() const;
+  Told Text() const;
 };
 
 /// The range of each condition over the strokes; empty without strokes.

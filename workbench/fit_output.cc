@@ -29,8 +29,8 @@ std::string WhyNot(const FitResult& result, const Estimate& e) {
   const Confounding* confounding = FindConfounding(result.confounded, e.parameter);
   if (e.reason != EstimateReason::kConfounded) return ReasonText(e.reason);
   if (confounding == nullptr)
-    return fmt::format("{}; vary {}", ReasonText(e.reason), result.log.model->words.vary);
-  return confounding->reason + "; " + confounding->advice;
+    return fmt::format("{}; vary {}", ReasonText(e.reason), result.log.model->words.vary.english);
+  return confounding->reason.english + "; " + confounding->advice.english;
 }
 
 std::vector<std::string> Warnings(const FitResult& result) {
@@ -103,8 +103,8 @@ nlohmann::json FitJson(const FitResult& result) {
     nlohmann::json& parameter = parameters[c.parameter];
     parameter["confounded_with"] = c.effects;
     parameter["confounded_bias"] = c.bias;
-    parameter["why"] = c.reason;
-    parameter["advice"] = c.advice;
+    parameter["why"] = c.reason.english;
+    parameter["advice"] = c.advice.english;
   }
   nlohmann::json out = {
       {"parameters", parameters},

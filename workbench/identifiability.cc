@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/reason_told.h"
 
 namespace hydroscope {
 namespace {
@@ -22,40 +23,48 @@ const ConditionRange* Constant(const Driving& d) {
 }
 
 /// What would excite the parameters better than this log does.
-std::string DriveBetter(const Driving& d) {
-  if (d.strokes == 0) return "first get strokes inside the gate: see the table of signals and the gate above";
+Told DriveBetter(const Driving& d) {
+  if (d.strokes == 0)
+    return Tell("first get strokes inside the gate: see the table of signals and the gate above",
+                "zuerst Hübe in das Gate bringen: siehe die Tabelle der Signale und das Gate oben");
   if (d.strokes < kFewStrokes)
-    return fmt::format("record at least {} strokes, this log has {}", kFewStrokes, d.strokes);
+    return Tell("record at least {} strokes, this log has {}",
+                "mindestens {} Hübe aufzeichnen, diese Aufzeichnung hat {}", kFewStrokes, d.strokes);
   if (const ConditionRange* same = Constant(d))
-    return fmt::format("vary {} between strokes: their {} was {}", same->condition.vary,
-                       same->condition.title, same->Text());
-  return fmt::format("vary {} more, also within a stroke", d.words.vary);
+    return Tell("vary {} between strokes: their {} was {}", "zwischen den Hüben variieren: {} ({}: {})",
+                same->condition.vary, same->condition.title, same->Text());
+  return Tell("vary {} more, also within a stroke", "mehr variieren, auch innerhalb eines Hubes: {}",
+              d.words.vary);
 }
 
 /// Intervals shrink with the square root of the number of strokes.
-std::string MoreStrokes(const Estimate& estimate, const Driving& d) {
+Told MoreStrokes(const Estimate& estimate, const Driving& d) {
   const double ratio = HalfWidth(estimate) / Goal(estimate);
   const double strokes = std::ceil(d.strokes * ratio * ratio / 10) * 10;
   if (!(strokes < kMostStrokesAdvised)) return DriveBetter(d);
-  if (d.of_one_log) return fmt::format("record {:.0f} times as long", std::ceil(ratio * ratio));
-  return fmt::format("record at least {:.0f} strokes like these {}", strokes, d.strokes);
+  if (d.of_one_log)
+    return Tell("record {:.0f} times as long", "{:.0f}-mal so lang aufzeichnen", std::ceil(ratio * ratio));
+  return Tell("record at least {:.0f} strokes like these {}",
+              "mindestens {:.0f} Hübe wie diese {} aufzeichnen", strokes, d.strokes);
 }
 
 void Explain(CheckedParameter& p, const Driving& d) {
   const Estimate& e = p.estimate;
   if (d.strokes < 2 && e.reason != EstimateReason::kOutsidePhysics) {
-    p.reason = "one stroke alone gives no interval";
+    p.reason = Tell("one stroke alone gives no interval", "ein Hub allein gibt kein Intervall");
     p.advice = DriveBetter(d);
   } else if (e.reason == EstimateReason::kOutsidePhysics) {
-    p.reason = ReasonText(e.reason);
-    p.advice = "check units, signs and geometry in the machine file";
-    if (d.strokes < kFewStrokes) p.advice += ", and " + DriveBetter(d);
+    p.reason = ReasonTold(e.reason);
+    p.advice = Tell("check units, signs and geometry in the machine file",
+                    "Einheiten, Vorzeichen und Geometrie in der Maschinendatei prüfen");
+    if (d.strokes < kFewStrokes) p.advice = Tell("{}, and {}", "{}, und {}", p.advice, DriveBetter(d));
   } else if (p.verdict == Identifiability::kNot) {
-    p.reason = e.reason == EstimateReason::kUpdated ? "the interval is wider than the value is worth"
-                                                    : ReasonText(e.reason);
+    p.reason = e.reason == EstimateReason::kUpdated ? Tell("the interval is wider than the value is worth",
+                                                           "das Intervall ist breiter, als der Wert groß ist")
+                                                    : ReasonTold(e.reason);
     p.advice = DriveBetter(d);
   } else if (p.verdict == Identifiability::kWeak) {
-    p.reason = "the interval is wide";
+    p.reason = Tell("the interval is wide", "das Intervall ist breit");
     p.advice = Constant(d) == nullptr ? MoreStrokes(e, d) : DriveBetter(d);
   }
 }
@@ -94,7 +103,7 @@ std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimate
   return out;
 }
 
-std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const std::string& why,
+std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const Told& why,
                                                    const Driving& driving) {
   std::vector<CheckedParameter> out;
   for (const DerivedParameter& derived : model.derive(Eigen::VectorXd::Ones(model.base_count))) {
@@ -103,7 +112,7 @@ std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, 
     p.estimate.unit = derived.unit;
     p.estimate.value = p.estimate.std = std::nan("");
     p.estimate.reason = driving.strokes == 0 ? EstimateReason::kNoStroke : EstimateReason::kConfounded;
-    p.reason = driving.strokes == 0 ? ReasonText(EstimateReason::kNoStroke) : why;
+    p.reason = driving.strokes == 0 ? ReasonTold(EstimateReason::kNoStroke) : why;
     p.advice = DriveBetter(driving);
     out.push_back(std::move(p));
   }

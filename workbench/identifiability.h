@@ -14,7 +14,7 @@ namespace hydroscope {
 std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimates, const Driving& driving);
 
 /// The same when there is no fit: nothing is identifiable, `why`.
-std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const std::string& why,
+std::vector<CheckedParameter> ParametersWithoutFit(const ModelStructure& model, const Told& why,
                                                    const Driving& driving);
 
 /// Half width of the 95 % interval: relative to the value, absolute for dimensionless parameters.

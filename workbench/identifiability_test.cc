@@ -18,7 +18,7 @@ Estimate Known(double value, double std, const std::string& unit = "Pa") {
   return e;
 }
 const Condition kSpeed{
-    .name = "speed", .title = "mean speed", .signal = "z", .unit = "m/s", .vary = "ram speed"};
+    .name = "speed", .title = {"mean speed"}, .signal = "z", .unit = "m/s", .vary = {"ram speed"}};
 
 Driving Varied(int strokes) { return {strokes, 0, {{kSpeed, 0.02, 0.12}}, 310, 315}; }
 
@@ -29,13 +29,13 @@ CheckedParameter Judge(const Estimate& estimate, const Driving& driving) {
 TEST(Identifiability, ANarrowIntervalIsGoodAndNeedsNoAdvice) {
   const CheckedParameter p = Judge(Known(1.2e9, 0.02e9), Varied(20));
   EXPECT_EQ(p.verdict, Identifiability::kGood);
-  EXPECT_EQ(p.advice, "");
+  EXPECT_EQ(p.advice.english, "");
 }
 
 TEST(Identifiability, AWideIntervalAsksForAsManyStrokesAsHalveIt) {
   const CheckedParameter p = Judge(Known(1.0e9, 0.2e9 / 1.96), Varied(20));  // 20 %, twice the goal
   EXPECT_EQ(p.verdict, Identifiability::kWeak);
-  EXPECT_THAT(p.advice, HasSubstr("at least 80 strokes"));
+  EXPECT_THAT(p.advice.english, HasSubstr("at least 80 strokes"));
 }
 
 TEST(Identifiability, ConstantSpeedAsksForVariedSpeed) {
@@ -45,7 +45,8 @@ TEST(Identifiability, ConstantSpeedAsksForVariedSpeed) {
   e.reason = EstimateReason::kConfounded;
   const CheckedParameter p = Judge(e, constant);
   EXPECT_EQ(p.verdict, Identifiability::kNot);
-  EXPECT_THAT(p.advice, HasSubstr("vary ram speed between strokes: their mean speed was 49 to 51 mm/s"));
+  EXPECT_THAT(p.advice.english,
+              HasSubstr("vary ram speed between strokes: their mean speed was 49 to 51 mm/s"));
 }
 
 TEST(Identifiability, DimensionlessParametersAreJudgedByTheirAbsoluteWidth) {
@@ -56,13 +57,13 @@ TEST(Identifiability, DimensionlessParametersAreJudgedByTheirAbsoluteWidth) {
 TEST(Identifiability, OneStrokeGivesNoInterval) {
   const CheckedParameter p = Judge(Known(1e9, 1e6), Varied(1));
   EXPECT_EQ(p.verdict, Identifiability::kNot);
-  EXPECT_THAT(p.advice, HasSubstr("at least 10 strokes, this log has 1"));
+  EXPECT_THAT(p.advice.english, HasSubstr("at least 10 strokes, this log has 1"));
 }
 
 TEST(Identifiability, AForbiddenValuePointsAtTheMachineFile) {
   Estimate e = Known(-1e9, 1e6);
   e.reason = EstimateReason::kOutsidePhysics;
-  EXPECT_THAT(Judge(e, Varied(20)).advice, HasSubstr("signs"));
+  EXPECT_THAT(Judge(e, Varied(20)).advice.english, HasSubstr("signs"));
 }
 
 }  // namespace

@@ -161,11 +161,12 @@ void JudgeVariety(const Driving& d, std::vector<Told>& hints) {
   if (d.strokes < 2) return;
   for (const ConditionRange& range : d.ranges)
     if (!range.condition.hides.empty() && range.low > 0 && !range.varies())
-      hints.push_back(
-          {fmt::format("the {} is {}: {}. The intervals hold only if the model lacks nothing; "
-                       "vary {} between strokes to find out",
-                       range.condition.title, range.Text(), range.condition.hides, range.condition.vary),
-           ""});
+      hints.push_back(Tell(
+          "the {} is {}: {}. The intervals hold only if the model lacks nothing; "
+          "vary {} between strokes to find out",
+          "{}: {}; {}. Die Intervalle gelten nur, wenn dem Modell nichts fehlt; um es herauszufinden, zwischen "
+          "den Hüben variieren: {}",
+          range.condition.title, range.Text(), range.condition.hides, range.condition.vary));
 }
 
 }  // namespace

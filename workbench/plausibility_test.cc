@@ -87,13 +87,16 @@ TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
 TEST(Plausibility, OneRamSpeedHidesALeakAndIsNamed) {
   CheckResult check;
   const Condition speed{.name = "speed",
-                        .title = "mean speed",
+                        .title = {"mean speed", "mittlere Geschwindigkeit"},
                         .signal = "z",
                         .unit = "m/s",
-                        .vary = "ram speed",
-                        .hides = "a leak looks like flow"};
+                        .vary = {"ram speed", "die Stößelgeschwindigkeit"},
+                        .hides = {"a leak looks like flow", "ein Leck sieht aus wie Durchfluss"}};
   check.driving = {10, 0, {{speed, 0.049, 0.050}}, 313, 313};
   EXPECT_THAT(InEnglish(PlausibilityHints(check)), ElementsAre(HasSubstr("49 to 50 mm/s")));
+  EXPECT_THAT(
+      InGerman(PlausibilityHints(check)),
+      ElementsAre(HasSubstr("mittlere Geschwindigkeit: 49 bis 50 mm/s; ein Leck sieht aus wie Durchfluss")));
   check.driving.ranges.front().high = 0.12;
   EXPECT_THAT(InEnglish(PlausibilityHints(check)), IsEmpty());
 }

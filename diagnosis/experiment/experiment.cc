@@ -182,11 +182,14 @@ Experiment ProposeExperiment(const Explanation& explanation, const Machine& mach
   return best;
 }
 
-std::string ExperimentText(const Experiment& experiment) {
-  return fmt::format(
-      "{}; then explain this log and that one together.{}",
-      experiment.kind->experiment.text(experiment.levels, experiment.strokes, experiment.seconds),
-      experiment.settles() ? "" : " It may not be enough: the effects are small and alike.");
+Told ExperimentText(const Experiment& experiment) {
+  return Tell("{}; then explain this log and that one together.{}",
+              "{}; dann diese und jene Aufzeichnung zusammen erklären lassen.{}",
+              experiment.kind->experiment.text(experiment.levels, experiment.strokes, experiment.seconds),
+              experiment.settles()
+                  ? Told{}
+                  : Tell(" It may not be enough: the effects are small and alike.",
+                         " Vielleicht reicht es nicht: die Effekte sind klein und einander ähnlich."));
 }
 
 }  // namespace hydroscope

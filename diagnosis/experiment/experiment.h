@@ -36,6 +36,6 @@ Experiment ProposeExperiment(const Explanation& explanation, const Machine& mach
                              std::span<const StrokeStretches> recorded, const WindowSamples& window);
 
 /// One or two sentences for the person at the machine.
-std::string ExperimentText(const Experiment& experiment);
+Told ExperimentText(const Experiment& experiment);
 
 }  // namespace hydroscope

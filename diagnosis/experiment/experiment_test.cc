@@ -53,7 +53,8 @@ TEST_F(ExperimentTest, AsksForTwoPressuresInChamberBWhereTheMachineAllowsThem) {
   EXPECT_GE(e.strokes, 24);
   EXPECT_LT(e.strokes, 100);
   EXPECT_GE(e.separation, 100);
-  EXPECT_NE(ExperimentText(e).find("20 and 60 bar in chamber B"), std::string::npos) << ExperimentText(e);
+  EXPECT_NE(ExperimentText(e).english.find("20 and 60 bar in chamber B"), std::string::npos)
+      << ExperimentText(e).english;
 }
 
 TEST_F(ExperimentTest, NeverLeavesTheMovesAllowed) {

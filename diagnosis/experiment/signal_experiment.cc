@@ -314,17 +314,19 @@ class SignalSearch {
   double seconds_ = 0;
 };
 
-std::string LevelsText(const SignalLevels& s) {
+Told LevelsText(const SignalLevels& s) {
   const FileUnit unit = FindFileUnit(s.unit).value_or(FileUnit{});
   const auto shown = [&](double si) { return (si - (s.speed ? 0 : unit.offset)) / unit.scale; };
   std::vector<std::string> levels;
   for (const auto& [low, high] : s.levels)
     levels.push_back(low == high ? fmt::format("{:.4g}", shown(low))
                                  : fmt::format("{:.4g} ... {:.4g}", shown(low), shown(high)));
-  const std::string name = s.speed ? "the speed of " + s.signal : s.signal;
+  const Told name =
+      s.speed ? Tell("the speed of {}", "die Geschwindigkeit von {}", s.signal) : Told(s.signal);
   const std::string dimension = s.unit == "1" ? (s.speed ? "1/s" : "") : s.unit + (s.speed ? "/s" : "");
-  return fmt::format("{} at {} {}{}", name, fmt::join(levels, " and "), dimension,
-                     levels.size() > 1 ? " in turn" : "");
+  return Tell("{} at {} {}{}", "{} bei {} {}{}", name,
+              Told(fmt::to_string(fmt::join(levels, " and ")), fmt::to_string(fmt::join(levels, " und "))),
+              dimension, levels.size() > 1 ? Tell(" in turn", " nacheinander") : Told{});
 }
 
 }  // namespace
@@ -339,37 +341,60 @@ SignalExperiment ProposeSignalExperiment(const Explanation& explanation, const M
   return SignalSearch(explanation, machine, recorded, window).Run();
 }
 
-std::string SignalExperimentText(const SignalExperiment& e) {
-  std::string text;
+Told SignalExperimentText(const SignalExperiment& e) {
+  Told text;
   if (!e.tied.empty())
-    text = fmt::format(
+    text = Tell(
         "What [experiment] allows was not computed: the output and the other side of the balance both read "
         "{}, and how the machine would answer is in no expression; only strokes as recorded were weighed. ",
+        "Was [experiment] erlaubt, wurde nicht berechnet: der Ausgang und die andere Seite der Bilanz lesen beide "
+        "{}, und wie die Maschine antworten würde, steht in keinem Ausdruck; nur Hübe wie aufgezeichnet wurden "
+        "gewogen. ",
         e.tied);
   if (e.unusable)
-    text =
+    text = Tell(
         "Nothing that [experiment] allows can be used: it is of no signal that the effects in question or "
-        "the terms read, or outside the gate, or narrower than what the signal does within a stroke. ";
+        "the terms read, or outside the gate, or narrower than what the signal does within a stroke. ",
+        "Nichts, was [experiment] erlaubt, lässt sich nutzen: es ist von keinem Signal, das die fraglichen Effekte "
+        "oder die Terme lesen, oder liegt außerhalb des Gates, oder ist enger als das, was das Signal in einem Hub "
+        "tut. ");
   if (e.strokes == 0)
-    return text + fmt::format(
-                      "No series of strokes that can be computed would settle it: the separation is {:.0f} "
-                      "now and {:.0f} at most, {:.0f} is needed. The effects in question and the terms read "
-                      "{}: say under [experiment] signals of the machine file what those may be run at, or "
-                      "allow more, and explain again.",
-                      e.separation_now, e.separation, kExperiment.settled, fmt::join(e.inputs, ", "));
+    return Joined(
+        {text,
+         Tell(
+             "No series of strokes that can be computed would settle it: the separation is {:.0f} "
+             "now and {:.0f} at most, {:.0f} is needed. The effects in question and the terms read "
+             "{}: say under [experiment] signals of the machine file what those may be run at, or "
+             "allow more, and explain again.",
+             "Keine Reihe von Hüben, die sich berechnen lässt, würde es klären: die Trennung ist jetzt {:.0f} "
+             "und höchstens {:.0f}, nötig sind {:.0f}. Die fraglichen Effekte und die Terme lesen {}: unter "
+             "[experiment] signals der Maschinendatei sagen, bei welchen Werten sie gefahren werden dürfen, "
+             "oder mehr erlauben, und wieder erklären lassen.",
+             e.separation_now, e.separation, kExperiment.settled, fmt::to_string(fmt::join(e.inputs, ", ")))},
+        "");
   if (e.signals.empty()) {
-    text += fmt::format("Record {} more strokes like these", e.strokes);
+    text = Joined(
+        {text, Tell("Record {} more strokes like these", "{} weitere Hübe wie diese aufzeichnen", e.strokes)},
+        "");
   } else {
-    std::vector<std::string> levels;
-    for (const SignalLevels& s : e.signals) levels.push_back(LevelsText(s));
-    text += fmt::format("Record {} strokes with {}, all else as in this log", e.strokes,
-                        fmt::join(levels, ", each with "));
+    Told levels;
+    for (const SignalLevels& s : e.signals)
+      levels = levels.empty() ? LevelsText(s)
+                              : Tell("{}, each with {}", "{}, jeder mit {}", levels, LevelsText(s));
+    text = Joined({text, Tell("Record {} strokes with {}, all else as in this log",
+                              "{} Hübe aufzeichnen mit {}, alles andere wie in dieser Aufzeichnung",
+                              e.strokes, levels)},
+                  "");
   }
-  return text + fmt::format(
-                    " ({:.0f} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain "
-                    "this log and that one together.{}",
-                    e.seconds, e.separation, e.separation_now, kExperiment.settled,
-                    e.settles() ? "" : " It may not be enough.");
+  return Joined(
+      {text,
+       Tell(" ({:.0f} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain "
+            "this log and that one together.{}",
+            " ({:.0f} s; erwartete Trennung {:.0f}, jetzt {:.0f}, {:.0f} klärt es); dann diese und jene "
+            "Aufzeichnung zusammen erklären lassen.{}",
+            e.seconds, e.separation, e.separation_now, kExperiment.settled,
+            e.settles() ? Told{} : Tell(" It may not be enough.", " Vielleicht reicht es nicht."))},
+      "");
 }
 
 }  // namespace hydroscope

@@ -46,6 +46,6 @@ SignalExperiment ProposeSignalExperiment(const Explanation& explanation, const M
                                          const WindowSamples& window);
 
 /// What to do, or why nothing can be proposed and what to do about that.
-std::string SignalExperimentText(const SignalExperiment& experiment);
+Told SignalExperimentText(const SignalExperiment& experiment);
 
 }  // namespace hydroscope

@@ -49,7 +49,7 @@ TEST(SignalExperiment, FrictionsAtOnePressureAreToldApartByPressuresThatAreAllow
   const ExplainResult result = Explain(Logs(OnePressure()), machine);
   ASSERT_EQ(result.explanation.verdict, Verdict::kAmbiguous);
   const SignalExperiment& e = result.signal_experiment;
-  ASSERT_EQ(e.signals.size(), 1u) << SignalExperimentText(e);
+  ASSERT_EQ(e.signals.size(), 1u) << SignalExperimentText(e).english;
   EXPECT_EQ(e.signals[0].signal, "p");
   for (const auto& [low, high] : e.signals[0].levels) {
     EXPECT_EQ(low, high);
@@ -58,7 +58,7 @@ TEST(SignalExperiment, FrictionsAtOnePressureAreToldApartByPressuresThatAreAllow
   }
   EXPECT_LT(e.separation_now, 60);
   EXPECT_TRUE(e.settles());
-  EXPECT_THAT(WhatToRecord(result).value_or(""), HasSubstr("bar"));
+  EXPECT_THAT(WhatToRecord(result).value_or(Told{}).english, HasSubstr("bar"));
   EXPECT_EQ(ExplainJson(result)["experiment_plan"]["signals"][0]["signal"], "p");
 
   std::vector<double> pressures;
@@ -81,10 +81,10 @@ TEST(SignalExperiment, FrictionsAtOneSpeedAreToldApartBySpeedsThatAreAllowed) {
   ASSERT_EQ(result.explanation.verdict, Verdict::kAmbiguous);
   EXPECT_THAT(result.explanation.set, IsSupersetOf({"coulomb_friction", "viscous_friction"}));
   const SignalExperiment& e = result.signal_experiment;
-  ASSERT_EQ(e.signals.size(), 1u) << SignalExperimentText(e);
+  ASSERT_EQ(e.signals.size(), 1u) << SignalExperimentText(e).english;
   EXPECT_TRUE(e.signals[0].speed);
   EXPECT_TRUE(e.settles());
-  EXPECT_THAT(SignalExperimentText(e), HasSubstr("the speed of x at"));
+  EXPECT_THAT(SignalExperimentText(e).english, HasSubstr("the speed of x at"));
 
   Seal asked{.coulomb = 1.5, .seed = 24, .speeds = {}};
   for (const auto& [low, high] : e.signals[0].levels) {
@@ -104,7 +104,8 @@ TEST(SignalExperiment, MovesThatNoLawReadsAreSaidToBeOfNoUse) {
       SealMachineWith("[experiment]\nsignals = { F = { min = 1, max = 7, unit = \"N\" } }");
   const ExplainResult result = Explain(Logs(OnePressure()), machine);
   EXPECT_TRUE(result.signal_experiment.unusable);
-  EXPECT_THAT(WhatToRecord(result).value_or(""), HasSubstr("Nothing that [experiment] allows can be used"));
+  EXPECT_THAT(WhatToRecord(result).value_or(Told{}).english,
+              HasSubstr("Nothing that [experiment] allows can be used"));
 }
 
 TEST(SignalExperiment, WithoutMovesAllowedItSaysWhatIsMissing) {
@@ -112,7 +113,7 @@ TEST(SignalExperiment, WithoutMovesAllowedItSaysWhatIsMissing) {
   ASSERT_EQ(result.explanation.verdict, Verdict::kAmbiguous);
   EXPECT_EQ(result.signal_experiment.strokes, 0);
   EXPECT_LT(result.signal_experiment.separation, 60);
-  EXPECT_THAT(WhatToRecord(result).value_or(""), HasSubstr("read p, x"));
+  EXPECT_THAT(WhatToRecord(result).value_or(Told{}).english, HasSubstr("read p, x"));
   EXPECT_TRUE(ExplainJson(result)["experiment_plan"].is_null());
 }
 
@@ -131,7 +132,7 @@ TEST(SignalExperiment, ASignalTheBalanceTiesToItsOutputIsNotMoved) {
   ASSERT_TRUE(result) << result.error().text;
   ASSERT_EQ(result->explanation.verdict, Verdict::kAmbiguous);
   EXPECT_EQ(result->signal_experiment.tied, "z");
-  EXPECT_THAT(SignalExperimentText(result->signal_experiment), HasSubstr("only strokes as recorded"));
+  EXPECT_THAT(SignalExperimentText(result->signal_experiment).english, HasSubstr("only strokes as recorded"));
 }
 
 }  // namespace

@@ -21,6 +21,10 @@ double Sum(const std::vector<double>& energies) {
   return std::accumulate(energies.begin(), energies.end(), 0.0);
 }
 
+Told CannotBeTried(const std::string& id, const std::string& why) {
+  return Tell("{} cannot be tried: {}", "{} lässt sich nicht versuchen: {}", id, why);
+}
+
 class EffectSearch {
  public:
   EffectSearch(const Machine& machine, std::span<const Episode> episodes, std::size_t start_episodes,
@@ -93,7 +97,7 @@ class EffectSearch {
         if (contender)
           contenders.push_back(std::move(*contender));
         else if (single)
-          out_.warnings.push_back(fmt::format("{} cannot be tried: {}", id, contender.error().text));
+          out_.warnings.push_back(CannotBeTried(id, contender.error().text));
       }
     std::stable_sort(contenders.begin(), contenders.end(),
                      [](const auto& a, const auto& b) { return a.foreseen < b.foreseen; });
@@ -160,8 +164,7 @@ class EffectSearch {
     });
     if (!candidate.fitted()) {
       if (same == sets.end() && candidate.added.size() == 1 && !candidate.fit.failed.empty())
-        out_.warnings.push_back(
-            fmt::format("{} cannot be tried: {}", candidate.added.front(), candidate.fit.failed));
+        out_.warnings.push_back(CannotBeTried(candidate.added.front(), candidate.fit.failed));
     } else if (same == sets.end()) {
       sets.push_back(std::move(candidate));
     } else if (candidate.held_out < same->held_out) {
@@ -322,10 +325,13 @@ class EffectSearch {
         continue;
       }
       out_.nearest.push_back(id);
-      out_.warnings.push_back(fmt::format(
+      out_.warnings.push_back(Tell(
           "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} "
           "that is no effect of the machine file explains as much. To tell them apart, excite the machine more strongly "
           "or record for longer",
+          "{} würde einen Teil des Fehlers erklären, der kleiner ist als sein Rauschen; eine Funktion von {} in der "
+          "Gleichung von {}, die kein Effekt der Maschinendatei ist, erklärt ebenso viel. Um sie zu trennen, die Maschine "
+          "stärker anregen oder länger aufzeichnen",
           id, like->about, like->equation));
     }
     out_.set = std::move(named);
@@ -395,10 +401,13 @@ class EffectSearch {
     }
     out_.partial = out_.final_left.structured;
     if (out_.partial)
-      out_.warnings.push_back(fmt::format(
+      out_.warnings.push_back(Tell(
           "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
           "{:.2g} % of what they could predict before; a small law more is missing, or one of "
           "these differs a little",
+          "Funktionen von Zuständen und Eingängen sagen noch {:.0f} % des Fehlers voraus, das meiste davon in der Gleichung "
+          "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, oder eines von diesen ist "
+          "etwas anders",
           100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {

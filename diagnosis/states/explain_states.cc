@@ -39,13 +39,15 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
 
 /// On so many of the runs, spread over the log; figures are those of all. `of_what`: readings of a run.
 StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs, const ShortRunOptions& run,
-                              const char* of_what, const ExplainStatesOptions& options) {
+                              const Wording& of_what, const ExplainStatesOptions& options) {
   const std::vector<Episode> some = Chosen(runs, SpreadOver(runs.size(), run.most));
   StatesExplanation out = SearchEffects(machine, some, run.starts, options);
   if (some.size() < runs.size() && out.base.fit.solved()) {
     FitToAll(runs, options, out);
-    out.warnings.push_back(fmt::format(
+    out.warnings.push_back(Tell(
         "effects were tried on {} of {} runs of {} {}, spread over the log; figures are those of all",
+        "Effekte wurden an {} von {} Stücken von {} {} versucht, über die Aufzeichnung verteilt; die Zahlen sind die von "
+        "allen",
         some.size(), runs.size(), run.readings, of_what));
   }
   out.runs = std::move(runs);
@@ -80,10 +82,12 @@ class CoveringNoise {
 
 StatesExplanation ExplainNoisy(const Machine& machine, const CoveringNoise& noise,
                                const ExplainStatesOptions& options) {
-  StatesExplanation out = ExplainRuns(machine, noise.runs(), options.noisy, "rows", options);
-  out.warnings.push_back(fmt::format(
+  StatesExplanation out = ExplainRuns(machine, noise.runs(), options.noisy, {"rows", "Zeilen"}, options);
+  out.warnings.push_back(Tell(
       "noise acts on the process itself (or a disturbance that is not measured) and adds up over an episode: effects "
       "were looked for in runs of {} rows, each with initial states of its own",
+      "Rauschen wirkt auf den Prozess selbst (oder eine Störung, die nicht gemessen wird) und summiert sich über eine "
+      "Episode: Effekte wurden in Stücken von {} Zeilen gesucht, jedes mit eigenen Anfangszuständen",
       options.noisy.readings));
   return out;
 }
@@ -103,8 +107,10 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   }
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);
-  out.warnings.push_back(fmt::format(
+  out.warnings.push_back(Tell(
       "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
+      "Effekte wurden an {} Stücken von {} Zeilen versucht, über die Aufzeichnung verteilt; die Zahlen sind die von allen "
+      "Zeilen",
       pieces.size(), options.piece_rows));
   return out;
 }

@@ -73,7 +73,7 @@ struct StatesExplanation {
   std::vector<std::string>
       nearest;             ///< effects that explain a part, but may stand for a law nobody has named
   double unexplained = 0;  ///< predictable energy that the set leaves, of what was there
-  std::vector<std::string> warnings;
+  std::vector<Told> warnings;
   StateCandidate base, final;
   std::vector<StateCandidate> rivals;  ///< of `final`, that do as well
   std::vector<Episode>

@@ -103,16 +103,15 @@ double Recorded(const Episode& recorded, int signal, double since, bool linear) 
   return value + (recorded.signal(next, signal) - value) * (at - begin) / (end - begin);
 }
 
-std::string SpeedText(double speed) {
-  return speed == 1     ? ""
-         : speed == 2   ? "twice as fast"
-         : speed == 0.5 ? "half as fast"
-                        : fmt::format("{:g} times as fast", speed);
+Told SpeedText(double speed) {
+  return speed == 2     ? Tell("twice as fast", "doppelt so schnell")
+         : speed == 0.5 ? Tell("half as fast", "halb so schnell")
+                        : Tell("{:g} times as fast", "{:g}-mal so schnell", speed);
 }
 
 }  // namespace
 
-std::string MoveText(const RecordMove& move, const StateModel& model, const Episode& recorded) {
+Told MoveText(const RecordMove& move, const StateModel& model, const Episode& recorded) {
   const auto unit_of = [&](int signal) {
     const auto unit = FindUnit(model.machine.signals[static_cast<std::size_t>(signal)].unit);
     return DisplayUnitFor(unit ? unit->si : "1");
@@ -124,19 +123,21 @@ std::string MoveText(const RecordMove& move, const StateModel& model, const Epis
     std::vector<std::string> levels;
     for (const double level : move.course->levels)
       levels.push_back(fmt::format("{:.3g}", level * unit.factor));
-    return fmt::format("{} as a {} of {} {}, {:g} s each", name(signal), move.course->name,
-                       fmt::join(levels, ", "), unit.name, move.course->seconds);
+    return Tell("{} as a {} of {} {}, {:g} s each", "{} als {} von {} {}, je {:g} s", name(signal),
+                move.course->name, fmt::to_string(fmt::join(levels, ", ")), std::string(unit.name),
+                move.course->seconds);
   }
-  std::vector<std::string> parts;
+  std::vector<Told> parts;
   for (const RecordMove::Levels& levels : move.inputs) {
     const DisplayUnit unit = unit_of(levels.signal);
     const auto values = recorded.signal.col(levels.signal);
-    parts.push_back(fmt::format("{} from {:.3g} to {:.3g} {} in place of {:.3g} to {:.3g}",
-                                name(levels.signal), levels.from * unit.factor, levels.to * unit.factor,
-                                unit.name, values.minCoeff() * unit.factor, values.maxCoeff() * unit.factor));
+    parts.push_back(Tell("{} from {:.3g} to {:.3g} {} in place of {:.3g} to {:.3g}",
+                         "{} von {:.3g} bis {:.3g} {} statt {:.3g} bis {:.3g}", name(levels.signal),
+                         levels.from * unit.factor, levels.to * unit.factor, std::string(unit.name),
+                         values.minCoeff() * unit.factor, values.maxCoeff() * unit.factor));
   }
   if (move.speed != 1) parts.push_back(SpeedText(move.speed));
-  return parts.empty() ? "the same once more" : fmt::format("{}", fmt::join(parts, ", "));
+  return parts.empty() ? Tell("the same once more", "dasselbe noch einmal") : Joined(parts);
 }
 
 std::vector<RecordMove> RecordMoves(const StateModel& model, const Episode& recorded) {

@@ -23,7 +23,7 @@ struct RecordMove {
 };
 
 /// "u from -2 to 2 V (recorded: -1 to 1 V), twice as fast".
-std::string MoveText(const RecordMove& move, const StateModel& model, const Episode& recorded);
+Told MoveText(const RecordMove& move, const StateModel& model, const Episode& recorded);
 
 /// Moves of single inputs, and of all at once, within the limits that [experiment] of the machine file gives under `signals`,
 /// else within what was recorded; at the recorded speed. Courses of the kind, with levels made smaller to fit.

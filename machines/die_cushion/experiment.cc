@@ -223,25 +223,30 @@ std::unique_ptr<Experimenter> ExperimenterOn(const Machine& machine,
   return std::make_unique<CushionExperimenter>(machine, recorded);
 }
 
-std::string SeriesText(const StrokeSeries& series, int strokes, double seconds) {
+Told SeriesText(const StrokeSeries& series, int strokes, double seconds) {
   const auto list = [&](CushionSetting setting, double factor, const char* between) {
     std::string text;
     for (double v : series[setting]) text += fmt::format("{}{:.0f}", text.empty() ? "" : between, v * factor);
     return text;
   };
-  std::string text =
-      fmt::format("Record {} strokes at {} mm/s ram speed", strokes, list(kRamSpeed, 1e3, ", "));
-  if (series[kRamSpeed].size() > 1) text += " in turn";
-  text += series[kCushionPressure].size() == 1
-              ? fmt::format(", holding {} bar cushion pressure", list(kCushionPressure, 1e-5, ""))
-              : fmt::format(", stepping the cushion pressure {} bar within each stroke",
-                            list(kCushionPressure, 1e-5, " -> "));
+  std::vector<Told> parts = {Tell("Record {} strokes at {} mm/s ram speed{}",
+                                  "{} Hübe bei {} mm/s Stößelgeschwindigkeit{} aufzeichnen", strokes,
+                                  list(kRamSpeed, 1e3, ", "),
+                                  series[kRamSpeed].size() > 1 ? Tell(" in turn", " nacheinander") : Told{})};
+  parts.push_back(series[kCushionPressure].size() == 1
+                      ? Tell("holding {} bar cushion pressure", "mit {} bar Kissendruck",
+                             list(kCushionPressure, 1e-5, ""))
+                      : Tell("stepping the cushion pressure {} bar within each stroke",
+                             "den Kissendruck in jedem Hub in Stufen von {} bar",
+                             list(kCushionPressure, 1e-5, " -> ")));
   if (!series[kRodPressure].empty())
-    text += fmt::format(", with {} bar in chamber B, changed after each round of speeds",
-                        list(kRodPressure, 1e-5, " and "));
+    parts.push_back(Tell("with {} bar in chamber B, changed after each round of speeds",
+                         "mit {} bar in Kammer B, geändert nach jeder Runde von Geschwindigkeiten",
+                         Told(list(kRodPressure, 1e-5, " and "), list(kRodPressure, 1e-5, " und "))));
   if (!series[kWarmUp].empty())
-    text += fmt::format(", the oil warming by {} K on the way", list(kWarmUp, 1, ""));
-  return text + fmt::format(" ({:.0f} s of drawing)", seconds);
+    parts.push_back(Tell("the oil warming by {} K on the way", "das Öl dabei um {} K wärmer werdend",
+                         list(kWarmUp, 1, "")));
+  return Tell("{} ({:.0f} s of drawing)", "{} ({:.0f} s Ziehen)", Joined(parts), seconds);
 }
 
 }  // namespace

@@ -6,5 +6,7 @@ namespace hydroscope {
 
 /// A die cushion of a deep-drawing press: one cylinder with its valve to tank.
 extern const MachineKind kDieCushion;
+/// As it is drawn.
+MachinePicture CushionPicture();
 
 }  // namespace hydroscope

@@ -22,29 +22,31 @@ std::vector<std::string> SignalsOfTerms(const Machine& machine) {
   return signals;
 }
 
-std::string Joined(const std::vector<std::string>& names) {
-  if (names.size() < 2) return names.empty() ? "the signals of its terms" : names.front();
+Told ListOf(const std::vector<std::string>& names) {
+  if (names.empty()) return {"the signals of its terms", "die Signale ihrer Terme"};
+  if (names.size() < 2) return {names.front(), names.front()};
   const std::vector<std::string> first(names.begin(), names.end() - 1);
-  return fmt::format("{} and {}", fmt::join(first, ", "), names.back());
+  return Tell("{} and {}", "{} und {}", fmt::to_string(fmt::join(first, ", ")), names.back());
 }
 
 MachineWords OwnWords(const Machine& machine) {
-  return {machine.balance.output, "stroke", Joined(SignalsOfTerms(machine)), "", false};
+  return {machine.balance.output, {"stroke", "Hub"}, ListOf(SignalsOfTerms(machine)), {}, false};
 }
 
 }  // namespace
 
-const MachineKind kOwnBalance = {.id = "expressions",
-                                 .title = "machine with a balance of its own",
-                                 .signals = {},
-                                 .geometry = {},
-                                 .parameters = {},
-                                 .output_unit = "",
-                                 .own_library = true,
-                                 .words = OwnWords,
-                                 .temperature = "T_oil",
-                                 .draft = kOwnDraft,
-                                 .build = BuildExpressionBalance,
-                                 .effects = nullptr};
+const MachineKind kOwnBalance = {
+    .id = "expressions",
+    .title = {"machine with a balance of its own", "Maschine mit eigener Bilanz"},
+    .signals = {},
+    .geometry = {},
+    .parameters = {},
+    .output_unit = "",
+    .own_library = true,
+    .words = OwnWords,
+    .temperature = "T_oil",
+    .draft = kOwnDraft,
+    .build = BuildExpressionBalance,
+    .effects = nullptr};
 
 }  // namespace hydroscope

@@ -6,13 +6,13 @@ namespace {
 MachineWords StatesWords(const Machine& machine) {
   std::string output;
   for (const OutputSpec& o : machine.states.outputs) output += (output.empty() ? "" : ", ") + o.signal;
-  return {output, "episode", "the inputs", "", false};
+  return {output, {"episode", "Episode"}, {"the inputs", "die Eingänge"}, {}, false};
 }
 
 }  // namespace
 
 const MachineKind kOwnStates = {.id = "states",
-                                .title = "machine with states of its own",
+                                .title = {"machine with states of its own", "Maschine mit eigenen Zuständen"},
                                 .signals = {},
                                 .geometry = {},
                                 .parameters = {},

@@ -13,27 +13,51 @@ constexpr MachineInput kSignals[] = {
     {.name = "z_set",
      .si = "m",
      .required = true,
-     .meaning = "set point of the position, excited from outside"},
+     .meaning = {"set point of the position, excited from outside",
+                 "Sollwert der Position, von außen angeregt"}},
     {.name = "I_v",
      .si = "A",
      .required = true,
-     .meaning = "current of the valve, as the controller gives it out"},
-    {.name = "z", .si = "m", .required = true, .meaning = "position of the rod"},
+     .meaning = {"current of the valve, as the controller gives it out",
+                 "Ventilstrom, wie ihn der Regler ausgibt"}},
+    {.name = "z", .si = "m", .required = true, .meaning = {"position of the rod", "Position der Stange"}},
 };
 constexpr MachineInput kGeometry[] = {
     {.name = "A",
      .si = "m2",
      .required = true,
-     .meaning = "piston area, the same on both sides",
+     .meaning = {"piston area, the same on both sides", "Kolbenfläche, auf beiden Seiten gleich"},
      .positive = true},
 };
 constexpr MachineParameter kParameters[] = {
-    {"f_h", "Hz", "natural frequency of the oil column", "f_h",
+    {"f_h",
+     "Hz",
+     {"natural frequency of the oil column", "Eigenfrequenz der Ölsäule"},
+     "f_h",
      "Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise."},
-    {"zeta_h", "1", "damping of the oil column", "\\zeta_h", "Friction of guides and seals, and leakage."},
-    {"f_sv", "Hz", "corner frequency of the valve", "f_{sv}", "A clogged pilot makes it fall."},
-    {"K_sv", "m3/(s A)", "flow gain of the valve", "K_{sv}", "Size of the valve and supply pressure."},
-    {"T_d", "s", "delay from current to reading, beside the hold", "T_d", "Filters and buses.", "ms", 1e3,
+    {"zeta_h",
+     "1",
+     {"damping of the oil column", "Dämpfung der Ölsäule"},
+     "\\zeta_h",
+     "Friction of guides and seals, and leakage."},
+    {"f_sv",
+     "Hz",
+     {"corner frequency of the valve", "Eckfrequenz des Ventils"},
+     "f_{sv}",
+     "A clogged pilot makes it fall."},
+    {"K_sv",
+     "m3/(s A)",
+     {"flow gain of the valve", "Durchflussverstärkung des Ventils"},
+     "K_{sv}",
+     "Size of the valve and supply pressure."},
+    {"T_d",
+     "s",
+     {"delay from current to reading, beside the hold",
+      "Totzeit vom Strom zur Anzeige, neben dem Halteglied"},
+     "T_d",
+     "Filters and buses.",
+     "ms",
+     1e3,
      false},
 };
 
@@ -49,7 +73,9 @@ constexpr LoopParameter kSearched[] = {
     {.name = "T_d", .kind = LoopParameter::Kind::kDelay, .unit = "ms", .factor = 1e3, .scale = 1e-4},
 };
 
-MachineWords TestCylinderWords(const Machine&) { return {"position", "record", "set point", "", true}; }
+MachineWords TestCylinderWords(const Machine&) {
+  return {{"position", "Position"}, {"record", "Aufzeichnung"}, {"set point", "Sollwert"}, {}, true};
+}
 
 }  // namespace
 
@@ -67,12 +93,13 @@ const ClosedLoopPlant kTestCylinderPlant = {
     .limit = kValveSaturation};
 
 const MachineKind kTestCylinder = {.id = "test_cylinder",
-                                   .title = "test cylinder",
+                                   .title = {"test cylinder", "Prüfzylinder"},
                                    .signals = kSignals,
                                    .geometry = kGeometry,
                                    .parameters = kParameters,
                                    .output_unit = "m",
                                    .words = TestCylinderWords,
+                                   .picture = TestCylinderPicture,
                                    .closed_loop = &kTestCylinderPlant};
 
 }  // namespace hydroscope

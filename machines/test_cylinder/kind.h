@@ -11,5 +11,7 @@ namespace hydroscope {
 extern const MachineKind kTestCylinder;
 /// How it is measured.
 extern const ClosedLoopPlant kTestCylinderPlant;
+/// As it is drawn.
+MachinePicture TestCylinderPicture();
 
 }  // namespace hydroscope

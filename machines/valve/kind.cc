@@ -4,7 +4,11 @@ namespace hydroscope {
 namespace {
 
 MachineWords ValveWords(const Machine&) {
-  return {"response", "sweep", "frequency and amplitude of the command", "", true};
+  return {{"response", "Antwort"},
+          {"sweep", "Durchlauf"},
+          {"frequency and amplitude of the command", "Frequenz und Amplitude des Befehls"},
+          {},
+          true};
 }
 
 /// The loop of a servo axis answers like a valve.
@@ -27,7 +31,7 @@ void CompleteValve(const LogSample& log, const std::map<std::string, double>&, M
 }  // namespace
 
 const MachineKind kValve = {.id = "valve",
-                            .title = "valve",
+                            .title = {"valve", "Ventil"},
                             .signals = {},
                             .geometry = {},
                             .parameters = {},

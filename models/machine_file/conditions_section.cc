@@ -48,7 +48,8 @@ void ReadConditions(TableReader& file, Machine& machine) {
   for (const Condition& condition : KindOf(machine).conditions) taken.push_back(condition.name);
   for (const TableReader::Entry& entry : section.Entries()) {
     Condition condition;
-    condition.name = condition.title = condition.vary = entry.key;
+    condition.name = entry.key;
+    condition.title = condition.vary = Told(entry.key, entry.key);
     std::string text;
     section.Text(entry.key, text);
     ReadForm(text, condition);

@@ -49,8 +49,11 @@ nlohmann::json MarksJson(const std::vector<TrendMark>& marks, std::int64_t first
   nlohmann::json list = nlohmann::json::array();
   for (auto mark = marks.rbegin(); mark != marks.rend() && list.size() < kMostMarksShown; ++mark)
     if (mark->stroke >= first && mark->stroke < end)
-      list.push_back(
-          {{"kind", mark->kind}, {"stroke", mark->stroke}, {"name", mark->name}, {"text", mark->text}});
+      list.push_back({{"kind", mark->kind},
+                      {"stroke", mark->stroke},
+                      {"name", mark->name.english},
+                      {"text", mark->text.english},
+                      {"german", {{"name", mark->name.german}, {"text", mark->text.german}}}});
   return list;
 }
 

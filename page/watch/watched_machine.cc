@@ -73,9 +73,10 @@ nlohmann::json HealthJson(const nlohmann::json& told, const Health& own) {
 
 nlohmann::json UnitJson(const WatchedParameter& parameter) {
   const ParameterInfo& info = parameter.info;
-  return {{"si", parameter.si},        {"factor", info.factor},    {"offset", info.offset},
-          {"name", info.unit},         {"symbol", info.symbol},    {"meaning", info.name},
-          {"sentence", info.sentence}, {"relative", info.relative}};
+  return {
+      {"si", parameter.si},        {"factor", info.factor},     {"offset", info.offset},
+      {"name", info.unit},         {"symbol", info.symbol},     {"meaning", info.name},
+      {"sentence", info.sentence}, {"relative", info.relative}, {"german", {{"meaning", parameter.german}}}};
 }
 
 }  // namespace
@@ -113,8 +114,9 @@ Status WatchedMachine::ReadRuns() {
     end_ = run.first_sequence + run.strokes;
     if (run.strokes == 0 && &run != &runs->back()) continue;
     if (version != 0 && run.model_version != version)
-      marks_.push_back({"model", run.first_sequence, fmt::format("version {}", run.model_version),
-                        fmt::format("model version {} after {}", run.model_version, version)});
+      marks_.push_back(
+          {"model", run.first_sequence, Tell("version {}", "Version {}", run.model_version),
+           Tell("model version {} after {}", "Modell Version {} nach {}", run.model_version, version)});
     version = run.model_version;
   }
   const auto promoted = sources_.database.PromotedModel(id_);
@@ -142,6 +144,8 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
     WatchedParameter& parameter = parameters_[estimate.parameter];
     parameter.info = InfoFor(*model_->kind, estimate.parameter, estimate.unit, estimate.value);
     parameter.si = estimate.unit;
+    if (const MachineParameter* known = FindParameter(*model_->kind, estimate.parameter))
+      parameter.german = known->meaning.german;
     parameter.limits = LimitsOf(machine_, estimate.parameter);
   }
   const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
@@ -154,6 +158,8 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
     if (parameter.si.empty()) {
       parameter.si = quantity.unit;
       parameter.info = InfoForQuantity(*model_->kind, quantity, typical);
+      for (const auto& effect : model_->effects)
+        if (quantity.effect && parameter.info.name == effect->title) parameter.german = effect->german.title;
     }
     parameter.smallest = monitor->sizes(q).smallest;
     if (!quantity.effect) parameter.healthy = monitor->reference().curves()[static_cast<std::size_t>(q)];

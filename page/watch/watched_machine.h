@@ -17,6 +17,7 @@ namespace hydroscope {
 /// What a picture of a parameter needs beside its values.
 struct WatchedParameter {
   ParameterInfo info;
+  std::string german;  ///< what it is (ParameterInfo::name), in German; "" = told in English alone
   std::string si;
   std::optional<drift::TemperatureModel> healthy;      ///< as learned; nothing: not learned, or not watched
   double smallest = 0;                                 ///< SI, change worth finding; 0: not watched
@@ -27,7 +28,7 @@ struct WatchedParameter {
 struct TrendMark {
   std::string kind;          ///< "alarm", "cleared", "reference", "model", "valve_check"
   std::int64_t stroke = -1;  ///< machine-wide
-  std::string name, text;    ///< id of the alarm, "version 3"; a sentence
+  Told name, text;           ///< id of the alarm, "version 3"; a sentence
 };
 
 /// One machine of a database as the page shows it. Only reads. One object belongs to one thread.

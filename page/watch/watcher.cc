@@ -12,6 +12,7 @@
 #include "alarms/feeds/sparkplug/tags.h"
 #include "core/units.h"
 #include "host/real_clock.h"
+#include "models/counted_words.h"
 #include "monitor/alarm_json.h"
 #include "page/json_number.h"
 #include "storage/file_identity.h"
@@ -37,8 +38,13 @@ std::optional<TrendMark> MarkOf(const AlarmEvent& event) {
   if (event.event == "raised" || event.event == "escalated")
     return TrendMark{"alarm", event.first_stroke >= 0 ? event.first_stroke : event.stroke, event.alarm,
                      event.text};
-  if (event.event == "cleared") return TrendMark{"cleared", event.stroke, event.alarm, ""};
-  if (event.event == "reference_learned") return TrendMark{"reference", event.stroke, "", event.text};
+  if (event.event == "cleared") return TrendMark{"cleared", event.stroke, event.alarm, {}};
+  if (event.event == "reference_learned")
+    return TrendMark{"reference",
+                     event.stroke,
+                     {},
+                     {event.text, fmt::format("Referenz {} gelernt aus {} bis {}", event.reference_version,
+                                              event.first_stroke + 1, event.last_stroke + 1)}};
   return std::nullopt;
 }
 
@@ -203,7 +209,8 @@ nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& mac
   const auto alarms = journal == nullptr ? Result<std::vector<std::pair<std::string, std::string>>>()
                                          : journal->AlarmsByAppearance();
   std::vector<Tag> tags =
-      ModbusTags(axes, alarms.value_or(std::vector<std::pair<std::string, std::string>>()), wall);
+      ModbusTags(axes, alarms.value_or(std::vector<std::pair<std::string, std::string>>()), wall,
+                 CountedWordsOf(machine));
   const SparkplugFeedSpec* spec = machine.feeds ? machine.feeds->Of<SparkplugFeedSpec>() : nullptr;
   for (Tag& tag : SparkplugTags(spec == nullptr ? SparkplugFeedSpec() : *spec, machine.name, axes, wall))
     tags.push_back(std::move(tag));

@@ -4,7 +4,7 @@ export interface Unit { factor: number; offset: number; name: string }
 
 export interface Parameter {
   value: number; std: number | null; unit: string; reason?: string; identifiable?: boolean;
-  verdict?: "good" | "weak" | "not"; why?: string; advice?: string;
+  verdict?: "good" | "weak" | "not"; why?: string; advice?: string; german?: { why: string; advice: string };
 }
 export type Parameters = Record<string, Parameter>;
 
@@ -16,6 +16,7 @@ export interface Version {
 export interface MachineInfo {
   name: string; title: string; version: number; effects: string[]; output: string; stroke: string; counted: "stroke" | "episode"; sign: string;
   states: boolean; suggested_file: string; signals: string[]; own_effects: string[];
+  german: { title: string; output: string; stroke: string; sign: string }; picture: Picture;
 }
 
 export interface Job { job: number; kind: string; state: "waiting" | "running" | "done" | "failed"; what?: string; share?: number; error?: string }
@@ -74,7 +75,7 @@ export interface CompareResult {
 }
 
 export interface Ranked {
-  effect: string; rms_holdout: number | null; p_value: number; testable: boolean; why_not: string | null; gain: number;
+  effect: string; rms_holdout: number | null; p_value: number; testable: boolean; why_not: string | null; german?: { why_not: string }; gain: number;
   significant?: boolean; parameters: Parameters;
 }
 export interface Plan {
@@ -82,10 +83,10 @@ export interface Plan {
   signals?: { signal: string; speed: boolean; levels: [number, number][] }[];
 }
 export interface ExplainResult {
-  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; doubt: string | null; german?: { doubt: string; warnings: string[] };
+  verdict: "adequate" | "named" | "ambiguous" | "unknown"; set: string[]; groups: string[][]; partial: boolean; doubt: string | null; german?: { doubt?: string; warnings: string[]; experiment?: string };
   warnings: string[]; noise_floor: number; unit: string; strokes: number; base: { rms_holdout: number };
-  final: { rms_holdout: number; drifts?: Record<string, string> }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
-  odd_strokes?: { strokes: number[]; set: string[] }[]; relatives?: { effect: string; sentence: string }[];
+  final: { rms_holdout: number; drifts?: Record<string, string>; german?: { drifts: Record<string, string> } }; ranking: Ranked[]; steps: { added: string | null; rms_holdout: number }[];
+  odd_strokes?: { strokes: number[]; set: string[] }[]; relatives?: { effect: string; sentence: string; german?: { sentence: string } }[];
   swap?: { out: string; in: string[]; rms_holdout_before: number; rms_holdout_after: number } | null;
   remainder?: { signal: string; unit: string; explained: number; points: { x: number; value: number; std: number }[] } | null;
   located?: Located[]; experiment: string | null; experiment_plan?: Plan | null; text: string;
@@ -98,7 +99,7 @@ export interface Effect {
 
 export interface Preview {
   held_out: { log: string; before: number; after: number; unit: string } | null;
-  effect: string; error: { before: number; after: number; noise_floor: number; unit: string } | null; warnings: string[];
+  effect: string; error: { before: number; after: number; noise_floor: number; unit: string } | null; warnings: string[]; german?: { warnings: string[] };
   parameters_before: Parameters | null; parameters_after: Parameters | null;
 }
 
@@ -119,8 +120,12 @@ export interface LogPicture {
 /** What a bound of the gate looks at, SI. */
 export interface GateCourse extends GateBound { si: string; step: number; low: (number | null)[]; high: (number | null)[] }
 
+/** Where the name of a signal stands in the picture of its machine, and where its line leads to. */
+export interface Place { signal: string; x: number; y: number; to_x: number; to_y: number; meaning: string; german?: { meaning: string } }
+/** A machine as it is drawn: SVG elements of the program. */
+export interface Picture { width: number; height: number; drawing: string; places: Place[] }
 export interface Pin {
-  signal: string; meaning: string; required: boolean; si: string; column: string | null; unit: string | null; why: string | null;
+  signal: string; meaning: string; german?: { meaning: string; why?: string }; required: boolean; si: string; column: string | null; unit: string | null; why: string | null;
   sure: boolean; low?: number | null; high?: number | null; shown_unit?: string;
 }
 export interface LogColumn {
@@ -129,8 +134,8 @@ export interface LogColumn {
 }
 export interface GateBound { signal: string; rate: boolean; magnitude: boolean; si?: string; min: number | null; max: number | null }
 export interface Proposal {
-  machine: string; model: string; title: string; pins: Pin[]; columns: LogColumn[];
-  geometry: { name: string; meaning: string; required: boolean; si: string; value: number | null; lowest: number; highest: number }[];
+  machine: string; model: string; title: string; german?: { title: string }; picture: Picture; pins: Pin[]; columns: LogColumn[];
+  geometry: { name: string; meaning: string; german?: { meaning: string }; required: boolean; si: string; value: number | null; lowest: number; highest: number }[];
   gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
   problem: string | null;
 }

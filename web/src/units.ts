@@ -102,8 +102,12 @@ export function unitOf(units: Units, si: string): Unit {
   return inChosen(units[si] ?? { factor: 1, offset: 0, name: si });
 }
 
-export function unitName(unit: Unit): string {
-  return unit.name === "1" || unit.name === "-" ? "" : unit.name;
+/** Words in names of units, in German. */
+const germanParts: [RegExp, string][] = [[/% of stroke/, "% des Wegs"], [/ per /g, " je "]];
+
+export function unitName(unit: { name: string }): string {
+  if (unit.name === "1" || unit.name === "-") return "";
+  return comma ? germanParts.reduce((name, [english, german]) => name.replace(english, german), unit.name) : unit.name;
 }
 
 /** "12202 ± 424 bar": the half width of the 95 % interval, both with its two digits. */

@@ -19,7 +19,7 @@ export type Counted = "stroke" | "episode";
 
 export function sayIn(language: Language, counted: Counted = "stroke"): Say {
   const words = language === "de" ? de : en;
-  return (key, values = {}) => words[key]
+  return (key, values = {}) => (words[key] ?? String(key).replace(/^[a-z]+_/, "").replace(/_/g, " "))
     .replace(/<([^|>]*)\|([^>]*)>/g, (_, stroke: string, episode: string) => (counted === "episode" ? episode : stroke))
     .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
 }

@@ -153,6 +153,9 @@ async function take(name, viewport, colorScheme, locale) {
   await page.goto(`${pump.address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
   await shoot(page, "states");
+  await page.goto(`${pump.address}#step=check`);
+  await page.waitForSelector(".machine .mark");
+  await shoot(page, "states-check");
   await pump.stop();
   await context.close();
 }

@@ -23,13 +23,14 @@ std::vector<StrokeGram> EvenlySpread(std::span<const StrokeGram> grams) {
   return out;
 }
 
-std::string ReasonFor(const Confounding& c, const Effect& effect, const Estimate& parameter) {
+Told ReasonFor(const Confounding& c, const Effect& effect, const Estimate& parameter) {
   const EffectUnit size = EffectUnitFor(effect.unit);
   const DisplayUnit unit = DisplayUnitFor(parameter.unit);
-  return fmt::format(
+  return Tell(
       "confounded with {}: {} of a usual size ({:.2g} {}) would move it by {:+.2g} {} without being seen",
-      fmt::join(c.effects, ", "), effect.id, effect.typical * size.factor, size.name, c.bias * unit.factor,
-      unit.name == "1" ? "" : unit.name);
+      "nicht zu trennen von {}: {} üblicher Größe ({:.2g} {}) verschöbe ihn unbemerkt um {:+.2g} {}",
+      fmt::to_string(fmt::join(c.effects, ", ")), effect.id, effect.typical * size.factor, size.name,
+      c.bias * unit.factor, unit.name == "1" ? "" : unit.name);
 }
 
 }  // namespace
@@ -53,7 +54,7 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
     const Estimate& parameter = figures.parameters[static_cast<std::size_t>(bias.parameter)];
     const std::string& id = model->effects[bias.effect]->id;
     if (out.empty() || out.back().parameter != parameter.parameter)
-      out.push_back({parameter.parameter, id, {}, bias.bias, "", ""});
+      out.push_back({parameter.parameter, id, {}, bias.bias, {}, {}});
     out.back().effects.push_back(id);
   }
   for (Confounding& c : out) {
@@ -61,11 +62,12 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
     const Estimate& parameter = *std::find_if(figures.parameters.begin(), figures.parameters.end(), is);
     for (const auto& effect : model->effects)
       if (effect->id == c.effect) c.reason = ReasonFor(c, *effect, parameter);
-    c.advice =
-        fmt::format("record strokes that differ more in {}, with holds between them", model->words.vary);
+    c.advice = Tell("record strokes that differ more in {}, with holds between them",
+                    "Hübe aufzeichnen, die sich darin mehr unterscheiden: {}, mit Halten dazwischen",
+                    model->words.vary);
     for (const ConditionRange& range : ranges)
       if (!range.condition.hides.empty() && !range.varies())
-        c.advice = fmt::format("vary {} between strokes", range.condition.vary);
+        c.advice = Tell("vary {} between strokes", "zwischen den Hüben variieren: {}", range.condition.vary);
   }
   return out;
 }

@@ -16,8 +16,8 @@ struct Confounding {
   std::string effect;                ///< id of the one that would move it most
   std::vector<std::string> effects;  ///< all of them, that one first
   double bias = 0;                   ///< SI, by which `effect` of typical size moves the parameter
-  std::string reason;                ///< "confounded with internal_leakage: ...", what it would do
-  std::string advice;                ///< what to record
+  Told reason;                       ///< "confounded with internal_leakage: ...", what it would do
+  Told advice;                       ///< what to record
 };
 
 /// Of the model of `machine` (base and added effects) fitted to strokes; at most 400 of them are

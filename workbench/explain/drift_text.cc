@@ -23,20 +23,22 @@ double SecondsOf(const ExplainResult& result) {
 
 }  // namespace
 
-std::string DriftText(const ExplainResult& result, const EffectEstimate& estimate) {
+Told DriftText(const ExplainResult& result, const EffectEstimate& estimate) {
   const Effect& effect = result.effect(estimate.choice.effect);
   const double seconds = SecondsOf(result), of_rate = estimate.size * seconds;
   const double change =
-      effect.drifting == "K" ? of_rate / std::max(1e-3, 1 - of_rate) : of_rate;  // 1/K falls
-  if (effect.drifting.empty() || seconds <= 0) return "";
-  const char* moved = change < 0 ? "fell" : "rose";
+      effect.drifting.english == "K" ? of_rate / std::max(1e-3, 1 - of_rate) : of_rate;  // 1/K falls
+  if (effect.drifting.empty() || seconds <= 0) return {};
+  const Told moved = change < 0 ? Tell("fell", "fiel") : Tell("rose", "stieg");
   if (!effect.drifts_by.empty()) {
     const EffectUnit unit = EffectUnitFor(effect.drifts_by);
-    return fmt::format("{} {} by {:.2g}{} during this log ({:.0f} s)", effect.drifting, moved,
-                       std::abs(change) * unit.factor, unit.name == "-" ? "" : " " + unit.name, seconds);
+    return Tell("{} {} by {:.2g}{} during this log ({:.0f} s)",
+                "{} {} in dieser Aufzeichnung um {:.2g}{} ({:.0f} s)", effect.drifting, moved,
+                std::abs(change) * unit.factor, unit.name == "-" ? std::string() : " " + unit.name, seconds);
   }
-  return fmt::format("{} {} by {:.2g} % during this log ({:.0f} s)", effect.drifting, moved,
-                     100 * std::abs(change), seconds);
+  return Tell("{} {} by {:.2g} % during this log ({:.0f} s)",
+              "{} {} in dieser Aufzeichnung um {:.2g} % ({:.0f} s)", effect.drifting, moved,
+              100 * std::abs(change), seconds);
 }
 
 }  // namespace hydroscope

@@ -8,6 +8,6 @@ namespace hydroscope {
 
 /// "K fell by 10 % during this log (120 s)" for an effect that lets a parameter move over time, "the zero of the
 /// sensor ..." likewise; "" for the others.
-std::string DriftText(const ExplainResult& result, const EffectEstimate& estimate);
+Told DriftText(const ExplainResult& result, const EffectEstimate& estimate);
 
 }  // namespace hydroscope

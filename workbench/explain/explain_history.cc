@@ -62,13 +62,13 @@ ExplainOptions OptionsForEquations(ExplainOptions options, double equations) {
 namespace {
 
 /// Effects whose law lives on a temperature that hardly moved.
-void AddUntestable(const StrokeHistory& history, std::map<std::string, std::string>& untestable) {
+void AddUntestable(const StrokeHistory& history, std::map<std::string, Told>& untestable) {
   std::vector<double> oil;
   for (const StrokeSummary& summary : history.sample)
     if (std::isfinite(summary.oil_temperature)) oil.push_back(summary.oil_temperature);
   for (const auto& effect : history.model->effects) {
     if (!effect->least_span || effect->least_span->channel != history.model->temperature_channel) continue;
-    const std::string why = WhyUntestable(*effect, oil);
+    const Told why = WhyUntestable(*effect, oil);
     if (!why.empty()) untestable.emplace(effect->id, why);
   }
 }
@@ -107,7 +107,7 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
     return BadInput(
         "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
         "--to, or record strokes that differ in {}",
-        history.database, history.model->words.vary);
+        history.database, history.model->words.vary.english);
   out.log.machine = history.machine;
   out.log.machine.added_effects = options.start;
   out.log.model = history.model;

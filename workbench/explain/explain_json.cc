@@ -36,7 +36,8 @@ nlohmann::json RankedJson(const ExplainResult& result, const RankedEffect& ranke
       {"p_value", ranked.p_value},
       {"testable", ranked.testable},
       {"parameters", nlohmann::json::object()},
-      {"why_not", ranked.why_not.empty() ? nlohmann::json() : nlohmann::json(ranked.why_not)},
+      {"why_not", ranked.why_not.empty() ? nlohmann::json() : nlohmann::json(ranked.why_not.english)},
+      {"german", {{"why_not", ranked.why_not.german}}},
       {"gain", ranked.gain},
       {"significant", ranked.significant}};
   if (!ranked.fit.solved) return out;
@@ -49,15 +50,18 @@ nlohmann::json RankedJson(const ExplainResult& result, const RankedEffect& ranke
 nlohmann::json RankingJson(const ExplainResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const RankedEffect& ranked : result.explanation.ranking) out.push_back(RankedJson(result, ranked));
-  for (const UnmeasuredEffect& unmeasured : result.unmeasured)
+  for (const UnmeasuredEffect& unmeasured : result.unmeasured) {
+    const Told why = WhyUnmeasured(unmeasured);
     out.push_back({{"effect", unmeasured.effect->id},
                    {"rms_holdout", nullptr},
                    {"p_value", 1.0},
                    {"testable", false},
                    {"parameters", nlohmann::json::object()},
-                   {"why_not", WhyUnmeasured(unmeasured)},
+                   {"why_not", why.english},
+                   {"german", {{"why_not", why.german}}},
                    {"gain", 0.0},
                    {"significant", false}});
+  }
   return out;
 }
 
@@ -79,23 +83,31 @@ nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) 
   return effects;
 }
 
-/// In words, what moved during the log.
-nlohmann::json DriftsJson(const ExplainResult& result, const ExtendedFit& fit) {
-  nlohmann::json drifts = nlohmann::json::object();
+/// In words, what moved during the log, by effect.
+std::map<std::string, Told> DriftsOf(const ExplainResult& result, const ExtendedFit& fit) {
+  std::map<std::string, Told> drifts;
   for (const EffectEstimate& estimate : fit.effects)
-    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+    if (const Told drift = DriftText(result, estimate); !drift.empty())
       drifts[result.effect(estimate.choice.effect).id] = drift;
   return drifts;
 }
 
+nlohmann::json TextsJson(const std::map<std::string, Told>& texts, std::string Told::*language) {
+  nlohmann::json out = nlohmann::json::object();
+  for (const auto& [key, told] : texts) out[key] = told.*language;
+  return out;
+}
+
 nlohmann::json FinalJson(const ExplainResult& result) {
   const ExtendedFit& fit = result.explanation.final;
+  const std::map<std::string, Told> drifts = DriftsOf(result, fit);
   return {{"rms_holdout", fit.rms_holdout * Factor(result)},
           {"excess_ratio", fit.excess_ratio},
           {"parameters",
            ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
           {"effects", EffectsJson(result, fit)},
-          {"drifts", DriftsJson(result, fit)}};
+          {"drifts", TextsJson(drifts, &Told::english)},
+          {"german", {{"drifts", TextsJson(drifts, &Told::german)}}}};
 }
 
 nlohmann::json SwapJson(const ExplainResult& result) {
@@ -179,7 +191,9 @@ std::vector<std::string> NearestEffects(const Explanation& x) {
 nlohmann::json RelativesJson(const ExplainResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const Relative& relative : RelativesOf(result))
-    out.push_back({{"effect", relative.id}, {"sentence", relative.sentence}});
+    out.push_back({{"effect", relative.id},
+                   {"sentence", relative.sentence.english},
+                   {"german", {{"sentence", relative.sentence.german}}}});
   return out;
 }
 
@@ -205,7 +219,7 @@ nlohmann::json PredictableJson(const Predictability& left) {
 
 nlohmann::json ExplainJson(const ExplainResult& result) {
   const Explanation& x = result.explanation;
-  const std::optional<std::string> experiment = WhatToRecord(result);
+  const std::optional<Told> experiment = WhatToRecord(result);
   return {{"schema", kExplainSchema},
           {"verdict", VerdictName(x.verdict)},
           {"set", x.set},
@@ -213,7 +227,10 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"partial", x.partial},
           {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt.english)},
           {"warnings", InEnglish(x.warnings)},
-          {"german", {{"doubt", x.doubt.german}, {"warnings", InGerman(x.warnings)}}},
+          {"german",
+           {{"doubt", x.doubt.german},
+            {"warnings", InGerman(x.warnings)},
+            {"experiment", experiment ? experiment->german : ""}}},
           {"noise", NoiseJson(result.trust.floor)},
           {"sampling", SamplingJson(result.trust.rate, result.log.model.get())},
           {"noise_floor", x.final.noise_floor * Factor(result)},
@@ -239,7 +256,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
           {"final", FinalJson(result)},
           {"located", LocatedJson(result.location.located, Factor(result))},
           {"remainder", RemainderJson(result)},
-          {"experiment", experiment ? nlohmann::json(*experiment) : nlohmann::json()},
+          {"experiment", experiment ? nlohmann::json(experiment->english) : nlohmann::json()},
           {"experiment_plan", result.signal_experiment.inputs.empty() ? PlanJson(result.experiment)
                                                                       : PlanJson(result.signal_experiment)}};
 }

@@ -101,7 +101,7 @@ namespace {
 
 /// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
 void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
-  for (const std::string& sentence : trust.sentences) x.warnings.push_back({sentence, ""});
+  x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
   if (trust.stated)
     x.warnings.push_back(Tell("the noise floor is taken from the noise that the machine file states",
                               "als Rauschgrenze gilt das Rauschen, das die Maschinendatei angibt"));
@@ -116,9 +116,12 @@ void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
 
 }  // namespace
 
-std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
-  if (unmeasured.missing.empty()) return "it is tried on a log only: stored strokes keep no columns of it";
-  return fmt::format("the machine file has no signal {}", fmt::join(unmeasured.missing, ", "));
+Told WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
+  if (unmeasured.missing.empty())
+    return Tell("it is tried on a log only: stored strokes keep no columns of it",
+                "er wird nur an einer Aufzeichnung versucht: gespeicherte Hübe behalten keine Spalten davon");
+  return Tell("the machine file has no signal {}", "die Maschinendatei hat kein Signal {}",
+              fmt::to_string(fmt::join(unmeasured.missing, ", ")));
 }
 
 JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
@@ -142,7 +145,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   // What the model lacks may pass for less noise than there is: the best model found tells it.
   if (!floor.believable) figures.noise_floor = x.final.noise_floor;
   // Rows too far apart: what they miss looks like an effect, or hides one.
-  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : Told{out.trust.rate.sentence, ""},
+  RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
                 out.explanation);
   return out;
 }
@@ -160,7 +163,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   const FloorTrust& trust = out.trust.floor;
   if (!out.explanation.base.solved)
     return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
-                    model->words.vary);
+                    model->words.vary.english);
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,

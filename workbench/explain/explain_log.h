@@ -22,7 +22,7 @@ struct UnmeasuredEffect {
 };
 
 /// "signal p_B is not in the machine file".
-std::string WhyUnmeasured(const UnmeasuredEffect& unmeasured);
+Told WhyUnmeasured(const UnmeasuredEffect& unmeasured);
 
 /// Effects of the library that cannot be tried for want of a signal.
 std::vector<UnmeasuredEffect> UnmeasuredEffects(const Machine& machine, const ModelStructure& model);

@@ -49,7 +49,7 @@ std::string ErrorSentence(const ExplainResult& result) {
 std::string DriftsText(const ExplainResult& result) {
   std::string text;
   for (const EffectEstimate& estimate : result.explanation.final.effects)
-    if (const std::string drift = DriftText(result, estimate); !drift.empty())
+    if (const std::string drift = DriftText(result, estimate).english; !drift.empty())
       text += fmt::format("  {}.\n", drift);
   return text;
 }
@@ -92,9 +92,9 @@ std::string WhereItLies(const ExplainResult& result) {
 std::string RelativesText(const ExplainResult& result) {
   std::string text;
   for (Relative& relative : RelativesOf(result)) {
-    relative.sentence.front() =
-        static_cast<char>(std::toupper(static_cast<unsigned char>(relative.sentence.front())));
-    text += fmt::format("  PARTIAL: {}.\n", relative.sentence);
+    std::string& sentence = relative.sentence.english;
+    sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+    text += fmt::format("  PARTIAL: {}.\n", sentence);
   }
   return text;
 }
@@ -308,9 +308,9 @@ std::string RuledOutText(const Explanation& x) {
 std::string UntestableText(const ExplainResult& result) {
   std::string text;
   for (const RankedEffect& ranked : result.explanation.ranking)
-    if (!ranked.testable) text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not);
+    if (!ranked.testable) text += fmt::format("  {:<28} {}\n", ranked.id, ranked.why_not.english);
   for (const UnmeasuredEffect& unmeasured : result.unmeasured)
-    text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured));
+    text += fmt::format("  {:<28} {}\n", unmeasured.effect->id, WhyUnmeasured(unmeasured).english);
   return text.empty() ? text : "\nCannot be tested with these strokes (which does not mean absent)\n" + text;
 }
 
@@ -343,8 +343,8 @@ std::string IntervalUnitText(const StrokeClusters& clusters, const CountedWords&
 std::string NextText(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   std::string text = "\nNext\n";
-  const std::optional<std::string> experiment = WhatToRecord(result);
-  if (experiment) text += fmt::format("  {}\n", *experiment);
+  const std::optional<Told> experiment = WhatToRecord(result);
+  if (experiment) text += fmt::format("  {}\n", experiment->english);
   text += SwapText(result);
   if (!x.odd_strokes.empty())
     return text +

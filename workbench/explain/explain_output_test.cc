@@ -101,7 +101,8 @@ TEST(ExplainOutput, OneRamSpeedForAllStrokesAsksForOthers) {
   PressOptions options = Cushion({});
   options.motion.speed_min = options.motion.speed_max = 0.05;
   const ExplainResult result = Explained(options);
-  EXPECT_THAT(WhatToRecord(result).value_or(""), AllOf(HasSubstr("same ram speed"), HasSubstr("mm/s")));
+  EXPECT_THAT(WhatToRecord(result).value_or(Told{}).english,
+              AllOf(HasSubstr("same ram speed"), HasSubstr("mm/s")));
   EXPECT_TRUE(ExplainJson(result)["experiment"].is_string());
 }
 
@@ -149,7 +150,7 @@ TEST(ExplainOutput, AnEffectWhoseSensorIsBrokenCannotBeTested) {
     if (ranked.id != "internal_leakage") continue;
     seen = true;
     EXPECT_FALSE(ranked.testable);
-    EXPECT_THAT(ranked.why_not, HasSubstr("no usable samples"));
+    EXPECT_THAT(ranked.why_not.english, HasSubstr("no usable samples"));
   }
   EXPECT_TRUE(seen);
 }

@@ -114,7 +114,7 @@ TEST(PlantEffects, ADriftOfTheFlowGainIsNoOilViscosityWhereTheOilHardlyWarms) {
     const ExplainResult x = Explained("Q_vn_drift", 0.02, 313.15, 313.15 + warming);
     EXPECT_THAT(x.explanation.set, ElementsAre("Q_vn_drift"));
     const auto& drift = x.explanation.final.effects.front();
-    EXPECT_THAT(DriftText(x, drift), HasSubstr("Q_vn rose by 2 % during this log"));
+    EXPECT_THAT(DriftText(x, drift).english, HasSubstr("Q_vn rose by 2 % during this log"));
   }
 }
 
@@ -169,7 +169,7 @@ TEST(PlantEffects, ALeakDuringAFewStrokesIsNamedFromThoseItLastedThrough) {
 TEST(PlantEffects, ABulkModulusThatFallsIsSaidInWords) {
   const ExplainResult x = Explained("K_drift", -0.2);
   ASSERT_THAT(x.explanation.set, Contains("K_drift"));
-  EXPECT_THAT(DriftText(x, x.explanation.final.effects.front()), HasSubstr("K fell by "));
+  EXPECT_THAT(DriftText(x, x.explanation.final.effects.front()).english, HasSubstr("K fell by "));
 }
 
 TEST(PlantEffects, SensorZeroAndTankPressureAreOneClassWithTheReadingThatDecides) {
@@ -180,7 +180,7 @@ TEST(PlantEffects, SensorZeroAndTankPressureAreOneClassWithTheReadingThatDecides
     EXPECT_THAT(x.explanation.set, Contains("pressure_offset")) << id;
     const auto next = WhatToRecord(x);
     ASSERT_TRUE(next) << id;
-    EXPECT_THAT(*next, HasSubstr("--measured pressure_offset=")) << id;
+    EXPECT_THAT(next->english, HasSubstr("--measured pressure_offset=")) << id;
   }
 }
 
@@ -215,7 +215,7 @@ TEST(PlantEffects, ARelativeOfALawIsNamedByItsFamilyAndPlace) {
   ASSERT_TRUE(x->explanation.partial) << ExplainText(*x);
   EXPECT_THAT(ExplainText(*x), HasSubstr("Oil is lost above 1"));
   EXPECT_THAT(ExplainText(*x), HasSubstr("nearest relative: "));
-  EXPECT_THAT(RelativesOf(*x).front().sentence, HasSubstr("(relief_valve)"));
+  EXPECT_THAT(RelativesOf(*x).front().sentence.english, HasSubstr("(relief_valve)"));
 }
 
 TEST(PlantEffects, AScaleErrorOfThePressureSensorIsNeverClaimed) {

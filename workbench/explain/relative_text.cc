@@ -11,9 +11,11 @@ std::vector<Relative> RelativesOf(const ExplainResult& result) {
   for (auto k = static_cast<std::size_t>(x.started); k < x.chosen.size(); ++k) {
     const Effect& effect = result.effect(x.chosen[k].effect);
     if (effect.family.empty()) continue;
-    const std::string where = effect.where ? " " + effect.where(result.NonlinearOf(x.chosen[k])) : "";
-    out.push_back({effect.id, fmt::format("{}{}; nearest relative: {} ({})", effect.family, where,
-                                          effect.title, effect.id)});
+    const Told where =
+        effect.where ? Tell(" {}", ", {}", effect.where(result.NonlinearOf(x.chosen[k]))) : Told{};
+    out.push_back(
+        {effect.id, Tell("{}{}; nearest relative: {} ({})", "{}{}; nächster Verwandter: {} ({})",
+                         effect.family, where, Told(effect.title, effect.german.title), effect.id)});
   }
   return out;
 }

@@ -11,8 +11,8 @@ namespace hydroscope {
 /// at work (Effect::family, Effect::where), in the words of the effect itself.
 struct Relative {
   std::string id;
-  std::string
-      sentence;  ///< "oil is lost above 164 bar; nearest relative: Relief valve opening early (relief_valve)"
+  /// "oil is lost above 164 bar; nearest relative: Relief valve opening early (relief_valve)"
+  Told sentence;
 };
 
 /// Those of an explanation that is partial, in the order in which they were added; [] of any other.

@@ -20,20 +20,22 @@ namespace {
 constexpr double kOneSpeed = 0.15;
 
 /// Strokes that one of the two says of the other; "" if it says nothing.
-std::string SeparationBy(const Effect& effect, const std::string& other) {
+Told SeparationBy(const Effect& effect, const std::string& other) {
   for (const Effect::Separation& separation : effect.separations)
     if (separation.id == other) return separation.strokes;
-  return "";
+  return {};
 }
 
 /// What tells two effects apart: what one says of the other, else what shows one of them at all.
-std::string MoveFor(const ExplainResult& result, const std::string& id_a, const std::string& id_b) {
+Told MoveFor(const ExplainResult& result, const std::string& id_a, const std::string& id_b) {
   const Effect *found_a = result.FindEffect(id_a), *found_b = result.FindEffect(id_b);
   const Effect a = found_a == nullptr ? Effect{} : *found_a, b = found_b == nullptr ? Effect{} : *found_b;
-  for (const std::string& strokes : {SeparationBy(a, id_b), SeparationBy(b, id_a), b.told_apart_by,
-                                     a.told_apart_by, b.shown_by, a.shown_by})
+  for (const Told& strokes :
+       {SeparationBy(a, id_b), SeparationBy(b, id_a), Told(b.told_apart_by, b.german.told_apart_by),
+        Told(a.told_apart_by, a.german.told_apart_by), b.shown_by, a.shown_by})
     if (!strokes.empty()) return strokes;
-  return fmt::format("strokes that differ in {}", result.log.model->words.vary);
+  return Tell("strokes that differ in {}", "Hübe, die sich darin unterscheiden: {}",
+              result.log.model->words.vary);
 }
 
 /// Spread of a quantity over the strokes, relative to its mean.
@@ -50,94 +52,111 @@ double RelativeSpread(const std::vector<StrokeRecord>& strokes, Get get) {
 }
 
 /// What to say where all strokes are alike in a condition that hides something then.
-std::optional<std::string> Monotony(const ExplainResult& result) {
+std::optional<Told> Monotony(const ExplainResult& result) {
   const std::vector<Condition>& conditions = result.log.model->conditions;
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const auto value = [c](const StrokeSummary& s) { return s.conditions[c]; };
     if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kOneSpeed) continue;
     const DisplayUnit unit = DisplayUnitFor(conditions[c].unit);
     const double shown = value(result.log.strokes.front().summary) * unit.factor;
-    return fmt::format(
+    return Tell(
         "All strokes ran at nearly the same {0} ({1:.0f} {2}): {3}. Record strokes at two or three clearly "
         "different values of it, such as {4:.0f}, {1:.0f} and {5:.0f} {2}, and explain again.",
+        "Fast gleich in allen Hüben: {0} ({1:.0f} {2}); {3}. Hübe bei zwei oder drei deutlich verschiedenen Werten "
+        "aufzeichnen, etwa {4:.0f}, {1:.0f} und {5:.0f} {2}, und wieder erklären lassen.",
         conditions[c].vary, shown, unit.name, conditions[c].hides, 0.5 * shown, 1.5 * shown);
   }
   return std::nullopt;
 }
 
-std::string Separating(const ExplainResult& result) {
-  std::string text;
+Told Separating(const ExplainResult& result) {
+  std::vector<Told> text;
   for (const auto& group : result.explanation.groups) {
     if (group.size() < 2) continue;
-    std::vector<std::string> moves;
+    std::vector<Told> moves;
     for (std::size_t k = 1; k < group.size(); ++k) {
-      const std::string move = MoveFor(result, group.front(), group[k]);
+      const Told move = MoveFor(result, group.front(), group[k]);
       if (std::find(moves.begin(), moves.end(), move) != moves.end()) continue;
       moves.push_back(move);
-      text += fmt::format("{}To tell {} from {}, record {}.", text.empty() ? "" : " ", group.front(),
-                          group[k], move);
+      text.push_back(Tell("To tell {} from {}, record {}.", "Um {} von {} zu trennen, aufzeichnen: {}.",
+                          group.front(), group[k], move));
     }
   }
-  return text;
+  return Joined(text, " ");
 }
 
 /// Tests off the log that decide between rivals, also those that no series of strokes tells apart.
-std::string OffTheLog(const ExplainResult& result) {
-  std::vector<std::string> tests, told;
+Told OffTheLog(const ExplainResult& result) {
+  std::vector<Told> tests;
+  std::vector<std::string> told;
   for (const auto& group : result.explanation.groups) {
     if (group.size() < 2) continue;
     for (const std::string& id : group) {
       const Effect* effect = result.FindEffect(id);
       if (effect == nullptr || effect->measured_by.empty()) continue;
-      tests.push_back(fmt::format("{} ({})", effect->measured_by, id));
+      tests.push_back(Tell("{} ({})", "{} ({})", effect->measured_by, id));
       told.push_back(fmt::format("--measured {}=SIZE:STANDARD_ERROR", id));
     }
   }
-  if (tests.empty()) return "";
-  const std::vector<std::string>& left = result.experiment.left;
-  return fmt::format(" {}ake {}, and explain with {}.",
-                     left.empty()
-                         ? "Instead of strokes, t"
-                         : fmt::format("No stroke tells {} from all others: t", fmt::join(left, ", ")),
-                     fmt::join(tests, "; "), fmt::join(told, " "));
+  if (tests.empty()) return {};
+  const std::string left = fmt::to_string(fmt::join(result.experiment.left, ", "));
+  const Told begin = left.empty() ? Tell("Instead of strokes, take", "Statt Hüben nehmen:")
+                                  : Tell("No stroke tells {} from all others: take",
+                                         "Kein Hub trennt {} von allen anderen; zu nehmen:", left);
+  return Tell("{} {}, and explain with {}.", "{} {}, und erklären lassen mit {}.", begin, Joined(tests, "; "),
+              fmt::to_string(fmt::join(told, " ")));
 }
 
 /// What would excite the effects these strokes cannot test.
-std::string Exciting(const ExplainResult& result) {
-  std::string text;
+Told Exciting(const ExplainResult& result) {
+  std::vector<Told> text;
   std::set<std::string> told;
   for (const RankedEffect& ranked : result.explanation.ranking) {
     const Effect* effect = ranked.testable ? nullptr : result.FindEffect(ranked.id);
-    if (effect == nullptr || effect->shown_by.empty() || !told.insert(effect->shown_by).second) continue;
-    text += fmt::format("{}To test {}, record {}.", text.empty() ? "" : " ", ranked.id, effect->shown_by);
+    if (effect == nullptr || effect->shown_by.empty() || !told.insert(effect->shown_by.english).second)
+      continue;
+    text.push_back(
+        Tell("To test {}, record {}.", "Um {} zu prüfen, aufzeichnen: {}.", ranked.id, effect->shown_by));
   }
-  return text;
+  return Joined(text, " ");
+}
+
+/// Those that are there, one behind the other.
+Told Sentences(std::vector<Told> sentences) {
+  std::erase_if(sentences, [](const Told& sentence) { return sentence.empty(); });
+  return Joined(sentences, " ");
 }
 
 }  // namespace
 
-std::optional<std::string> WhatToRecord(const ExplainResult& result) {
+std::optional<Told> WhatToRecord(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   if (result.log.model->kind->own_library) {
     if (x.verdict != Verdict::kAmbiguous) return std::nullopt;
     if (!result.signal_experiment.inputs.empty()) return SignalExperimentText(result.signal_experiment);
-    return "Record strokes in which the expressions of these effects go different ways; explain the logs "
-           "themselves to have such strokes computed.";
+    return Tell(
+        "Record strokes in which the expressions of these effects go different ways; explain the logs "
+        "themselves to have such strokes computed.",
+        "Hübe aufzeichnen, in denen die Ausdrücke dieser Effekte verschieden verlaufen; an den Aufzeichnungen selbst "
+        "lassen sich solche Hübe berechnen.");
   }
-  const std::optional<std::string> monotony = Monotony(result);
+  const std::optional<Told> monotony = Monotony(result);
   if (x.verdict == Verdict::kAmbiguous) {
-    const std::string off_the_log = OffTheLog(result);
-    if (result.experiment.proposed()) return ExperimentText(result.experiment) + off_the_log;
-    const std::string separating =
-        (result.log.model->kind->experiment.on == nullptr
-             ? fmt::format("Nothing can be computed to record on a {}.", result.log.model->kind->title)
-             : "No series of strokes within [experiment] of the machine file would settle it.") +
-        (off_the_log.empty() ? " " + Separating(result) : off_the_log);
-    return monotony ? *monotony + " " + separating : separating;
+    const Told off_the_log = OffTheLog(result);
+    if (result.experiment.proposed()) return Sentences({ExperimentText(result.experiment), off_the_log});
+    const Told separating = Sentences(
+        {result.log.model->kind->experiment.on == nullptr
+             ? Tell("Nothing can be computed to record on a {}.",
+                    "Was aufzuzeichnen wäre, lässt sich hier nicht berechnen ({}).",
+                    result.log.model->kind->title)
+             : Tell("No series of strokes within [experiment] of the machine file would settle it.",
+                    "Keine Reihe von Hüben innerhalb von [experiment] der Maschinendatei würde es klären."),
+         off_the_log.empty() ? Separating(result) : off_the_log});
+    return monotony ? Sentences({*monotony, separating}) : separating;
   }
   if (monotony) return monotony;
   if (x.verdict == Verdict::kNamed) return std::nullopt;
-  const std::string exciting = Exciting(result);
+  const Told exciting = Exciting(result);
   return exciting.empty() ? std::nullopt : std::optional(exciting);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "workbench/explain/explain_log.h"
 
@@ -10,6 +9,6 @@ namespace hydroscope {
 /// What to record so that the next `explain` says more; nullopt if these strokes already answer the question.
 /// Ambiguous: moves that separate the rivals. Otherwise: what kept the strokes from testing the library, such
 /// as one ram speed for all of them.
-std::optional<std::string> WhatToRecord(const ExplainResult& result);
+std::optional<Told> WhatToRecord(const ExplainResult& result);
 
 }  // namespace hydroscope

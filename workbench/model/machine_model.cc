@@ -118,7 +118,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
         return BadInput(
             "these strokes cannot tell effect '{}' of the machine file from the rest of the model: record "
             "strokes that differ in {}, or take it out with 'hydroscope model remove {}'",
-            id, structure->words.vary, id);
+            id, structure->words.vary.english, id);
       choices.push_back(best);
     }
     for (int pass = 0; pass < kPasses; ++pass)
@@ -131,7 +131,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
   out.fit = strokes.Fit(choices);
   if (!out.fit.solved)
     return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
-                    structure->words.vary);
+                    structure->words.vary.english);
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   strokes.Widen(choices, out.fit);

@@ -66,7 +66,8 @@ Result<Evidence> OnLogs(const ModelChange& change, const Machine& before, const 
   if (!strokes) return tl::unexpected(strokes.error());
   const std::string source = fmt::format("{}", fmt::join(logs->fitted, ", "));
   if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
-    return BadInput("{}: {}; without the log the model is changed unjudged", source, trust.rate.sentence);
+    return BadInput("{}: {}; without the log the model is changed unjudged", source,
+                    trust.rate.sentence.english);
   Evidence out;
   auto judged_before = JudgeModel(before, *strokes, source);
   if (!judged_before) return tl::unexpected(judged_before.error());
@@ -143,8 +144,9 @@ void TellHeldOut(const Evidence& evidence, const std::string& effect, bool adds,
       fmt::format("Error on {}, held out: {:.3g} -> {:.3g} {}, {}\n", after.log, before.rms * unit.factor,
                   after.rms * unit.factor, unit.name, Counted(after.strokes, "stroke"));
   if (adds && !(after.rms < before.rms))
-    changed.warnings.push_back(
-        fmt::format("on {}, which was held out, {} does not lower the error", after.log, effect));
+    changed.warnings.push_back(Tell("on {}, which was held out, {} does not lower the error",
+                                    "auf {}, das ausgelassen war, senkt {} den Fehler nicht", after.log,
+                                    effect));
 }
 
 /// What a change did to the error, with what speaks against it.
@@ -154,7 +156,8 @@ void TellError(const Machine& before, const Machine& next, const Evidence& evide
   changed.error = LastStepJson(next);
   if (adds) changed.warnings = AddingWarnings(next, effect);
   TellHeldOut(evidence, effect, adds, changed);
-  for (const std::string& warning : changed.warnings) changed.text += fmt::format("WARNING: {}.\n", warning);
+  for (const std::string& warning : InEnglish(changed.warnings))
+    changed.text += fmt::format("WARNING: {}.\n", warning);
 }
 
 Result<ModelChanged> ChangeFile(const ModelChange& change, MakeNext make_next) {

@@ -27,7 +27,7 @@ struct ModelChanged {
   std::string where;      ///< machine file or database
   bool restored = false;  ///< the file is again byte for byte an earlier version
   /// What speaks against the change, a sentence each; part of `text` too.
-  std::vector<std::string> warnings = {};
+  std::vector<Told> warnings = {};
   /// log, strokes, before, after, unit of ModelChange::hold_out; null: none.
   nlohmann::json held_out = {};
   /// before, after, noise_floor, unit: on strokes left out, as shown; null: not judged.

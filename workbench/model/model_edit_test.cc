@@ -121,7 +121,7 @@ TEST_F(ModelEdit, AddingWhatDoesNotLowerTheErrorIsWarnedOf) {
   const auto warnings = [&](double rms_after) {
     Machine next = *WithEffect(before, "relief_valve", 2);
     AddRecords(before, Judged(before, 2e-5), Judged(next, rms_after), "", next);
-    return AddingWarnings(next, "relief_valve");
+    return InEnglish(AddingWarnings(next, "relief_valve"));
   };
   EXPECT_THAT(warnings(4e-5), ElementsAre(HasSubstr("2.4 l/min with it and 1.2 l/min without")));
   EXPECT_THAT(warnings(2e-5), testing::SizeIs(1));

@@ -134,21 +134,23 @@ std::string LastStepText(const Machine& machine) {
       Shown(after, after.noise_floor), Parameters({&before, &after}));
 }
 
-std::vector<std::string> AddingWarnings(const Machine& machine, const std::string& effect) {
+std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect) {
   const auto step = LastStep(machine);
   if (!step) return {};
   const ModelRecord &before = *step->first, &after = *step->second;
-  std::vector<std::string> warnings;
+  std::vector<Told> warnings;
   if (!(after.rms_holdout < before.rms_holdout))
-    warnings.push_back(fmt::format(
+    warnings.push_back(Tell(
         "{} makes the model no better: on strokes left out the error is {:.3g} {} with it and {:.3g} {} "
         "without. Take it out again with 'hydroscope model undo' or 'model remove {}'",
+        "{0} macht das Modell nicht besser: der Fehler auf ausgelassenen Hüben ist {1:.3g} {2} damit und {3:.3g} {4} ohne",
         effect, Shown(after, after.rms_holdout), ShownUnit(after), Shown(before, before.rms_holdout),
         ShownUnit(before), effect));
   for (const RecordedValue& value : after.parameters)
     if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
-      warnings.push_back(fmt::format("the size of {} cannot be told from zero: {}", effect,
-                                     ShownWithInterval(value.value, value.std, value.unit)));
+      warnings.push_back(Tell("the size of {} cannot be told from zero: {}",
+                              "die Größe von {} ist nicht von null zu unterscheiden: {}", effect,
+                              TellNumber(ShownWithInterval(value.value, value.std, value.unit))));
   return warnings;
 }
 

@@ -21,7 +21,7 @@ std::string LastStepText(const Machine& machine);
 /// What speaks against adding `effect` by the last two versions of the history, a sentence each: the error
 /// on strokes left out does not fall, or its size cannot be told from zero. [] if nothing does or they were
 /// not judged.
-std::vector<std::string> AddingWarnings(const Machine& machine, const std::string& effect);
+std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect);
 
 /// Errors of the last two versions on strokes left out, as shown; null if they were not judged.
 nlohmann::json LastStepJson(const Machine& machine);

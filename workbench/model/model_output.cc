@@ -67,7 +67,7 @@ std::string EffectText(const MachineKind& kind, const Effect& e) {
   }
   text += fmt::format("  confused with  {}\n  hidden in      {}\n", OrDash(e.confused_with), e.hidden_in);
   if (!e.told_apart_by.empty()) text += fmt::format("  told apart by  {}\n", e.told_apart_by);
-  if (!e.measured_by.empty()) text += fmt::format("  measured by    {}\n", e.measured_by);
+  if (!e.measured_by.empty()) text += fmt::format("  measured by    {}\n", e.measured_by.english);
   if (!e.channels.empty())
     text += fmt::format("  needs signal   {}\n", fmt::join(NeededSignals(kind, e), ", "));
   return text;
@@ -98,7 +98,7 @@ nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
           {"plain", e.plain},
           {"told_apart_by", e.told_apart_by},
           {"german", GermanJson(e.german)},
-          {"measured_by", e.measured_by},
+          {"measured_by", e.measured_by.english},
           {"signals", NeededSignals(kind, e)}};
 }
 

@@ -11,25 +11,30 @@
 namespace hydroscope {
 namespace {
 
-std::string Moved(const StatesExplained& e, const TriedRecord& tried) {
+Told Moved(const StatesExplained& e, const TriedRecord& tried) {
   return MoveText(tried.move, *e.explanation.final.fit.model, e.log.episodes.front());
 }
 
-std::string SeparationText(const StatesExplained& e) {
+Told SeparationText(const StatesExplained& e) {
   const StateExperiment& x = e.experiment;
   if (!x.proposed())
-    return fmt::format(
+    return Tell(
         "No record within what the inputs may be tells the rivals apart: the best, {}, has an expected separation of {:.0f} "
         "where {:.0f} is worth the while. Say under signals of [experiment] in the machine file what else the inputs may be "
         "run at, or measure another signal.",
-        x.tried.empty() ? "none" : Moved(e, x.tried.front()),
+        "Keine Aufzeichnung innerhalb dessen, was die Eingänge dürfen, trennt die Rivalen: die beste, {}, hat eine erwartete "
+        "Trennung von {:.0f}, erst {:.0f} lohnt. Unter signals von [experiment] in der Maschinendatei sagen, wie die Eingänge "
+        "sonst gefahren werden dürfen, oder ein weiteres Signal messen.",
+        x.tried.empty() ? Tell("none", "keine") : Moved(e, x.tried.front()),
         x.tried.empty() ? x.now.separation : x.tried.front().separation, kExperiment.worthwhile);
   const TriedRecord& best = x.tried.front();
-  return fmt::format(
+  return Tell(
       "Record {} ({:.3g} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain this log and that one "
       "together.{}",
+      "Aufzeichnen: {} ({:.3g} s; erwartete Trennung {:.0f}, jetzt {:.0f}, {:.0f} klärt es); dann diese und jene "
+      "Aufzeichnung zusammen erklären lassen.{}",
       Moved(e, best), best.seconds, best.separation, x.now.separation, kExperiment.settled,
-      x.settles() ? "" : " It may not be enough.");
+      x.settles() ? Told{} : Tell(" It may not be enough.", " Vielleicht reicht es nicht."));
 }
 
 /// Share of the standard error as recorded that the best record must leave at most, or records are not what is wanting.
@@ -41,23 +46,31 @@ bool NoRecordHelps(const StateExperiment& x) {
          x.tried.front().standard_error > kHelps * x.now.standard_error;
 }
 
-std::string UnseenParametersText(const StatesExplained& e) {
+Told UnseenParametersText(const StatesExplained& e) {
   const StateExperiment& x = e.experiment;
   const std::string names = fmt::format("{}", fmt::join(x.unseen, ", "));
   if (NoRecordHelps(x))
-    return fmt::format(
+    return Tell(
         "No record of these signals shows {}: whatever the inputs do, the outputs hardly change if {}. Write a value in "
         "place of one of them into the machine file, or measure another signal.",
-        names, x.unseen.size() > 1 ? "they move together" : "it moves");
+        "Keine Aufzeichnung dieser Signale zeigt {}: was die Eingänge auch tun, die Ausgänge ändern sich kaum, wenn {}. Für "
+        "einen davon einen Wert in die Maschinendatei schreiben oder ein weiteres Signal messen.",
+        names,
+        x.unseen.size() > 1 ? Tell("they move together", "sie sich gemeinsam ändern")
+                            : Tell("it moves", "er sich ändert"));
   if (!x.proposed())
-    return fmt::format(
+    return Tell(
         "These data do not see {}, and no record within what the inputs may be shows all of them. Say under signals of "
         "[experiment] in the machine file what else the inputs may be run at.",
+        "Diese Daten sehen {} nicht, und keine Aufzeichnung innerhalb dessen, was die Eingänge dürfen, zeigt alle. Unter "
+        "signals von [experiment] in der Maschinendatei sagen, wie die Eingänge sonst gefahren werden dürfen.",
         names);
   const TriedRecord& best = x.tried.front();
-  return fmt::format(
+  return Tell(
       "To see {}, record {} ({:.3g} s): standard errors of at most {:.2g} % of the value in place of {:.2g} %; then "
       "explain this log and that one together.",
+      "Um {} zu sehen, aufzeichnen: {} ({:.3g} s): Standardfehler von höchstens {:.2g} % des Wertes statt {:.2g} %; dann diese "
+      "und jene Aufzeichnung zusammen erklären lassen.",
       names, Moved(e, best), best.seconds, 100 * best.standard_error, 100 * x.now.standard_error);
 }
 
@@ -77,10 +90,10 @@ nlohmann::json SignalsJson(const StatesExplained& e, const TriedRecord& tried) {
 
 nlohmann::json TriedJson(const StatesExplained& e, const TriedRecord& tried) {
   nlohmann::json out = {
-      {"record", Moved(e, tried)},
+      {"record", Moved(e, tried).english},
       {"signals", SignalsJson(e, tried)},
       {"times_as_fast", tried.move.speed},
-      {"course", tried.move.course ? nlohmann::json(tried.move.course->name) : nlohmann::json()},
+      {"course", tried.move.course ? nlohmann::json(tried.move.course->name.english) : nlohmann::json()},
       {"seconds", tried.seconds}};
   if (e.experiment.rivals.empty())
     out["standard_error"] = tried.standard_error;
@@ -91,7 +104,7 @@ nlohmann::json TriedJson(const StatesExplained& e, const TriedRecord& tried) {
 
 }  // namespace
 
-std::optional<std::string> StatesToRecord(const StatesExplained& e) {
+std::optional<Told> StatesToRecord(const StatesExplained& e) {
   if (!e.experiment.rivals.empty()) return SeparationText(e);
   if (!e.experiment.unseen.empty()) return UnseenParametersText(e);
   return std::nullopt;
@@ -109,7 +122,8 @@ std::string RecordTable(const StatesExplained& e) {
                                      : fmt::format("{:.2g} %", 100 * tried.standard_error);
     text += fmt::format("  {:>10} {:>9.3g}  {}\n", worth, tried.seconds, what);
   };
-  for (std::size_t k = 0; k < std::min(kShown, x.tried.size()); ++k) line(x.tried[k], Moved(e, x.tried[k]));
+  for (std::size_t k = 0; k < std::min(kShown, x.tried.size()); ++k)
+    line(x.tried[k], Moved(e, x.tried[k]).english);
   line(x.now, "what was recorded, alone");
   return text;
 }

@@ -9,7 +9,7 @@
 namespace hydroscope {
 
 /// What to record next on a machine with states, a sentence; nothing: nothing is asked for.
-std::optional<std::string> StatesToRecord(const StatesExplained& explained);
+std::optional<Told> StatesToRecord(const StatesExplained& explained);
 /// The records that were simulated, best first, as a table; "" if none was, or none helps.
 std::string RecordTable(const StatesExplained& explained);
 /// `experiment_plan` (docs/command_line.md); null where nothing is proposed.

@@ -42,7 +42,7 @@ double OneStepError(const StateFit& fit, int output) {
 }
 
 /// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
-std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<Episode>& episodes) {
+std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode>& episodes) {
   const StateModel& model = *fit.model;
   StateSimulator simulator(fit.model);
   simulator.SetParameters(fit.parameters);
@@ -62,13 +62,15 @@ std::vector<std::string> InitialWarnings(const StateFit& fit, const std::vector<
       outside[at] += given && (x < simulator.limits()[i] || x > simulator.limits()[model.states() + i]);
     }
   }
-  std::vector<std::string> warnings;
+  std::vector<Told> warnings;
   for (int i = 0; i < model.states(); ++i)
     if (const int count = outside[static_cast<std::size_t>(i)]; count > 0) {
       const StateSpec& state = model.machine.states.states[static_cast<std::size_t>(i)];
-      warnings.push_back(fmt::format(
+      warnings.push_back(Tell(
           "initial = \"{}\" of {} is outside of its limits in {} of {} episodes, which begin at the limit; check unit, "
           "zero and limits",
+          "initial = \"{}\" von {} liegt in {} von {} Episoden außerhalb seiner Grenzen, sie beginnen an der Grenze; Einheit, "
+          "Nullpunkt und Grenzen prüfen",
           state.initial, state.name, count, episodes.size()));
     }
   return warnings;
@@ -141,8 +143,7 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.told_together = FindToldTogether(out.fit, log.episodes);
   out.parameters = EstimatesOf(out.prediction ? *out.prediction : out.fit);
   for (int j = 0; j < out.fit.noise.size(); ++j) out.one_step.push_back(OneStepError(out.fit, j));
-  for (std::string& warning : InitialWarnings(out.fit, log.episodes))
-    log.warnings.push_back(std::move(warning));
+  for (Told& warning : InitialWarnings(out.fit, log.episodes)) log.warnings.push_back(std::move(warning));
   out.log = std::move(log);
   return out;
 }
@@ -182,7 +183,7 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   options.fit = start.options;
   out.explanation = ExplainStates(start.machine, log->episodes, options);
   if (out.explanation.base.fit.solved())
-    for (std::string& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
+    for (Told& warning : InitialWarnings(out.explanation.base.fit, log->episodes))
       log->warnings.push_back(std::move(warning));
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;

@@ -20,15 +20,19 @@ namespace hydroscope {
 namespace {
 
 /// "k1 up by 1 % with A1 up by 1 %".
-std::string UnseenText(const UnseenDirection& unseen) {
+Told UnseenText(const UnseenDirection& unseen) {
   if (unseen.parts.size() == 1)
-    return fmt::format("nothing in these data depends on {}", unseen.parts.front().first);
-  std::vector<std::string> parts;
+    return Tell("nothing in these data depends on {}", "nichts in diesen Daten hängt von {} ab",
+                unseen.parts.front().first);
   const double sign = unseen.parts.front().second < 0 ? -1 : 1;
-  for (const auto& [name, share] : unseen.parts)
-    parts.push_back(
-        fmt::format("{} {} by {:.2g} %", name, sign * share > 0 ? "up" : "down", std::abs(share)));
-  return fmt::format("the data do not see {}: nothing that is measured changes", fmt::join(parts, " with "));
+  Told parts;
+  for (const auto& [name, share] : unseen.parts) {
+    const Told moved = sign * share > 0 ? Tell("up", "mehr") : Tell("down", "weniger");
+    const Told part = Tell("{} {} by {:.2g} %", "{0} um {2:.2g} % {1}", name, moved, std::abs(share));
+    parts = parts.empty() ? part : Tell("{} with {}", "{} mit {}", parts, part);
+  }
+  return Tell("the data do not see {}: nothing that is measured changes",
+              "die Daten sehen nicht: {}; nichts Gemessenes ändert sich", parts);
 }
 
 std::string PerCents(const std::vector<double>& shares) {
@@ -38,12 +42,14 @@ std::string PerCents(const std::vector<double>& shares) {
 }
 
 /// Parameters that only another sensor tells from one another.
-std::string ToldTogetherText(const ToldTogether& together) {
-  std::string text = fmt::format("the data tell {} only together, each of them to {} (standard error)",
-                                 fmt::join(together.parameters, ", "), PerCents(together.std));
+Told ToldTogetherText(const ToldTogether& together) {
+  Told text = Tell("the data tell {} only together, each of them to {} (standard error)",
+                   "die Daten zeigen {} nur zusammen, jeden davon auf {} (Standardfehler)",
+                   fmt::to_string(fmt::join(together.parameters, ", ")), TellNumber(PerCents(together.std)));
   for (const MissingSensor& sensor : together.sensors)
-    text += fmt::format("; with {} measured too, to 1 % of its variation, {}", sensor.signal,
-                        PerCents(sensor.std));
+    text = Tell("{}; with {} measured too, to 1 % of its variation, {}",
+                "{}; wird auch {} gemessen, auf 1 % seiner Schwankung: {}", text, sensor.signal,
+                TellNumber(PerCents(sensor.std)));
   return text;
 }
 
@@ -102,9 +108,9 @@ std::string StartsText(const StateFit& fit) {
   return text + "\n";
 }
 
-std::string WarningLines(const std::vector<std::string>& warnings) {
+std::string WarningLines(const std::vector<Told>& warnings) {
   std::string text;
-  for (const std::string& warning : warnings) text += fmt::format("WARNING: {}\n", warning);
+  for (const std::string& warning : InEnglish(warnings)) text += fmt::format("WARNING: {}\n", warning);
   return text;
 }
 
@@ -302,29 +308,36 @@ nlohmann::json LinearJson(const StatesFit& fit) {
 
 }  // namespace
 
-std::vector<std::string> FitWarnings(const StatesFit& fit) {
-  std::vector<std::string> warnings = fit.log.warnings;
+std::vector<Told> FitWarnings(const StatesFit& fit) {
+  std::vector<Told> warnings = fit.log.warnings;
   for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
   if (!fit.told_together.parameters.empty()) warnings.push_back(ToldTogetherText(fit.told_together));
   if (!fit.fit.unseen.empty())
-    warnings.push_back("to see what these data do not, vary " + WordsOf(fit.log.machine).vary);
+    warnings.push_back(Tell("to see what these data do not, vary {}",
+                            "um zu sehen, was diese Daten nicht zeigen, variieren: {}",
+                            WordsOf(fit.log.machine).vary));
   for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
     if (fit.fit.at_limit[p])
-      warnings.push_back(
-          fmt::format("{} stands at a limit of its range; widen it in the machine file if physics allows",
-                      fit.parameters[p].parameter));
+      warnings.push_back(Tell(
+          "{} stands at a limit of its range; widen it in the machine file if physics allows",
+          "{} steht an einer Grenze seines Bereichs; ihn in der Maschinendatei erweitern, wenn die Physik es erlaubt",
+          fit.parameters[p].parameter));
   if (fit.left.structured)
-    warnings.push_back(fmt::format(
+    warnings.push_back(Tell(
         "functions of states and inputs predict {:.0f} % of the error left out, most of it in the "
         "equation of {}: the model misses something, and its parameters absorb part of it",
+        "Funktionen von Zuständen und Eingängen sagen {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
+        "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
         100 * fit.left.share, fit.left.about));
   if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
-    warnings.push_back(
-        std::string(
-            "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-            "itself (or a disturbance that is not measured)") +
-        (fit.prediction ? "; the parameters are those that predict one row ahead best"
-                        : ", and the intervals hold it"));
+    warnings.push_back(Tell(
+        "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
+        "itself (or a disturbance that is not measured){}",
+        "der Fehler ist langsam, doch keine Funktion von Zuständen und Eingängen sagt ihn voraus: Rauschen wirkt auf "
+        "den Prozess selbst (oder eine Störung, die nicht gemessen wird){}",
+        fit.prediction ? Tell("; the parameters are those that predict one row ahead best",
+                              "; die Parameter sind die, die eine Zeile voraus am besten voraussagen")
+                       : Tell(", and the intervals hold it", ", und die Intervalle enthalten es")));
   return warnings;
 }
 
@@ -362,7 +375,8 @@ nlohmann::json FitJson(const StatesFit& fit) {
           {"told_together", ToldTogetherJson(fit.told_together)},
           {"held_out", HeldOutObject(fit)},
           {"linear", LinearJson(fit)},
-          {"warnings", FitWarnings(fit)}};
+          {"warnings", InEnglish(FitWarnings(fit))},
+          {"german", {{"warnings", InGerman(FitWarnings(fit))}}}};
 }
 
 std::string CompareText(const StatesFit& fit) {
@@ -404,7 +418,7 @@ std::string ExplainText(const StatesExplained& e) {
   text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
                       UnitWords(e.final), NoiseWords(x.final_left), e.final.noise_floor, UnitWords(e.final));
   text += RowsText(e.log);
-  std::vector<std::string> warnings = e.log.warnings;
+  std::vector<Told> warnings = e.log.warnings;
   warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
   text += WarningLines(warnings) + "\nHow the error falls\n";
   for (const auto& [added, relative] : x.steps)
@@ -417,13 +431,13 @@ std::string ExplainText(const StatesExplained& e) {
     text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
                         UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
   text += RecordTable(e);
-  const std::optional<std::string> record = StatesToRecord(e);
+  const std::optional<Told> record = StatesToRecord(e);
   if (x.verdict != Verdict::kNamed && !record) return text;
   text += "\nNext\n";
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, e.target);
-  if (record) text += fmt::format("  {}\n", *record);
+  if (record) text += fmt::format("  {}\n", record->english);
   return text;
 }
 
@@ -444,9 +458,9 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
     steps.push_back(
         {{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
          {"rms_holdout", e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)}});
-  const std::optional<std::string> record = StatesToRecord(e);
+  const std::optional<Told> record = StatesToRecord(e);
   for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
-  std::vector<std::string> warnings = e.log.warnings;
+  std::vector<Told> warnings = e.log.warnings;
   warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
   return {{"schema", 2},
           {"verdict", VerdictName(x.verdict)},
@@ -454,7 +468,8 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
           {"groups", x.groups},
           {"partial", x.partial},
           {"nearest", x.nearest},
-          {"warnings", warnings},
+          {"warnings", InEnglish(warnings)},
+          {"german", {{"warnings", InGerman(warnings)}, {"experiment", record ? record->german : ""}}},
           {"noise_floor", e.final.noise_floor},
           {"strokes", e.log.episodes.size()},
           {"unit", e.base.unit.name},
@@ -472,7 +487,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
             {"effects", effects}}},
           {"odd_strokes", nlohmann::json::array()},
           {"located", nlohmann::json::array()},
-          {"experiment", record ? nlohmann::json(*record) : nlohmann::json()},
+          {"experiment", record ? nlohmann::json(record->english) : nlohmann::json()},
           {"experiment_plan", ExperimentPlanJson(e)}};
 }
 

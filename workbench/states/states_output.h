@@ -11,7 +11,7 @@ namespace hydroscope {
 /// stroke being an episode (docs/command_line.md).
 std::string FitText(const StatesFit& fit);
 /// What makes the fit doubtful, a sentence each.
-std::vector<std::string> FitWarnings(const StatesFit& fit);
+std::vector<Told> FitWarnings(const StatesFit& fit);
 nlohmann::json FitJson(const StatesFit& fit);
 std::string CompareText(const StatesFit& fit);
 nlohmann::json CompareJson(const StatesFit& fit);

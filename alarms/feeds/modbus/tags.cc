@@ -23,7 +23,7 @@ constexpr std::array<const char*, 5> kCellNames = {"u16", "u32", "float32", "tex
 struct Place {
   int offset;
   Cell cell;
-  const char* name;
+  const char* name;  ///< in words of machines that count strokes, as `meaning`
   const char* unit;
   const char* meaning;
   bool of_service = false;  ///< says something only while a service serves it
@@ -52,7 +52,7 @@ constexpr Place kAxisPlaces[] = {
     {kStrokeAge, Cell::kU16, "age of the last stroke", "s", "65535: longer, or none"},
     {kAxisStanding, Cell::kU16, "alarms not at rest", "", ""},
     {kStrokes, Cell::kU32, "strokes stored", "", ""},
-    {kOilTemperature, Cell::kFloat, "oil temperature", "degC", "during the last stroke or episode"},
+    {kOilTemperature, Cell::kFloat, "oil temperature", "degC", "during the last stroke"},
     {kAxisName, Cell::kText16, "name", "", ""},
 };
 constexpr Place kHealthPlaces[] = {
@@ -78,16 +78,16 @@ constexpr Place kAlarmPlaces[] = {
 /// Lists places of one picture after the other.
 class TagList {
  public:
-  explicit TagList(const RegisterImage& image) : image_(image) {}
+  TagList(const RegisterImage& image, const CountedWords& counted) : image_(image), counted_(counted) {}
 
   /// `si`: unit of places whose unit is that of a quantity.
   void Add(std::span<const Place> places, int first, const std::string& axis, const std::string& of,
            const std::string& si = "") {
     for (const Place& place : places)
       tags_.push_back({"modbus", axis, std::to_string(first + place.offset),
-                       of.empty() ? place.name : of + ", " + place.name,
+                       of.empty() ? Counted(place.name) : of + ", " + Counted(place.name),
                        kCellNames[static_cast<std::size_t>(place.cell)],
-                       place.unit == nullptr ? si : place.unit, place.meaning,
+                       place.unit == nullptr ? si : place.unit, Counted(place.meaning),
                        place.of_service ? "" : ValueAt(first + place.offset, place.cell)});
   }
   std::vector<Tag> Take() { return std::move(tags_); }
@@ -108,7 +108,16 @@ class TagList {
     return text;
   }
 
+  /// The words with what the machine counts in place of strokes.
+  std::string Counted(std::string words) const {
+    constexpr std::string_view kStroke = CountedWords{}.one;
+    for (std::size_t at = 0; (at = words.find(kStroke, at)) != std::string::npos; at += counted_.one.size())
+      words.replace(at, kStroke.size(), counted_.one);
+    return words;
+  }
+
   const RegisterImage& image_;
+  const CountedWords counted_;
   std::vector<Tag> tags_;
 };
 
@@ -116,7 +125,7 @@ class TagList {
 
 std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
                             const std::vector<std::pair<std::string, std::string>>& alarms_by_appearance,
-                            double wall) {
+                            double wall, const CountedWords& counted) {
   AlarmNumbers numbers;
   for (const auto& [machine, alarm] : alarms_by_appearance) numbers.Add(machine, alarm);
   RegisterImage image;
@@ -132,7 +141,7 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
     }
   }
   image.ShowHead(counts, wall);
-  TagList list(image);
+  TagList list(image, counted);
   list.Add(kHeadPlaces, 0, "", "");
   for (std::size_t a = 0; a < axes.size() && a < kMostAxes; ++a) {
     const int first = kFirstAxis + static_cast<int>(a) * kAxisStride;
@@ -141,10 +150,9 @@ std::vector<Tag> ModbusTags(const std::vector<AxisPicture>& axes,
     for (std::size_t p = 0; p < axes[a].estimates.size() && p < kMostParameters; ++p) {
       const Estimate& estimate = axes[a].estimates[p].estimate;
       const Place places[] = {
-          {kValue, Cell::kFloat, "value", nullptr, "after the last stroke or episode"},
+          {kValue, Cell::kFloat, "value", nullptr, "after the last stroke"},
           {kStd, Cell::kFloat, "standard deviation", nullptr, "value +- 1.96 of it is the 95 % interval"},
-          {kQuality, Cell::kU16, "quality", "",
-           "0 identified in the last stroke or episode, else older; 255 never"},
+          {kQuality, Cell::kU16, "quality", "", "0 identified in the last stroke, else older; 255 never"},
           {kEstimateAge, Cell::kU16, "age", "s", "since the data told something about it"},
           {kEstimateOil, Cell::kFloat, "oil temperature", "degC", "that the value stands for"},
           {kParameterName, Cell::kText16, "name", "", ""}};

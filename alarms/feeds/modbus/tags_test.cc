@@ -9,7 +9,7 @@
 namespace hydroscope {
 namespace {
 
-std::vector<Tag> TagsOfAPress() {
+std::vector<Tag> TagsOfAPress(const CountedWords& counted = {}) {
   AxisPicture axis;
   axis.machine = "press/left";
   axis.name = "left";
@@ -29,7 +29,8 @@ std::vector<Tag> TagsOfAPress() {
   AxisPicture right;
   right.machine = "press/right";
   right.name = "right";
-  return ModbusTags({axis, right}, {{"press/right", "no_samples"}, {"press/left", "internal_leakage"}}, 1000);
+  return ModbusTags({axis, right}, {{"press/right", "no_samples"}, {"press/left", "internal_leakage"}}, 1000,
+                    counted);
 }
 
 const Tag& Named(const std::vector<Tag>& tags, const std::string& axis, const std::string& name) {
@@ -62,6 +63,17 @@ TEST(ModbusTags, AnAlarmHasTheNumberOfItsFirstAppearance) {
   EXPECT_EQ(state.address, std::to_string(register_map::kFirstAlarm + register_map::kAlarmStride + 1));
   EXPECT_EQ(state.value, "1");
   EXPECT_EQ(Named(tags, "left", "alarm 2 internal_leakage, value").unit, "m3/(s Pa)");
+}
+
+TEST(ModbusTags, NamesSpeakOfEpisodesWhereTheMachineHasThemAndNoAddressMoves) {
+  const auto strokes = TagsOfAPress(), episodes = TagsOfAPress(kEpisodes);
+  ASSERT_EQ(episodes.size(), strokes.size());
+  for (std::size_t k = 0; k < episodes.size(); ++k) {
+    EXPECT_EQ(episodes[k].address, strokes[k].address);
+    EXPECT_EQ((episodes[k].name + episodes[k].meaning).find("stroke"), std::string::npos) << episodes[k].name;
+  }
+  EXPECT_EQ(Named(episodes, "left", "episodes stored").address,
+            Named(strokes, "left", "strokes stored").address);
 }
 
 TEST(ModbusTags, NoRegisterIsNamedTwice) {

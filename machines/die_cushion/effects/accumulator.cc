@@ -31,8 +31,10 @@ Effect Accumulator(const CushionGeometry&) {
   e.nonlinear = {{"p_pre", "Pa", 10e5, 250e5}};
   e.constants = {{"n", "1", kPolytropic, kPolytropicStd}};
   e.edition = "absolute";
-  e.family = "something takes up oil as the pressure rises";
-  e.where = [](const std::vector<double>& at) { return fmt::format("above {:.0f} bar", 1e-5 * at[0]); };
+  e.family = {"something takes up oil as the pressure rises", "etwas nimmt Öl auf, wenn der Druck steigt"};
+  e.where = [](const std::vector<double>& at) {
+    return Tell("above {:.0f} bar", "über {:.0f} bar", 1e-5 * at[0]);
+  };
   e.confused_with = {"entrained_air"};
   e.hidden_in = "K, V0";
   e.plain =

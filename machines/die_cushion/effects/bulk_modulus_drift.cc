@@ -16,7 +16,7 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 2e-4;
-  e.family = "the stiffness of the oil column wanders";
+  e.family = {"the stiffness of the oil column wanders", "die Steifigkeit der Ölsäule wandert"};
   e.confused_with = {"V0_drift"};
   e.hidden_in = "K";
   e.plain =
@@ -31,7 +31,7 @@ Effect BulkModulusDrift(const CushionGeometry&) {
   e.told_apart_by =
       "the same strokes once more later, at the same oil temperature: what drifts goes "
       "on, what follows the temperature comes back";
-  e.drifting = "K";
+  e.drifting = {"K", "K"};
 
   e.variant = [](const auto&) {
     const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {

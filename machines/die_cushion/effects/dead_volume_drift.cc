@@ -15,7 +15,7 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 5e-4;
-  e.family = "the oil volume wanders";
+  e.family = {"the oil volume wanders", "das Ölvolumen wandert"};
   e.confused_with = {"K_drift"};
   e.twins = {{"K_drift", 1.0}};
   e.hidden_in = "V0";
@@ -31,7 +31,7 @@ Effect DeadVolumeDrift(const CushionGeometry&) {
   e.told_apart_by =
       "the same strokes once more later, at the same oil temperature: what drifts goes "
       "on, what follows the temperature comes back";
-  e.drifting = "V0";
+  e.drifting = {"V0", "V0"};
 
   e.variant = [](const auto&) {
     const auto dead_volume = [](const Stretch& s, double&, std::span<double> out) {

@@ -46,7 +46,7 @@ Effect EntrainedAir(const CushionGeometry& geometry) {
   e.typical = 0.01;
   e.nonlinear = {{"n", "1", 1.0, 1.4, kPolytropicStd}};
   e.edition = "at 1 bar";
-  e.family = "the oil column is softer at low pressure";
+  e.family = {"the oil column is softer at low pressure", "die Ölsäule ist bei niedrigem Druck weicher"};
   e.confused_with = {"accumulator"};
   e.hidden_in = "K, V0";
   e.plain =

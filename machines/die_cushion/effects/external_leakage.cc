@@ -15,7 +15,7 @@ Effect ExternalLeakage(const CushionGeometry& geometry) {
   e.unit = "m3/(s Pa)";
   e.max = 1e-9;
   e.typical = 2e-12;
-  e.family = "oil is lost";
+  e.family = {"oil is lost", "Öl geht verloren"};
   e.confused_with = {"internal_leakage", "orifice_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =

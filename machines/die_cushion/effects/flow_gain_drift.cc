@@ -15,7 +15,7 @@ Effect FlowGainDrift(const CushionGeometry&) {
   e.min = -1e-3;  // 6 % a minute: faster, and it is the oil or a failure, no drift
   e.max = 1e-3;
   e.typical = 1e-4;
-  e.family = "the flow through the valve wanders";
+  e.family = {"the flow through the valve wanders", "der Durchfluss des Ventils wandert"};
   e.confused_with = {"oil_viscosity", "y_0_drift"};
   e.hidden_in = "Q_vn";
   e.plain =
@@ -28,7 +28,7 @@ Effect FlowGainDrift(const CushionGeometry&) {
       "Hübe bei lange gleicher Öltemperatur, dann Hübe mit kaltem und mit warmem Öl"};
   e.told_apart_by =
       "strokes with the oil at one temperature for a long time, then strokes with cold and with warm oil";
-  e.drifting = "Q_vn";
+  e.drifting = {"Q_vn", "Q_vn"};
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {

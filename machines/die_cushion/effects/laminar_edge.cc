@@ -34,8 +34,11 @@ Effect LaminarEdge(const CushionGeometry&) {
   e.typical = 2.5e11;
   e.nonlinear = {{"p_lam", "Pa", 1e4, 100e5}};
   e.implied = [](const ShapeContext& c) { return std::sqrt(std::max(c.size, 0.0)); };
-  e.family = "the valve lets through another flow than its opening says";
-  e.where = [](const std::vector<double>& at) { return fmt::format("below {:.0f} bar", 1e-5 * at[0]); };
+  e.family = {"the valve lets through another flow than its opening says",
+              "das Ventil lässt einen anderen Durchfluss durch, als seine Öffnung sagt"};
+  e.where = [](const std::vector<double>& at) {
+    return Tell("below {:.0f} bar", "unter {:.0f} bar", 1e-5 * at[0]);
+  };
   e.confused_with = {"pressure_offset", "tank_pressure", "orifice_leakage"};
   e.hidden_in = "Q_vn";
   e.plain =

@@ -22,7 +22,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
   e.max = 1e-9;
   e.typical = 2e-12;
   e.nonlinear = {{"beta", "1/K", 0.005, 0.1}};
-  e.family = "oil is lost";
+  e.family = {"oil is lost", "Öl geht verloren"};
   e.confused_with = {"internal_leakage", "external_leakage", "Q_vn_drift"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
@@ -34,7 +34,7 @@ Effect LeakageTemperature(const CushionGeometry&) {
               "Druck halten bei stehendem Stößel, einmal mit kaltem und einmal mit warmem Öl"};
   e.told_apart_by = "a pressure hold with the ram at rest, once with cold and once with warm oil";
   e.channels = {kPressureB, kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, "the oil", "K"};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastOilSpan, {"the oil", "das Öl"}, "K"};
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([beta = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {
       const double *a = s[kPressureA], *b = s[kPressureB], *t = s[kOilTemperature];

@@ -79,7 +79,8 @@ Effect LineInertance(const CushionGeometry&) {
   e.typical = 5e6;
   e.nonlinear = {{"x", "s sqrt(Pa)", 0.1, 3000.0}};
   e.implied = [](const ShapeContext& c) { return -c.size * c.theta[0]; };
-  e.family = "the oil column before the valve takes time to follow";
+  e.family = {"the oil column before the valve takes time to follow",
+              "die Ölsäule vor dem Ventil folgt mit Verzug"};
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0";
   e.plain =

@@ -23,7 +23,8 @@ Effect OilViscosity(const CushionGeometry&) {
   e.min = -0.02;
   e.max = 0.02;
   e.typical = 0.002;
-  e.family = "the flow through the valve goes with the oil temperature";
+  e.family = {"the flow through the valve goes with the oil temperature",
+              "der Durchfluss des Ventils geht mit der Öltemperatur"};
   e.confused_with = {"Q_vn_drift"};
   e.hidden_in = "Q_vn";
   e.plain =
@@ -38,9 +39,10 @@ Effect OilViscosity(const CushionGeometry&) {
   e.told_apart_by =
       "strokes with cold and with warm oil, then the same again in the other order: what follows the "
       "temperature comes back, what drifts does not";
-  e.shown_by = "strokes with cold and with warm oil, 15 K or more apart";
+  e.shown_by = {"strokes with cold and with warm oil, 15 K or more apart",
+                "Hübe mit kaltem und mit warmem Öl, 15 K oder mehr auseinander"};
   e.channels = {kOilTemperature};
-  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, "the oil", "K"};
+  e.least_span = Effect::LeastSpan{kOilTemperature, kLeastWarming, {"the oil", "das Öl"}, "K"};
   e.walks = true;
   e.variant = [](const auto&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {

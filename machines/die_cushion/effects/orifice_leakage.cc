@@ -17,7 +17,7 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.unit = "m3/(s sqrt(Pa))";
   e.max = 1e-5;
   e.typical = 1e-8;
-  e.family = "oil is lost";
+  e.family = {"oil is lost", "Öl geht verloren"};
   e.confused_with = {"internal_leakage", "external_leakage", "spool_overlap"};
   e.hidden_in = "y_0";
   e.plain =

@@ -23,8 +23,8 @@ Effect PeriodicDisturbance(const CushionGeometry&) {
   e.max = 1e-2;
   e.typical = 5e-6;
   e.nonlinear = {{"frequency", "Hz", 0.5, 1000.0}, {"phase", "rad", -std::numbers::pi, std::numbers::pi}};
-  e.family = "something swings at one frequency";
-  e.where = [](const std::vector<double>& at) { return fmt::format("at {:.3g} Hz", at[0]); };
+  e.family = {"something swings at one frequency", "etwas schwingt mit einer Frequenz"};
+  e.where = [](const std::vector<double>& at) { return Tell("at {:.3g} Hz", "bei {:.3g} Hz", at[0]); };
   e.confused_with = {};
   e.hidden_in = "-";
   e.plain =

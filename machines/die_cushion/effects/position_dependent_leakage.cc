@@ -18,8 +18,10 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
   e.max = 1e-9;
   e.typical = 4e-12;
   e.nonlinear = {{"c", "m", 0.0, geometry.stroke}, {"w", "m", 0.02 * geometry.stroke, 0.5 * geometry.stroke}};
-  e.family = "oil is lost";
-  e.where = [](const std::vector<double>& at) { return fmt::format("around {:.0f} mm", 1e3 * at[0]); };
+  e.family = {"oil is lost", "Öl geht verloren"};
+  e.where = [](const std::vector<double>& at) {
+    return Tell("around {:.0f} mm", "um {:.0f} mm", 1e3 * at[0]);
+  };
   e.confused_with = {"internal_leakage"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
@@ -29,7 +31,8 @@ Effect PositionDependentLeakage(const CushionGeometry& geometry) {
       "Leckage in einer verschlissenen Zone der Bohrung",
       "Öl strömt nur an einer Stelle des Hubs am Kolben vorbei; zu suchen: Riefen oder Verschleiß der "
       "Bohrung an der genannten Position, Querkraft, Schmutz."};
-  e.shown_by = "slow strokes over the whole cylinder length at one high pressure";
+  e.shown_by = {"slow strokes over the whole cylinder length at one high pressure",
+                "langsame Hübe über die ganze Zylinderlänge bei einem hohen Druck"};
   e.channels = {kPressureB};
   e.variant = [](const std::vector<double>& nonlinear) {
     return PlainVariant([centre = nonlinear[0], inverse = 1.0 / nonlinear[1]](const Stretch& s, double&,

@@ -12,7 +12,7 @@ Effect PositionSignalDelay(const CushionGeometry&) {
   e.title = "Position signal arrives late";
   e.law = "z(t) = z_measured(t + t_d)";
   e.source = "eq. 1 of the press paper with the signal shifted";
-  e.family = "the position is recorded late";
+  e.family = {"the position is recorded late", "die Position wird verspätet aufgezeichnet"};
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =

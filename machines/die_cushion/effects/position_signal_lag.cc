@@ -21,7 +21,7 @@ Effect PositionSignalLag(const CushionGeometry&) {
   e.title = "Position signal lags (first-order filter)";
   e.law = "z = z_measured + tau dz_measured/dt";
   e.source = "eq. 1 of the press paper with the signal filtered";
-  e.family = "the position is recorded late";
+  e.family = {"the position is recorded late", "die Position wird verspätet aufgezeichnet"};
   e.confused_with = {"position_signal_delay", "spool_signal_delay", "pressure_signal_delay"};
   e.twins = {{"position_signal_delay", kPositionShare}};
   e.hidden_in = "V0, K";
@@ -35,8 +35,9 @@ Effect PositionSignalLag(const CushionGeometry&) {
       "die Filtereinstellung des Wegeingangs, oder ein Anfahren des Stößels, mit einem zweiten Sensor "
       "aufgezeichnet"};
   e.told_apart_by = "the filter setting of the position input, or a ram start recorded with a second sensor";
-  e.measured_by =
-      "the time constant of the filter in the position input, as set there or from a step recorded at rest";
+  e.measured_by = {
+      "the time constant of the filter in the position input, as set there or from a step recorded at rest",
+      "die Zeitkonstante des Filters im Wegeingang, wie dort eingestellt oder aus einem in Ruhe aufgezeichneten Sprung"};
   e.variant = [](const std::vector<double>& nonlinear) {
     const double lag = nonlinear[0];
     const auto minus_lagged = [lag](const Stretch& s, auto signal, std::span<double> out) {

@@ -30,7 +30,8 @@ Effect PressureDependentBulkModulus(const CushionGeometry& geometry) {
   e.implied = [area = geometry.piston_area](const ShapeContext& c) {
     return c.size / std::max(-area / c.theta[2], 1e6);
   };
-  e.family = "the stiffness of the oil column goes with the pressure";
+  e.family = {"the stiffness of the oil column goes with the pressure",
+              "die Steifigkeit der Ölsäule geht mit dem Druck"};
   e.confused_with = {"entrained_air", "accumulator"};
   e.hidden_in = "K, V0";
   e.plain =

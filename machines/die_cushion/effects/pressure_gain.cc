@@ -19,7 +19,7 @@ Effect PressureGain(const CushionGeometry&) {
   e.typical = 0.02;
   e.nonlinear = {{"gain", "1", -0.3, 0.3}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the pressure reading is off";
+  e.family = {"the pressure reading is off", "der Druck wird falsch angezeigt"};
   e.confused_with = {"pressure_offset", "tank_pressure"};
   e.hidden_in = "K, Q_vn";
   e.plain =

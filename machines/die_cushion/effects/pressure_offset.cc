@@ -26,7 +26,7 @@ Effect PressureOffset(const CushionGeometry&) {
   e.typical = 2e5;
   e.nonlinear = {{"offset", "Pa", -100e5, 100e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the pressure reading is off";
+  e.family = {"the pressure reading is off", "der Druck wird falsch angezeigt"};
   e.confused_with = {"orifice_leakage", "external_leakage", "tank_pressure"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =
@@ -41,7 +41,8 @@ Effect PressureOffset(const CushionGeometry&) {
   e.told_apart_by =
       "the pressure sensor with its line vented to the air: it must read zero; relieved to tank only, a "
       "check valve or a preload in the tank line reads as its own pressure";
-  e.measured_by = "the reading of the pressure sensor with its line vented to the air";
+  e.measured_by = {"the reading of the pressure sensor with its line vented to the air",
+                   "die Anzeige des Drucksensors bei zur Luft geöffneter Leitung"};
   e.shown_by = kRelieved;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

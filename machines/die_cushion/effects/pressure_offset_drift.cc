@@ -19,7 +19,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
   e.typical = 2e3;
   e.nonlinear = {{"rate", "Pa/s", -1e5, 1e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the pressure reading wanders";
+  e.family = {"the pressure reading wanders", "die Druckanzeige wandert"};
   e.confused_with = {"y_0_drift", "Q_vn_drift"};
   e.hidden_in = "-";
   e.plain =
@@ -32,7 +32,7 @@ Effect PressureOffsetDrift(const CushionGeometry&) {
       "der Drucksensor bei entlastetem Kissen, vor und nach dem Lauf: beide Werte müssen null sein"};
   e.told_apart_by =
       "the pressure sensor with the cushion relieved, before and after the run: both readings must be zero";
-  e.drifting = "the zero of the pressure sensor";
+  e.drifting = {"the zero of the pressure sensor", "der Nullpunkt des Drucksensors"};
   e.drifts_by = "Pa";
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

@@ -13,7 +13,7 @@ Effect PressureSignalDelay(const CushionGeometry&) {
   e.title = "Pressure signal arrives late";
   e.law = "p_A(t) = p_measured(t + t_d)";
   e.source = "eq. 1-2 of the press paper with the signal shifted";
-  e.family = "the pressure is recorded late";
+  e.family = {"the pressure is recorded late", "der Druck wird verspätet aufgezeichnet"};
   e.confused_with = {"spool_signal_delay", "position_signal_delay"};
   e.hidden_in = "V0, K";
   e.plain =

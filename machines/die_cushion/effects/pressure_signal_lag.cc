@@ -12,7 +12,7 @@ Effect PressureSignalLag(const CushionGeometry&) {
   e.title = "Pressure signal lags (first-order filter)";
   e.law = "p_A = p_measured + tau dp_measured/dt";
   e.source = "eq. 1-2 of the press paper with the signal filtered";
-  e.family = "the pressure is recorded late";
+  e.family = {"the pressure is recorded late", "der Druck wird verspätet aufgezeichnet"};
   e.confused_with = {"pressure_signal_delay", "spool_signal_delay", "line_inertance"};
   e.twins = {{"pressure_signal_delay"}};
   e.hidden_in = "V0, K";
@@ -25,8 +25,9 @@ Effect PressureSignalLag(const CushionGeometry&) {
       "in der Steuerung, eine lange dünne Messleitung.",
       "die Filtereinstellung des Druckeingangs, oder ein Drucksprung, im Stillstand aufgezeichnet"};
   e.told_apart_by = "the filter setting of the pressure input, or a step of pressure recorded at rest";
-  e.measured_by =
-      "the time constant of the filter in the pressure input, as set there or from a step recorded at rest";
+  e.measured_by = {
+      "the time constant of the filter in the pressure input, as set there or from a step recorded at rest",
+      "die Zeitkonstante des Filters im Druckeingang, wie dort eingestellt oder aus einem in Ruhe aufgezeichneten Sprung"};
   e.variant = [](const std::vector<double>& nonlinear) {
     const double lag = nonlinear[0];
     const auto flow = [lag](const Stretch& s, double&, std::span<double> out) {

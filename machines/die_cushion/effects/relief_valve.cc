@@ -21,8 +21,10 @@ Effect ReliefValve(const CushionGeometry&) {
   e.max = 1e-8;
   e.typical = 2e-11;
   e.nonlinear = {{"p_crack", "Pa", 100e5, 350e5}};
-  e.family = "oil is lost";
-  e.where = [](const std::vector<double>& at) { return fmt::format("above {:.0f} bar", 1e-5 * at[0]); };
+  e.family = {"oil is lost", "Öl geht verloren"};
+  e.where = [](const std::vector<double>& at) {
+    return Tell("above {:.0f} bar", "über {:.0f} bar", 1e-5 * at[0]);
+  };
   e.confused_with = {"internal_leakage", "external_leakage"};
   e.hidden_in = "Q_vn";
   e.plain =

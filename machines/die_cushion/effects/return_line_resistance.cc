@@ -36,7 +36,8 @@ Effect ReturnLineResistance(const CushionGeometry&) {
   e.typical = 2e8;
   e.nonlinear = {{"x", "sqrt(Pa)", 1.0, 3e4}};
   e.implied = [](const ShapeContext& c) { return -c.size * c.theta[0]; };
-  e.family = "what flows to the tank meets another pressure";
+  e.family = {"what flows to the tank meets another pressure",
+              "was zum Tank fließt, trifft auf einen anderen Druck"};
   e.confused_with = {"tank_back_pressure", "valve_flow_curvature"};
   e.hidden_in = "Q_vn";
   e.plain =

@@ -32,7 +32,8 @@ Effect SignalLag(const CushionGeometry&) {
   e.typical = 2.5e-5;
   e.nonlinear = {{"lag", "s", 0.001, 0.1}};
   e.implied = [](const ShapeContext& c) { return std::sqrt(std::max(c.size, 0.0)); };
-  e.family = "the signals are smoothed before they are recorded";
+  e.family = {"the signals are smoothed before they are recorded",
+              "die Signale werden geglättet, bevor sie aufgezeichnet werden"};
   e.confused_with = {"pressure_signal_lag", "spool_signal_lag", "position_signal_lag"};
   e.hidden_in = "K, V0";
   e.plain =

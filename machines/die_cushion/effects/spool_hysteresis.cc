@@ -62,7 +62,8 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.typical = 0.004;
   e.nonlinear = {{"play", "1", 0.0005, 0.1}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the valve follows its spool position with play";
+  e.family = {"the valve follows its spool position with play",
+              "das Ventil folgt seiner Schieberstellung mit Spiel"};
   e.confused_with = {"spool_signal_delay"};
   e.hidden_in = "-";
   e.plain =
@@ -71,7 +72,8 @@ Effect SpoolHysteresis(const CushionGeometry&) {
   e.german = {"Spiel zwischen gemessenem Schieber und Steuerkante",
               "Die Kante bleibt hinter dem gemessenen Schieber zurück, wenn er umkehrt; zu suchen: Spiel im "
               "Wegaufnehmer, ein klemmender Schieber, Schlamm in der Vorstufe."};
-  e.shown_by = "strokes in which the spool turns back and forth while the ram moves";
+  e.shown_by = {"strokes in which the spool turns back and forth while the ram moves",
+                "Hübe, in denen der Schieber hin und her geht, während der Stößel fährt"};
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [width = nonlinear[0]](const Stretch& s, double& lag, std::span<double> out) {
       FollowEdge(s, width, lag, out);

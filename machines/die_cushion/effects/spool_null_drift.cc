@@ -15,7 +15,7 @@ Effect SpoolNullDrift(const CushionGeometry&) {
   e.min = -1e-3;
   e.max = 1e-3;
   e.typical = 2e-5;
-  e.family = "the null of the valve wanders";
+  e.family = {"the null of the valve wanders", "der Nullpunkt des Ventils wandert"};
   e.confused_with = {"Q_vn_drift", "pressure_offset_drift"};
   e.hidden_in = "y_0";
   e.plain =
@@ -27,7 +27,7 @@ Effect SpoolNullDrift(const CushionGeometry&) {
       "Aufnehmer oder Verstärker, der warm wird, eine wandernde Vorstufe.",
       "die Schieberstellung, bei der der Stößel stillsteht, vor und nach dem Lauf"};
   e.told_apart_by = "the spool position at which the ram stands still, before and after the run";
-  e.drifting = "y_0";
+  e.drifting = {"y_0", "y_0"};
   e.drifts_by = "1";
   e.walks = true;
   e.variant = [](const auto&) {

@@ -20,7 +20,8 @@ Effect SpoolOverlap(const CushionGeometry&) {
   e.typical = 0.02;
   e.nonlinear = {{"band", "1", 0.002, 0.2}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the valve lets through another flow than its opening says";
+  e.family = {"the valve lets through another flow than its opening says",
+              "das Ventil lässt einen anderen Durchfluss durch, als seine Öffnung sagt"};
   e.confused_with = {"valve_flow_curvature", "orifice_leakage"};
   e.hidden_in = "y_0";
   e.plain =
@@ -30,7 +31,8 @@ Effect SpoolOverlap(const CushionGeometry&) {
               "Das Ventil muss sich ein wenig bewegen, bevor es Öl durchlässt; zu suchen: ein Schieber mit "
               "Überdeckung anstelle eines mit Nullüberdeckung, das falsche Ventil nach einer Reparatur, ein "
               "weit verstellter mechanischer Nullpunkt."};
-  e.shown_by = "slow strokes with the spool near its null as well as fast ones";
+  e.shown_by = {"slow strokes with the spool near its null as well as fast ones",
+                "langsame Hübe mit dem Schieber nahe seinem Nullpunkt und schnelle"};
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [band = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

@@ -13,7 +13,7 @@ Effect SpoolSignalDelay(const CushionGeometry&) {
   e.title = "Spool signal arrives late";
   e.law = "y_v(t) = y_measured(t + t_d)";
   e.source = "eq. 2 of the press paper with the signal shifted";
-  e.family = "the spool position is recorded late";
+  e.family = {"the spool position is recorded late", "die Schieberstellung wird verspätet aufgezeichnet"};
   e.confused_with = {"pressure_signal_delay", "position_signal_delay", "spool_hysteresis"};
   e.hidden_in = "V0, K";
   e.plain =

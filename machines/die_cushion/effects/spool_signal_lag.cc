@@ -14,7 +14,7 @@ Effect SpoolSignalLag(const CushionGeometry&) {
   e.title = "Spool signal lags (first-order filter)";
   e.law = "y_v = y_measured + tau dy_measured/dt";
   e.source = "eq. 2 of the press paper with the signal filtered";
-  e.family = "the spool position is recorded late";
+  e.family = {"the spool position is recorded late", "die Schieberstellung wird verspätet aufgezeichnet"};
   e.confused_with = {"spool_signal_delay", "pressure_signal_delay", "spool_hysteresis"};
   e.twins = {{"spool_signal_delay"}};
   e.hidden_in = "V0, K";
@@ -27,8 +27,9 @@ Effect SpoolSignalLag(const CushionGeometry&) {
               "die Filtereinstellung des Schiebereingangs, oder ein Sprung des Ventilsignals, im Stillstand "
               "aufgezeichnet"};
   e.told_apart_by = "the filter setting of the spool input, or a step of the valve command recorded at rest";
-  e.measured_by =
-      "the time constant of the filter in the spool input, as set there or from a step recorded at rest";
+  e.measured_by = {
+      "the time constant of the filter in the spool input, as set there or from a step recorded at rest",
+      "die Zeitkonstante des Filters im Schiebereingang, wie dort eingestellt oder aus einem in Ruhe aufgezeichneten Sprung"};
   e.variant = [](const std::vector<double>&) {
     const auto flow = [](const Stretch& s, double&, std::span<double> out) {
       const double *root = s[kFlowRoot], *y = s[kSpool];

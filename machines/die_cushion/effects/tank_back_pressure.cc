@@ -31,7 +31,8 @@ Effect TankBackPressure(const CushionGeometry&) {
   e.typical = 2e11;
   e.nonlinear = {{"x", "1", 0.01, 30.0}};
   e.implied = [](const ShapeContext& c) { return c.size * c.theta[0] * c.theta[0]; };
-  e.family = "what flows to the tank meets another pressure";
+  e.family = {"what flows to the tank meets another pressure",
+              "was zum Tank fließt, trifft auf einen anderen Druck"};
   e.confused_with = {"valve_flow_curvature"};
   e.hidden_in = "Q_vn";
   e.plain =

@@ -21,7 +21,8 @@ Effect TankPressure(const CushionGeometry&) {
   e.typical = 2e5;
   e.nonlinear = {{"pressure", "Pa", -20e5, 60e5}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "what flows to the tank meets another pressure";
+  e.family = {"what flows to the tank meets another pressure",
+              "was zum Tank fließt, trifft auf einen anderen Druck"};
   e.confused_with = {"pressure_offset", "orifice_leakage", "external_leakage"};
   e.twins = {{"pressure_offset"}};
   e.hidden_in = "Q_vn, y_0";
@@ -37,7 +38,9 @@ Effect TankPressure(const CushionGeometry&) {
   e.told_apart_by =
       "the pressure sensor with its line vented to the air, which must read zero, and "
       "a gauge on the tank line while oil flows";
-  e.measured_by = "what a gauge on the tank line shows while oil flows, less p_t of the machine file";
+  e.measured_by = {
+      "what a gauge on the tank line shows while oil flows, less p_t of the machine file",
+      "was ein Manometer an der Tankleitung zeigt, während Öl fließt, abzüglich p_t der Maschinendatei"};
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {
     const auto flow = [b = nonlinear[0]](const Stretch& s, double&, std::span<double> out) {

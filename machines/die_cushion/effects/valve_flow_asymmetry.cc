@@ -18,7 +18,8 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.min = -0.8;
   e.max = 2.0;
   e.typical = 0.05;
-  e.family = "the valve lets through another flow than its opening says";
+  e.family = {"the valve lets through another flow than its opening says",
+              "das Ventil lässt einen anderen Durchfluss durch, als seine Öffnung sagt"};
   e.confused_with = {"spool_overlap"};
   e.hidden_in = "Q_vn";
   e.plain =
@@ -26,7 +27,8 @@ Effect ValveFlowAsymmetry(const CushionGeometry&) {
   e.german = {"Verschiedene Verstärkung der beiden Steuerkanten",
               "Die eine Steuerkante lässt mehr durch als die andere; zu suchen: einseitiger Verschleiß oder "
               "Schmutz des Ventils."};
-  e.shown_by = "strokes in which the valve also opens towards the supply";
+  e.shown_by = {"strokes in which the valve also opens towards the supply",
+                "Hübe, in denen das Ventil auch zur Versorgung öffnet"};
   e.channels = {kSupplyPressure};
   e.walks = true;
   e.variant = [](const auto&) {

@@ -30,7 +30,8 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
   e.typical = 0.05;
   e.nonlinear = {{"exponent", "1", -0.6, 1.0}};
   e.implied = [](const ShapeContext& c) { return c.size; };
-  e.family = "the valve lets through another flow than its opening says";
+  e.family = {"the valve lets through another flow than its opening says",
+              "das Ventil lässt einen anderen Durchfluss durch, als seine Öffnung sagt"};
   e.confused_with = {"tank_back_pressure", "spool_overlap"};
   e.hidden_in = "Q_vn, y_0";
   e.plain =

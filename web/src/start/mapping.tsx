@@ -3,12 +3,13 @@ import { find, post } from "../api";
 import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
 import type { GateBound, LogPicture, Pin, Proposal } from "../types";
+import { Told, useTold } from "../told";
 import { amount, short, shownNumber } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
 import { GatePlots } from "./gate_plot";
 import { GateThresholds } from "./gate_thresholds";
-import { MachinePicture } from "./machine_picture";
+import { MachinePicture, type Reading } from "./machine_picture";
 import { Thumbnail } from "./thumbnail";
 
 interface Request {
@@ -30,9 +31,11 @@ function moved(pins: Pin[], signal: string, column: string, unit: string): Reque
     .map((pin) => ({ column: pin.column!, signal: pin.signal, unit: pin.unit ?? "" }));
 }
 
+const stateOf = (pin: Pin): Reading["state"] => (!pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check");
+
 /** What `init` proposes, to be looked at and put right. */
 export function Mapping() {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const { session } = useStore();
   const [proposal, setProposal] = useState<Proposal | null>(null);
   const [picture, setPicture] = useState<LogPicture | null>(null);
@@ -70,11 +73,13 @@ export function Mapping() {
     location.hash = "step=check";
     await refresh();
   };
+  const missing = [...proposal.pins.filter((pin) => pin.required && !pin.column).map((pin) => ({ ...pin, name: pin.signal })),
+    ...proposal.geometry.filter((known) => known.required && known.value === null)];
   const areas = proposal.geometry.filter((known) => known.si === "m2" && known.required);
   return (
     <section class="mapping">
       <h1>{say("mapTitle")}</h1>
-      <p>{say("mapRecognised", { title: proposal.title })}. {say("mapText")}</p>
+      <p>{say("mapRecognised", { title: tell(proposal, "title").text })}. {say("mapText")}</p>
       <div class="two">
         <div>
           <h2>{say("mapColumns")}</h2>
@@ -92,7 +97,7 @@ export function Mapping() {
         </div>
         <div>
           <h2>{say("mapSensors")}</h2>
-          <MachinePicture model={proposal.model} pins={proposal.pins} put={put} />
+          <MachinePicture picture={proposal.picture} readings={proposal.pins.map((pin) => ({ ...pin, state: stateOf(pin) }))} put={put} />
           <ul class="pins">
             {proposal.pins.map((pin) => (
               <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />
@@ -109,11 +114,13 @@ export function Mapping() {
         <GateThresholds bounds={proposal.gate} set={(gate) => void propose({ gate })} />
       </>}
       <details><summary>{say("mapDecided")}</summary>
-        <ul lang="en">{[...proposal.decided, ...proposal.open].map((line) => <li key={line}>{line}</li>)}</ul></details>
+        <ul lang="en" class="decided">{[...proposal.decided, ...proposal.open].map((line) => <li key={line}>{line}</li>)}</ul></details>
       <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
       {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
       <p class={proposal.problem ? "verdict bad" : "verdict good"} role="status">
-        {proposal.problem ? <>{say("mapNotReady", { why: "" })}<span lang="en">{proposal.problem}</span></> : say("mapReady")}
+        {!proposal.problem ? say("mapReady")
+          : missing.length > 0 ? say("mapNeeds", { what: missing.map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") })
+          : <>{say("mapNotReady", { why: "" })}<span lang="en">{proposal.problem}</span></>}
       </p>
       <button class="primary" disabled={proposal.problem !== null} onClick={() => void accept()}>{say("mapGo")}</button>
     </section>
@@ -123,14 +130,14 @@ export function Mapping() {
 function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (signal: string, column: string, unit?: string) => void }) {
   const say = useWords();
   const [over, setOver] = useState(false);
-  const state = !pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check";
+  const state = stateOf(pin);
   const id = `pin-${pin.signal}`;
   return (
     <li class={`pin ${state}${over ? " over" : ""}`}
       onDragOver={(e) => { e.preventDefault(); setOver(true); }}
       onDragLeave={() => setOver(false)}
       onDrop={(e) => { e.preventDefault(); setOver(false); put(pin.signal, e.dataTransfer?.getData("text/plain") ?? ""); }}>
-      <label for={id}><strong>{pin.signal}</strong> <span lang="en">{pin.meaning}</span></label>
+      <label for={id}><strong>{pin.signal}</strong> <Told of={pin} what="meaning" /></label>
       <select id={id} value={pin.column ?? ""} onChange={(e) => put(pin.signal, e.currentTarget.value)}>
         <option value="">{say("mapNone")}</option>
         {proposal.columns.filter((column) => column.numeric).map((column) => <option key={column.column} value={column.column}>{column.name}</option>)}
@@ -145,7 +152,7 @@ function PinRow({ pin, proposal, put }: { pin: Pin; proposal: Proposal; put: (si
           ? <>{pin.low !== undefined && `${short(shownNumber(pin.low, pin.shown_unit ?? ""))} … ${amount(pin.high, pin.shown_unit ?? "")}`} <em>{say(pin.sure ? "mapSure" : "mapCheck")}</em></>
           : <em>{say(pin.required ? "mapMissing" : "mapOptional")}</em>}
       </span>
-      {pin.why && <small class="why" lang="en">{pin.why}</small>}
+      {pin.why && <small class="why"><Told of={{ why: pin.why, german: pin.german }} what="why" /></small>}
     </li>
   );
 }

@@ -4,6 +4,7 @@ import { useStore } from "../store";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
 import { useWords } from "../words";
+import type { Words } from "../words/en";
 import { sinceText, sizeText } from "./alarms";
 import { StrokePicture } from "./overview";
 import { ToWorkbench } from "./to_workbench";
@@ -86,7 +87,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
       <h3>{say("journal")}</h3>
       <ol class="journal">
         {rows.slice(0, 50).map((row) => (
-          <li key={row.sequence}><time>{dateText(row.wall_s)}</time> <span lang="en">{row.event.replace(/_/g, " ")}</span>{row.state_before !== row.state && <> ({row.state_before} → {row.state})</>}
+          <li key={row.sequence}><time>{dateText(row.wall_s)}</time> {say(`event_${row.event}` as keyof Words)}{row.state_before !== row.state && <> ({row.state_before} → {row.state})</>}
             {row.user && <> · {row.user}</>}{row.comment && <> · “{row.comment}”</>}</li>
         ))}
       </ol>

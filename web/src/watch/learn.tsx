@@ -53,7 +53,7 @@ export function Learn({ overview }: { overview: Overview }) {
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />
         : <p class="empty">{session?.user ? say("onlyViewLearn") : say("loginToAct")}</p>}
       {references.length > 0 && <section class="marks"><h2>{say("learnedSoFar")}</h2><ul>
-        {references.map((mark) => <li key={mark.stroke + mark.name}>{mark.name && <><span lang="en">{mark.name}</span> · </>}{say("strokeNumber", { stroke: mark.stroke })}{mark.text && <small lang="en"> · {mark.text}</small>}</li>)}
+        {references.map((mark) => <li key={mark.stroke + mark.name}>{mark.name && <><Told of={mark} what="name" /> · </>}{say("strokeNumber", { stroke: mark.stroke })}{mark.text && <small> · <Told of={mark} what="text" /></small>}</li>)}
       </ul></section>}
     </section>
   );

@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
-import { Told } from "../told";
+import { Told, useTold } from "../told";
 import { amount, inChosen } from "../units";
 import { useUrl } from "../url_state";
 import { CountedIn, useWords } from "../words";
@@ -42,7 +42,7 @@ function Against({ parameter }: { parameter: WatchedParameter }) {
   const factor = parameter.unit.factor;
   const size = reference.percent !== null
     ? `${reference.percent >= 0 ? "+" : ""}${interval(reference.percent, (reference.percent_std ?? 0))} %`
-    : `${(reference.deviation ?? 0) * factor >= 0 ? "+" : ""}${interval((reference.deviation ?? 0) * factor, (reference.std ?? 0) * Math.abs(factor))} ${parameter.unit.name}`;
+    : `${(reference.deviation ?? 0) * factor >= 0 ? "+" : ""}${interval((reference.deviation ?? 0) * factor, (reference.std ?? 0) * Math.abs(factor))} ${unitName(parameter.unit)}`;
   return <span class={reference.moved ? "moved" : "quiet"}>{reference.moved && <b>▲ {say("moved")} </b>}{size}</span>;
 }
 
@@ -64,7 +64,7 @@ function Standing({ machine }: { machine: string }) {
 
 /** `signals`: those of the last stroke are shown without asking. */
 function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean }) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const [, setUrl] = useUrl();
   const oil = celsius(machine.oil_temperature_K);
   return (
@@ -75,7 +75,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
         {say("strokesCount", { count: machine.strokes.toLocaleString() })}
         {isDate(machine.last_s) && <> · {say("lastStroke", { when: dateText(machine.last_s) })}</>}
         {oil !== null && <> · {say("oil")} {amount(oil, "°C")}</>}
-        {machine.effects.length > 0 && <> · <span lang="en">+ {machine.effects.join(" + ")}</span></>}
+        {machine.effects.length > 0 && <> · <span>+ {machine.effects.join(" + ")}</span></>}
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
       <Standing machine={machine.machine} />
@@ -84,9 +84,9 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
         <tbody>
           {machine.parameters.map((p) => (
             <tr key={p.parameter}>
-              <th scope="row" title={p.unit.sentence || p.unit.meaning}>
-                {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span lang="en">{symbolOf(p.unit)}</span>}
-                {p.unit.meaning && <small lang="en">{p.unit.meaning}</small>}
+              <th scope="row" title={tell({ meaning: p.unit.sentence || p.unit.meaning, german: p.unit.german }, "meaning").text}>
+                {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span>{symbolOf(p.unit)}</span>}
+                {p.unit.meaning && <small><Told of={p.unit} what="meaning" /></small>}
               </th>
               <td>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}</td>
               <td><Against parameter={p} /></td>

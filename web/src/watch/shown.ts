@@ -1,6 +1,6 @@
 // Numbers and times of the database as people read them.
 
-import { short } from "../units";
+import { short, unitName } from "../units";
 import type { MaybeNumber, WatchedUnit } from "./watch_types";
 
 export function inUnit(value: MaybeNumber | undefined, unit: WatchedUnit): MaybeNumber {
@@ -20,7 +20,7 @@ export function interval(value: MaybeNumber | undefined, std: MaybeNumber | unde
 
 export function ofParameter(value: MaybeNumber | undefined, std: MaybeNumber | undefined, unit: WatchedUnit): string {
   const text = interval(inUnit(value, unit), std === null || std === undefined ? null : std * Math.abs(unit.factor));
-  return unit.name === "" ? text : `${text} ${unit.name}`;
+  return `${text} ${unitName(unit)}`.trim();
 }
 
 export const celsius = (kelvin: MaybeNumber) => (kelvin === null ? null : kelvin - 273.15);

@@ -2,7 +2,9 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get } from "../api";
 import { pageColor } from "../plot";
 import { useUrl } from "../url_state";
+import { Told } from "../told";
 import { useWords } from "../words";
+import type { Words } from "../words/en";
 import { OilPlot } from "./oil_plot";
 import { celsius, dateText, download, inUnit, isDate, symbolOf } from "./shown";
 import { placeOf, type AxisKind } from "./trend_axis";
@@ -151,8 +153,8 @@ export function Trends({ overview }: { overview: Overview }) {
       {marks.length > 0 && <section class="marks"><h2>{say("marks")}</h2><ul>
         {marks.slice(0, 30).map((mark) => (
           <li key={`${mark.kind}${mark.stroke}${mark.name}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}
-            {mark.kind === "alarm" ? <button class="link" lang="en" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}>{mark.name}</button> : <span lang="en">{mark.name}</span>}
-            {" · "}{say("strokeNumber", { stroke: mark.stroke })}{mark.kind !== "alarm" && mark.text && <small lang="en"> · {mark.text}</small>}</li>
+            {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}>{mark.name}</button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
+            {" · "}{say("strokeNumber", { stroke: mark.stroke })}{mark.kind !== "alarm" && mark.text && <small> · <Told of={mark} what="text" /></small>}</li>
         ))}
       </ul></section>}
     </section>

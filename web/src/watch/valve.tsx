@@ -6,6 +6,7 @@ import { useStore } from "../store";
 import { nameOf, short, shownNumber } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
+import type { Words } from "../words/en";
 import { Scroll } from "../workbench/parts";
 import { dateText, interval, isDate } from "./shown";
 import { tickTexts } from "./trend_axis";
@@ -149,7 +150,7 @@ export function Valve({ overview }: { overview: Overview }) {
           <tbody>{[...checks].reverse().map((check) => (
             <tr key={check.time_s}>
               <td>{isDate(check.time_s) ? dateText(check.time_s) : `${short(check.time_s, 6)} s`}</td>
-              <td lang="en" title={check.detail}>{check.outcome.replace(/_/g, " ")}{check.outcome !== "measured" && <small> {check.detail}</small>}</td>
+              <td title={check.detail}>{say(`outcome_${check.outcome}` as keyof Words)}{check.outcome !== "measured" && <small lang="en"> {check.detail}</small>}</td>
               <td>{cell(check.bandwidth_hz)}</td><td>{cell(check.f0_hz)}</td><td>{cell(check.damping)}</td><td>{cell(check.gain)}</td><td>{cell(check.dead_time_s, 1e3)}</td>
               <td>{short(check.oil_temperature_K === null ? null : shownNumber(check.oil_temperature_K - 273.15, "°C"))}</td>
             </tr>))}</tbody>

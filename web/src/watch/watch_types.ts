@@ -2,7 +2,7 @@
 
 export type MaybeNumber = number | null;
 
-export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; sentence: string; relative: boolean }
+export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; german?: { meaning: string }; sentence: string; relative: boolean }
 export interface Health { letter: "F" | "C" | "S" | "M" | "-"; reason: string; text: string; learned: number; needed: number; live: boolean; german: string }
 export interface AgainstReference {
   value: MaybeNumber; deviation: MaybeNumber; std: MaybeNumber; smallest: MaybeNumber; strokes: number; moved: boolean; percent: MaybeNumber; percent_std?: number;
@@ -31,7 +31,7 @@ export interface JournalRow {
   user: string; comment: string; text: string;
 }
 
-export interface Mark { kind: "alarm" | "cleared" | "reference" | "model" | "valve_check"; stroke: number; name: string; text: string }
+export interface Mark { kind: "alarm" | "cleared" | "reference" | "model" | "valve_check"; stroke: number; name: string; text: string; german?: { name: string; text: string } }
 export interface Bins {
   first: number[]; last: number[]; run: number[]; begin_s: MaybeNumber[]; end_s: MaybeNumber[];
   low: MaybeNumber[]; high: MaybeNumber[]; mean: MaybeNumber[]; std: MaybeNumber[]; oil_temperature_K: MaybeNumber[];

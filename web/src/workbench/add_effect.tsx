@@ -3,7 +3,7 @@ import { find } from "../api";
 import { Formula } from "../formula";
 import { work } from "../store";
 import type { CompareResult, Effect, ExplainResult, Preview, Session } from "../types";
-import { Told, useTold } from "../told";
+import { Told, ToldList, useTold } from "../told";
 import { amount } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
@@ -48,7 +48,7 @@ export function AddEffect({ id, session, effects, explain, compare }: Props) {
       <dl class="facts">
         <div><dt>{say("addLaw")}</dt><dd><Formula law={effect.law} /></dd></div>
         {effect.source && <div><dt>{say("addSource")}</dt><dd lang="en">{effect.source}</dd></div>}
-        {effect.hidden_in && <div><dt>{say("addHides")}</dt><dd lang="en">{effect.hidden_in}</dd></div>}
+        {effect.hidden_in && <div><dt>{say("addHides")}</dt><dd>{effect.hidden_in}</dd></div>}
         {effect.told_apart_by && <div><dt>{say("addTold")}</dt><dd><Told of={effect} what="told_apart_by" /></dd></div>}
       </dl>
       {part ? <>
@@ -89,7 +89,7 @@ function Effects({ preview, session }: { preview: Preview; session: Session }) {
         </ul>
       </>}
       {preview.held_out && <p>{say("addHeldOut", { log: preview.held_out.log.split("/").pop()!, before: amount(preview.held_out.before, preview.held_out.unit), after: amount(preview.held_out.after, preview.held_out.unit) })}</p>}
-      {preview.warnings.length > 0 && <div class="verdict bad"><strong>{say("addAgainst")}</strong><ul lang="en">{preview.warnings.map((w) => <li key={w}>{w}</li>)}</ul></div>}
+      {preview.warnings.length > 0 && <div class="verdict bad"><strong>{say("addAgainst")}</strong><ul><ToldList of={preview.warnings} german={preview.german?.warnings} /></ul></div>}
       <ParameterTable left={preview.parameters_before} right={preview.parameters_after} names={[say("now"), say("withIt")]} units={session.units} />
     </div>
   );
@@ -97,7 +97,7 @@ function Effects({ preview, session }: { preview: Preview; session: Session }) {
 
 /** The worst stroke as the model has it, and as it would with the effect. */
 function OverAStroke({ id, title, session, compare }: { id: string; title: string; session: Session; compare: CompareResult }) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const machine = session.machine!;
   const worst = useMemo(() => [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke, [compare]);
   const picture = usePicture(worst, machine.version, compare, id);
@@ -106,7 +106,7 @@ function OverAStroke({ id, title, session, compare }: { id: string; title: strin
   return (
     <section class="over-a-stroke" data-over={id}>
       <h3>{say("addOverStroke", { stroke: worst })}</h3>
-      <Outputs picture={withIt} before={picture} parent={machine.version} region={[]} output={machine.output} modelled={`+ ${title}`} choose={() => {}} />
+      <Outputs picture={withIt} before={picture} parent={machine.version} region={[]} output={tell(machine, "output").text} modelled={`+ ${title}`} choose={() => {}} />
     </section>
   );
 }

@@ -1,10 +1,17 @@
 import { LogView } from "../log_view";
+import { MachinePicture } from "../start/machine_picture";
 import { duration } from "../start/mapping";
 import type { CheckResult, LogPicture, Session } from "../types";
 import { short, unitName, unitOf, withInterval } from "../units";
-import { ToldList } from "../told";
+import { Told, ToldList } from "../told";
 import { useWords } from "../words";
 import { AsPrinted, Scroll } from "./parts";
+
+/** Why a parameter is not known well, and what to do about it. */
+function Reason({ of }: { of: CheckResult["parameters"][string] }) {
+  const said = { why: of.why ?? "", advice: of.advice ?? "", german: of.german };
+  return <>{said.why && <Told of={said} what="why" />}{said.why && said.advice && ": "}{said.advice && <Told of={said} what="advice" />}</>;
+}
 
 /** Whether the log can be believed, and what can be learned from it. */
 export function Check({ check, picture, session }: { check?: CheckResult; picture?: LogPicture; session: Session }) {
@@ -19,6 +26,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
           ? <><strong>{say("checkHints")}</strong><ul><ToldList of={check.hints} german={check.german?.hints} /></ul></>
           : say("checkNoHints")}
       </div>
+      <MachinePicture picture={session.machine!.picture} readings={check.signals.map((s) => ({ signal: s.signal, column: s.present ? s.column : null, state: s.present ? "sure" : "free" }))} />
       {picture && <LogView picture={picture} />}
       <Scroll label={say("checkSignal")}>
         <table>
@@ -45,7 +53,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
           <tbody>
             {Object.entries(check.parameters).map(([name, parameter]) => (
               <tr key={name} role="row"><th scope="row" role="rowheader">{name}</th><td role="cell">{withInterval(parameter, session.units)}</td>
-                <td role="cell" data-label={say("checkCan")}>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td role="cell" lang="en">{[parameter.why, parameter.advice].filter(Boolean).join(": ")}</td></tr>
+                <td role="cell" data-label={say("checkCan")}>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td role="cell"><Reason of={parameter} /></td></tr>
             ))}
           </tbody>
         </table>

@@ -1,6 +1,7 @@
 import { useMemo } from "preact/hooks";
 import { Plot, pageColor } from "../plot";
 import type { CompareResult, RegionErrors, Session, StrokePicture } from "../types";
+import { useTold } from "../told";
 import { amount, nameOf, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 import { AsPrinted } from "./parts";
@@ -13,7 +14,7 @@ interface Listed { stroke: number; rms: number; noise: number }
 
 /** Measured beside modelled, stroke by stroke, the worst first; of a region that was chosen, only strokes and windows there. */
 export function Compare({ compare, errors, session, query, setUrl }: Props) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const machine = session.machine!;
   const region = regionOf(query.region);
   const worst = useMemo(() => {
@@ -50,7 +51,7 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
         {picture === undefined ? <p class="empty">{say("loading")}</p>
           : picture === null ? <p class="empty">{say("noStrokes")}</p>
           : free ? <FreeRun picture={picture} compare={compare} />
-          : <Outputs picture={picture} before={before ?? null} parent={parent} region={region} output={machine.output} chosen={query.output} choose={(output) => setUrl({ output })} />}
+          : <Outputs picture={picture} before={before ?? null} parent={parent} region={region} output={tell(machine, "output").text} chosen={query.output} choose={(output) => setUrl({ output })} />}
       </>}
       <AsPrinted text={compare.text} />
     </>

@@ -3,6 +3,7 @@ import { post } from "../api";
 import { refresh } from "../store";
 import type { CompareResult, Session, Version } from "../types";
 import { amount } from "../units";
+import { useTold } from "../told";
 import { useWords } from "../words";
 import { ParameterTable } from "./parameter_table";
 import { Outputs, usePicture } from "./stroke_overlay";
@@ -43,7 +44,7 @@ export function Confirm({ compare, session, query, setUrl }: Props) {
 
 /** A stroke as both versions have it: what they predict, and what each leaves. */
 function StrokePair({ compare, left, right, session, query, setUrl }: Props & { compare: CompareResult; left: Version; right: Version }) {
-  const say = useWords();
+  const say = useWords(), tell = useTold();
   const strokes = compare.per_stroke.map((stroke) => stroke.stroke);
   const worst = [...compare.per_stroke].sort((a, b) => b.rms_residual - a.rms_residual)[0]?.stroke;
   const stroke = strokes.find((number) => String(number) === query.stroke) ?? worst;
@@ -57,7 +58,7 @@ function StrokePair({ compare, left, right, session, query, setUrl }: Props & { 
       </select></label>
       {one === undefined || other === undefined ? <p class="empty">{say("loading")}</p>
         : one === null || other === null ? <p class="empty">{say("confirmNoPicture")}</p>
-        : <Outputs picture={one} before={other} parent={left.version} region={[]} output={session.machine!.output} chosen={query.output} choose={(output) => setUrl({ output })} />}
+        : <Outputs picture={one} before={other} parent={left.version} region={[]} output={tell(session.machine!, "output").text} chosen={query.output} choose={(output) => setUrl({ output })} />}
     </section>
   );
 }

@@ -1,4 +1,5 @@
 import type { ExplainResult, Plan } from "../types";
+import { Told } from "../told";
 import { nameOf, short, shownNumber, unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll } from "./parts";
@@ -10,7 +11,7 @@ export function Experiment({ explain, units }: { explain: ExplainResult; units: 
   return (
     <section class="experiment">
       <h3>{say("experimentTitle")}</h3>
-      {explain.experiment && <p lang="en" class="lines">{explain.experiment}</p>}
+      {explain.experiment && <p class="lines"><Told of={{ experiment: explain.experiment, german: explain.german }} what="experiment" /></p>}
       {explain.experiment_plan && <>
         <Scroll label={say("experimentTitle")}><PlanTable plan={explain.experiment_plan} units={units} /></Scroll>
         <button class="quiet" onClick={() => print()}>{say("print")}</button>

@@ -35,8 +35,8 @@ export function Promote({ session }: { session: Session }) {
       {!session.strokes ? <p class="empty">{say(session.watched ? "promoteNoStrokes" : "promoteNoDatabase")}</p> : <>
         <dl class="facts">
           <div><dt>{say("alarm_axis")}</dt><dd>{session.strokes.machine}</dd></div>
-          <div><dt>{say("promoteNow")}</dt><dd lang="en" data-promoted={watched?.model_version}>{watched ? `${say("confirmVersion")} ${watched.model_version}: ${names(watched.effects)}` : "–"}</dd></div>
-          <div><dt>{say("promoteNext")}</dt><dd lang="en">{current ? names(current.effects) : "–"}{current && current.rms_holdout !== null && ` · ${say("rankingError")} ${amount(current.rms_holdout, current.unit ?? "")}, ${say("noise")} ${amount(current.noise_floor, current.unit ?? "")}`}</dd></div>
+          <div><dt>{say("promoteNow")}</dt><dd data-promoted={watched?.model_version}>{watched ? `${say("confirmVersion")} ${watched.model_version}: ${names(watched.effects)}` : "–"}</dd></div>
+          <div><dt>{say("promoteNext")}</dt><dd>{current ? names(current.effects) : "–"}{current && current.rms_holdout !== null && ` · ${say("rankingError")} ${amount(current.rms_holdout, current.unit ?? "")}, ${say("noise")} ${amount(current.noise_floor, current.unit ?? "")}`}</dd></div>
         </dl>
         <p>{say(overview?.service ? "promoteService" : "promoteReplay")}</p>
         {session.user?.role !== "admin" ? <p class="empty">{say("promoteAdmin")}</p> : <div class="act">

@@ -1,6 +1,7 @@
 import type { ComponentChild } from "preact";
 import { useState } from "preact/hooks";
 import type { Effect, ExplainResult, Parameter, Ranked, RegionErrors } from "../types";
+import { Told } from "../told";
 import { nameOf, short, shownNumber, withInterval, type Units } from "../units";
 import { useWords } from "../words";
 import { Scroll, TitleOf } from "./parts";
@@ -66,7 +67,7 @@ function Excluded({ title, text, list, name }: { title: string; text: string; li
   return (
     <details class="untestable"><summary>{title}</summary>
       {text && <p class="quiet">{text}</p>}
-      <dl>{list.map((ranked) => <div key={ranked.effect}><dt>{name(ranked.effect)}</dt><dd lang="en">{ranked.why_not}</dd></div>)}</dl>
+      <dl>{list.map((ranked) => <div key={ranked.effect}><dt>{name(ranked.effect)}</dt><dd>{ranked.why_not && <Told of={{ why_not: ranked.why_not, german: ranked.german }} what="why_not" />}</dd></div>)}</dl>
     </details>
   );
 }

@@ -32,7 +32,7 @@ export function Staircase({ session }: { session: Session }) {
         {session.versions.map((version) => (
           <li key={version.version} class={version.current ? "current" : ""} style={{ marginLeft: `${Math.min(4, depth(version, session.versions)) * 8}px` }}>
             <div class="head">
-              <strong>{version.version}</strong> <span lang="en">{version.effects.length === 0 ? say("base") : `+ ${version.effects.join(" + ")}`}</span>
+              <strong>{version.version}</strong> <span>{version.effects.length === 0 ? say("base") : `+ ${version.effects.join(" + ")}`}</span>
             </div>
             <div class="bar">
               {version.rms_holdout !== null && <i style={{ width: `${(100 * version.rms_holdout) / largest}%` }} />}

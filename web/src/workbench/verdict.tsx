@@ -25,9 +25,9 @@ export function Verdict({ explain, effects, units, problem, choose }: Props) {
       {explain.set.map((id) => <Suspect key={id} id={id} effect={effects.find((e) => e.id === id)} choose={choose} />)}
       {explain.verdict === "unknown" && explain.located?.[0] && <p><strong>{rangeWords(explain.located[0], explain.located[0].unit)}</strong></p>}
       {explain.doubt && <p>{say("partial", { why: "" }).replace(/[.:]?\s*\.?$/, ": ")}<Told of={{ text: explain.doubt, german: { text: explain.german?.doubt } }} what="text" /></p>}
-      {explain.relatives?.map((relative) => <p key={relative.effect} lang="en">{relative.sentence}</p>)}
+      {explain.relatives?.map((relative) => <p key={relative.effect}><Told of={relative} what="sentence" /></p>)}
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
-      {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<span lang="en">{text}</span></p>)}
+      {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("oddStrokes", { strokes: odd.strokes.join(", ") })}</p>)}
       {swap && <p>{say(swap.in.length > 0 ? "swap" : "swapOut", { out: swap.out, in: swap.in.join(" + "), before: amount(swap.rms_holdout_before, unit), after: amount(swap.rms_holdout_after, unit) })}</p>}
       {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}

@@ -1,0 +1,270 @@
+#include "setup/unit_guess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/units.h"
+
+namespace hydroscope {
+namespace {
+
+bool IsPressure(Role role) {
+  return role == Role::kPressureA || role == Role::kPressureB || role == Role::kSupplyPressure ||
+         role == Role::kTankPressure || role == Role::kPressure;
+}
+
+std::string_view SiOf(Role role) {
+  if (IsPressure(role)) return "Pa";
+  switch (role) {
+    case Role::kTime:
+      return "s";
+    case Role::kPosition:
+    case Role::kPositionCommand:
+      return "m";
+    case Role::kValveCommand:
+      return "V";
+    case Role::kOilTemperature:
+      return "K";
+    case Role::kForce:
+      return "N";
+    default:
+      return "1";
+  }
+}
+
+/// The unit of the header as the machine file writes it: "Bar", "C", "°C", "grad" are usual spellings.
+std::string KnownSpelling(const std::string& unit) {
+  if (FindUnit(unit)) return unit;
+  std::string lower = unit;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (lower == "c" || lower == "deg c" || lower == "grad c" || lower == "celsius") return "degC";
+  if (lower == "sec" || lower == "sek") return "s";
+  if (lower == "-" || lower == "pu") return "1";
+  for (const std::string& name : UnitNames()) {
+    std::string candidate = name;
+    for (char& c : candidate) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (candidate == lower) return name;
+  }
+  return "";
+}
+
+Told Size(const LogColumn& column) {
+  return Tell("values {:.4g} ... {:.4g}", "Werte {:.4g} ... {:.4g}", column.low, column.high);
+}
+
+UnitGuess PressureBySize(double largest) {
+  const Told seen = Tell("pressures reach {:.4g}", "Drücke bis {:.4g}", largest);
+  if (largest > 2e5) return {"Pa", 1, 0, Tell("{}, which can only be Pa", "{}, das kann nur Pa sein", seen)};
+  if (largest > 2e3) return {"kPa", 1, 0, Tell("{}, which fits kPa", "{}, das passt zu kPa", seen), false};
+  if (largest > 45) return {"bar", 1, 0, Tell("{}, which fits bar", "{}, das passt zu bar", seen)};
+  if (largest > 12)
+    return {"MPa", 1, 0,
+            Tell("{}, which fits MPa; if it is bar, write bar",
+                 "{}, das passt zu MPa; ist es bar, bar wählen", seen),
+            false};
+  return {"bar", 1, 0,
+          Tell("{}; taken as bar, it may be MPa or volts",
+               "{}; als bar genommen, es können MPa oder Volt sein", seen),
+          false};
+}
+
+/// Day numbers of a spreadsheet: 20000 is in 1954, 80000 in 2119; rows are at most minutes apart.
+bool IsDayNumber(const LogColumn& column) {
+  return column.low > 20'000 && column.high < 80'000 && column.step > 0 && column.step < 1e-3 &&
+         column.span() < 400;
+}
+
+/// The unit in which one stroke of the machine takes a plausible time: the nearest to some seconds.
+std::optional<UnitGuess> TimeByCycles(const LogColumn& column, double rows_per_cycle) {
+  constexpr double kShortest = 0.2, kLongest = 300, kUsual = 6;  // s, of a press stroke with its return
+  if (!(rows_per_cycle > 0)) return std::nullopt;
+  std::optional<UnitGuess> best;
+  double least = 0;
+  for (const char* name : {"s", "ms", "us"}) {
+    const double cycle = rows_per_cycle * column.step * FindUnit(name)->scale;
+    if (cycle < kShortest || cycle > kLongest) continue;
+    const double away = std::abs(std::log(cycle / kUsual));
+    if (best && away >= least) continue;
+    least = away;
+    best = UnitGuess{name, 1, 0,
+                     Tell("steps of {:.4g}; as {} a stroke with its return takes {:.3g} s",
+                          "Schritte von {:.4g}; als {} dauert ein Hub mit Rücklauf {:.3g} s", column.step,
+                          std::string(name), cycle),
+                     true};
+  }
+  return best;
+}
+
+UnitGuess TimeBySize(const LogColumn& column, double rows_per_cycle) {
+  const Told seen = Tell("steps of {:.4g}", "Schritte von {:.4g}", column.step);
+  if (column.date) return {"s", 1, 0, Told("date or time of day", "Datum oder Uhrzeit")};
+  if (IsDayNumber(column))
+    return {"d", 1, 0,
+            Tell("numbers near {:.0f} with steps of {:.3g}: days of a spreadsheet",
+                 "Zahlen um {:.0f} mit Schritten von {:.3g}: Tage einer Tabellenkalkulation", column.low,
+                 column.step)};
+  if (const auto guess = TimeByCycles(column, rows_per_cycle)) return *guess;
+  if (column.step >= 200) return {"us", 1, 0, Tell("{}, which fits us", "{}, das passt zu us", seen), false};
+  if (column.step >= 0.2)
+    return {"ms", 1, 0, Tell("{}, which fits ms", "{}, das passt zu ms", seen), column.step < 100};
+  return {"s", 1, 0, Tell("{}, which fits s", "{}, das passt zu s", seen)};
+}
+
+UnitGuess SpoolBySize(const LogColumn& column, const std::string& header) {
+  const double largest = std::max(std::abs(column.low), std::abs(column.high));
+  if (header == "V")
+    return {"1", 0.1, 0,
+            Told("volts in the header, 10 V taken as fully open",
+                 "Volt in der Kopfzeile, 10 V als ganz offen genommen"),
+            false};
+  if (header == "mA")
+    return {"1", 0.125, -1.5,
+            Told("mA in the header, 4 ... 20 mA taken as -1 ... 1",
+                 "mA in der Kopfzeile, 4 ... 20 mA als -1 ... 1 genommen"),
+            false};
+  if (largest <= 1.5) return {"1", 1, 0, Tell("{} fit -1 ... 1", "{} passen zu -1 ... 1", Size(column))};
+  if (largest <= 12)
+    return {"1", 0.1, 0,
+            Tell("{} taken as volts, 10 V fully open; if it is %, write unit % and no scale",
+                 "{} als Volt genommen, 10 V ganz offen; ist es %, die Einheit % wählen", Size(column)),
+            false};
+  return {"%", 1, 0, Tell("{} fit %", "{} passen zu %", Size(column)), largest <= 130};
+}
+
+/// The spool tells volts from per cent and from -1 ... 1: full command opens it fully.
+UnitGuess CommandBySize(const LogColumn& column, const std::string& header, double spool_span) {
+  const double largest = std::max(std::abs(column.low), std::abs(column.high));
+  const double ratio = spool_span > 0 ? column.span() / spool_span : 0;
+  if (header == "mA")
+    return {"V", 0.625, -7.5,
+            Told("mA in the header, 4 ... 20 mA taken as -10 ... 10 V",
+                 "mA in der Kopfzeile, 4 ... 20 mA als -10 ... 10 V genommen"),
+            false};
+  if (header == "%")
+    return {"V", 0.1, 0, Told("% in the header, 100 % = 10 V", "% in der Kopfzeile, 100 % = 10 V")};
+  const Told seen =
+      Tell("{}, {:.3g} times the spool's, ", "{}, {:.3g}-mal die des Schiebers, ", Size(column), ratio);
+  if (ratio > 40)
+    return {"V", 0.1, 0, Tell("{}taken as %, 100 % = 10 V", "{}als % genommen, 100 % = 10 V", seen), false};
+  if (ratio > 4) return {"V", 1, 0, Tell("{}fit V", "{}passt zu V", seen), largest <= 15};
+  if (ratio > 0)
+    return {"V", 10, 0, Tell("{}taken as -1 ... 1 of 10 V", "{}als -1 ... 1 von 10 V genommen", seen), false};
+  if (largest > 15)
+    return {"V", 0.1, 0, Tell("{} taken as %, 100 % = 10 V", "{} als % genommen, 100 % = 10 V", Size(column)),
+            false};
+  return {"V", 1, 0, Tell("{} taken as V", "{} als V genommen", Size(column)), largest > 1.05};
+}
+
+constexpr double kLoopLow = 3.6, kLoopHigh = 20.8;  ///< mA, NAMUR NE 43: a live 4 ... 20 mA signal
+/// Ranges that such transmitters usually have; the plate on the sensor knows.
+constexpr double kLoopPressure = 400, kLoopTravel = 500, kLoopTemperature = 100;  ///< bar, mm, K
+
+/// 4 ... 20 mA as 0 ... `range` of `unit`.
+UnitGuess CurrentLoop(const char* unit, double range, const Told& seen) {
+  const double scale = range / 16;
+  return {unit, scale, -4 * scale,
+          Tell("{}: 4 ... 20 mA, taken as 0 ... {:g} {}, a guess: write the range of the sensor",
+               "{}: 4 ... 20 mA, als 0 ... {:g} {} genommen, geraten: den Messbereich des Sensors eintragen",
+               seen, range, std::string(unit)),
+          false};
+}
+
+UnitGuess PositionBySize(const LogColumn& column) {
+  const double largest = std::max(std::abs(column.low), std::abs(column.high));
+  if (largest > 6) return {"mm", 1, 0, Tell("{} fit mm", "{} passen zu mm", Size(column))};
+  return {"m", 1, 0, Tell("{} fit m", "{} passen zu m", Size(column)), largest <= 2.5 && column.span() < 2.5};
+}
+
+}  // namespace
+
+UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
+  const bool named = column.unit.empty() && !UnitInName(column.name).empty();
+  const std::string header = named ? UnitInName(column.name) : KnownSpelling(column.unit);
+  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date)
+    return {header, 1, 0,
+            named ? Told("unit in the name", "Einheit im Namen")
+                  : Told("unit in the header", "Einheit in der Kopfzeile"),
+            true};
+  const bool milliamperes = header == "mA";
+  const Told current =
+      milliamperes ? Told("mA in the header or name", "mA in Kopfzeile oder Name") : Size(column);
+  const bool loop = milliamperes || (header.empty() && sizes.current_loop && column.low >= kLoopLow &&
+                                     column.high <= kLoopHigh);
+  if (IsPressure(role) && loop) return CurrentLoop("bar", kLoopPressure, current);
+  if ((role == Role::kPosition || role == Role::kPositionCommand) && loop)
+    return CurrentLoop("mm", kLoopTravel, current);
+  if (role == Role::kOilTemperature && loop) return CurrentLoop("degC", kLoopTemperature, current);
+  if (role == Role::kSpool && loop) return SpoolBySize(column, "mA");
+  if (role == Role::kValveCommand && loop) return CommandBySize(column, "mA", sizes.spool_span);
+  if (IsPressure(role)) return PressureBySize(sizes.largest_pressure);
+  switch (role) {
+    case Role::kTime:
+      return TimeBySize(column, sizes.rows_per_cycle);
+    case Role::kSpool:
+      return SpoolBySize(column, header);
+    case Role::kValveCommand:
+      return CommandBySize(column, header, sizes.spool_span);
+    case Role::kPosition:
+    case Role::kPositionCommand:
+      return PositionBySize(column);
+    case Role::kOilTemperature:
+      if (column.low > 220) return {"K", 1, 0, Tell("{} fit K", "{} passen zu K", Size(column))};
+      return {"degC", 1, 0, Tell("{} fit degC", "{} passen zu degC", Size(column)),
+              column.low > -40 && column.high < 150};
+    default:
+      return {"N", 1, 0, Tell("{} taken as N", "{} als N genommen", Size(column)), false};
+  }
+}
+
+namespace {
+
+/// Rows from one rise through the middle of a column's range to the next, after it was low in between; 0 if
+/// there are fewer than three.
+double RowsPerCycle(const LogColumn& column) {
+  const double low = column.low + 0.25 * column.span(), high = column.low + 0.75 * column.span();
+  std::vector<double> rises;
+  bool was_low = false;
+  for (std::size_t i = 0; i < column.value.size(); ++i) {
+    if (column.value[i] < low) was_low = true;
+    if (!was_low || !(column.value[i] > high)) continue;
+    rises.push_back(static_cast<double>(i));
+    was_low = false;
+  }
+  if (rises.size() < 3) return 0;
+  return (rises.back() - rises.front()) / static_cast<double>(rises.size() - 1);
+}
+
+const LogColumn* ColumnOf(const LogColumns& head, const std::vector<ColumnRole>& roles, Role role) {
+  for (const ColumnRole& found : roles)
+    if (found.role == role) return &head.columns[found.column];
+  return nullptr;
+}
+
+}  // namespace
+
+SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles) {
+  SharedSizes sizes;
+  const LogColumn* pressure = ColumnOf(head, roles, Role::kPressureA);
+  const LogColumn* position = ColumnOf(head, roles, Role::kPosition);
+  if (pressure != nullptr && position != nullptr) sizes.rows_per_cycle = RowsPerCycle(*position);
+  // A cushion is relieved between strokes: 4 mA and a little. Pressures in MPa fall below that.
+  sizes.current_loop =
+      pressure != nullptr && pressure->low >= kLoopLow && pressure->low < 8 && pressure->high > 8;
+  for (const ColumnRole& found : roles)
+    if (IsPressure(found.role))
+      sizes.current_loop = sizes.current_loop && head.columns[found.column].low >= kLoopLow &&
+                           head.columns[found.column].high <= kLoopHigh;
+  for (const ColumnRole& found : roles) {
+    const LogColumn& column = head.columns[found.column];
+    if (IsPressure(found.role)) sizes.largest_pressure = std::max(sizes.largest_pressure, column.high);
+    if (found.role != Role::kSpool) continue;
+    const UnitGuess guess = GuessUnit(found.role, column, {});
+    sizes.spool_span = column.span() * guess.scale * FindUnit(guess.unit).value_or(Unit{}).scale;
+  }
+  return sizes;
+}
+
+}  // namespace hydroscope

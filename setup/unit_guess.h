@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/told.h"
+#include "setup/column_meaning.h"
+
+namespace hydroscope {
+
+/// How raw numbers become SI, with the reason.
+struct UnitGuess {
+  std::string unit;
+  double scale = 1.0;
+  double offset = 0.0;
+  Told why;          ///< "unit in the header", "values up to 2.1e+07 can only be Pa", ...
+  bool sure = true;  ///< false: have a look
+};
+/// Sizes that help with other columns' units.
+struct SharedSizes {
+  double largest_pressure = 0;  ///< largest raw reading of all pressure columns: they share one unit
+  double spool_span = 0;        ///< how far the spool moves, 1 = from null to fully open; 0 = no spool
+  bool current_loop = false;    ///< all pressures lie within 4 ... 20: mA of transmitters, not pressures
+  double rows_per_cycle = 0;    ///< of the machine's strokes, by the pressure or the position; 0 = not seen
+};
+/// Unit of a column in its role, from the header or by the size of its numbers.
+UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);
+
+/// Sizes of the columns that have these roles.
+SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles);
+
+}  // namespace hydroscope

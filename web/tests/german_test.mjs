@@ -1,0 +1,96 @@
+// A German reader meets no English sentence: a walk through the pages with logs, a machine with states, an alarm and its trend.
+// node --test german_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { endBrowser, startBrowser, visitIn } from "./browser_fixture.mjs";
+import { addValveChecks, makeHistory } from "./history.mjs";
+import { folder, run } from "./program.mjs";
+
+const machines = fileURLToPath(new URL("../../machines", import.meta.url));
+const place = folder();
+const visit = (t, words) => visitIn(place.path, t, words, { locale: "de-DE" });
+
+before(async () => {
+  await startBrowser();
+  run(["simulate", "press", "--out", "leak.csv", "--seconds", "60", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
+  run(["simulate", "press", "--out", "drift.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
+  run(["simulate", "pump", "--out", "pump.csv"], place.path);
+});
+after(async () => {
+  await endBrowser();
+  place.remove();
+});
+
+// What stays English: what commands print, how a proposed machine file came about, literature, names of tags, what a controller says
+// of a sweep, the log and the audit table of a service.
+const english = ".printed, pre, code, .code, .decided, .tags, td[title], .marks small [lang=en], .log, .audit, .facts dd[lang=en], .katex, script, style, noscript, option[value]";
+// Words that English sentences have and German ones have not.
+const words = "the|and|of|with|without|these|this|that|are|from|between|which|than|strokes|episodes|have|has|would|could|their|them|only|value|change|changed|pressure|measured|model|noise";
+
+/** Sentences and names on the page that read English. */
+async function englishOn(page) {
+  return page.evaluate(([leftOut, pattern]) => {
+    const english = new RegExp(`(?<![\\w.])(${pattern})(?![\\w.=])`, "i"), found = new Set();
+    const tell = (text) => { const told = text.replace(/\s+/g, " ").trim(); if (english.test(told)) found.add(told); };
+    const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node; (node = walk.nextNode());) if (!node.parentElement.closest(leftOut)) tell(node.textContent);
+    for (const marked of document.querySelectorAll("[lang=en]")) if (!marked.closest(leftOut)) found.add(`lang=en: ${marked.textContent.trim()}`);
+    for (const named of document.querySelectorAll("[title], [aria-label], [placeholder]"))
+      if (!named.closest(leftOut)) for (const name of ["title", "aria-label", "placeholder"]) tell(named.getAttribute(name) ?? "");
+    return [...found];
+  }, [english, words]);
+}
+
+/** Opens what is folded, and holds that nothing of the page reads English. */
+async function assertGerman(page, where) {
+  await page.evaluate(() => { for (const fold of document.querySelectorAll("details")) fold.open = true; });
+  await page.waitForTimeout(300);
+  assert.deepEqual(await englishOn(page), [], where);
+}
+
+/** The steps of the workbench. */
+async function walk(page, address, steps) {
+  for (const [step, there] of steps) {
+    await page.goto(`${address}#step=${step}`);
+    await page.waitForSelector(there);
+    await page.waitForSelector("[data-verdict]");
+    await assertGerman(page, step);
+  }
+}
+const steps = [["check", ".machine .mark"], ["compare", ".centre .plot canvas"], ["confirm", ".save"]];
+
+test("the first run is German", async (t) => {
+  const { page, address } = await visit(t, []);
+  await page.goto(address);
+  await page.waitForSelector(".drop");
+  await assertGerman(page, "start");
+  await page.setInputFiles("input[type=file]", join(place.path, "leak.csv"));
+  await page.waitForSelector(".mapping .pin.sure");
+  await assertGerman(page, "mapping");
+  await page.fill("input[name=A_A-bore]", "126.16");
+  await page.waitForSelector(".log-view .plot canvas");
+  await assertGerman(page, "mapping, ready");
+});
+
+test("the workbench is German: a leak, effects that cannot be told apart, a machine with states", async (t) => {
+  for (const [log, machine, more] of [["leak.csv", "die_cushion", [["locate", ".heat .cell"], ["add", ".preview"]]], ["drift.csv", "die_cushion", []], ["pump.csv", "pump", []]]) {
+    const { page, address } = await visit(t, [log, "--machine", join(machines, `${machine}.toml`)]);
+    await walk(page, address, [...steps, ...more]);
+  }
+});
+
+test("what is watched is German: overview, trends with their marks, an alarm with its journal, valve checks", async (t) => {
+  makeHistory(place.path);
+  addValveChecks(place.path);
+  const { page, address } = await visit(t, ["--db", "press.db", "--machine", "press.toml"]);
+  for (const [view, there] of [["overview", ".tile tbody tr"], ["trends&p=K,V0", ".trend-plot canvas"], ["trends&p=K&x=oil", ".trend-plot canvas"],
+    ["alarms", ".alarm-table"], ["alarms&alarm=die_cushion/internal_leakage", ".journal li"], ["valve", ".bode canvas"],
+    ["learn&from=0&to=100", ".learn .trend-plot canvas"], ["scada", ".tags tbody tr"]]) {
+    await page.goto(`${address}#view=${view}`);
+    await page.waitForSelector(there);
+    await assertGerman(page, view);
+  }
+});
