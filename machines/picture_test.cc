@@ -30,9 +30,10 @@ void ExpectReadable(const MachinePicture& picture, const std::string& machine) {
     const Box box = BoxOf(place);
     EXPECT_TRUE(box.left >= 0 && box.right <= picture.width && box.top >= 0 && box.bottom <= picture.height)
         << machine << " " << place.signal;
-    for (const SignalPlace& other : picture.places)
-      if (&other != &place)
-        EXPECT_FALSE(Overlap(box, BoxOf(other))) << machine << " " << place.signal << " " << other.signal;
+    for (const SignalPlace& other : picture.places) {
+      if (&other == &place) continue;
+      EXPECT_FALSE(Overlap(box, BoxOf(other))) << machine << " " << place.signal << " " << other.signal;
+    }
   }
 }
 

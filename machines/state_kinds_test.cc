@@ -106,7 +106,7 @@ TEST(KindsWithStates, SayWhatEachParameterIs) {
       const MachineParameter* known = FindParameter(*kind, p.name);
       ASSERT_NE(known, nullptr) << kind->id << ": " << p.name;
       EXPECT_EQ(known->si, p.unit) << kind->id << ": " << p.name;
-      EXPECT_FALSE(known->meaning.empty() || known->sentence.empty()) << kind->id << ": " << p.name;
+      EXPECT_FALSE(known->meaning.english.empty() || known->sentence.empty()) << kind->id << ": " << p.name;
       EXPECT_TRUE(std::isfinite(p.min) && std::isfinite(p.max) && p.min <= p.start && p.start <= p.max)
           << kind->id << ": " << p.name << " is drawn from its range";
     }
@@ -131,7 +131,7 @@ TEST(KindsWithStates, DriveInputsAlongTheirCourses) {
     const auto machine = ParseMachine(FileOf(*kind, true), "conformance");
     ASSERT_TRUE(machine) << machine.error().text;
     for (const InputCourse& course : kind->experiment.courses(*machine)) {
-      SCOPED_TRACE(fmt::format("{}, {}", kind->id, course.name));
+      SCOPED_TRACE(fmt::format("{}, {}", kind->id, course.name.english));
       EXPECT_GE(machine->SignalIndex(course.signal), 0);
       for (const OutputSpec& output : machine->states.outputs) EXPECT_NE(output.signal, course.signal);
       EXPECT_GT(course.seconds, 0);
