@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/gram_fit.h"
+#include "estimation/left_out.h"
 #include "estimation/linear_form/noisier_copies.h"
 
 namespace hydroscope {
@@ -102,22 +102,14 @@ class WithoutNoise {
     return 2 * own - sum / static_cast<double>(noisier_.size());
   }
 
-  /// Standard deviations from the fits with each piece left out, wider for Student's t: a parameter that few pieces tell of (an
-  /// edge that is open in few of them) has as many degrees of freedom as their squares weigh (Satterthwaite 1946, with 3 s^4
-  /// for the mean fourth power of what has the variance s^2).
+  /// Standard deviations from the fits with each piece left out, wider for Student's t (an edge may be open in few of them).
   Eigen::VectorXd Jackknife(const Eigen::VectorXd& theta, int pieces) {
     const Eigen::Index windows = record_.windows();
-    Eigen::VectorXd squares = Eigen::VectorXd::Zero(theta.size()), fourths = squares;
-    for (int p = 0; p < pieces; ++p) {
-      const Eigen::VectorXd square =
-          (Without(windows * p / pieces, windows * (p + 1) / pieces) - theta).cwiseAbs2();
-      squares += square;
-      fourths += square.cwiseAbs2();
-    }
-    Eigen::VectorXd std = (squares * (pieces - 1.0) / pieces).cwiseSqrt();
-    for (Eigen::Index k = 0; k < std.size(); ++k)
-      if (fourths[k] > 0)
-        std[k] *= StudentFactor(std::clamp(3 * squares[k] * squares[k] / fourths[k], 2.0, pieces - 1.0));
+    Eigen::MatrixXd changes(theta.size(), pieces);
+    for (int p = 0; p < pieces; ++p)
+      changes.col(p) = Without(windows * p / pieces, windows * (p + 1) / pieces) - theta;
+    Eigen::VectorXd std = changes.rowwise().norm() * std::sqrt((pieces - 1.0) / pieces);
+    for (Eigen::Index k = 0; k < std.size(); ++k) std[k] *= StudentOfPieces(changes.row(k).transpose());
     return std;
   }
 

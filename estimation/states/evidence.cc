@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/left_out.h"
+
 namespace hydroscope {
 
 void TakePieces(const shooting::Task& task, const StateFitOptions& options, StateFit& fit) {
@@ -50,6 +52,68 @@ void TakePieces(const shooting::Task& task, const StateFitOptions& options, Stat
   }
 }
 
+namespace {
+
+/// What the parameters, each over its size, would be without each piece of the log, linearised about the fit: jackknife over
+/// clusters of residuals that are correlated in time (the CR3 estimator of MacKinnon and White 1985).
+class LeftOutPieces {
+ public:
+  LeftOutPieces(const std::vector<StatePiece>& pieces, const Eigen::VectorXd& size) {
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size.size(), size.size());
+    for (const StatePiece& piece : pieces) information += piece.information;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(size.asDiagonal() * information *
+                                                                size.asDiagonal());
+    const double floor = 1e-14 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
+    directions_ = solver.eigenvectors();
+    white_ = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
+    const Eigen::MatrixXd root = directions_ * white_.cwiseSqrt().asDiagonal(),
+                          to_parameters = size.asDiagonal() * root;
+    changes_.resize(size.size(), static_cast<Eigen::Index>(pieces.size()));
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_piece(to_parameters.transpose() *
+                                                                    pieces[k].information * to_parameters);
+      const Eigen::VectorXd rest = (1 - of_piece.eigenvalues().array()).max(kLeastRest);
+      changes_.col(static_cast<Eigen::Index>(k)) =
+          root * of_piece.eigenvectors() *
+          (of_piece.eigenvectors().transpose() * (to_parameters.transpose() * pieces[k].gradient))
+              .cwiseQuotient(rest);
+    }
+  }
+
+  /// Of the parameters, each over its size: wider for Student's t (StudentOfPieces), and never less than what white residuals
+  /// would leave.
+  Eigen::MatrixXd Covariance() const {
+    const Eigen::MatrixXd of_white = directions_ * white_.asDiagonal() * directions_.transpose();
+    const auto pieces = static_cast<double>(changes_.cols());
+    Eigen::MatrixXd covariance = changes_ * changes_.transpose() * ((pieces - 1) / std::max(pieces, 1.0));
+    for (Eigen::Index p = 0; p < covariance.rows(); ++p) {
+      const double found = covariance(p, p);
+      if (!(found > 0)) {  // nothing depends on it
+        covariance(p, p) = of_white(p, p);
+        continue;
+      }
+      const double student = StudentOfPieces(changes_.row(p).transpose());
+      const double factor = std::max(student, std::sqrt(of_white(p, p) / found));
+      covariance.row(p) *= factor;
+      covariance.col(p) *= factor;
+    }
+    return covariance;
+  }
+  /// Directions of the parameters, and the variance of each if the residuals were white.
+  const Eigen::MatrixXd& directions() const { return directions_; }
+  const Eigen::VectorXd& white() const { return white_; }
+
+ private:
+  /// Share of a direction's information that the other pieces have at least: what a single one tells of has no interval, a very
+  /// wide one is given.
+  static constexpr double kLeastRest = 0.05;
+  Eigen::MatrixXd directions_;
+  Eigen::VectorXd white_;
+  Eigen::MatrixXd changes_;  ///< parameter x piece: what leaving the piece out takes from it
+};
+
+}  // namespace
+
 void TakeCovariance(const shooting::Task& task, StateFit& fit) {
   constexpr double kUnseen = 0.7;  // standard error of a relative change that says nothing of it any more
   constexpr double kPart = 0.15;   // of a direction: parameters with less stay unnamed
@@ -64,41 +128,18 @@ void TakeCovariance(const shooting::Task& task, StateFit& fit) {
     size[p] = std::max(std::abs(fit.parameters[p]), 1e-3 * range);
     if (size[p] == 0) size[p] = 1;
   }
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count), scatter = information;
-  for (const StatePiece& piece : fit.pieces) {
-    information += piece.information;
-    scatter += piece.gradient * piece.gradient.transpose();
-  }
-  const double pieces = static_cast<double>(fit.pieces.size());
-  if (pieces > 1) scatter *= pieces / (pieces - 1);
-  information = size.asDiagonal() * information * size.asDiagonal();
-  scatter = size.asDiagonal() * scatter * size.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
-  const Eigen::MatrixXd& directions = solver.eigenvectors();
-  const double floor = 1e-14 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
-  const Eigen::VectorXd weights = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
-  const Eigen::MatrixXd inverse = directions * weights.asDiagonal() * directions.transpose();
-  // White residuals make the scatter the information itself: never less than that.
-  Eigen::MatrixXd covariance = inverse * scatter * inverse;
-  for (int p = 0; p < count; ++p) {
-    const double white = inverse(p, p), found = covariance(p, p);
-    if (!(found > 0)) covariance(p, p) = white;  // nothing depends on it
-    if (found >= white || !(found > 0)) continue;
-    const double factor = std::sqrt(white / found);
-    covariance.row(p) *= factor;
-    covariance.col(p) *= factor;
-  }
+  const LeftOutPieces left_out(fit.pieces, size);
+  const Eigen::MatrixXd covariance = left_out.Covariance();
   fit.covariance = (size.asDiagonal() * covariance * size.asDiagonal()).topLeftCorner(parameters, parameters);
   for (int d = 0; d < count; ++d) {
-    const double standard_error = std::sqrt(weights[d]);
+    const double standard_error = std::sqrt(left_out.white()[d]);
     if (standard_error < kUnseen) continue;
     UnseenDirection unseen;
-    const double largest = directions.col(d).head(parameters).cwiseAbs().maxCoeff();
+    const double largest = left_out.directions().col(d).head(parameters).cwiseAbs().maxCoeff();
     if (largest < kPart) continue;  // of gains
     for (int p = 0; p < parameters; ++p)
-      if (std::abs(directions(p, d)) > kPart * largest)
-        unseen.parts.emplace_back(task.model->parameters[static_cast<std::size_t>(p)].name,
-                                  directions(p, d) / largest);
+      if (const double part = left_out.directions()(p, d); std::abs(part) > kPart * largest)
+        unseen.parts.emplace_back(task.model->parameters[static_cast<std::size_t>(p)].name, part / largest);
     fit.unseen.push_back(std::move(unseen));
   }
 }

@@ -267,6 +267,35 @@ TEST(StateFit, PredictionFindsParametersWhereNoiseActsOnTheProcess) {
   EXPECT_LT(spread, free_spread);
 }
 
+TEST(StateFit, IntervalsHoldTheTruthWhereFewPiecesOfTheLogTellOfAParameter) {
+  // One pulse in 600 rows, errors correlated over some four rows.
+  constexpr double kTrue = 0.7, kPeriod = 0.05, kCorrelated = 0.6;
+  constexpr int kLogs = 200;
+  const double decay = std::exp(-kTrue * kPeriod), rise = (1 - decay) / kTrue;
+  const auto model = BuildStateModel(Lag("initial = \"0\""), {});
+  ASSERT_TRUE(model) << model.error().text;
+  StateFitOptions options;
+  options.starts = 0;
+  int inside = 0;
+  for (int log = 0; log < kLogs; ++log) {
+    std::mt19937 random(static_cast<unsigned>(log + 1));
+    std::normal_distribution<double> normal;
+    Episode episode = Rows(600, kPeriod, 0);
+    double x = 0, error = 0;
+    for (int row = 0; row < 600; ++row) {
+      const double u = row < 10 ? 1 : 0;
+      error = kCorrelated * error + 1e-3 * normal(random);
+      episode.signal(row, 0) = u;
+      episode.signal(row, 1) = x + error;
+      x = decay * x + rise * u;
+    }
+    const StateFit fit = FitStates(*model, std::span(&episode, 1), options);
+    ASSERT_TRUE(fit.solved()) << fit.failed;
+    inside += std::abs(fit.parameters[0] - kTrue) < 1.96 * std::sqrt(fit.covariance(0, 0));
+  }
+  EXPECT_GE(inside, 0.88 * kLogs);
+}
+
 TEST(StateFit, FindsParametersFromAStartFarOff) {
   Episode episode = Rows(300, 0.05, 0);
   double y = 0.4;
