@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/signal_noise.h"
 #include "estimation/span_equations.h"
 #include "models/machine.h"

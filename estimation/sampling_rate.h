@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/floor_trust.h"
 #include "estimation/span_equations.h"
 #include "models/model_structure.h"

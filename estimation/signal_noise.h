@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/row_contrasts.h"
 
 namespace hydroscope {
