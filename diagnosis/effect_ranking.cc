@@ -248,7 +248,8 @@ void EffectRanking::PreferStored(std::vector<RankedEffect>& ranking) const {
 /// Of effects that explain as much, one that was measured elsewhere comes first.
 void EffectRanking::PreferMeasured(std::vector<RankedEffect>& ranking) const {
   const auto known = std::find_if(ranking.begin(), ranking.end(), [&](const RankedEffect& r) {
-    return r.significant && IsConfirmed(r.effect) && IsRival(r.fit, ranking.front().fit);
+    return r.significant && IsConfirmed(r.effect) &&
+           IsRival(r.fit, ranking.front().fit, ranking.front().gain);
   });
   if (known != ranking.end()) std::rotate(ranking.begin(), known, known + 1);
 }
@@ -261,13 +262,14 @@ std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) c
   return ranking;
 }
 
-bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const {
+bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& best, double gain) const {
   if (Gain(candidate, best) < options_.rival_gain) return true;
   const Eigen::VectorXd worse = Worse(candidate, best) / noise_;
   const double n = static_cast<double>(worse.size());
   const double mean = worse.mean();
   const double deviation = std::sqrt((worse.array() - mean).square().sum() / (n - 1) / n);
-  return mean < options_.rival_t * deviation && worse.sum() < options_.sure_gain;
+  return mean < options_.rival_t * deviation &&
+         worse.sum() < std::max(options_.sure_gain, options_.MayRemain(gain));
 }
 
 std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
@@ -279,10 +281,9 @@ std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& 
     if (!candidate.stands_out) continue;
     const bool twin = IsTwin(candidate.id, candidate.fit, candidate.gain, best.id, best.fit, best.gain);
     // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
-    const bool simpler =
-        IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
-        best.gain - candidate.gain < options_.max_remainder + options_.remainder_share * candidate.gain;
-    if (twin || simpler || IsRival(candidate.fit, best.fit)) set.push_back(candidate.id);
+    const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
+                         best.gain - candidate.gain < options_.MayRemain(candidate.gain);
+    if (twin || simpler || IsRival(candidate.fit, best.fit, best.gain)) set.push_back(candidate.id);
   }
   return set;
 }

@@ -48,8 +48,9 @@ class EffectRanking {
   std::vector<RankedEffect> RankGeneric(const CandidateModel& on) const;
   /// Held-out error energy removed, in noise variances, less the price of free nonlinear parameters.
   double Gain(const ExtendedFit& from, const ExtendedFit& to) const;
-  /// Whether `candidate` explains about as well as `best`: a model confidence set by paired stroke-wise losses.
-  bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best) const;
+  /// Whether `candidate` explains about as well as `best`, which gained `gain`: a model confidence set by paired
+  /// stroke-wise losses.
+  bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best, double gain) const;
   /// Effects of the ranking that stand out and are rivals of the first one, the first one included.
   std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
   /// An effect that is the same to first order as another one, and about as good (Effect::twins).

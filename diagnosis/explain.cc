@@ -139,6 +139,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     return x.confirmed != y.confirmed ? x.confirmed > y.confirmed : x.gain > y.gain;
   });
   const Pair& best = pairs.front();
+  const double whole_gain = ranking_.Gain(start_.fit, best.model.fit);
   Groups groups = {{strokes_.model().effects[best.effect[0]]->id},
                    {strokes_.model().effects[best.effect[1]]->id}};
   // A rival pair that shares one effect offers its other effect as an alternative to the best pair's other one.
@@ -147,7 +148,7 @@ std::optional<std::pair<CandidateModel, Groups>> Explainer::SearchPairs(
     if (std::any_of(fit.effects.begin(), fit.effects.end(),
                     [&](const EffectEstimate& e) { return ranking_.IsRefuted(e); }))
       continue;
-    const bool rival = ranking_.IsRival(fit, best_fit);
+    const bool rival = ranking_.IsRival(fit, best_fit, whole_gain);
     for (int mine = 0; mine < 2; ++mine)
       for (int theirs = 0; theirs < 2; ++theirs) {
         if (pairs[k].effect[1 - theirs] != best.effect[1 - mine] || ranking_.IsConfirmed(best.effect[mine]))
@@ -232,13 +233,17 @@ bool Explainer::IsSame(const RankedEffect& law, const Explanation& found) const 
   });
 }
 
-/// Two effects found at once of which one is easily taken for the other.
+/// Two effects found at once of which one, or its twin, is easily taken for the other.
 std::optional<std::pair<std::string, std::string>> Explainer::Relatives(const Groups& groups) const {
   if (groups.size() != 2) return std::nullopt;
+  const auto is_or_is_twin = [&](const std::string& id, const std::string& a) {
+    return id == a || ShareOfTwins(strokes_.model(), id, a);
+  };
   const auto confused = [&](const std::string& a, const std::string& b) {
     return std::any_of(strokes_.model().effects.begin(), strokes_.model().effects.end(), [&](const auto& e) {
-      return e->id == a &&
-             std::find(e->confused_with.begin(), e->confused_with.end(), b) != e->confused_with.end();
+      return is_or_is_twin(e->id, a) &&
+             std::any_of(e->confused_with.begin(), e->confused_with.end(),
+                         [&](const std::string& other) { return is_or_is_twin(other, b); });
     });
   };
   const std::string &a = groups[0].front(), &b = groups[1].front();
@@ -264,8 +269,7 @@ double Explainer::LeastShare(const Explanation& found) const {
 void Explainer::Judge(Explanation& out) const {
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
-  if (!AtFloor(out.final, more) || !IsLawful(out.final) ||
-      out.remainder > options_.max_remainder + more * options_.remainder_share * gain) {
+  if (!AtFloor(out.final, more) || !IsLawful(out.final) || out.remainder > options_.MayRemain(gain, more)) {
     out.verdict = Verdict::kUnknown;
     out.partial = true;
     out.groups.clear();

@@ -52,7 +52,7 @@ struct ExplainOptions {
       12.0;                  ///< taken off the gain per nonlinear parameter: freedom to fit is not evidence
   double rival_gain = 12.0;  ///< rivals within this of the best, in noise variances, stay in the set
   double rival_t = 2.5;  ///< ... and those whose stroke-wise loss is not worse by this many standard errors
-  double sure_gain = 60.0;  ///< ... but none worse by so many noise variances
+  double sure_gain = 60.0;  ///< ... but none worse by so many noise variances, and by more than MayRemain
   int max_effects = 2;      ///< effects hidden at once that are looked for
   bool try_swaps = true;    ///< ExplainSamples: whether an effect of `start` was added wrongly
   std::vector<std::string>
@@ -93,6 +93,12 @@ struct ExplainOptions {
   double white_correlation = 2.0;
   double noise_scale = 1;     ///< noise energy over that of the noise shares
   double evidence_scale = 1;  ///< noise variances that count as one where equations are correlated
+
+  /// What a further law may gain on an explanation that claims to be complete and has gained `gain`, in noise variances;
+  /// `times` the share that is allowed one effect. Whatever decides between two explanations must be more than that.
+  double MayRemain(double gain, double times = 1) const {
+    return max_remainder + times * remainder_share * gain;
+  }
 };
 
 /// One effect tried on top of a model.

@@ -12,6 +12,7 @@
 #include "diagnosis/odd_strokes.h"
 #include "diagnosis/remainder/residuals.h"
 #include "diagnosis/remainder/tone_search.h"
+#include "diagnosis/remainder/whiteness.h"
 #include "diagnosis/testability.h"
 
 namespace hydroscope {
@@ -165,6 +166,23 @@ void ObjectIfPredictable(const ExplainOptions& options, Explanation& out) {
   out.groups.clear();
 }
 
+/// Errors that go on from block to block are no sensor noise, however small they are: the model is not adequate, and a
+/// name is no more than a part of the truth.
+void ObjectIfItGoesOn(std::span<const StrokeStretches> strokes, const WindowSamples& window,
+                      Explanation& out) {
+  if (out.verdict == Verdict::kUnknown || out.partial) return;
+  const Whiteness left =
+      WhitenessOf(ResidualsOf(out.model, strokes, window, ColumnWeights(*out.model, out.final)));
+  if (!left.IsStructured()) return;
+  out.doubt = Tell("{:.0f} % of what it leaves goes on from block to block, as sensor noise does not",
+                   "{:.0f} % des Rests setzen sich von Block zu Block fort, was Sensorrauschen nicht tut",
+                   100 * left.share);
+  if (out.verdict == Verdict::kAdequate)
+    out.verdict = Verdict::kUnknown;
+  else
+    out.partial = true;
+}
+
 Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
                              std::span<const StrokeStretches> strokes, const WindowSamples& window,
                              const ExplainOptions& options) {
@@ -172,6 +190,7 @@ Explanation ExplainWithFloor(std::shared_ptr<const ModelStructure> model,
   out.noise_scale = options.noise_scale;  // as stated, where it is
   FindWhatIsLeft(strokes, window, options, out);
   ObjectIfPredictable(options, out);
+  ObjectIfItGoesOn(strokes, window, out);
   return out;
 }
 
@@ -207,6 +226,28 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
   return out;
 }
 
+/// Standard deviations that an interval of 95 % reaches to either side.
+constexpr double kInterval = 1.96;
+
+/// A model that needs nothing is adequate, though a law was found that gains a little, if that may as well be of size zero
+/// once the freedom of its shape counts.
+void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
+  const auto first = out.final.effects.begin() + static_cast<std::ptrdiff_t>(out.started);
+  if (out.set.empty() || out.base.excess_ratio > options.floor_excess ||
+      std::none_of(first, out.final.effects.end(),
+                   [](const EffectEstimate& e) { return std::abs(e.size) < kInterval * e.std; }))
+    return;
+  out.verdict = Verdict::kAdequate;
+  out.partial = false;
+  out.doubt = {};
+  out.set.clear();
+  out.groups.clear();
+  out.final = out.base;
+  out.final_left = out.base_left;
+  out.chosen.resize(static_cast<std::size_t>(out.started));
+  out.steps.resize(1);
+}
+
 /// An error above the floor that nothing predicts, and so small that the noise test may have missed its colour.
 bool IsFloorToBlame(const Explanation& x, const ExplainOptions& options) {
   return x.final_left.tested && x.final.excess_ratio + 1 < options.hidden_colour &&
@@ -223,6 +264,7 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
     const std::span<const EffectChoice> chosen(out.chosen);
     WidenByNonlinear(out.model, strokes, window, chosen.first(out.started), out.base);
     WidenByNonlinear(out.model, strokes, window, chosen, out.final);
+    RefuseWhatMayBeZero(options, out);
   }
   if (out.verdict != Verdict::kUnknown || !out.base.solved) return out;
   const StrokeSet set(out.model, GramsOf(out.model, strokes, window), window, out.noise_scale);
@@ -232,6 +274,8 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   if (auto parted = ExplainOddStrokes(set, out, scaled)) return std::move(*parted);
   if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
+  // Noise with that little colour is white again from block to block.
+  ObjectIfItGoesOn(strokes, window, without);
   if (without.verdict == Verdict::kUnknown) return out;
   without.warnings.push_back(Tell(
       "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "

@@ -102,6 +102,15 @@ std::optional<OddExplained> ExplainMost(const StrokeSet& strokes, const std::vec
   return std::nullopt;
 }
 
+/// Few, or one after another.
+bool MayDifferWithoutCause(const std::vector<std::size_t>& odd, int strokes,
+                           const OddStrokeOptions& options) {
+  const auto count = static_cast<double>(odd.size());
+  const auto stretch = static_cast<double>(odd.back() - odd.front() + 1);
+  return count <= std::max(1.0, std::round(options.most_scattered * strokes)) ||
+         count >= options.together * stretch;
+}
+
 std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const EffectChoice> by,
                                   const ExplainOptions& explain, const OddStrokeOptions& options) {
   std::vector<std::size_t> odd = FindOddStrokes(strokes, by, explain, options);
@@ -115,7 +124,12 @@ std::optional<Explanation> Parted(const StrokeSet& strokes, std::span<const Effe
     });
     out.odd_strokes.push_back(std::move(most->strokes));
   }
-  if (!odd.empty()) out.odd_strokes.push_back({std::move(odd), {}});
+  if (odd.empty()) return out;
+  // Under coloured noise strokes stand out for no more than a slow swing of it.
+  if (out.verdict == Verdict::kAdequate && explain.floor_believable &&
+      !MayDifferWithoutCause(odd, strokes.strokes(), options))
+    return std::nullopt;
+  out.odd_strokes.push_back({std::move(odd), {}});
   return out;
 }
 

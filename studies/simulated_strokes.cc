@@ -1,5 +1,8 @@
 #include "studies/simulated_strokes.h"
 
+#include <map>
+#include <string_view>
+
 #include "acquisition/quality_monitor.h"
 #include "pipeline/physical_sizes.h"
 #include "replay/time_check.h"
@@ -36,9 +39,11 @@ SampleBlock RowsOf(const SimulatedLog& log, const Machine& machine) {
   SampleBlock rows;
   rows.Resize(machine.signals.size(), log.rows());
   rows.time = log.t;
-  const std::vector<double>* columns[] = {&log.p_A, &log.p_B, &log.p_0,  &log.z,
-                                          &log.y_v, &log.U_v, &log.T_oil};
-  for (std::size_t s = 0; s < machine.signals.size(); ++s) rows.signal[s] = *columns[s];
+  const std::map<std::string_view, const std::vector<double>*> columns = {
+      {"p_A", &log.p_A}, {"p_B", &log.p_B}, {"p_0", &log.p_0},    {"z", &log.z},
+      {"y_v", &log.y_v}, {"U_v", &log.U_v}, {"T_oil", &log.T_oil}};
+  for (std::size_t s = 0; s < machine.signals.size(); ++s)
+    rows.signal[s] = *columns.at(machine.signals[s].name);
   return rows;
 }
 

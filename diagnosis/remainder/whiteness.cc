@@ -23,7 +23,9 @@ Whiteness WhitenessOf(const Residuals& residuals, int lags) {
     const double r = pairs[k] > 0 ? products[k] / pairs[k] / out.variance_ratio : 0.0;
     out.autocorrelation.push_back(r);
     out.ljung_box += pairs[k] * r * r;
+    out.share += r * r / lags;
   }
+  out.share = std::sqrt(out.share);
   out.p_value = ChiSquaredAbove(out.ljung_box, lags);
   return out;
 }

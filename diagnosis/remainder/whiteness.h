@@ -6,6 +6,13 @@
 
 namespace hydroscope {
 
+/// When what a model leaves is no sensor noise, whatever its size. On healthy logs p-values are even: one in a million is below
+/// `max_p`, and the share keeps long logs from being blamed for a trifle (`hydroscope benchmark plant-logs`).
+struct WhitenessOptions {
+  double max_p = 1e-6;
+  double min_share = 0.05;  ///< of the error's energy that goes on from block to block
+};
+
 /// Whether what the model leaves is independent from block to block, as sensor noise is.
 struct Whiteness {
   int lags = 0;
@@ -13,6 +20,12 @@ struct Whiteness {
   double ljung_box = 0;                 ///< statistic
   double p_value = 1;                   ///< chi-squared with `lags` degrees of freedom
   double variance_ratio = 0;            ///< residual variance over that of sensor noise; 1 = noise alone
+  double share = 0;                     ///< root mean square of the autocorrelation: what goes on
+
+  /// Sensor noise that is white from row to row does not do this: the model misses something, named or not.
+  bool IsStructured(const WhitenessOptions& options = {}) const {
+    return p_value < options.max_p && share > options.min_share;
+  }
 };
 
 /// Of the whitened contrasts, which do not overlap (StrokeResiduals::whitened), pooled over spans; pairs

@@ -71,6 +71,40 @@ void DoubtWhatIsLeft(const ExplainOptions& options, Explanation& x) {
                  100 * x.final.excess_ratio / x.base.excess_ratio);
 }
 
+bool HasSamples(const LogStrokes& log, const ModelStructure& model, int channel) {
+  const auto is_good = [&](const Stretch& s) {
+    return std::any_of(s[channel], s[channel] + s.samples, [](double value) { return std::isfinite(value); });
+  };
+  return model.channel_source[channel] >= 0 &&
+         std::any_of(log.stretches.begin(), log.stretches.end(), [&](const StrokeStretches& stroke) {
+           return std::any_of(stroke.begin(), stroke.end(), is_good);
+         });
+}
+
+/// A cause much like one that is named, with no more free numbers, may be the right one where a signal it needs is not
+/// measured, so that it could not be tried.
+void DoubtForUntried(const LogStrokes& log, Explanation& x) {
+  const ModelStructure& model = *x.model;
+  if (x.partial || x.set.empty() || model.kind->effects == nullptr) return;
+  for (const auto& untried : model.kind->effects(log.machine)) {
+    const auto missing = std::find_if(untried->channels.begin(), untried->channels.end(),
+                                      [&](int channel) { return !HasSamples(log, model, channel); });
+    if (missing == untried->channels.end()) continue;
+    const bool is_like = std::any_of(model.effects.begin(), model.effects.end(), [&](const auto& named) {
+      return std::find(x.set.begin(), x.set.end(), named->id) != x.set.end() &&
+             std::find(untried->confused_with.begin(), untried->confused_with.end(), named->id) !=
+                 untried->confused_with.end() &&
+             untried->nonlinear.size() <= named->nonlinear.size();
+    });
+    if (!is_like) continue;
+    x.partial = true;
+    x.doubt = Tell("{} may be the cause as well and could not be tried: {} is not measured",
+                   "{} kann ebenso die Ursache sein und war nicht zu prüfen: {} wird nicht gemessen",
+                   untried->id, model.channel_names[*missing]);
+    return;
+  }
+}
+
 }  // namespace
 
 Told TooFewForVerdict(std::size_t strokes) {
@@ -140,6 +174,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   if (!x.base.solved) return out;
   WarnOfFloor(floor, out.explanation);
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
+  DoubtForUntried(log, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.
