@@ -14,6 +14,10 @@ namespace {
 
 using Groups = std::vector<std::vector<std::string>>;
 
+/// p-value that an effect needs where the model as it is leaves no more than noise: some thirty effects in several shapes each
+/// are tried, which together find one in a hundred such logs (Bonferroni).
+constexpr double kChanceAtFloor = 1e-4;
+
 /// One run of the chain over one set of Grams.
 class Explainer {
  public:
@@ -41,6 +45,13 @@ class Explainer {
                              strokes_.model().effect_shapes[e.choice.effect][e.choice.shape].refined;
                          return (e.consistent || !refined) && !ranking_.IsRefuted(e);
                        });
+  }
+  /// The model as it is leaves no more than noise, and none of the effects that stand out would not by chance.
+  bool MayBeChance(const Explanation& found) const {
+    return start_.fit.excess_ratio <= options_.floor_excess &&
+           std::none_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& r) {
+             return r.significant && (r.p_value < kChanceAtFloor || ranking_.IsConfirmed(r.effect));
+           });
   }
   const std::string& Id(const EffectChoice& choice) const {
     return strokes_.model().effects[choice.effect]->id;
@@ -284,6 +295,11 @@ void Explainer::Judge(Explanation& out) const {
   } else if (out.margin < options_.doubt_margin) {
     out.doubt = Tell("a law without a name explains the error as well ({})",
                      "ein Gesetz ohne Namen erklärt den Fehler ebenso gut ({})", out.margin_law);
+  } else if (MayBeChance(out)) {
+    out.doubt = Tell(
+        "without it the error is no larger than noise, and of so many effects one may stand out by chance",
+        "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
+        "zufällig hervortreten");
   } else if (const auto blend = Relatives(out.groups)) {
     out.doubt = Tell("{} and {} have similar signatures, and together they can pass for a third law",
                      "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
