@@ -49,6 +49,15 @@ TEST(OddStrokes, UnderColouredNoiseTheirGainsCountAsThoseOfTheWholeLog) {
   EXPECT_GT(x.evidence_scale, 1.1);
 }
 
+TEST(OddStrokes, ManyThatAreScatteredAndWithoutACauseAreNoAllClear) {
+  const SimulatedStrokes log = LogWith({{"intermittent_leakage", 8e-12, {{"share", 0.3}}, {}}});
+  ExplainOptions options;
+  for (const auto* effects : {&log.model->effects, &log.model->sample_effects})
+    for (const auto& effect : *effects) options.exclude.push_back(effect->id);
+  const Explanation x = ExplainSamples(log.model, log.strokes, log.window, options);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+}
+
 TEST(OddStrokes, ABadStretchOfASensorSpoilsNoOtherStroke) {
   const SimulatedStrokes log = LogWith({{"bad_stretch", 10e5, {{"begin", 0.45}, {"length", 0.12}}, {}}});
   const Explanation x = Explained(log);

@@ -60,6 +60,25 @@ TEST(NothingFalse, ALeakIsDoubtedWhereARivalNeedsASignalThatIsMissing) {
   EXPECT_THAT(x.doubt.english, HasSubstr("p_B is not measured"));
 }
 
+/// Late by `slow` where the pressure falls and by a quarter of it where it rises, as it moves over some rows.
+void LagUnlikeUpAndDown(double slow, SimulatedLog& log) {
+  constexpr std::size_t kRows = 5;
+  const std::vector<double> p = log.p_A;
+  for (std::size_t k = kRows; k + kRows < p.size(); ++k) {
+    const double rate = (p[k + kRows] - p[k - kRows]) / (log.t[k + kRows] - log.t[k - kRows]);
+    log.p_A[k] -= (rate > 0 ? slow / 4 : slow) * rate;
+  }
+}
+
+TEST(NothingFalse, ASensorThatLagsUnlikeUpAndDownIsNotTwoEffectsForSure) {
+  const PressOptions options = ASeenPress(5);
+  SimulatedLog log = SimulatePress(options);
+  LagUnlikeUpAndDown(0.0048, log);
+  const Explanation x = ExplanationOf(log, MachineFor(options));
+  EXPECT_TRUE(x.groups.size() < 2 || x.partial);
+  EXPECT_NE(x.verdict, Verdict::kAdequate);
+}
+
 /// Weak evidence is let through, so that what noise gains is found at all.
 TEST(NothingFalse, NoNameHasAnIntervalThatHoldsZeroWhereNothingIsNeeded) {
   ExplainOptions eager;
