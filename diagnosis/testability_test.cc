@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 
 /// Untestable effects of strokes whose oil warms by `warming` K from the first to the last.
-std::map<std::string, std::string> UntestableAt(double warming) {
+std::map<std::string, Told> UntestableAt(double warming) {
   ModelStructure model = **BuildModel(AnalyticMachine());
   AddSampleEffects(model);
   std::vector<StrokeStretches> strokes;
@@ -22,7 +22,7 @@ std::map<std::string, std::string> UntestableAt(double warming) {
               313.15 + warming * k / 4.0);
     strokes.push_back({std::move(s)});
   }
-  std::map<std::string, std::string> untestable;
+  std::map<std::string, Told> untestable;
   AddUntestable(model, strokes, untestable);
   return untestable;
 }
@@ -30,8 +30,8 @@ std::map<std::string, std::string> UntestableAt(double warming) {
 TEST(Testability, LawsOfTheOilTemperatureNeedOilThatWarms) {
   const auto cold = UntestableAt(1.0);
   ASSERT_EQ(cold.size(), 2u);
-  EXPECT_THAT(cold.at("oil_viscosity"), HasSubstr("the oil changed by 1.0 K, it needs 2.0 K"));
-  EXPECT_THAT(cold.at("leakage_temperature"), HasSubstr("it needs 3.0 K"));
+  EXPECT_THAT(cold.at("oil_viscosity").english, HasSubstr("the oil changed by 1.0 K, it needs 2.0 K"));
+  EXPECT_THAT(cold.at("leakage_temperature").english, HasSubstr("it needs 3.0 K"));
   EXPECT_EQ(UntestableAt(2.5).size(), 1u);
   EXPECT_TRUE(UntestableAt(10).empty());
 }

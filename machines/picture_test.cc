@@ -69,11 +69,12 @@ TEST(MachinePicture, AMachineOfOnesOwnHasInputsLeftOutputsRightAndStatesInside) 
 pump_voltage = { column = "u", unit = "V" }
 level = { column = "h", unit = "m" }
 [states]
-h = { ddt = "k*pump_voltage - h", unit = "m" }
+h = { ddt = "k*pump_voltage - h/T", unit = "m" }
 [outputs]
 level = "h"
 [parameters]
 k = { start = 1, unit = "m/(s V)" }
+T = { start = 1, unit = "s" }
 )toml",
                                     "tank.toml");
   ASSERT_TRUE(machine) << machine.error().text;

@@ -33,7 +33,7 @@ const words = "the|and|of|with|without|these|this|that|are|from|between|which|th
 /** Sentences and names on the page that read English. */
 async function englishOn(page) {
   return page.evaluate(([leftOut, pattern]) => {
-    const english = new RegExp(`(?<![\\w.])(${pattern})(?![\\w.=])`, "i"), found = new Set();
+    const english = new RegExp(`(?<![\\w.-])(${pattern})(?![\\w.=])`, "i"), found = new Set();
     const tell = (text) => { const told = text.replace(/\s+/g, " ").trim(); if (english.test(told)) found.add(told); };
     const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     for (let node; (node = walk.nextNode());) if (!node.parentElement.closest(leftOut)) tell(node.textContent);

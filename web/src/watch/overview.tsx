@@ -2,7 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { Plot, pageColor } from "../plot";
 import { Told, useTold } from "../told";
-import { amount, inChosen } from "../units";
+import { amount, inChosen, unitName } from "../units";
 import { useUrl } from "../url_state";
 import { CountedIn, useWords } from "../words";
 import type { Words } from "../words/en";
