@@ -46,6 +46,8 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await page.waitForSelector(".pin.sure");
   assert.equal(await page.locator("#pin-p_A").inputValue(), "p_A");
   await page.locator("#pin-p_0").selectOption("");
+  await page.waitForSelector(".mark.free:has-text('p_0')");
+  await page.locator("#pin-p_0").scrollIntoViewIfNeeded();  // the columns stay in sight
   await page.locator(".columns li", { hasText: "p_0" }).dragTo(page.locator(".pin", { has: page.locator("#pin-p_0") }));
   await until(page, () => document.querySelector("#pin-p_0").value === "p_0");
   await page.locator("#pin-p_B").selectOption("");

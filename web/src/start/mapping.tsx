@@ -83,7 +83,7 @@ export function Mapping() {
       <div class="two">
         <div>
           <h2>{say("mapColumns")}</h2>
-          <ul class="columns">
+          <ul class="columns" tabIndex={0} aria-label={say("mapColumns")}>
             {proposal.columns.map((column) => (
               <li key={column.column} draggable={column.numeric} class={column.signal ? "used" : "free"}
                 onDragStart={(e) => e.dataTransfer?.setData("text/plain", column.column)}>
