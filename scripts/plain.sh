@@ -1,14 +1,21 @@
 #!/usr/bin/env bash
 # Looks at every source by itself, with clang: a name or header of ours that only sources compiled together with it bring along
 # (HYDROSCOPE_UNITY) fails here, and so does what GCC alone takes. Nothing is generated. Needs build/release (scripts/build.sh),
-# whose include paths and generated headers it uses. Usage: scripts/plain.sh [FILE...], default all but tests.
+# whose include paths and generated headers it uses. Usage:
+#   scripts/plain.sh            all but tests, four minutes
+#   scripts/plain.sh --quarter  every fourth of them, others after each commit
+#   scripts/plain.sh FILE...
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 command -v clang++ >/dev/null || scripts/setup.sh --clang
 read -ra paths <<<"$(grep -oE -- '(-I|-isystem )[^ "]+' build/release/compile_commands.json | sort -u | tr '\n' ' ')"
+every=1
+if [[ ${1:-} == --quarter ]]; then every=4 && shift; fi
 if (($# == 0)); then
-  mapfile -t files < <(git ls-files '*.cc' | grep -vE '(_test|_fuzz)\.cc$|^(bench|tests)/')
+  turn=$(($(git rev-list --count HEAD) % every))
+  mapfile -t files < <(git ls-files '*.cc' | grep -vE '(_test|_fuzz)\.cc$|^(bench|tests)/' |
+    awk -v every=$every -v turn=$turn 'NR % every == turn')
   set -- "${files[@]}"
 fi
 compile=(clang++ -std=c++20 -Wall -Wextra -Werror '-DHYDROSCOPE_VERSION="0"' "${paths[@]}")
