@@ -87,8 +87,8 @@ void DescribeMotion(double period, bool beyond_stated, SignalNoise& noise) {
   noise.sentence =
       beyond_stated
           ? Tell(
-                "{} scatters by {} from row to row, its stated noise is {}: it moves within {}, or more noise is there "
-                "than stated",
+                "{} scatters by {} from row to row, its stated noise is {}: it moves within {}, "
+                "or more noise is there than stated",
                 "{} streut von Zeile zu Zeile um {}, angegeben ist ein Rauschen von {}: es bewegt sich innerhalb von "
                 "{}, oder es rauscht mehr als angegeben",
                 noise.name, WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit), over)

@@ -348,8 +348,8 @@ Told SignalExperimentText(const SignalExperiment& e) {
         "What [experiment] allows was not computed: the output and the other side of the balance both read "
         "{}, and how the machine would answer is in no expression; only strokes as recorded were weighed. ",
         "Was [experiment] erlaubt, wurde nicht berechnet: der Ausgang und die andere Seite der Bilanz lesen beide "
-        "{}, und wie die Maschine antworten würde, steht in keinem Ausdruck; nur Hübe wie aufgezeichnet wurden "
-        "gewogen. ",
+        "{}, und wie die Maschine antworten würde, steht in keinem Ausdruck; "
+        "nur Hübe wie aufgezeichnet wurden gewogen. ",
         e.tied);
   if (e.unusable)
     text = Tell(

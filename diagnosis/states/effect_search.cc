@@ -406,8 +406,8 @@ class EffectSearch {
           "{:.2g} % of what they could predict before; a small law more is missing, or one of "
           "these differs a little",
           "Funktionen von Zuständen und Eingängen sagen noch {:.0f} % des Fehlers voraus, das meiste davon in der Gleichung "
-          "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, oder eines von diesen ist "
-          "etwas anders",
+          "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, "
+          "oder eines von diesen ist etwas anders",
           100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {

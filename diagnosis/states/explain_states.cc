@@ -44,11 +44,11 @@ StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs,
   StatesExplanation out = SearchEffects(machine, some, run.starts, options);
   if (some.size() < runs.size() && out.base.fit.solved()) {
     FitToAll(runs, options, out);
-    out.warnings.push_back(Tell(
-        "effects were tried on {} of {} runs of {} {}, spread over the log; figures are those of all",
-        "Effekte wurden an {} von {} Stücken von {} {} versucht, über die Aufzeichnung verteilt; die Zahlen sind die von "
-        "allen",
-        some.size(), runs.size(), run.readings, of_what));
+    out.warnings.push_back(
+        Tell("effects were tried on {} of {} runs of {} {}, spread over the log; figures are those of all",
+             "Effekte wurden an {} von {} Stücken von {} {} versucht, über die Aufzeichnung verteilt; "
+             "die Zahlen sind die von allen",
+             some.size(), runs.size(), run.readings, of_what));
   }
   out.runs = std::move(runs);
   return out;
@@ -107,11 +107,11 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   }
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);
-  out.warnings.push_back(Tell(
-      "effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
-      "Effekte wurden an {} Stücken von {} Zeilen versucht, über die Aufzeichnung verteilt; die Zahlen sind die von allen "
-      "Zeilen",
-      pieces.size(), options.piece_rows));
+  out.warnings.push_back(
+      Tell("effects were tried on {} pieces of {} rows, spread over the log; figures are those of all rows",
+           "Effekte wurden an {} Stücken von {} Zeilen versucht, über die Aufzeichnung verteilt; "
+           "die Zahlen sind die von allen Zeilen",
+           pieces.size(), options.piece_rows));
   return out;
 }
 

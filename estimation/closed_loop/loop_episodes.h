@@ -6,8 +6,7 @@
 
 namespace hydroscope {
 
-/// The transfer function that a machine in closed loop (ClosedLoopOf is not nullptr) is measured by, with its sample period
-/// in s.
+/// The transfer function that a machine in closed loop (ClosedLoopOf is not nullptr) is measured by. `sample_period` in s.
 TransferModel TransferModelOf(const Machine& machine, double sample_period);
 /// What its file calls healthy, as LoopOptions::known.
 std::vector<double> ReferencesOf(const Machine& machine);
