@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -374,7 +375,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const double student = StudentFactor(static_cast<double>(strokes.size()) - 1);
   const Eigen::VectorXd scale = total.h.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inverse =
-      scale.asDiagonal() * (scale.asDiagonal() * total.h * scale.asDiagonal()).inverse() * scale.asDiagonal();
+      scale.asDiagonal() * Inverse(scale.asDiagonal() * total.h * scale.asDiagonal()) * scale.asDiagonal();
   for (std::size_t k = 0; k < choices.size(); ++k) {
     const int i = model_->base_count + static_cast<int>(k);
     const Effect& effect = *model_->effects[choices[k].effect];

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <optional>
 
+#include "estimation/decompositions.h"
+
 namespace hydroscope {
 namespace {
 
@@ -75,9 +77,9 @@ class SubsetScreen {
         flow(i, j) = flow_(members[i], members[j]);
       }
     }
-    const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * h * scale.asDiagonal());
-    if (!(ldlt.vectorD().minCoeff() > kIndependent)) return std::nullopt;
-    const Eigen::VectorXd size = scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * g);
+    const SymmetricFactor factor(scale.asDiagonal() * h * scale.asDiagonal());
+    if (!(factor.LeastPivot() > kIndependent)) return std::nullopt;
+    const Eigen::VectorXd size = scale.asDiagonal() * factor.Solve(scale.asDiagonal() * g);
     for (Eigen::Index i = 0; i < k; ++i)
       if (!(size[i] >= entries_[members[i]].min && size[i] <= entries_[members[i]].max)) return std::nullopt;
     return Solved{members, size.dot(g), flow_0_ - 2 * size.dot(flow_g) + size.dot(flow * size)};
@@ -115,10 +117,9 @@ class SubsetScreen {
   void Project(const Eigen::MatrixXd& clean, const Eigen::MatrixXd& flow, Eigen::Index base) {
     const Eigen::Index count = clean.rows() - base - 1;
     const Eigen::VectorXd scale = clean.diagonal().head(base).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * clean.topLeftCorner(base, base) *
-                                            scale.asDiagonal());
+    const SymmetricFactor factor(scale.asDiagonal() * clean.topLeftCorner(base, base) * scale.asDiagonal());
     const Eigen::MatrixXd inside = clean.block(0, base, base, count + 1);
-    const Eigen::MatrixXd mimic = scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * inside);
+    const Eigen::MatrixXd mimic = scale.asDiagonal() * factor.SolveColumns(scale.asDiagonal() * inside);
     const Eigen::MatrixXd rest = clean.bottomRightCorner(count + 1, count + 1) - inside.transpose() * mimic;
     h_ = rest.topLeftCorner(count, count);
     g_ = rest.col(count).head(count);

@@ -7,6 +7,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -134,13 +135,13 @@ Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
   const Eigen::VectorXd diagonal = equations.h.diagonal();
   if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * equations.h * scale.asDiagonal());
-  // A pivot is the share of a regressor the others do not explain; rcond() passes over pivots of exactly
+  const SymmetricFactor factor(scale.asDiagonal() * equations.h * scale.asDiagonal());
+  // A pivot is the share of a regressor the others do not explain; its condition passes over pivots of exactly
   // zero.
   constexpr double kRounding = 1e-13;
-  const bool dependent = !(ldlt.vectorD().minCoeff() > kRounding) || ldlt.rcond() < kRounding;
-  if (ldlt.info() != Eigen::Success || dependent) return {};
-  return scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * equations.g);
+  const bool dependent = !(factor.LeastPivot() > kRounding) || factor.ReciprocalCondition() < kRounding;
+  if (!factor.sound() || dependent) return {};
+  return scale.asDiagonal() * factor.Solve(scale.asDiagonal() * equations.g);
 }
 
 double MeanSquaredError(const NormalEquations& e, const Eigen::VectorXd& theta) {
@@ -155,7 +156,7 @@ double StudentFactor(double degrees) {
 Eigen::VectorXd Excitation(const Eigen::MatrixXd& h) {
   const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd correlation = scale.asDiagonal() * h * scale.asDiagonal();
-  const Eigen::MatrixXd inverse = correlation.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd inverse = PseudoInverse(correlation);
   Eigen::VectorXd share(h.rows());
   for (int i = 0; i < h.rows(); ++i) share[i] = inverse(i, i) > 0 ? std::min(1.0, 1.0 / inverse(i, i)) : 0.0;
   return share;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 
+#include "estimation/decompositions.h"
 #include "estimation/gram_fit.h"
 
 namespace hydroscope {
@@ -127,10 +128,10 @@ class GroupVariance {
       Eigen::MatrixXd rest = h;
       for (std::size_t s = 0; s < strokes.size(); ++s)
         if (of_[s] == group) rest -= strokes[s].h;
-      const Eigen::LDLT<Eigen::MatrixXd> ldlt(rest);
+      const SymmetricFactor factor(rest);
       // In scaled parameters a pivot is the share of a regressor that the others do not explain.
-      if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kLeastPivot)) return;
-      without_.push_back(ldlt.solve(Eigen::MatrixXd::Identity(h.rows(), h.cols())));
+      if (!factor.sound() || !(factor.LeastPivot() > kLeastPivot)) return;
+      without_.push_back(factor.SolveColumns(Eigen::MatrixXd::Identity(h.rows(), h.cols())));
     }
     usable_ = true;
   }

@@ -9,6 +9,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/quantile.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -78,8 +79,7 @@ constexpr double kBetterThanAStep =
 /// that begins somewhere must pass for slow wandering, which would hide it.
 Leftover LeftBy(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, ChangeShape shape) {
   const Eigen::Index n = x.rows(), added = shape == ChangeShape::kStep ? 1 : 2;
-  const Eigen::MatrixXd basis =
-      Eigen::HouseholderQR<Eigen::MatrixXd>(x).householderQ() * Eigen::MatrixXd::Identity(n, x.cols());
+  const Eigen::MatrixXd basis = OrthonormalBasis(x);
   const auto beside = [&](const Eigen::MatrixXd& v) -> Eigen::MatrixXd {
     return v - basis * (basis.transpose() * v);
   };
@@ -92,7 +92,8 @@ Leftover LeftBy(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, ChangeShape 
     if (added > 1) change.col(1).tail(n - at).setLinSpaced(1, static_cast<double>(n - at));
     change = beside(change);
     const Eigen::VectorXd left =
-        residuals - change * (change.transpose() * change).ldlt().solve(change.transpose() * residuals);
+        residuals -
+        change * SymmetricFactor(change.transpose() * change).Solve(change.transpose() * residuals);
     if (left.squaredNorm() < best.values.squaredNorm()) best.values = left;
   }
   return best;
@@ -200,7 +201,7 @@ double CorrelatedFit::JointP(std::size_t first) const {
   Eigen::VectorXd tested(p - from);
   for (Eigen::Index j = from; j < p; ++j) tested(j - from) = coefficients[static_cast<std::size_t>(j)].value;
   const Eigen::Map<const Eigen::MatrixXd> all(covariance.data(), p, p);
-  const double f = tested.dot(all.bottomRightCorner(p - from, p - from).ldlt().solve(tested)) /
+  const double f = tested.dot(SymmetricFactor(all.bottomRightCorner(p - from, p - from)).Solve(tested)) /
                    static_cast<double>(p - from);
   if (!(f >= 0)) return 1;
   return FisherAbove(f, static_cast<double>(p - from), coefficients.front().degrees);
@@ -233,7 +234,7 @@ CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std
   const Eigen::VectorXd beta = qr.solve(white.col(p));
   const double variance =
       (white.col(p) - white.leftCols(p) * beta).squaredNorm() / static_cast<double>(n - p);
-  const Eigen::MatrixXd covariance = variance * (white.leftCols(p).transpose() * white.leftCols(p)).inverse();
+  const Eigen::MatrixXd covariance = variance * Inverse(white.leftCols(p).transpose() * white.leftCols(p));
   const double degrees = Degrees(static_cast<double>(n), EffectiveCount(y.size(), correlation),
                                  static_cast<double>(p), correlation > least_correlation);
   CorrelatedFit fit;

@@ -11,6 +11,7 @@
 
 #include "acquisition/quality_monitor.h"
 #include "core/constants.h"
+#include "estimation/decompositions.h"
 #include "estimation/recursive/information_filter.h"
 #include "estimation/recursive/recursive_least_squares.h"
 #include "host/output.h"
@@ -71,9 +72,9 @@ class InformationForm {
 
   InformationFilter::Matrix Excited() const {
     if (form_ == Forgetting::kExponential) return InformationFilter::Matrix::Identity(4, 4);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(gram_);
-    const auto resting = (eigen.eigenvalues().array() < 1e-9 * count_).count();  // ascending order
-    return eigen.eigenvectors().rightCols(4 - resting);
+    const SymmetricEigen eigen = EigenOf(gram_);
+    const auto resting = (eigen.values.array() < 1e-9 * count_).count();
+    return eigen.vectors.rightCols(4 - resting);
   }
 
   Forgetting form_;
@@ -104,7 +105,8 @@ class LongRun {
     const Eigen::VectorXd theta = form_.Theta();
     const Eigen::MatrixXd p = form_.Covariance();
     const bool sound = p.allFinite() && theta.allFinite() && (p - p.transpose()).norm() == 0 &&
-                       p.diagonal().maxCoeff() <= 1.01 * kMaxCovariance && p.ldlt().vectorD().minCoeff() > 0;
+                       p.diagonal().maxCoeff() <= 1.01 * kMaxCovariance &&
+                       SymmetricFactor(p).LeastPivot() > 0;
     if (!sound) return std::numeric_limits<double>::infinity();
     return ((theta - kTruth).array().abs() / p.diagonal().array().sqrt()).maxCoeff();
   }

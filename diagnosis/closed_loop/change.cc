@@ -6,6 +6,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -51,8 +52,8 @@ Movement MovementOf(const ClosedLoopPlant& plant, const LoopState& before, const
     }
   }
   const VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  movement.weight = scale.asDiagonal() * (scale.asDiagonal() * covariance * scale.asDiagonal()).inverse() *
-                    scale.asDiagonal();
+  movement.weight =
+      scale.asDiagonal() * Inverse(scale.asDiagonal() * covariance * scale.asDiagonal()) * scale.asDiagonal();
   return movement;
 }
 

@@ -7,6 +7,7 @@
 #include "core/non_negative.h"
 #include "core/quantile.h"
 #include "diagnosis/drift/drift_thresholds.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -40,7 +41,7 @@ Sums WithoutError(const Sums& sums, const auto& error) {
       unit.cwiseInverse().asDiagonal() * sums.information * unit.cwiseInverse().asDiagonal();
   Eigen::MatrixXd v = c + error(c, unit);
   v.diagonal() *= 1 + kRounding;
-  const Eigen::MatrixXd weight = v.ldlt().solve(c);
+  const Eigen::MatrixXd weight = SymmetricFactor(v).SolveColumns(c);
   const Eigen::MatrixXd left = c * weight;
   return {unit.cwiseProduct(weight.transpose() * sums.score.cwiseQuotient(unit)),
           unit.asDiagonal() * (0.5 * (left + left.transpose())) * unit.asDiagonal()};
@@ -81,7 +82,7 @@ std::vector<double> RobustWeights(const std::vector<const JudgedStroke*>& stroke
     const auto solve = [&](const Eigen::MatrixXd& j, const Eigen::VectorXd& s) -> Eigen::VectorXd {
       Eigen::MatrixXd scaled = unit.asDiagonal() * j * unit.asDiagonal();
       scaled.diagonal() *= 1 + kRounding;
-      return unit.cwiseProduct(scaled.ldlt().solve(unit.cwiseProduct(s)));
+      return unit.cwiseProduct(SymmetricFactor(scaled).Solve(unit.cwiseProduct(s)));
     };
     const Eigen::VectorXd shift = solve(all.information, all.score);
     for (std::size_t k = 0; k < strokes.size(); ++k) {
@@ -148,7 +149,7 @@ std::vector<Moved> FitTogether(const Eigen::VectorXd& score, const Eigen::Matrix
     s[i] = score[moved[i]] * scale[i];
     for (Eigen::Index j = 0; j < n; ++j) h(i, j) = information(moved[i], moved[j]) * scale[i] * scale[j];
   }
-  const Eigen::MatrixXd inverse = h.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd inverse = PseudoInverse(h);
   const Eigen::VectorXd size = inverse * s;
   std::vector<Moved> fitted;
   for (Eigen::Index i = 0; i < n; ++i)

@@ -6,6 +6,7 @@
 
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -186,8 +187,7 @@ void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvi
                                std::sqrt(std::max(squares / equations, 1e-300) / score.information(q, q))});
     }
     const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd inverse =
-        (scale.asDiagonal() * h * scale.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd inverse = PseudoInverse(scale.asDiagonal() * h * scale.asDiagonal());
     const Eigen::MatrixXd covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
     const Eigen::VectorXd change = covariance * g;
     for (int q = 0; q < model.size(); ++q) {
@@ -196,8 +196,7 @@ void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvi
       // Each quantity is judged alone, so its own information counts, not what the others leave of it.
       const Eigen::MatrixXd own = h.block(first[q], first[q], terms, terms);
       const Eigen::VectorXd unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd own_inverse =
-          (unit.asDiagonal() * own * unit.asDiagonal()).completeOrthogonalDecomposition().pseudoInverse();
+      const Eigen::MatrixXd own_inverse = PseudoInverse(unit.asDiagonal() * own * unit.asDiagonal());
       const double misfit = Misfit(points[q], curves_[q]);
       curves_[q].Adjust(points[q], change.segment(first[q], terms),
                         misfit * std::max(squares / equations, 1e-300) *

@@ -7,6 +7,7 @@
 #include "core/non_negative.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope::drift {
 namespace {
@@ -71,7 +72,7 @@ double TemperatureModel::FitForm(int terms) {
     h += basis * basis.transpose();
     g += basis * (p.value / p.std);
   }
-  covariance_ = h.ldlt().solve(Eigen::MatrixXd::Identity(terms, terms));
+  covariance_ = SymmetricFactor(h).SolveColumns(Eigen::MatrixXd::Identity(terms, terms));
   coefficients_ = covariance_ * g;
   double squares = 0;
   for (const TemperaturePoint& p : points_)

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "estimation/decompositions.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
 
@@ -98,7 +99,7 @@ Eigen::MatrixXd WatchedModel::Jacobian(const Eigen::VectorXd& theta) const {
       (gradients * column.asDiagonal()).cwiseAbs().rowwise().maxCoeff().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = row.asDiagonal() * gradients * column.asDiagonal();
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(size(), size());
-  jacobian.topLeftCorner(n, n) = column.asDiagonal() * scaled.partialPivLu().inverse() * row.asDiagonal();
+  jacobian.topLeftCorner(n, n) = column.asDiagonal() * Inverse(scaled) * row.asDiagonal();
   return jacobian;
 }
 

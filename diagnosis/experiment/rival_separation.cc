@@ -4,6 +4,7 @@
 
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/refine.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -37,9 +38,9 @@ double Separation(const Eigen::MatrixXd& total, const Eigen::VectorXd& a, const 
   const Eigen::MatrixXd weighed = total * regressors;
   const Eigen::MatrixXd h = regressors.transpose() * weighed;
   const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = PseudoInverse(scale.asDiagonal() * h * scale.asDiagonal());
   const Eigen::VectorXd cross = scale.asDiagonal() * (weighed.transpose() * a);
-  return std::max(0.0, a.dot(total * a) - cross.dot(scaled.completeOrthogonalDecomposition().solve(cross)));
+  return std::max(0.0, a.dot(total * a) - cross.dot(inverse * cross));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/quantile.h"
 #include "diagnosis/remainder/feature_banks.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -152,7 +153,7 @@ SignForm BankProblem::HeldOut(double penalty) const {
   total.diagonal().array() += kRidge;
   SignForm form = SignForm::Zero(groups, groups);
   for (Eigen::Index s = 0; s < groups; ++s) {
-    Eigen::MatrixXd c = Eigen::LLT<Eigen::MatrixXd>(total - h[s]).solve(q);
+    Eigen::MatrixXd c = PositiveFactor(total - h[s]).SolveColumns(q);
     c.col(s).setZero();
     form.noalias() += c.transpose() * (h[s] * c);
     const Eigen::VectorXd cross = c.transpose() * q.col(s);

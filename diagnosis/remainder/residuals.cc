@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -115,8 +116,8 @@ StrokeResiduals ResidualBuilder::Build(const StrokeStretches& stroke) {
         if (mean.white > 0) out_.whitened.emplace_back(contrasts[k] / std::sqrt(mean.white));
         continue;
       }
-      const Eigen::LLT<Eigen::MatrixXd> llt(ContrastCovariance(blocks[k], mean));
-      if (llt.info() == Eigen::Success) out_.whitened.emplace_back(llt.matrixL().solve(contrasts[k]));
+      const PositiveFactor factor(ContrastCovariance(blocks[k], mean));
+      if (factor.sound()) out_.whitened.emplace_back(factor.SolveLower(contrasts[k]));
     }
   }
   for (const auto& [end, span_noise] : noise)

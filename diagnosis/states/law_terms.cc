@@ -7,6 +7,7 @@
 #include <random>
 
 #include "diagnosis/states/added_effect.h"
+#include "estimation/decompositions.h"
 #include "estimation/states/shooting.h"
 
 namespace hydroscope {
@@ -181,7 +182,7 @@ class NearestLawSearch {
         damped.diagonal() *= 1 + damping;
         damped.diagonal().array() += 1e-300;
         const Eigen::VectorXd next =
-            (scaled - damped.ldlt().solve(slopes.transpose() * error)).cwiseMax(low).cwiseMin(high);
+            (scaled - SymmetricFactor(damped).Solve(slopes.transpose() * error)).cwiseMax(low).cwiseMin(high);
         const double there = Apart(Parameters(from, next));
         lower = there < apart;
         damping = lower ? std::max(damping / kFactor, kLeastDamping) : damping * kFactor;

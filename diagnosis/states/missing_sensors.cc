@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/decompositions.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -22,9 +23,7 @@ class RelativeInformation {
     Eigen::MatrixXd own = products.topLeftCorner(parameters_, parameters_);
     if (free > 0) {
       const Eigen::MatrixXd cross = products.topRightCorner(parameters_, free);
-      own -=
-          cross *
-          products.bottomRightCorner(free, free).completeOrthogonalDecomposition().solve(cross.transpose());
+      own -= cross * PseudoInverse(products.bottomRightCorner(free, free)) * cross.transpose();
     }
     sum_ += size_.asDiagonal() * own * size_.asDiagonal();
   }
@@ -32,7 +31,7 @@ class RelativeInformation {
     constexpr double kRounding = 1e-13;
     const Eigen::MatrixXd floor =
         kRounding * sum_.diagonal().maxCoeff() * Eigen::MatrixXd::Identity(parameters_, parameters_);
-    return (sum_ + floor).inverse().diagonal().cwiseMax(0).cwiseSqrt();
+    return Inverse(sum_ + floor).diagonal().cwiseMax(0).cwiseSqrt();
   }
   /// Where all other parameters are known.
   Eigen::VectorXd AloneDeviations() const {

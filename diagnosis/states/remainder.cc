@@ -6,6 +6,7 @@
 
 #include "diagnosis/states/function_bank.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -106,7 +107,8 @@ class LeaveOut {
       gradient.middleCols(group.first, group.end - group.first).setZero();
       rest.diagonal().head(own).array() += 1e-9;
       Eigen::MatrixXd alone = Eigen::MatrixXd::Zero(own + functions, pieces);
-      if (own > 0) alone.topRows(own) = rest.topLeftCorner(own, own).llt().solve(gradient.topRows(own));
+      if (own > 0)
+        alone.topRows(own) = PositiveFactor(rest.topLeftCorner(own, own)).SolveColumns(gradient.topRows(own));
       const Eigen::MatrixXd form = FormOf(group, alone);
       double before = 0;
       for (std::size_t k = 0; k < out.size(); ++k) {
@@ -114,7 +116,7 @@ class LeaveOut {
         rest.diagonal().tail(functions).array() += penalty - before;
         before = penalty;
         out[k].own += form;
-        out[k].all += FormOf(group, rest.llt().solve(gradient));
+        out[k].all += FormOf(group, PositiveFactor(rest).SolveColumns(gradient));
       }
     }
     return out;

@@ -6,6 +6,7 @@
 
 #include "diagnosis/states/added_effect.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -154,9 +155,10 @@ class EffectScreen {
     Eigen::MatrixXd scaled = size.asDiagonal() * own * size.asDiagonal();
     scaled.diagonal().array() += 1e-10;
     const Eigen::MatrixXd weights =
-        parameters > 0 ? Eigen::MatrixXd(size.asDiagonal() *
-                                         scaled.llt().solve(size.asDiagonal() * sums.topRows(parameters)))
-                       : Eigen::MatrixXd(0, all);
+        parameters > 0
+            ? Eigen::MatrixXd(size.asDiagonal() * PositiveFactor(scaled).SolveColumns(
+                                                      size.asDiagonal() * sums.topRows(parameters)))
+            : Eigen::MatrixXd(0, all);
     const Eigen::MatrixXd rest = sums - sums.leftCols(parameters) * weights;
     energy = rest(all - 1, all - 1);
     for (int d = 0; d < columns; ++d) {

@@ -5,6 +5,7 @@
 
 #include "diagnosis/states/function_bank.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -70,8 +71,8 @@ class Correlation {
     const Eigen::VectorXd size = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     information = size.asDiagonal() * information * size.asDiagonal();
     information.diagonal().array() += 1e-10;
-    by_parameters_ =
-        size.asDiagonal() * information.ldlt().solve(size.asDiagonal() * total_.topRows(own_)).eval();
+    by_parameters_ = size.asDiagonal() *
+                     SymmetricFactor(information).SolveColumns(size.asDiagonal() * total_.topRows(own_));
   }
   double Squared(Eigen::Index a, Eigen::Index b) const {
     const double both = Product(a, b);

@@ -6,6 +6,7 @@
 
 #include "diagnosis/experiment/rival_separation.h"
 #include "diagnosis/states/tangent.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -144,11 +145,11 @@ class ExperimentSearch {
       const int count = rivals_[r].at.model->parameter_count();
       const Eigen::MatrixXd information = Information(rivals_[r].at, products[r]);
       const Eigen::VectorXd size = information.diagonal().cwiseSqrt().cwiseInverse();
-      const Eigen::LDLT<Eigen::MatrixXd> solver(size.asDiagonal() * information * size.asDiagonal());
+      const SymmetricFactor factor(size.asDiagonal() * information * size.asDiagonal());
       for (Eigen::Index c = count; c < products[r].cols(); ++c) {
         const Eigen::VectorXd gradient = size.cwiseProduct(products[r].col(c).head(count));
         tried.separation =
-            std::min(tried.separation, products[r](c, c) - gradient.dot(solver.solve(gradient)));
+            std::min(tried.separation, products[r](c, c) - gradient.dot(factor.Solve(gradient)));
       }
     }
     tried.separation = std::max(tried.separation, 0.0);
@@ -158,10 +159,8 @@ class ExperimentSearch {
     const StateFit& fit = rivals_.front().at;
     const Eigen::MatrixXd information = Information(fit, products);
     const Eigen::VectorXd size = information.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd inverse = (size.asDiagonal() * information * size.asDiagonal())
-                                        .eval()
-                                        .ldlt()
-                                        .solve(Eigen::MatrixXd::Identity(size.size(), size.size()));
+    const Eigen::MatrixXd inverse = SymmetricFactor(size.asDiagonal() * information * size.asDiagonal())
+                                        .SolveColumns(Eigen::MatrixXd::Identity(size.size(), size.size()));
     double worst = 0;
     for (int p = 0; p < fit.model->parameter_count(); ++p) {
       const StateParameter& parameter = fit.model->parameters[static_cast<std::size_t>(p)];

@@ -1,5 +1,7 @@
 #include "diagnosis/states/tangent.h"
 
+#include "estimation/decompositions.h"
+
 namespace hydroscope {
 
 RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_t index,
@@ -36,8 +38,7 @@ RowMatrix TangentColumns(const StateFit& fit, const Episode& episode, std::size_
     local.row(r) *= good ? 1 / fit.noise[j] : 0.0;
   }
   if (local.cols() > 0) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(local);
-    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, local.cols());
+    const Eigen::MatrixXd basis = OrthonormalBasis(local);
     columns -= basis * (basis.transpose() * columns);
   }
   return columns;

@@ -8,6 +8,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 #include "estimation/frequency_response/second_order.h"
 #include "estimation/frequency_response/welch.h"
 
@@ -323,7 +324,7 @@ MatrixXd ClusteredCovariance(const LoopSpectra& spectra, const std::vector<LoopT
       blocks / std::max(1.0, blocks - static_cast<double>(search.size())) * pulls.transpose() * pulls;
   const VectorXd scale = jacobian.colwise().norm().cwiseInverse();
   const MatrixXd scaled = scale.asDiagonal() * (jacobian.transpose() * jacobian) * scale.asDiagonal();
-  const MatrixXd bread = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
+  const MatrixXd bread = scale.asDiagonal() * Inverse(scaled) * scale.asDiagonal();
   return bread * meat * bread;
 }
 

@@ -12,6 +12,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 #include "estimation/frequency_response/figures.h"
 #include "estimation/frequency_response/fit_problem.h"
 #include "estimation/frequency_response/second_order.h"
@@ -47,7 +48,7 @@ bool SquaredGainStart(const FitProblem& problem, double& omega_0, double& dampin
     normal += weight * row * row.transpose();
     right += weight * squared * row;
   }
-  const Eigen::Vector3d theta = normal.ldlt().solve(right);
+  const Eigen::Vector3d theta = SymmetricFactor(normal).Solve(right);
   if (!(theta(1) > 0) || !(theta(2) > 0)) return false;
   omega_0 = scale / std::pow(theta(1), 0.25);
   const double damping_squared = (2 - theta(0) / std::sqrt(theta(1))) / 4;
@@ -184,8 +185,7 @@ bool Covariance(const FitProblem& problem, const Vector4& p, Matrix4& covariance
   const Vector4 scale = normal.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix4 scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   if (!scaled.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(scaled);
-  if (!(eigen.eigenvalues()(0) > kIndependent)) return false;
+  if (!(EigenOf(scaled).values[0] > kIndependent)) return false;
   covariance = scale.asDiagonal() * scaled.inverse() * scale.asDiagonal();
   return true;
 }

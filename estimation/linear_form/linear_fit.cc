@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/decompositions.h"
 #include "estimation/left_out.h"
 #include "estimation/linear_form/noisier_copies.h"
 
@@ -60,7 +61,7 @@ class LinearFitter {
   static Eigen::VectorXd Solved(const PieceSums& sums) {
     const Eigen::VectorXd scale = sums.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.information * scale.asDiagonal();
-    return scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(sums.gradient)));
+    return scale.cwiseProduct(SymmetricFactor(scaled).Solve(scale.cwiseProduct(sums.gradient)));
   }
   PieceSums Sums(Eigen::Index first, Eigen::Index last) const {
     const Eigen::Index count = regressor_.front().cols();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "estimation/decompositions.h"
+
 namespace hydroscope {
 namespace {
 
@@ -26,11 +28,11 @@ Eigen::MatrixXd Symmetric(const Eigen::MatrixXd& m) { return 0.5 * (m + m.transp
 /// The inverse where it is one, nothing is known of other directions.
 Eigen::MatrixXd FlooredInverse(const Eigen::MatrixXd& m) {
   constexpr double kRounding = 1e-12;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Symmetric(m));
-  const double floor = kRounding * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
+  const SymmetricEigen eigen = EigenOf(Symmetric(m));
+  const double floor = kRounding * std::max(eigen.values.maxCoeff(), 1e-300);
   const Eigen::VectorXd weights =
-      solver.eigenvalues().unaryExpr([floor](double value) { return value > floor ? 1 / value : 0.0; });
-  return solver.eigenvectors() * weights.asDiagonal() * solver.eigenvectors().transpose();
+      eigen.values.unaryExpr([floor](double value) { return value > floor ? 1 / value : 0.0; });
+  return eigen.vectors * weights.asDiagonal() * eigen.vectors.transpose();
 }
 
 constexpr double kChance =
@@ -123,17 +125,13 @@ InformationFilter EpisodeFollower::Updated(const EpisodeEvidence& e, double seco
   const double weight = 1 / e.unexplained;
   const Eigen::MatrixXd added = weight * (size_.asDiagonal() * e.information * size_.asDiagonal());
   const Eigen::MatrixXd known = filter.information();
-  const Eigen::LLT<Eigen::MatrixXd> root(known);
-  const Eigen::MatrixXd half = root.matrixL().solve(added);
-  const Eigen::MatrixXd relative = root.matrixL().solve(half.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Symmetric(relative));
-  const auto excited = (solver.eigenvalues().array() > LeastAdded(seconds)).count();
+  const PositiveFactor root(known);
+  const Eigen::MatrixXd half = root.SolveLower(added);
+  const SymmetricEigen relative = EigenOf(Symmetric(root.SolveLower(Eigen::MatrixXd(half.transpose()))));
+  const auto excited = (relative.values.array() > LeastAdded(seconds)).count();
   if (excited > 0) {
-    const Eigen::MatrixXd directions =
-        root.matrixU().solve(solver.eigenvectors().rightCols(excited));  // eigenvalues increase
-    const Eigen::MatrixXd basis = Eigen::HouseholderQR<Eigen::MatrixXd>(directions).householderQ() *
-                                  Eigen::MatrixXd::Identity(count(), excited);
-    filter.Forget(basis, std::exp(-1 / Memory(seconds)));
+    const Eigen::MatrixXd directions = root.SolveUpper(relative.vectors.rightCols(excited));
+    filter.Forget(OrthonormalBasis(directions), std::exp(-1 / Memory(seconds)));
   }
   const Eigen::VectorXd cross = weight * size_.cwiseProduct(e.information * e.at + e.gradient);
   filter.Add(added, cross, kUnknown);
@@ -210,7 +208,7 @@ std::vector<Estimate> EpisodeFollower::Estimates(const EpisodeEvidence& e, const
   const Eigen::MatrixXd covariance = filter_->Covariance();
   const std::vector<Scatter> scatters = Scatters();
   const Eigen::MatrixXd added = (size_.asDiagonal() * e.information * size_.asDiagonal()) / e.unexplained;
-  const Eigen::MatrixXd with = (before.inverse() + added).inverse();
+  const Eigen::MatrixXd with = Inverse(Inverse(before) + added);
   const Eigen::MatrixXd own = FlooredInverse(added);
   const Eigen::VectorXd behind = (Best(e) - theta).cwiseQuotient(size_);
   std::vector<Estimate> out;

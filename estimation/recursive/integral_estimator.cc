@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/non_negative.h"
+#include "estimation/decompositions.h"
 
 namespace hydroscope {
 namespace {
@@ -108,13 +109,13 @@ void IntegralEstimator::Start(const NormalEquations& first, double oil_temperatu
 
 IntegralEstimator::Small IntegralEstimator::ExcitedDirections(const Share& stroke) {
   const auto n = stroke.gram.rows() - 1;
-  const Eigen::SelfAdjointEigenSolver<Small> eigen(stroke.gram.topLeftCorner(n, n));
+  const SymmetricEigen eigen = EigenOf(stroke.gram.topLeftCorner(n, n));
   Small basis = Small::Zero(n, n);
   int excited = 0;
   for (Eigen::Index d = 0; d < n; ++d) {
-    const InformationFilter::Vector direction = eigen.eigenvectors().col(d);
+    const InformationFilter::Vector direction = eigen.vectors.col(d);
     const double noise_energy = direction.dot(stroke.noise.topLeftCorner(n, n) * direction);
-    const double energy = eigen.eigenvalues()[d];
+    const double energy = eigen.values[d];
     if (energy > kSignalToNoise * noise_energy && energy > kLeastEnergy * stroke.count)
       basis.col(excited++) = direction;
   }
@@ -251,7 +252,7 @@ double IntegralEstimator::OwnStd(const DerivedParameter& parameter, int own_regr
   if (!(signal_share > 0)) return std::numeric_limits<double>::infinity();
   const Eigen::VectorXd ridge = stroke.raw.h.diagonal().cwiseMax(1e-300) * (1e-9 / equations);
   const Eigen::MatrixXd own = stroke.raw.h + Eigen::MatrixXd(ridge.asDiagonal());
-  const double promised = parameter.gradient.dot(own.ldlt().solve(parameter.gradient)) * variance_;
+  const double promised = parameter.gradient.dot(SymmetricFactor(own).Solve(parameter.gradient)) * variance_;
   return std::sqrt(NonNegative(promised)) * noise_ / signal_share;
 }
 
@@ -261,7 +262,7 @@ Estimate IntegralEstimator::Describe(const DerivedParameter& parameter, const We
   const double promised = std::sqrt(NonNegative(gradient.dot(covariance * gradient)));
   double scattered = 0;
   if (recent.strokes > 2) {
-    const Eigen::VectorXd bread = recent.h.ldlt().solve(gradient);
+    const Eigen::VectorXd bread = SymmetricFactor(recent.h).Solve(gradient);
     const double small_sample = recent.strokes / (recent.strokes - 1);
     scattered = std::sqrt(NonNegative(bread.dot(recent.meat * bread)) * small_sample) *
                 StudentFactor(recent.strokes - 1);

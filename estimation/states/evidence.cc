@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/decompositions.h"
 #include "estimation/left_out.h"
 
 namespace hydroscope {
@@ -29,8 +30,7 @@ void TakePieces(const shooting::Task& task, const StateFitOptions& options, Stat
     RowMatrix by_parameter = slopes.leftCols(parameters);
     if (free > 0) {
       const Eigen::MatrixXd local = slopes.rightCols(free);
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(local);
-      const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(local.rows(), free);
+      const Eigen::MatrixXd basis = OrthonormalBasis(local);
       by_parameter -= basis * (basis.transpose() * by_parameter);
       error -= basis * (basis.transpose() * error);
     }
@@ -61,21 +61,20 @@ class LeftOutPieces {
   LeftOutPieces(const std::vector<StatePiece>& pieces, const Eigen::VectorXd& size) {
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size.size(), size.size());
     for (const StatePiece& piece : pieces) information += piece.information;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(size.asDiagonal() * information *
-                                                                size.asDiagonal());
-    const double floor = 1e-14 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
-    directions_ = solver.eigenvectors();
-    white_ = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
+    const SymmetricEigen whole = EigenOf(size.asDiagonal() * information * size.asDiagonal());
+    const double floor = 1e-14 * std::max(whole.values.maxCoeff(), 1e-300);
+    directions_ = whole.vectors;
+    white_ = whole.values.cwiseMax(floor).cwiseInverse();
     const Eigen::MatrixXd root = directions_ * white_.cwiseSqrt().asDiagonal(),
                           to_parameters = size.asDiagonal() * root;
     changes_.resize(size.size(), static_cast<Eigen::Index>(pieces.size()));
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_piece(to_parameters.transpose() *
-                                                                    pieces[k].information * to_parameters);
-      const Eigen::VectorXd rest = (1 - of_piece.eigenvalues().array()).max(kLeastRest);
+      const SymmetricEigen of_piece =
+          EigenOf(to_parameters.transpose() * pieces[k].information * to_parameters);
+      const Eigen::VectorXd rest = (1 - of_piece.values.array()).max(kLeastRest);
       changes_.col(static_cast<Eigen::Index>(k)) =
-          root * of_piece.eigenvectors() *
-          (of_piece.eigenvectors().transpose() * (to_parameters.transpose() * pieces[k].gradient))
+          root * of_piece.vectors *
+          (of_piece.vectors.transpose() * (to_parameters.transpose() * pieces[k].gradient))
               .cwiseQuotient(rest);
     }
   }
@@ -169,7 +168,7 @@ std::vector<double> HeldOutEnergies(std::span<const StatePiece> pieces) {
     rest = size.asDiagonal() * rest * size.asDiagonal();
     rest.diagonal().array() += 1e-10;
     const Eigen::VectorXd change =
-        size.cwiseProduct(rest.ldlt().solve(size.cwiseProduct(gradient - piece.gradient)));
+        size.cwiseProduct(SymmetricFactor(rest).Solve(size.cwiseProduct(gradient - piece.gradient)));
     // Errors of the piece after the change: r - J change.
     energies.push_back(std::max(
         0.0, piece.energy - 2 * piece.gradient.dot(change) + change.dot(piece.information * change)));

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "estimation/decompositions.h"
 #include "estimation/states/white_noise.h"
 
 namespace hydroscope {
@@ -147,7 +148,7 @@ class GrowingFit {
       matrix(p, p) = 1;
       gradient[p] = 0;
     }
-    const Eigen::VectorXd step = -matrix.ldlt().solve(gradient);
+    const Eigen::VectorXd step = -SymmetricFactor(matrix).Solve(gradient);
     if (!step.allFinite() || (n > 0 && step.head(n).cwiseAbs().maxCoeff() > kLongest)) return std::nullopt;
     shooting::Point next = point_;
     for (int p = 0; p < n; ++p) {

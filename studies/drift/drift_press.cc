@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "estimation/decompositions.h"
+
 namespace hydroscope {
 namespace {
 
@@ -62,8 +64,8 @@ Result<StrokePress> StrokePress::Create(int strokes, std::uint64_t seed) {
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
     for (const auto& error : errors)
       covariance += (error - p.mean) * (error - p.mean).transpose() / static_cast<double>(errors.size() - 1);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-    p.shape = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+    const SymmetricEigen eigen = EigenOf(covariance);
+    p.shape = eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
     press.products_.push_back(std::move(p));
   }
   return press;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "estimation/decompositions.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "workbench/held_out_log.h"
@@ -38,7 +39,8 @@ double OneStepError(const StateFit& fit, int output) {
   Eigen::MatrixXd own = information.topLeftCorner(kOrder, kOrder);
   own.diagonal().array() *= 1 + 1e-9;
   const Eigen::VectorXd cross = information.col(kOrder).head(kOrder);
-  return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(own.ldlt().solve(cross))) / count);
+  return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(SymmetricFactor(own).Solve(cross))) /
+                   count);
 }
 
 /// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.

@@ -1,0 +1,45 @@
+#include "estimation/decompositions.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+namespace hydroscope {
+
+SymmetricEigen EigenOf(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+SymmetricFactor::SymmetricFactor(const Eigen::MatrixXd& symmetric) : factor_(symmetric) {}
+double SymmetricFactor::LeastPivot() const { return factor_.vectorD().minCoeff(); }
+double SymmetricFactor::ReciprocalCondition() const { return factor_.rcond(); }
+Eigen::VectorXd SymmetricFactor::Solve(const Eigen::VectorXd& right) const { return factor_.solve(right); }
+Eigen::MatrixXd SymmetricFactor::SolveColumns(const Eigen::MatrixXd& right) const {
+  return factor_.solve(right);
+}
+
+PositiveFactor::PositiveFactor(const Eigen::MatrixXd& positive) : factor_(positive) {}
+Eigen::MatrixXd PositiveFactor::SolveColumns(const Eigen::MatrixXd& right) const {
+  return factor_.solve(right);
+}
+Eigen::MatrixXd PositiveFactor::SolveLower(const Eigen::MatrixXd& right) const {
+  return factor_.matrixL().solve(right);
+}
+Eigen::VectorXd PositiveFactor::SolveLower(const Eigen::VectorXd& right) const {
+  return factor_.matrixL().solve(right);
+}
+Eigen::MatrixXd PositiveFactor::SolveUpper(const Eigen::MatrixXd& right) const {
+  return factor_.matrixU().solve(right);
+}
+
+Eigen::MatrixXd Inverse(const Eigen::MatrixXd& square) { return square.inverse(); }
+Eigen::MatrixXd PseudoInverse(const Eigen::MatrixXd& any) {
+  return any.completeOrthogonalDecomposition().pseudoInverse();
+}
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& tall) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(tall).householderQ() *
+         Eigen::MatrixXd::Identity(tall.rows(), tall.cols());
+}
+
+}  // namespace hydroscope
