@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "machines/inputs.h"
 #include "machines/manipulator/effects/effects.h"
 #include "machines/manipulator/equations.h"
 
@@ -9,13 +10,13 @@ namespace hydroscope {
 namespace {
 
 constexpr MachineInput Angle(std::string_view name, Wording meaning) {
-  return {.name = name, .si = "rad", .required = true, .meaning = meaning};
+  return Measured(name, "rad", meaning);
 }
 constexpr MachineInput Pressure(std::string_view name, Wording meaning) {
-  return {.name = name, .si = "Pa", .required = true, .meaning = meaning, .size = PlausibleSize{5e5, 1e8}};
+  return Measured(name, "Pa", meaning, PlausibleSize{5e5, 1e8});
 }
 constexpr MachineInput Spool(std::string_view name, Wording meaning) {
-  return {.name = name, .si = "1", .required = true, .meaning = meaning, .size = PlausibleSize{0, 1.5}};
+  return Measured(name, "1", meaning, PlausibleSize{0, 1.5});
 }
 
 constexpr std::array<MachineInput, 9> kArmSignals = {
@@ -34,14 +35,9 @@ constexpr std::array<MachineInput, 9> kArmSignals = {
 
 constexpr MachineInput Distance(std::string_view name, Wording meaning, double lowest, double highest,
                                 bool required = true) {
-  return {.name = name,
-          .si = "m",
-          .required = required,
-          .meaning = meaning,
-          .positive = true,
-          .lowest = lowest,
-          .highest = highest,
-          .unit = "m"};
+  MachineInput distance = Known(name, "m", meaning, lowest, highest);
+  distance.required = required;
+  return distance;
 }
 constexpr MachineInput PinDistance(std::string_view name, Wording meaning) {
   return Distance(name, meaning, 0.02, 10);
@@ -56,14 +52,7 @@ constexpr MachineInput LeverAngle(std::string_view name, Wording meaning) {
           .unit = "rad"};
 }
 constexpr MachineInput PistonArea(std::string_view name, Wording meaning) {
-  return {.name = name,
-          .si = "m2",
-          .required = true,
-          .meaning = meaning,
-          .positive = true,
-          .lowest = 1e-4,
-          .highest = 1,
-          .unit = "cm2"};
+  return Known(name, "m2", meaning, 1e-4, 1, "cm2");
 }
 constexpr MachineInput LineVolume(std::string_view name, Wording meaning) {
   return {.name = name,
@@ -118,14 +107,7 @@ constexpr std::array<MachineInput, 26> kArmGeometry = {
     PistonArea("A2_2", {"area of cylinder 2, rod side", "Fläche von Zylinder 2, Stangenseite"}),
     LineVolume("V_2", {"oil between valve and each chamber of cylinder 2",
                        "Öl zwischen Ventil und jeder Kammer von Zylinder 2"}),
-    MachineInput{.name = "p_t",
-                 .si = "Pa",
-                 .required = false,
-                 .meaning = {"tank pressure", "Tankdruck"},
-                 .lowest = -1e5,
-                 .highest = 50e5,
-                 .unit = "bar",
-                 .otherwise = 0.0},
+    TankPressure(),
     MachineInput{.name = "g",
                  .si = "m/s2",
                  .required = false,

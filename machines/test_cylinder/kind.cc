@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "machines/inputs.h"
 #include "machines/test_cylinder/changes.h"
 #include "machines/test_cylinder/response.h"
 #include "models/closed_loop.h"
@@ -10,17 +11,13 @@ namespace hydroscope {
 namespace {
 
 constexpr MachineInput kSignals[] = {
-    {.name = "z_set",
-     .si = "m",
-     .required = true,
-     .meaning = {"set point of the position, excited from outside",
-                 "Sollwert der Position, von außen angeregt"}},
-    {.name = "I_v",
-     .si = "A",
-     .required = true,
-     .meaning = {"current of the valve, as the controller gives it out",
-                 "Ventilstrom, wie ihn der Regler ausgibt"}},
-    {.name = "z", .si = "m", .required = true, .meaning = {"position of the rod", "Position der Stange"}},
+    Measured(
+        "z_set", "m",
+        {"set point of the position, excited from outside", "Sollwert der Position, von außen angeregt"}),
+    Measured(
+        "I_v", "A",
+        {"current of the valve, as the controller gives it out", "Ventilstrom, wie ihn der Regler ausgibt"}),
+    Measured("z", "m", {"position of the rod", "Position der Stange"}),
 };
 constexpr MachineInput kGeometry[] = {
     {.name = "A",

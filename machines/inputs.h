@@ -1,0 +1,56 @@
+#pragma once
+
+#include "models/machine_kind.h"
+
+// How kinds of machines write their signals and known values; what is special is a MachineInput with its fields by name.
+namespace hydroscope {
+
+/// A signal without which nothing can be identified.
+constexpr MachineInput Measured(std::string_view name, std::string_view si, Wording meaning,
+                                std::optional<PlausibleSize> size = {}) {
+  return {.name = name, .si = si, .required = true, .meaning = meaning, .size = size};
+}
+
+/// A signal that some effects need, or that makes the rest surer.
+constexpr MachineInput MayBeMeasured(std::string_view name, std::string_view si, Wording meaning,
+                                     std::optional<PlausibleSize> size = {}) {
+  return {.name = name, .si = si, .required = false, .meaning = meaning, .size = size};
+}
+
+/// A positive value that the machine file must state, SI between `lowest` and `highest`; `unit` for messages, "" = `si`.
+constexpr MachineInput Known(std::string_view name, std::string_view si, Wording meaning, double lowest,
+                             double highest, std::string_view unit = "") {
+  return {.name = name,
+          .si = si,
+          .required = true,
+          .meaning = meaning,
+          .positive = true,
+          .lowest = lowest,
+          .highest = highest,
+          .unit = unit.empty() ? si : unit};
+}
+
+/// A positive value, SI, that the machine file may state otherwise.
+constexpr MachineInput Assumed(std::string_view name, std::string_view si, Wording meaning,
+                               double otherwise) {
+  return {.name = name,
+          .si = si,
+          .required = false,
+          .meaning = meaning,
+          .positive = true,
+          .otherwise = otherwise};
+}
+
+/// Beside the atmosphere, which it is taken for where the machine file does not state it.
+constexpr MachineInput TankPressure() {
+  return {.name = "p_t",
+          .si = "Pa",
+          .required = false,
+          .meaning = {"tank pressure", "Tankdruck"},
+          .lowest = -1e5,
+          .highest = 50e5,
+          .unit = "bar",
+          .otherwise = 0.0};
+}
+
+}  // namespace hydroscope
