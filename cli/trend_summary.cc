@@ -8,7 +8,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "core/relative_change.h"
-#include "report/report_analysis.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 namespace {
@@ -81,10 +81,10 @@ void TrendSummariser::Add(const TrendPoint& point) {
 
 std::vector<TrendSummary> TrendSummariser::Finish(const std::vector<BlockEstimates>& blocks,
                                                   const std::vector<StrokeSummary>& strokes) && {
-  ReportInput input;
-  input.blocks = blocks;
-  input.strokes = strokes;
-  for (const ParameterAnalysis& analysis : AnalyseReport(input, std::move(samples_)).parameters)
+  RecordedHistory history;
+  history.blocks = blocks;
+  history.strokes = strokes;
+  for (const ParameterAnalysis& analysis : AnalyseTrends(history, std::move(samples_)).parameters)
     for (TrendSummary& summary : summaries_)
       if (summary.parameter == analysis.parameter) summary.change = ChangeOf(analysis);
   return std::move(summaries_);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "report/report_analysis.h"
 #include "storage/database.h"
 #include "workbench/history/block_estimates.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 

@@ -64,7 +64,7 @@ const char* ShapeOf(Standing standing) {
 /// Everything worked out once, for all sections.
 struct Report {
   const ReportInput& input;
-  ReportAnalysis analysis;
+  TrendAnalysis analysis;
   std::vector<ParameterInfo> infos;
   std::vector<ParameterWords> words;
   ReportVerdict verdict;
@@ -72,7 +72,7 @@ struct Report {
 };
 
 Report Prepare(const ReportInput& input) {
-  Report report{input, AnalyseReport(input), {}, {}, {}, CountedWordsOf(input.machine)};
+  Report report{input, AnalyseTrends(input), {}, {}, {}, CountedWordsOf(input.machine)};
   for (const ParameterAnalysis& analysis : report.analysis.parameters) {
     const double typical = analysis.samples.empty() ? 0 : analysis.samples.back().value;
     report.infos.push_back(InfoFor(KindOf(input.machine), analysis.parameter, analysis.unit, typical));
@@ -161,7 +161,7 @@ std::string TimeTile(const ReportInput& input, double duration, const CountedWor
 }
 
 std::string Tiles(const Report& report) {
-  const ReportAnalysis& analysis = report.analysis;
+  const TrendAnalysis& analysis = report.analysis;
   const FlowErrors errors = OverallErrors(report.input);
   std::string oil = "–", error = "–";
   if (std::isfinite(analysis.coldest))

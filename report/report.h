@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "core/alarm_records.h"
-#include "core/records.h"
 #include "core/result.h"
 #include "core/units.h"
-#include "models/machine.h"
-#include "storage/database.h"
-#include "workbench/history/block_estimates.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 
@@ -36,13 +33,7 @@ struct SkippedItem {
   std::string why;
 };
 
-struct ReportInput {
-  Machine machine;
-  std::vector<RunInfo> runs;
-  std::vector<StrokeSummary> strokes;  ///< in order; summary.index is the machine-wide sequence here
-  std::vector<TrendPoint> trends;      ///< all parameters, in order of sequence
-  /// Independent evidence of change and of what follows the oil; empty: nothing is said about either.
-  std::vector<BlockEstimates> blocks;
+struct ReportInput : RecordedHistory {
   std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
   std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "models/counted_words.h"
-#include "report/report_analysis.h"
 #include "report/report_parameters.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 

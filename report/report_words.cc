@@ -274,7 +274,7 @@ std::vector<std::string> NamesWhere(const std::vector<ParameterInfo>& infos, Pre
   return names;
 }
 
-void AddOilSentence(std::vector<std::string>& out, const ReportAnalysis& analysis,
+void AddOilSentence(std::vector<std::string>& out, const TrendAnalysis& analysis,
                     const std::vector<ParameterInfo>& infos) {
   std::vector<std::string> follow;
   for (std::size_t i = 0; i < infos.size(); ++i) {
@@ -305,7 +305,7 @@ bool ErrorGrew(const ThirdsComparison& ratio) {
 }
 
 void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
-                      const ReportAnalysis& analysis) {
+                      const TrendAnalysis& analysis) {
   const CountedWords counted = CountedWordsOf(input.machine);
   if (!input.not_judged.empty()) {
     out.push_back(fmt::format("The model cannot be judged on these {}: {}.", counted.many,
@@ -357,12 +357,12 @@ void AddErrorSentence(std::vector<std::string>& out, const ReportInput& input,
                     FormatFixed(trend.last, 1), trend.change.value > 0 ? "less well" : "better"));
 }
 
-bool AnyChangeKnown(const ReportAnalysis& analysis) {
+bool AnyChangeKnown(const TrendAnalysis& analysis) {
   return std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
                      [](const auto& p) { return p.change.change.Known(); });
 }
 
-std::string UnknownHeadline(const ReportAnalysis& analysis, const CountedWords& counted) {
+std::string UnknownHeadline(const TrendAnalysis& analysis, const CountedWords& counted) {
   const bool identified = std::any_of(analysis.parameters.begin(), analysis.parameters.end(),
                                       [](const auto& p) { return p.updated > 0; });
   if (!identified) return "No verdict: nothing was identified";
@@ -370,7 +370,7 @@ std::string UnknownHeadline(const ReportAnalysis& analysis, const CountedWords& 
                                   : fmt::format("No verdict yet: too few {}", counted.many);
 }
 
-std::string Headline(Standing worst, const ReportAnalysis& analysis, bool inseparable,
+std::string Headline(Standing worst, const TrendAnalysis& analysis, bool inseparable,
                      const CountedWords& counted) {
   switch (worst) {
     case Standing::kAlarmed:
@@ -423,7 +423,7 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
   return words;
 }
 
-ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& analysis,
                               const std::vector<ParameterInfo>& infos,
                               const std::vector<ParameterWords>& words) {
   ReportVerdict verdict;

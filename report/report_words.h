@@ -5,8 +5,8 @@
 
 #include "core/alarm_records.h"
 #include "models/counted_words.h"
-#include "report/report_analysis.h"
 #include "report/report_parameters.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 
@@ -36,7 +36,7 @@ struct ReportVerdict {
   std::string headline;                ///< HTML
   std::vector<std::string> sentences;  ///< HTML
 };
-ReportVerdict DescribeVerdict(const ReportInput& input, const ReportAnalysis& analysis,
+ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& analysis,
                               const std::vector<ParameterInfo>& infos,
                               const std::vector<ParameterWords>& words);
 

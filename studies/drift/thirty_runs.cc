@@ -12,9 +12,9 @@
 #include "core/constants.h"
 #include "estimation/gram_fit.h"
 #include "host/output.h"
-#include "report/report_analysis.h"
 #include "storage/database.h"
 #include "studies/simulated_replay.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 namespace {
@@ -111,7 +111,7 @@ TestedValue SlopeOf(const std::vector<double>& oil, const std::vector<double>& v
   return fit.coefficients.empty() ? TestedValue() : fit.coefficients[1];
 }
 
-Slopes SlopesOf(const std::vector<RunResult>& runs, const Machine& machine, const ReportAnalysis& report) {
+Slopes SlopesOf(const std::vector<RunResult>& runs, const Machine& machine, const TrendAnalysis& report) {
   Slopes slopes;
   double gated_time = 0;
   for (const RunResult& run : runs) gated_time += run.gated_time / static_cast<double>(runs.size());
@@ -168,7 +168,7 @@ Result<Study> StudySeed(const ThirtyRunsOptions& o, std::uint64_t seed, const st
   auto blocks = EstimateBlocks(*database, *machine_id, outcome->machine, *strokes);
   if (!blocks) return tl::unexpected(blocks.error());
   input.blocks = std::move(*blocks);
-  study.slopes = SlopesOf(study.runs, outcome->machine, AnalyseReport(input));
+  study.slopes = SlopesOf(study.runs, outcome->machine, AnalyseTrends(input));
   return study;
 }
 

@@ -1,4 +1,4 @@
-#include "report/report_analysis.h"
+#include "workbench/history/trend_analysis.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace hydroscope {
 namespace {
 
-const ParameterAnalysis& Of(const ReportAnalysis& analysis, const std::string& parameter) {
+const ParameterAnalysis& Of(const TrendAnalysis& analysis, const std::string& parameter) {
   for (const ParameterAnalysis& p : analysis.parameters)
     if (p.parameter == parameter) return p;
   ADD_FAILURE() << "no parameter " << parameter;
@@ -128,13 +128,13 @@ TEST(CompareThirds, NeverIsSurerThanTheStatedStandardDeviationAllows) {
   EXPECT_FALSE(CompareThirds({1, 2, 3}, {}, 0).change.Known());
 }
 
-TEST(AnalyseReport, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
+TEST(AnalyseTrends, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
   int follows = 0, covered = 0, false_alarms = 0;
   const int seeds = 100;
   for (int seed = 0; seed < seeds; ++seed) {
     ReportFixture fixture;
     fixture.seed = 100 + seed;
-    const ReportAnalysis analysis = AnalyseReport(fixture.Make());
+    const TrendAnalysis analysis = AnalyseTrends(fixture.Make());
     const OilDependence& flow = Of(analysis, "Q_vn").oil;
     follows += flow.outcome == OilOutcome::kFollows;
     covered += std::abs(flow.slope.value - 0.006 * ReportFixture::kNominalFlow) < flow.slope.HalfWidth();
@@ -153,12 +153,12 @@ TEST(AnalyseReport, FindsTheOilInTheNominalFlowAndNotInStiffnessAndVolume) {
   EXPECT_LE(false_alarms, 0.05 * seeds);
 }
 
-TEST(AnalyseReport, CallsALossOfFlowUnexplainedAlsoWhileTheOilWarms) {
+TEST(AnalyseTrends, CallsALossOfFlowUnexplainedAlsoWhileTheOilWarms) {
   for (const bool cools : {false, true}) {
     ReportFixture fixture;
     fixture.wear = 0.06;
     fixture.cools_again = cools;
-    const ReportAnalysis analysis = AnalyseReport(fixture.Make());
+    const TrendAnalysis analysis = AnalyseTrends(fixture.Make());
     EXPECT_EQ(Of(analysis, "Q_vn").unexplained, Significance::kClear) << cools;
     EXPECT_EQ(Of(analysis, "K").unexplained, Significance::kNone) << cools;
     EXPECT_EQ(SignificanceOf(analysis.error.ratio.change), Significance::kClear);
@@ -166,28 +166,28 @@ TEST(AnalyseReport, CallsALossOfFlowUnexplainedAlsoWhileTheOilWarms) {
 }
 
 /// The plot shows the estimates; a card that says "no change seen" below a plot that falls is not believed.
-TEST(AnalyseReport, DoesNotDenyWhatThePlottedEstimatesShow) {
+TEST(AnalyseTrends, DoesNotDenyWhatThePlottedEstimatesShow) {
   ReportFixture fixture;
   fixture.warm = 26.5;
   ReportInput input = fixture.Make();
   for (TrendPoint& point : input.trends)
     if (point.estimate.parameter == "V0")
       point.estimate.value -= 12 * point.estimate.std * static_cast<double>(point.sequence) / 300;
-  const ReportAnalysis analysis = AnalyseReport(input);
+  const TrendAnalysis analysis = AnalyseTrends(input);
   const ParameterAnalysis& volume = Of(analysis, "V0");
   EXPECT_TRUE(volume.by_estimates) << "the blocks show nothing";
   EXPECT_LT(volume.change.change.value, 0);
   EXPECT_EQ(volume.unexplained, Significance::kHint);
   const ParameterInfo info = InfoFor(KindOf(input.machine), "V0", "m3", 1e-3);
   EXPECT_EQ(DescribeParameter(volume, info).standing, Standing::kHint);
-  EXPECT_EQ(Of(AnalyseReport(fixture.Make()), "V0").unexplained, Significance::kNone);
+  EXPECT_EQ(Of(AnalyseTrends(fixture.Make()), "V0").unexplained, Significance::kNone);
 }
 
-TEST(AnalyseReport, IsTheJudgementThatTrendsTell) {
+TEST(AnalyseTrends, IsTheJudgementThatTrendsTell) {
   ReportFixture fixture;
   fixture.wear = 0.06;
   const ReportInput input = fixture.Make();
-  const ReportAnalysis analysis = AnalyseReport(input);
+  const TrendAnalysis analysis = AnalyseTrends(input);
   for (const TrendSummary& summary : SummariseTrends(input.trends, input.blocks, input.strokes)) {
     const ParameterAnalysis& card = Of(analysis, summary.parameter);
     ASSERT_EQ(summary.change.has_value(), card.change.change.Known()) << summary.parameter;
@@ -198,26 +198,26 @@ TEST(AnalyseReport, IsTheJudgementThatTrendsTell) {
   }
 }
 
-TEST(AnalyseReport, SaysWhenOilAndTimeRanTogether) {
+TEST(AnalyseTrends, SaysWhenOilAndTimeRanTogether) {
   ReportFixture fixture;
-  EXPECT_FALSE(Of(AnalyseReport(fixture.Make()), "Q_vn").oil.separable);
+  EXPECT_FALSE(Of(AnalyseTrends(fixture.Make()), "Q_vn").oil.separable);
   fixture.cools_again = true;
-  const OilDependence oil = Of(AnalyseReport(fixture.Make()), "Q_vn").oil;
+  const OilDependence oil = Of(AnalyseTrends(fixture.Make()), "Q_vn").oil;
   EXPECT_TRUE(oil.separable);
   EXPECT_LT(std::abs(oil.beyond.value), oil.beyond.HalfWidth() * 1.5);
 }
 
-TEST(AnalyseReport, AsksNothingOfTheOilWhereItHardlyMovedOrWasNotMeasured) {
+TEST(AnalyseTrends, AsksNothingOfTheOilWhereItHardlyMovedOrWasNotMeasured) {
   ReportFixture fixture;
   fixture.warm = 26.5;
-  EXPECT_EQ(Of(AnalyseReport(fixture.Make()), "Q_vn").oil.outcome, OilOutcome::kOilHardlyMoved);
+  EXPECT_EQ(Of(AnalyseTrends(fixture.Make()), "Q_vn").oil.outcome, OilOutcome::kOilHardlyMoved);
   fixture.temperature_measured = false;
-  const ReportAnalysis analysis = AnalyseReport(fixture.Make());
+  const TrendAnalysis analysis = AnalyseTrends(fixture.Make());
   EXPECT_EQ(Of(analysis, "Q_vn").oil.outcome, OilOutcome::kNotMeasured);
   EXPECT_TRUE(std::isnan(analysis.coldest));
 }
 
-TEST(AnalyseReport, LeavesEstimatesThatWereNotUpdatedOutOfItsStatistics) {
+TEST(AnalyseTrends, LeavesEstimatesThatWereNotUpdatedOutOfItsStatistics) {
   ReportFixture fixture;
   ReportInput input = fixture.Make();
   for (TrendPoint& point : input.trends)
@@ -225,28 +225,28 @@ TEST(AnalyseReport, LeavesEstimatesThatWereNotUpdatedOutOfItsStatistics) {
       point.estimate.value *= 3;
       point.estimate.reason = EstimateReason::kNotExcited;
     }
-  const ReportAnalysis analysis = AnalyseReport(input);
+  const TrendAnalysis analysis = AnalyseTrends(input);
   const ParameterAnalysis& k = Of(analysis, "K");
   EXPECT_EQ(k.updated, 150u);
   EXPECT_EQ(k.not_updated.at(EstimateReason::kNotExcited), 150u);
   EXPECT_NEAR(k.change.first, ReportFixture::kBulkModulus, 0.02 * ReportFixture::kBulkModulus);
 }
 
-TEST(AnalyseReport, KnowsWhyAParameterWasNeverIdentified) {
+TEST(AnalyseTrends, KnowsWhyAParameterWasNeverIdentified) {
   ReportFixture fixture;
   ReportInput input = fixture.Make();
   for (TrendPoint& point : input.trends)
     if (point.estimate.parameter == "V0") point.estimate.reason = EstimateReason::kConfounded;
-  EXPECT_EQ(Of(AnalyseReport(input), "V0").why_not, EstimateReason::kConfounded);
+  EXPECT_EQ(Of(AnalyseTrends(input), "V0").why_not, EstimateReason::kConfounded);
 }
 
-TEST(AnalyseReport, FindsTheFirstStrokeBeyondALimitAndTheWorseOfTwoLimits) {
+TEST(AnalyseTrends, FindsTheFirstStrokeBeyondALimitAndTheWorseOfTwoLimits) {
   ReportFixture fixture;
   ReportInput input = fixture.Make();
   for (TrendPoint& point : input.trends)
     if (point.estimate.parameter == "K")
       point.estimate.value = point.sequence >= 100 && point.sequence < 110 ? 0.95e9 : 1.3e9;
-  const ReportAnalysis analysis = AnalyseReport(input);
+  const TrendAnalysis analysis = AnalyseTrends(input);
   const LimitCheck& limits = Of(analysis, "K").limits;
   EXPECT_EQ(limits.outcome, LimitOutcome::kAlarmed);
   EXPECT_EQ(limits.strokes, 10);
@@ -256,21 +256,21 @@ TEST(AnalyseReport, FindsTheFirstStrokeBeyondALimitAndTheWorseOfTwoLimits) {
   EXPECT_EQ(Of(analysis, "V0").limits.outcome, LimitOutcome::kNone);
 }
 
-TEST(AnalyseReport, SeesAnIntervalThatReachesOverALimit) {
+TEST(AnalyseTrends, SeesAnIntervalThatReachesOverALimit) {
   ReportFixture fixture;
   ReportInput input = fixture.Make();
   input.machine.monitors = {{"K", ReportFixture::kBulkModulus - 0.015e9 * 2, std::nullopt, std::nullopt,
                              std::nullopt, std::nullopt}};
   for (TrendPoint& point : input.trends)
     point.estimate.value = ReportFixture::kBulkModulus, point.estimate.std = 0.02e9;
-  EXPECT_EQ(Of(AnalyseReport(input), "K").limits.outcome, LimitOutcome::kIntervalReaches);
+  EXPECT_EQ(Of(AnalyseTrends(input), "K").limits.outcome, LimitOutcome::kIntervalReaches);
 }
 
-TEST(AnalyseReport, AddsUpTheRunsAndNotThePausesBetweenThem) {
+TEST(AnalyseTrends, AddsUpTheRunsAndNotThePausesBetweenThem) {
   ReportFixture fixture;
   fixture.runs = 3;
   fixture.strokes_per_run = 2;
-  EXPECT_NEAR(AnalyseReport(fixture.Make()).duration, 3 * (4 + ReportFixture::kStrokeTime), 1e-9);
+  EXPECT_NEAR(AnalyseTrends(fixture.Make()).duration, 3 * (4 + ReportFixture::kStrokeTime), 1e-9);
 }
 
 TEST(AdjustForFamily, RaisesEachPByTheQuestionsStillOpen) {

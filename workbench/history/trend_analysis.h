@@ -5,10 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "report/report.h"
-#include "report/report_statistics.h"
+#include "core/records.h"
+#include "estimation/trend_statistics.h"
+#include "models/machine.h"
+#include "storage/database.h"
+#include "workbench/history/block_estimates.h"
 
 namespace hydroscope {
+
+/// What was recorded and estimated of one machine.
+struct RecordedHistory {
+  Machine machine;
+  std::vector<RunInfo> runs;
+  std::vector<StrokeSummary> strokes;  ///< in order; summary.index is the machine-wide sequence here
+  std::vector<TrendPoint> trends;      ///< all parameters, in order of sequence
+  /// Independent evidence of change and of what follows the oil; empty: nothing is said about either.
+  std::vector<BlockEstimates> blocks;
+};
 
 /// What the record says about a parameter and the oil temperature.
 enum class OilOutcome {
@@ -88,14 +101,14 @@ struct ModelErrorAnalysis {
   ThirdsComparison ratio;   ///< of that ratio
 };
 
-struct ReportAnalysis {
+struct TrendAnalysis {
   std::vector<ParameterAnalysis> parameters;  ///< in the order in which they first appear in the trends
   ModelErrorAnalysis error;
   double duration = 0;              ///< s from the first to the last stroke of every run, added up
   double coldest = 0, warmest = 0;  ///< K, NaN if not measured
 };
 
-/// One more point, in order of sequence, for the parameter it belongs to: what AnalyseReport judges. A sample takes a
+/// One more point, in order of sequence, for the parameter it belongs to: what AnalyseTrends judges. A sample takes a
 /// quarter of a TrendPoint, so that a long history need not be held as points.
 void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& parameters);
 
@@ -106,8 +119,8 @@ ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples);
 
 /// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
 /// dozen questions one that shows something by chance alone is the rule, not the exception.
-ReportAnalysis AnalyseReport(const ReportInput& input);
-/// The same of samples that were taken already, in place of `input.trends`.
-ReportAnalysis AnalyseReport(const ReportInput& input, std::vector<ParameterAnalysis> samples);
+TrendAnalysis AnalyseTrends(const RecordedHistory& history);
+/// The same of samples that were taken already, in place of `history.trends`.
+TrendAnalysis AnalyseTrends(const RecordedHistory& history, std::vector<ParameterAnalysis> samples);
 
 }  // namespace hydroscope

@@ -1,4 +1,4 @@
-#include "report/report_analysis.h"
+#include "workbench/history/trend_analysis.h"
 
 #include <algorithm>
 #include <cmath>
@@ -228,7 +228,7 @@ std::optional<EstimateReason> WhyNot(const ParameterAnalysis& analysis) {
   return most == analysis.not_updated.end() ? std::nullopt : std::optional(most->first);
 }
 
-void Analyse(ParameterAnalysis& analysis, const ReportInput& input, bool oil_measured) {
+void Analyse(ParameterAnalysis& analysis, const RecordedHistory& history, bool oil_measured) {
   for (const TrendSample& sample : analysis.samples) {
     if (sample.updated) {
       ++analysis.updated;
@@ -238,11 +238,11 @@ void Analyse(ParameterAnalysis& analysis, const ReportInput& input, bool oil_mea
     }
   }
   // A parameter the estimator never took for identified has no history to judge.
-  if (analysis.updated > 0) analysis.blocks = BlocksOf(input.blocks, analysis.parameter);
+  if (analysis.updated > 0) analysis.blocks = BlocksOf(history.blocks, analysis.parameter);
   const Series series = SeriesOf(analysis.blocks, false);
   analysis.change = CompareThirds(series.value, series.std, 0);
   analysis.oil = AnalyseOil(analysis.blocks, oil_measured);
-  analysis.limits = CheckLimits(analysis.samples, input.machine, analysis.parameter);
+  analysis.limits = CheckLimits(analysis.samples, history.machine, analysis.parameter);
   analysis.why_not = WhyNot(analysis);
 }
 
@@ -266,9 +266,9 @@ void Conclude(ParameterAnalysis& analysis) {
   analysis.unexplained = Unexplained(analysis);
 }
 
-ModelErrorAnalysis AnalyseError(const ReportInput& input) {
+ModelErrorAnalysis AnalyseError(const RecordedHistory& history) {
   std::vector<double> ratios;
-  for (const StrokeSummary& stroke : input.strokes)
+  for (const StrokeSummary& stroke : history.strokes)
     if (stroke.noise_floor > 0 && std::isfinite(stroke.rms_error))
       ratios.push_back(stroke.rms_error / stroke.noise_floor);
   ModelErrorAnalysis error;
@@ -278,15 +278,15 @@ ModelErrorAnalysis AnalyseError(const ReportInput& input) {
 }
 
 /// Runs have clocks of their own: each counts from its first to its last stroke.
-double Duration(const ReportInput& input) {
+double Duration(const RecordedHistory& history) {
   double duration = 0, begin = kNaN, end = kNaN;
   const auto close = [&] {
     if (std::isfinite(begin) && end > begin) duration += end - begin;
     begin = kNaN;
   };
   std::vector<std::int64_t> starts;
-  for (const RunInfo& run : input.runs) starts.push_back(run.first_sequence);
-  for (const StrokeSummary& stroke : input.strokes) {
+  for (const RunInfo& run : history.runs) starts.push_back(run.first_sequence);
+  for (const StrokeSummary& stroke : history.strokes) {
     if (std::find(starts.begin(), starts.end(), stroke.index) != starts.end()) close();
     if (!std::isfinite(begin)) begin = stroke.begin;
     end = stroke.end;
@@ -342,26 +342,26 @@ void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& paramete
     ++found->not_updated[point.estimate.reason];
 }
 
-ReportAnalysis AnalyseReport(const ReportInput& input) {
+TrendAnalysis AnalyseTrends(const RecordedHistory& history) {
   std::vector<ParameterAnalysis> samples;
-  for (const TrendPoint& point : input.trends) AddSample(point, samples);
-  return AnalyseReport(input, std::move(samples));
+  for (const TrendPoint& point : history.trends) AddSample(point, samples);
+  return AnalyseTrends(history, std::move(samples));
 }
 
-ReportAnalysis AnalyseReport(const ReportInput& input, std::vector<ParameterAnalysis> samples) {
-  ReportAnalysis analysis;
+TrendAnalysis AnalyseTrends(const RecordedHistory& history, std::vector<ParameterAnalysis> samples) {
+  TrendAnalysis analysis;
   analysis.parameters = std::move(samples);
   analysis.coldest = analysis.warmest = kNaN;
-  for (const StrokeSummary& stroke : input.strokes) {
+  for (const StrokeSummary& stroke : history.strokes) {
     analysis.coldest = std::fmin(analysis.coldest, stroke.oil_temperature);
     analysis.warmest = std::fmax(analysis.warmest, stroke.oil_temperature);
   }
   for (ParameterAnalysis& parameter : analysis.parameters)
-    Analyse(parameter, input, std::isfinite(analysis.coldest));
+    Analyse(parameter, history, std::isfinite(analysis.coldest));
   AdjustForAll(analysis.parameters);
   for (ParameterAnalysis& parameter : analysis.parameters) Conclude(parameter);
-  analysis.error = AnalyseError(input);
-  analysis.duration = Duration(input);
+  analysis.error = AnalyseError(history);
+  analysis.duration = Duration(history);
   return analysis;
 }
 

@@ -1,4 +1,4 @@
-#include "report/report_statistics.h"
+#include "estimation/trend_statistics.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
