@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "estimation/decompositions.h"
 #include "simulator/random.h"
 
 namespace hydroscope {
@@ -36,9 +37,7 @@ const Matrix kAll = Matrix::Identity(3, 3);
 InformationFilter Fresh() { return {Vector::Zero(3), 1e8, 1e10}; }
 
 double LargestVariance(const InformationFilter& filter) {
-  return 1.0 / Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(filter.information()))
-                   .eigenvalues()
-                   .minCoeff();
+  return 1.0 / EigenOf(filter.information()).values[0];
 }
 
 TEST(InformationFilter, WithoutForgettingItIsLeastSquaresOverAllBatches) {
@@ -52,7 +51,7 @@ TEST(InformationFilter, WithoutForgettingItIsLeastSquaresOverAllBatches) {
     gram += batch.gram;
     cross += batch.cross;
   }
-  EXPECT_LT((filter.Theta() - gram.ldlt().solve(cross)).norm(), 1e-7);
+  EXPECT_LT((filter.Theta() - SymmetricFactor(gram).Solve(cross)).norm(), 1e-7);
   EXPECT_LT((filter.Covariance() * gram - kAll).norm(), 1e-6);
 }
 

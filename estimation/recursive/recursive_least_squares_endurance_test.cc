@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "estimation/decompositions.h"
 #include "estimation/recursive/recursive_least_squares.h"
 #include "simulator/random.h"
 
@@ -40,7 +41,7 @@ class Endurance : public testing::TestWithParam<Forgetting> {
     ASSERT_TRUE(p.allFinite());
     ASSERT_TRUE(rls_.theta().allFinite());
     EXPECT_EQ((p - p.transpose()).norm(), 0);
-    EXPECT_GT(p.ldlt().vectorD().minCoeff(), 0);
+    EXPECT_GT(SymmetricFactor(p).LeastPivot(), 0);
     EXPECT_LE(p.diagonal().maxCoeff(), 1e6 / kLambda * 1.001);
   }
   void ExpectRight(double sigmas = 5) const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "estimation/decompositions.h"
 #include "simulator/random.h"
 
 namespace hydroscope {
@@ -64,7 +65,7 @@ struct InformationForm {
 };
 
 /// Smallest pivot: above 0 for a positive definite matrix.
-double Smallest(const MatrixXd& p) { return p.ldlt().vectorD().minCoeff(); }
+double Smallest(const MatrixXd& p) { return SymmetricFactor(p).LeastPivot(); }
 
 TEST(RecursiveLeastSquares, WithoutForgettingEqualsBatchLeastSquaresForEveryNumberOfParameters) {
   for (int n = 1; n <= Rls::kMaxParameters; ++n) {
@@ -78,7 +79,7 @@ TEST(RecursiveLeastSquares, WithoutForgettingEqualsBatchLeastSquaresForEveryNumb
       h += e.u * e.u.transpose();
       g += e.u * e.y;
     }
-    EXPECT_LT((rls.theta() - h.ldlt().solve(g)).norm(), 1e-9) << n;
+    EXPECT_LT((rls.theta() - SymmetricFactor(h).Solve(g)).norm(), 1e-9) << n;
     EXPECT_LT((rls.Covariance() * h - MatrixXd::Identity(n, n)).norm(), 1e-9) << n;
     EXPECT_EQ(rls.updates(), 400);
   }
@@ -97,7 +98,7 @@ TEST(RecursiveLeastSquares, ExponentialFormEqualsLeastSquaresWithFadingWeights) 
       h = kLambda * h + e.u * e.u.transpose();
       g = kLambda * g + e.u * e.y;
     }
-    EXPECT_LT((rls.theta() - h.ldlt().solve(g)).norm(), 1e-9) << n;
+    EXPECT_LT((rls.theta() - SymmetricFactor(h).Solve(g)).norm(), 1e-9) << n;
     EXPECT_LT((rls.Covariance() * h - MatrixXd::Identity(n, n)).norm(), 1e-9) << n;
   }
 }
