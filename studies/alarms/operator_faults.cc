@@ -263,21 +263,18 @@ void StepPressClock(OperatorRig& o, const char* what, double seconds) {
                told ? "status counts clock_jumps; no row lost" : "not told");
 }
 
-/// The clock that the service sees: by libfaketime, the monotonic one goes on.
-void StepServiceClock(OperatorRig& o) {
-  if (access(kFaketime, R_OK) != 0)
-    return fmt::print(
-        "clock of the service: not tried, libfaketime is not installed (scripts/setup.sh --bench)\n");
+/// The clock that processes see, by libfaketime; the monotonic one goes on. Fast DDS waits in shared memory by the clock of the
+/// computer, which press and service then have in common: it is set for both, or for a service that hears the press over a network.
+void StepComputerClock(OperatorRig& o, const char* whose, const std::string& transport, bool press_too) {
   const auto set = [&](const std::string& offset) {
     std::ofstream(o.rig.File("faketime")) << offset << "\n";
   };
   set("+0");
-  o.rig.service().End(SIGTERM);
-  o.rig.SetServiceEnvironment({{"LD_PRELOAD", kFaketime},
-                               {"FAKETIME_TIMESTAMP_FILE", o.rig.File("faketime")},
-                               {"FAKETIME_NO_CACHE", "1"},
-                               {"FAKETIME_DONT_FAKE_MONOTONIC", "1"}});
-  o.rig.StartService();
+  const Child::Environment faked = {{"LD_PRELOAD", kFaketime},
+                                    {"FAKETIME_TIMESTAMP_FILE", o.rig.File("faketime")},
+                                    {"FAKETIME_NO_CACHE", "1"},
+                                    {"FAKETIME_DONT_FAKE_MONOTONIC", "1"}};
+  o.rig.StartAgain(transport, press_too ? faked : Child::Environment{}, faked);
   o.Ready();
   for (const char* offset : {"-2h", "+1h", "+10y", "+0"}) {
     const std::int64_t lost = o.Lost();
@@ -296,14 +293,20 @@ void StepServiceClock(OperatorRig& o) {
           negative = negative || (item.at("age_s").is_number() && item.at("age_s").get<double>() < 0);
     const std::int64_t lacking = o.Lost() - lost;
     o.table.Line(
-        fmt::format("clock of the service {}", offset), stroke, stroke && lacking == 0 && !negative,
+        fmt::format("clock of the {} {}", whose, offset), stroke, stroke && lacking == 0 && !negative,
         fmt::format("{}, {}",
                     lacking == 0 ? "no row lost, strokes go on" : fmt::format("{} rows were lost", lacking),
                     negative ? "ages below zero" : "no age below zero"));
   }
-  o.rig.service().End(SIGTERM);
-  o.rig.SetServiceEnvironment({});
-  o.rig.StartService();
+}
+
+void StepComputerClocks(OperatorRig& o) {
+  if (access(kFaketime, R_OK) != 0)
+    return fmt::print(
+        "clock of the computer: not tried, libfaketime is not installed (scripts/setup.sh --bench)\n");
+  StepComputerClock(o, "computer of both", "default", true);
+  StepComputerClock(o, "service alone", "udp", false);
+  o.rig.StartAgain("default", {}, {});
   o.Ready();
 }
 
@@ -411,7 +414,7 @@ int RunOperatorFaults(const LiveFaultOptions& options) {
     for (const auto& [what, seconds] :
          {std::pair("-2 h", -7200.0), {"+1 h", 3600.0}, {"+10 y", 10 * kYear}, {"back", -10 * kYear}})
       StepPressClock(o, what, seconds);
-    StepServiceClock(o);
+    StepComputerClocks(o);
     LockDatabaseSeen(o);
     if (disk.ok())
       FillDiskSeen(o);

@@ -144,14 +144,31 @@ LiveRig::LiveRig(const RigOptions& options) : options_(options), folder_(options
   const int own = static_cast<int>(getpid());
   domain_ = 20 + own % 200;
   port_ = 20'000 + own % 20'000;
-  std::ofstream(File("press.toml")) << MachineText(options, domain_, port_, options.press_address);
-  std::ofstream(File("rival.toml")) << MachineText(options, domain_, port_ + 1, options.press_address);
-  SetFeeds(options.feeds);
+  feeds_ = options.feeds;
+  WriteMachines();
+}
+
+void LiveRig::WriteMachines() {
+  std::ofstream(File("press.toml")) << MachineText(options_, domain_, port_, options_.press_address);
+  std::ofstream(File("rival.toml")) << MachineText(options_, domain_, port_ + 1, options_.press_address);
+  std::ofstream(File("service.toml"))
+      << MachineText(options_, domain_, port_, options_.service_address) << feeds_;
 }
 
 void LiveRig::SetFeeds(const std::string& feeds) {
-  std::ofstream(File("service.toml"))
-      << MachineText(options_, domain_, port_, options_.service_address) << feeds;
+  feeds_ = feeds;
+  WriteMachines();
+}
+
+void LiveRig::StartAgain(const std::string& transport, Child::Environment press, Child::Environment service) {
+  this->service().End(SIGTERM);
+  this->press().End(SIGTERM);
+  options_.transport = transport;
+  press_environment_ = std::move(press);
+  service_environment_ = std::move(service);
+  WriteMachines();
+  StartPress();
+  StartService();
 }
 
 void LiveRig::StartRival() {
@@ -181,7 +198,8 @@ void LiveRig::StartPress() {
     arguments.push_back("--clock-drift");
     arguments.push_back(fmt::format("{:g}", options_.clock_drift));
   }
-  press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network);
+  press_ = std::make_unique<Child>(arguments, File("press.log"), options_.press_network, "/proc/self/exe",
+                                   press_environment_);
   press_->SetNice(options_.nice);
 }
 
@@ -190,7 +208,7 @@ void LiveRig::StartService(std::vector<std::string> more) {
                                         "0",     "--log-level",        "info"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   service_ = std::make_unique<Child>(arguments, File("serve.log"), options_.service_network, "/proc/self/exe",
-                                     environment_);
+                                     service_environment_);
   service_->SetNice(options_.nice);
 }
 

@@ -69,9 +69,10 @@ class LiveRig {
   /// Another press that sends the same channels, until StopRival.
   void StartRival();
   void StopRival() { rival_->End(SIGTERM); }
-  /// [feeds...] and environment of services started from now on.
+  /// [feeds...] of services started from now on.
   void SetFeeds(const std::string& feeds);
-  void SetServiceEnvironment(Child::Environment environment) { environment_ = std::move(environment); }
+  /// Ends press and service and starts both again, with another transport and in other environments.
+  void StartAgain(const std::string& transport, Child::Environment press, Child::Environment service);
   /// Of the samples.
   int domain() const { return domain_; }
   /// Last lines of what press and service wrote, for a message that says why nothing comes.
@@ -89,11 +90,13 @@ class LiveRig {
                                 double limit) const;
 
  private:
+  void WriteMachines();
+
   RigOptions options_;
-  std::string folder_;
+  std::string folder_, feeds_;
   bool temporary_ = false;
   int domain_ = 0, port_ = 0;
-  Child::Environment environment_;  ///< of the service
+  Child::Environment press_environment_, service_environment_;
   std::unique_ptr<Child> press_, service_, rival_;
 };
 
