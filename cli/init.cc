@@ -11,13 +11,14 @@
 #include "core/printable.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
+#include "setup/kind_columns.h"
 #include "setup/machine_proposal.h"
 
 namespace hydroscope {
 namespace {
 
 struct InitArguments {
-  std::string log, out, json;
+  std::string log, out, json, model;
   double area_cm2 = 0;
   bool force = false;
 };
@@ -33,8 +34,12 @@ nlohmann::json ToJson(const MachineProposal& proposal) {
   return {{"model", proposal.machine.model},
           {"columns", columns},
           {"unused", proposal.unused},
-          {"decided", proposal.decided},
-          {"to_fill_in", proposal.open}};
+          {"decided", InEnglish(proposal.decided)},
+          {"to_fill_in", InEnglish(proposal.open)}};
+}
+
+const char* NextCommand(const MachineKind& kind) {
+  return kind.build != nullptr || kind.has_states ? "check" : "frf";
 }
 
 /// What was found, for people.
@@ -47,13 +52,12 @@ std::string ReportText(const InitArguments& arguments, const MachineProposal& pr
                         column.why.english, column.sure ? "" : "  <-- check");
   if (!proposal.unused.empty()) text += fmt::format("not used: {}\n", fmt::join(proposal.unused, ", "));
   text += "\n";
-  for (const std::string& line : proposal.decided) text += line + "\n";
+  for (const Told& line : proposal.decided) text += line.english + "\n";
   if (!proposal.open.empty()) text += "\nto fill in, marked \"<-- FILL IN\" in the file:\n";
-  for (const std::string& line : proposal.open) text += "  " + line + "\n";
+  for (const Told& line : proposal.open) text += "  " + line.english + "\n";
   if (!arguments.out.empty())
     text += fmt::format("\nwritten: {}\nnext:    hydroscope {} {} --machine {}\n", arguments.out,
-                        KindOf(proposal.machine).build == nullptr ? "frf" : "check", arguments.log,
-                        arguments.out);
+                        NextCommand(KindOf(proposal.machine)), arguments.log, arguments.out);
   return text;
 }
 
@@ -73,6 +77,7 @@ int RunInit(const InitArguments& arguments) {
   const auto head = ReadLogColumns(arguments.log);
   if (!head) return ReportError(head.error());
   ProposalOptions options;
+  options.model = arguments.model;
   if (arguments.area_cm2 > 0)  // the piston area of whatever machine it turns out to be
     for (const MachineKind* kind : MachineKinds())
       for (const MachineInput& known : kind->geometry)
@@ -99,6 +104,10 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("init", "Propose a machine file from a log: columns, units, model");
   command->add_option("LOG", arguments->log, "Log: CSV (plain or .gz) or MAT")->required();
   command->add_option("--out", arguments->out, "Machine file to write; without it, it goes to stdout");
+  std::vector<std::string> kinds;
+  for (const MachineKind* kind : KindsToChoose()) kinds.emplace_back(kind->id);
+  command->add_option("--model", arguments->model, "Kind of machine, where it is not recognised")
+      ->check(CLI::IsMember(kinds));
   command->add_option("--area", arguments->area_cm2, "Piston area on side A in cm2, if known")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", arguments->json, "What was inferred and why, as JSON (- is stdout)");
@@ -110,6 +119,7 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  hydroscope init press.csv --out press.toml\n"
       "  hydroscope init press.csv --area 125 --out press.toml\n"
+      "  hydroscope init pump.csv --model pump --out pump.toml\n"
       "  hydroscope init sweep.csv > valve.toml");
   command->callback([arguments, &exit_code] { exit_code = RunInit(*arguments); });
 }

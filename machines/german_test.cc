@@ -47,7 +47,10 @@ TEST(German, EverySignalKnownValueAndParameterIsCalledSomethingInGerman) {
     ask("title", kind->title);
     for (const MachineInput& input : kind->signals) ask(input.name, input.meaning);
     for (const MachineInput& input : kind->geometry) ask(input.name, input.meaning);
-    for (const MachineParameter& parameter : kind->parameters) ask(parameter.name, parameter.meaning);
+    for (const MachineParameter& parameter : kind->parameters) {
+      ask(parameter.name, parameter.meaning);
+      ask(parameter.name, parameter.sentence);
+    }
     for (const Condition& condition : kind->conditions)
       for (const Told& told : {condition.title, condition.vary, condition.hides})
         if (told.english.empty() != told.german.empty()) missing.push_back(told.english);

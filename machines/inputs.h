@@ -5,16 +5,24 @@
 // How kinds of machines write their signals and known values; what is special is a MachineInput with its fields by name.
 namespace hydroscope {
 
-/// A signal without which nothing can be identified.
+/// A signal without which nothing can be identified; `columns`: what logs call it (MachineInput::columns).
+constexpr MachineInput Measured(std::string_view name, std::string_view si, Wording meaning,
+                                std::string_view columns, std::optional<PlausibleSize> size = {}) {
+  return {.name = name, .si = si, .required = true, .meaning = meaning, .size = size, .columns = columns};
+}
 constexpr MachineInput Measured(std::string_view name, std::string_view si, Wording meaning,
                                 std::optional<PlausibleSize> size = {}) {
-  return {.name = name, .si = si, .required = true, .meaning = meaning, .size = size};
+  return Measured(name, si, meaning, "", size);
 }
 
 /// A signal that some effects need, or that makes the rest surer.
 constexpr MachineInput MayBeMeasured(std::string_view name, std::string_view si, Wording meaning,
+                                     std::string_view columns, std::optional<PlausibleSize> size = {}) {
+  return {.name = name, .si = si, .required = false, .meaning = meaning, .size = size, .columns = columns};
+}
+constexpr MachineInput MayBeMeasured(std::string_view name, std::string_view si, Wording meaning,
                                      std::optional<PlausibleSize> size = {}) {
-  return {.name = name, .si = si, .required = false, .meaning = meaning, .size = size};
+  return MayBeMeasured(name, si, meaning, "", size);
 }
 
 /// A positive value that the machine file must state, SI between `lowest` and `highest`; `unit` for messages, "" = `si`.

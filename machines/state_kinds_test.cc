@@ -106,7 +106,8 @@ TEST(KindsWithStates, SayWhatEachParameterIs) {
       const MachineParameter* known = FindParameter(*kind, p.name);
       ASSERT_NE(known, nullptr) << kind->id << ": " << p.name;
       EXPECT_EQ(known->si, p.unit) << kind->id << ": " << p.name;
-      EXPECT_FALSE(known->meaning.english.empty() || known->sentence.empty()) << kind->id << ": " << p.name;
+      EXPECT_FALSE(known->meaning.english.empty() || known->sentence.german.empty())
+          << kind->id << ": " << p.name;
       EXPECT_TRUE(std::isfinite(p.min) && std::isfinite(p.max) && p.min <= p.start && p.start <= p.max)
           << kind->id << ": " << p.name << " is drawn from its range";
     }

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/told.h"
 #include "models/machine.h"
 #include "models/machine_file/format.h"
 
@@ -24,14 +25,15 @@ struct LogSample {
 struct MachineDraft {
   Machine machine;
   MachineNotes notes;
-  std::vector<std::string> decided;  ///< what and why, a sentence each
-  std::vector<std::string> open;     ///< what has to be filled in
+  std::vector<Told> decided;  ///< what and why, a sentence each
+  std::vector<Told> open;     ///< what has to be filled in
 };
 
 /// How `hydroscope init` comes to a machine of a kind.
 struct DraftRules {
-  /// Why a log with these signals is of such a machine; "" if it is not. Kinds are asked in the order of MachineKinds().
-  std::string (*suits)(const LogSample& log) = nullptr;
+  /// Why a log with these signals is of such a machine; "" if it is not. Kinds are asked in the order of MachineKinds(). nullptr: a
+  /// log is of such a machine if it has its required signals by name (MachineInput::columns).
+  Told (*suits)(const LogSample& log) = nullptr;
   /// Fills in what goes beyond the signals: gate, geometry, balance. `known`: what a person knows beforehand, SI.
   void (*complete)(const LogSample& log, const std::map<std::string, double>& known,
                    MachineDraft& draft) = nullptr;

@@ -41,17 +41,19 @@ struct MachineInput {
   std::optional<double> otherwise = {};  ///< SI, value where the machine file states none
   /// Of signals; nothing: what every machine keeps to with a signal of its unit.
   std::optional<PlausibleSize> size = {};
+  /// Of signals: what logs call it beside its name and meaning; small letters and digits, blanks between names.
+  std::string_view columns = "";
 };
 
 /// A physical parameter that is identified.
 struct MachineParameter {
   std::string_view name, si;
   Wording meaning;
-  std::string_view symbol = "";    ///< for plots, "Q_{vn}"; "" = the name
-  std::string_view sentence = "";  ///< for reports: what it is, what moves it
-  std::string_view shown = "";     ///< unit of plots where the usual one of `si` does not do, ...
-  double factor = 1;               ///< ... shown = SI * factor
-  bool relative = true;            ///< changes are told in per cent
+  std::string_view symbol = "";  ///< for plots, "Q_{vn}"; "" = the name
+  Wording sentence = "";         ///< for reports: what it is, what moves it
+  std::string_view shown = "";   ///< unit of plots where the usual one of `si` does not do, ...
+  double factor = 1;             ///< ... shown = SI * factor
+  bool relative = true;          ///< changes are told in per cent
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.

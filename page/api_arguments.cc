@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "models/machine_kind.h"
 #include "page/json_arguments.h"
 
 namespace hydroscope {
@@ -64,6 +65,47 @@ Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>
   return {};
 }
 
+constexpr std::size_t kLongestExpression = 300, kLongestParameterName = 40;  ///< characters
+
+bool IsParameterName(const std::string& text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !text.empty() && text.size() <= kLongestParameterName && letter(text.front()) &&
+         std::all_of(text.begin(), text.end(),
+                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
+}
+
+/// Nothing in it that a machine file could not hold between quotes.
+Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) {
+  auto text = TextOf(object, key);
+  if (!text) return text;
+  const bool plain = std::all_of(text->begin(), text->end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (!plain || text->size() > kLongestExpression)
+    return BadInput("{}: expected up to {} plain characters, such as p_A*sign(ddt(z))", key,
+                    kLongestExpression);
+  return text;
+}
+
+Result<BalanceSpec> ParseBalance(const nlohmann::json& json) {
+  if (!json.is_object()) return BadInput("balance: found {}, expected an object", json.type_name());
+  auto output = ExpressionOf(json, "output");
+  if (!output) return tl::unexpected(output.error());
+  const auto terms = Array(json, "terms");
+  if (!terms) return tl::unexpected(terms.error());
+  BalanceSpec balance;
+  balance.output = std::move(*output);
+  for (const nlohmann::json& term : *terms) {
+    auto name = TextOf(term, "name"), expression = ExpressionOf(term, "expression");
+    if (!name) return tl::unexpected(name.error());
+    if (!expression) return tl::unexpected(expression.error());
+    const bool known = std::any_of(balance.terms.begin(), balance.terms.end(),
+                                   [&](const TermSpec& before) { return before.parameter == *name; });
+    if (!IsParameterName(*name) || known)
+      return BadInput("name: found '{}', expected letters, digits and _, a letter first, once", *name);
+    balance.terms.push_back({std::move(*name), std::move(*expression)});
+  }
+  return balance;
+}
+
 }  // namespace
 
 const char* WorkName(Kind kind) {
@@ -104,6 +146,16 @@ Result<ColumnMapping> ParseColumnMapping(const std::string& body) {
   const auto json = ParseObject(body);
   if (!json) return tl::unexpected(json.error());
   ColumnMapping mapping;
+  auto model = TextOf(*json, "model");
+  if (!model) return tl::unexpected(model.error());
+  if (!model->empty() && FindKind(*model) == nullptr)
+    return BadInput("model: found '{}', expected one of {}", *model, fmt::join(KindNames(), ", "));
+  mapping.model = std::move(*model);
+  if (json->contains("balance")) {
+    auto balance = ParseBalance((*json)["balance"]);
+    if (!balance) return tl::unexpected(balance.error());
+    mapping.balance = std::move(*balance);
+  }
   const auto columns = Array(*json, "columns");
   if (!columns) return tl::unexpected(columns.error());
   for (const nlohmann::json& column : *columns) {

@@ -22,18 +22,20 @@ const char* WorkName(WorkRequest::Kind kind);
 /// Of {"kind": ..., "effect": ..., "version": ..., "log": ...}. Errors name the key, what it holds, and what was expected.
 Result<WorkRequest> ParseWorkRequest(const std::string& body);
 
-/// Columns of a log on the sensors of a machine, as a person put them.
+/// What a person says of the machine of a log: which kind it is, and which column is which of its sensors.
 struct ColumnMapping {
   struct Entry {
     std::string column;  ///< LogColumn::reference
     std::string signal;  ///< name in a machine file, "time"; "" = not used
     std::string unit;    ///< "" = as proposed
   };
+  std::string model;  ///< id of a kind of machine; "": as recognised
   std::vector<Entry> columns;
   std::map<std::string, double> geometry;      ///< by name, SI
   std::optional<std::vector<GateBound>> gate;  ///< nothing: as proposed
+  std::optional<BalanceSpec> balance;          ///< of a machine of one's own; nothing: as proposed
 };
-/// Of {"columns": [{"column", "signal", "unit"}], "geometry": {name: SI}, "gate": [{"signal", "rate", "magnitude", "min",
+/// Of {"model": id, "balance": {"output": ..., "terms": [{"name", "expression"}]}, "columns": [{"column", "signal", "unit"}], "geometry": {name: SI}, "gate": [{"signal", "rate", "magnitude", "min",
 /// "max"}]}; all may be absent.
 Result<ColumnMapping> ParseColumnMapping(const std::string& body);
 

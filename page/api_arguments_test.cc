@@ -67,6 +67,16 @@ TEST(ApiArguments, TakesAMapping) {
   EXPECT_EQ(mapping->gate->at(0), (GateBound{"p", true, {}, -2.5, false}));
 }
 
+TEST(ApiArguments, TakesAKindOfMachineAndABalance) {
+  const auto mapping = ParseColumnMapping(
+      R"({"model": "pump", "balance": {"output": "F", "terms": [{"name": "A", "expression": "p_A"}]}})");
+  ASSERT_TRUE(mapping) << mapping.error().text;
+  EXPECT_EQ(mapping->model, "pump");
+  ASSERT_TRUE(mapping->balance);
+  EXPECT_EQ(mapping->balance->output, "F");
+  EXPECT_EQ(mapping->balance->terms.at(0), (TermSpec{"A", "p_A"}));
+}
+
 TEST(ApiArguments, LeavesTheGateAsProposedWhereNoneIsGiven) {
   const auto mapping = ParseColumnMapping("{}");
   ASSERT_TRUE(mapping);
@@ -78,6 +88,12 @@ TEST(ApiArguments, NamesWhatIsWrongWithAMapping) {
       {R"({"columns": {}})", "columns: found object, expected a list"},
       {R"({"columns": [3]})", "columns: found number, expected objects"},
       {R"({"columns": [{"column": 3}]})", "column: found number"},
+      {R"({"model": "toaster"})", "model: found 'toaster', expected one of die_cushion"},
+      {R"({"balance": 3})", "balance: found number"},
+      {R"({"balance": {"output": "F\n[x]"}})", "output: expected up to"},
+      {R"({"balance": {"terms": [{"name": "A.x", "expression": "p"}]}})", "name: found 'A.x'"},
+      {R"({"balance": {"terms": [{"name": "A", "expression": "p"}, {"name": "A", "expression": "x"}]}})",
+       "once"},
       {R"({"geometry": []})", "geometry: found array"},
       {R"({"geometry": {"A": "big"}})", "geometry.A: found string"},
       {R"({"gate": [{"signal": "p", "rate": "yes"}]})", "rate: found string"},

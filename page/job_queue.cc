@@ -11,7 +11,6 @@ namespace hydroscope {
 namespace {
 
 constexpr std::size_t kEndedKept = 20;
-constexpr int kNiceOfWork = 10;  ///< a service beside it cannot wait
 
 nlohmann::json JobJson(std::int64_t id, const std::string& kind, const std::string& state,
                        const std::string& what, double share, const std::string& error) {
@@ -27,7 +26,7 @@ std::string OneLine(const nlohmann::json& json) {
 
 }  // namespace
 
-JobQueue::JobQueue(EventFeed& feed) : feed_(feed) {
+JobQueue::JobQueue(EventFeed& feed, int niceness) : feed_(feed) {
   ListenToProgress([this](const std::string& what, double share) {
     const std::lock_guard lock(mutex_);
     for (Job& job : jobs_) {
@@ -37,7 +36,7 @@ JobQueue::JobQueue(EventFeed& feed) : feed_(feed) {
       Tell(job);
     }
   });
-  thread_ = std::thread([this] { Run(); });
+  thread_ = std::thread([this, niceness] { Run(niceness); });
 }
 
 JobQueue::~JobQueue() {
@@ -84,8 +83,8 @@ nlohmann::json JobQueue::Json() const {
   return out;
 }
 
-void JobQueue::Run() {
-  setpriority(PRIO_PROCESS, 0, kNiceOfWork);  // of this thread
+void JobQueue::Run(int niceness) {
+  setpriority(PRIO_PROCESS, 0, niceness);  // of this thread
   std::unique_lock lock(mutex_);
   const auto next = [this] {
     return std::find_if(jobs_.begin(), jobs_.end(), [](const Job& job) { return job.state == "waiting"; });

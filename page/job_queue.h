@@ -18,7 +18,8 @@ namespace hydroscope {
 /// of a failed one `error`.
 class JobQueue {
  public:
-  explicit JobQueue(EventFeed& feed);
+  /// `niceness` of the thread, as setpriority.
+  explicit JobQueue(EventFeed& feed, int niceness = 0);
   /// Waits for the piece under way; what still waits is forgotten.
   ~JobQueue();
 
@@ -28,6 +29,8 @@ class JobQueue {
   /// Those that wait or run, and the last that ended, in order.
   nlohmann::json Json() const;
 
+  /// Niceness of work that strokes of a service go before.
+  static constexpr int kBesideAService = 10;
   /// Most jobs that wait.
   static constexpr std::size_t kMostWaiting = 32;
 
@@ -38,7 +41,7 @@ class JobQueue {
     double share = 0;
     std::function<Status()> work;
   };
-  void Run();
+  void Run(int niceness);
   void Tell(const Job& job);
 
   EventFeed& feed_;

@@ -9,6 +9,7 @@
 #include "page/log_picture.h"
 #include "page/machine_info.h"
 #include "setup/column_meaning.h"
+#include "setup/kind_columns.h"
 
 namespace hydroscope {
 namespace {
@@ -21,8 +22,16 @@ const LogColumn* FindColumn(const LogColumns& log, const std::string& reference)
   return nullptr;
 }
 
-/// Whether the column's own name says that it is `signal`: what its name says of the unit then counts too.
-bool Means(const LogColumn& column, const std::string& signal) {
+/// Whether the column's own name says that it is `signal` of a machine of this kind (nullptr: not known): what its name says of the
+/// unit then counts too.
+bool Means(const LogColumns& log, const LogColumn& column, const MachineKind* kind,
+           const std::string& signal) {
+  if (kind != nullptr && kind->draft.suits == nullptr && signal != "time") {
+    const std::vector<KindColumn> named = ColumnsByName(log, *kind);
+    return std::any_of(named.begin(), named.end(), [&](const KindColumn& known) {
+      return known.signal->name == signal && &log.columns[known.column] == &column;
+    });
+  }
   const auto role = RoleByName(column.name);
   return role && (*role == Role::kTime ? "time" : SignalNameOf(*role)) == signal;
 }
@@ -103,11 +112,47 @@ nlohmann::json ColumnsJson(const LogColumns& log, const nlohmann::json& pins) {
   return out;
 }
 
+/// The unit in which people read a known value: that of its kind, else the usual one.
+DisplayUnit ShownOf(const MachineInput& input) {
+  const auto own = FindUnit(input.unit);
+  if (!own || own->scale == 1) return DisplayUnitFor(input.si);
+  return {1 / own->scale, -own->offset / own->scale, input.unit};
+}
+
+nlohmann::json KindsJson(const Machine& machine) {
+  std::vector<const MachineKind*> kinds = KindsToChoose();
+  if (const MachineKind* own = &KindOf(machine); std::find(kinds.begin(), kinds.end(), own) == kinds.end())
+    kinds.push_back(own);
+  nlohmann::json out = nlohmann::json::array();
+  for (const MachineKind* kind : kinds)
+    out.push_back(
+        {{"id", kind->id}, {"title", kind->title.english}, {"german", {{"title", kind->title.german}}}});
+  return out;
+}
+
+/// null of a machine whose balance is built in.
+nlohmann::json BalanceJson(const Machine& machine) {
+  if (!KindOf(machine).own_library) return nullptr;
+  nlohmann::json terms = nlohmann::json::array();
+  for (const TermSpec& term : machine.balance.terms)
+    terms.push_back({{"name", term.parameter}, {"expression", term.expression}});
+  return {{"output", machine.balance.output}, {"terms", terms}};
+}
+
+/// What is wrong with a machine file, without the place in a text that nobody looks at.
+std::string WithoutPlace(const std::string& problem) {
+  const std::size_t section = problem.find('[');
+  return section == problem.npos ? problem : problem.substr(section);
+}
+
 nlohmann::json GeometryJson(const Machine& machine) {
   nlohmann::json out = nlohmann::json::array();
   for (const MachineInput& input : KindOf(machine).geometry) {
     const auto known = machine.Geometry(std::string(input.name));
+    const DisplayUnit shown = ShownOf(input);
     out.push_back({{"name", input.name},
+                   {"unit", {{"factor", shown.factor}, {"offset", shown.offset}, {"name", shown.name}}},
+                   {"otherwise", input.otherwise ? nlohmann::json(*input.otherwise) : nlohmann::json()},
                    {"meaning", input.meaning.english},
                    {"german", {{"meaning", input.meaning.german}}},
                    {"required", input.required},
@@ -148,6 +193,8 @@ double DurationOf(const LogColumns& log, const Machine& machine) {
 MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mapping) {
   ProposalOptions options;
   options.known = mapping.geometry;
+  options.model = mapping.model;
+  const MachineKind* kind = FindKind(mapping.model);
   LogColumns mapped = log;
   if (!mapping.columns.empty()) {
     mapped.columns.clear();
@@ -155,9 +202,13 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
       const LogColumn* column = FindColumn(log, entry.column);
       if (column == nullptr || entry.signal.empty()) continue;
       mapped.columns.push_back(*column);
-      if (!Means(*column, entry.signal))
-        mapped.columns.back().name = entry.signal == "time" ? "t" : entry.signal;
-      if (!entry.unit.empty()) mapped.columns.back().unit = entry.unit;
+      LogColumn& put = mapped.columns.back();
+      if (!Means(log, *column, kind, entry.signal)) {
+        if (put.unit.empty()) put.unit = UnitInName(put.name);
+        put.name = entry.signal == "time" ? "t" : entry.signal;
+        options.placed.insert(entry.signal);
+      }
+      if (!entry.unit.empty()) put.unit = entry.unit;
     }
   }
   MachineProposal proposal = ProposeMachine(mapped, options);
@@ -166,7 +217,8 @@ MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mappin
     if (const auto known = mapping.geometry.find(std::string(input.name)); known != mapping.geometry.end())
       machine.geometry[known->first] = {known->second, 0};
   if (mapping.gate) machine.gate.bounds = *mapping.gate;
-  if (!mapping.columns.empty() || mapping.gate || !mapping.geometry.empty())
+  if (mapping.balance && KindOf(machine).own_library) machine.balance = *mapping.balance;
+  if (!mapping.columns.empty() || mapping.gate || mapping.balance || !mapping.geometry.empty())
     proposal.text = FormatMachine(machine);
   return proposal;
 }
@@ -177,21 +229,26 @@ nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& propos
   const auto usable = ParseMachine(proposal.text, machine.name);
   nlohmann::json problem;
   if (!usable)
-    problem = usable.error().text;
+    problem = WithoutPlace(usable.error().text);
   else if (KindOf(machine).build != nullptr)
-    if (const auto built = KindOf(machine).build(*usable); !built) problem = built.error().text;
+    if (const auto built = KindOf(machine).build(*usable); !built) problem = WithoutPlace(built.error().text);
   return {{"machine", machine.name},
           {"model", machine.model},
           {"title", KindOf(machine).title.english},
-          {"german", {{"title", KindOf(machine).title.german}}},
+          {"german",
+           {{"title", KindOf(machine).title.german},
+            {"decided", InGerman(proposal.decided)},
+            {"open", InGerman(proposal.open)}}},
+          {"kinds", KindsJson(machine)},
+          {"balance", BalanceJson(machine)},
           {"picture", PictureJson(machine)},
           {"pins", pins},
           {"columns", ColumnsJson(log, pins)},
           {"geometry", GeometryJson(machine)},
           {"gate", GateJson(machine)},
           {"units", UnitNames()},
-          {"decided", proposal.decided},
-          {"open", proposal.open},
+          {"decided", InEnglish(proposal.decided)},
+          {"open", InEnglish(proposal.open)},
           {"rows", log.rows},
           {"duration_s", DurationOf(log, machine)},
           {"text", proposal.text},

@@ -72,7 +72,8 @@ Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options)
   std::unique_ptr<PageServer> page(new PageServer);
   Impl& impl = *page->impl_;
   impl.gate = std::make_unique<Gate>(options.watch.user);
-  auto session = WorkSession::Create(options.logs, options.machine, options.examples, impl.feed);
+  const int niceness = options.watch.database.empty() ? 0 : JobQueue::kBesideAService;
+  auto session = WorkSession::Create(options.logs, options.machine, options.examples, impl.feed, niceness);
   if (!session) return tl::unexpected(session.error());
   impl.session = std::move(*session);
   if (!options.watch.database.empty()) {
@@ -103,7 +104,7 @@ Result<std::unique_ptr<PageServer>> PageServer::OpenForService(const ServicePage
   impl.logins = std::make_unique<Logins>(options.watch.database, RealTime);
   impl.gate = std::make_unique<Gate>(*impl.logins, at_home, cookie);
   impl.login = std::make_unique<LoginApi>(*impl.logins, cookie, tls, !at_home);
-  auto session = WorkSession::Create({}, "", {}, impl.feed);
+  auto session = WorkSession::Create({}, "", {}, impl.feed, JobQueue::kBesideAService);
   if (!session) return tl::unexpected(session.error());
   impl.session = std::move(*session);
   impl.session->set_database(options.watch.database);

@@ -31,15 +31,17 @@ std::string KeyOf(const std::string& kind, const std::string& about) {
 }  // namespace
 
 WorkSession::WorkSession(std::vector<ExampleLog> examples, EventFeed& feed,
-                         std::unique_ptr<ScratchFolder> folder)
-    : examples_(std::move(examples)), feed_(feed), folder_(std::move(folder)), jobs_(feed) {}
+                         std::unique_ptr<ScratchFolder> folder, int niceness)
+    : examples_(std::move(examples)), feed_(feed), folder_(std::move(folder)), jobs_(feed, niceness) {}
 
 Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::string>& logs,
                                                          const std::string& machine_file,
-                                                         std::vector<ExampleLog> examples, EventFeed& feed) {
+                                                         std::vector<ExampleLog> examples, EventFeed& feed,
+                                                         int niceness) {
   auto folder = ScratchFolder::Make();
   if (!folder) return tl::unexpected(folder.error());
-  std::unique_ptr<WorkSession> session(new WorkSession(std::move(examples), feed, std::move(*folder)));
+  std::unique_ptr<WorkSession> session(
+      new WorkSession(std::move(examples), feed, std::move(*folder), niceness));
   for (const char* name : {"/uploads", "/machine"})
     std::filesystem::create_directory(session->folder_->path() + name);
   for (const std::string& log : logs) session->logs_.push_back({log, log});

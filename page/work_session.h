@@ -31,10 +31,12 @@ struct ExampleLog {
 /// long goes through the job queue.
 class WorkSession {
  public:
-  /// `machine_file` "" = to be made on the page. Errors: no temporary folder, or the machine file is wrong.
+  /// `machine_file` "" = to be made on the page; `niceness` of what takes long. Errors: no temporary folder, or the machine file is
+  /// wrong.
   static Result<std::unique_ptr<WorkSession>> Create(const std::vector<std::string>& logs,
                                                      const std::string& machine_file,
-                                                     std::vector<ExampleLog> examples, EventFeed& feed);
+                                                     std::vector<ExampleLog> examples, EventFeed& feed,
+                                                     int niceness = 0);
 
   /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`, `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null).
   nlohmann::json Json() const;
@@ -98,7 +100,8 @@ class WorkSession {
     int generation = 0, version = 0;
   };
 
-  WorkSession(std::vector<ExampleLog> examples, EventFeed& feed, std::unique_ptr<ScratchFolder> folder);
+  WorkSession(std::vector<ExampleLog> examples, EventFeed& feed, std::unique_ptr<ScratchFolder> folder,
+              int niceness);
   Status UseMachine(const std::string& name, const std::string& text, const std::string& target);
   Result<Subject> TakeSubject() const;
   Status Work(const WorkRequest& request);

@@ -1,5 +1,6 @@
 #include "page/work_session.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -101,6 +102,41 @@ TEST_F(PageSession, PutsColumnsWhereAPersonPutsThem) {
   for (const nlohmann::json& pin : proposal["pins"]) columns[pin["signal"]] = pin["column"];
   EXPECT_EQ(columns["p_A"], "p_B");
   EXPECT_TRUE(columns["p_B"].is_null());
+}
+
+TEST_F(PageSession, TakesTheKindOfMachineThatAPersonChooses) {
+  ASSERT_EQ(Work(R"({"id": "leak"})", "/api/v1/example")["state"], "done");
+  const nlohmann::json pump = Json(Post(
+      "/api/v1/proposal", R"({"model": "pump", "columns": [{"column": "p_A", "signal": "outlet_pressure"}],
+          "geometry": {"X_p": 0.012}})"));
+  EXPECT_EQ(pump["german"]["title"], "druckgeregelte Pumpe");
+  std::map<std::string, nlohmann::json> columns;
+  for (const nlohmann::json& pin : pump["pins"]) columns[pin["signal"]] = pin["column"];
+  EXPECT_EQ(columns["outlet_pressure"], "p_A");
+  EXPECT_TRUE(columns["shaft_speed"].is_null());
+  for (const nlohmann::json& size : pump["geometry"])
+    if (size["name"] == "X_p") {
+      EXPECT_EQ(size["value"], 0.012);
+    }
+  EXPECT_FALSE(pump["problem"].is_null());
+  EXPECT_EQ(Post("/api/v1/accept", "{}").status, 400u);
+}
+
+TEST_F(PageSession, TakesABalanceThatAPersonWrites) {
+  ASSERT_EQ(Work(R"({"id": "leak"})", "/api/v1/example")["state"], "done");
+  const auto propose = [&](const char* expression) {
+    return Json(
+        Post("/api/v1/proposal", fmt::format(R"({{"model": "expressions", "balance": {{"output": "p_A",
+                                 "terms": [{{"name": "k", "expression": "{}"}}]}}}})",
+                                             expression)));
+  };
+  const std::string problem = propose("p_B + q")["problem"];
+  EXPECT_THAT(problem, HasSubstr("unknown signal \"q\""));
+  EXPECT_EQ(problem.front(), '[') << "without the place in a file that nobody looks at: " << problem;
+  const nlohmann::json fine = propose("p_B");
+  EXPECT_TRUE(fine["problem"].is_null()) << fine["problem"];
+  EXPECT_EQ(fine["balance"]["terms"][0]["expression"], "p_B");
+  EXPECT_EQ(Post("/api/v1/accept", "{}").status, 200u);
 }
 
 TEST_F(PageSession, AddsWhatIsMissingAndLosesNoVersion) {

@@ -31,6 +31,10 @@ const char* SignalNameOf(Role role);
 /// the name says nothing.
 std::optional<Role> RoleByName(const std::string& name);
 
+/// A name by its letters and digits alone, small, umlauts written out, without a unit in brackets or at its end: "npump" of
+/// "n_pump [rpm]".
+std::string BareName(const std::string& name);
+
 /// Unit at the end of a column's name, as the machine file writes it: "bar" of "pA_bar", "mm" of "s_mm", "ms" of "t_ms";
 /// "" if there is none. Single letters only where the rest of the name says what they are: "y_v" is no volt.
 std::string UnitInName(const std::string& name);

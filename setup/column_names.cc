@@ -159,6 +159,11 @@ std::string UnitInName(const std::string& name) {
   return "";
 }
 
+std::string BareName(const std::string& name) {
+  const std::string text = Plain(name);
+  return Squeezed(UnitInName(name).empty() || name.back() == '%' ? text : Stem(text));
+}
+
 std::optional<Role> RoleByName(const std::string& name) {
   if (!UnitInName(name).empty() && name.back() != '%')
     if (const auto role = RoleByName(name.substr(0, name.find_last_of(" _-.")))) return role;

@@ -11,12 +11,15 @@
 #include "models/machine_file/keys.h"
 #include "models/machine_kind.h"
 #include "setup/column_meaning.h"
+#include "setup/kind_columns.h"
 #include "setup/unit_guess.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kRepeating = 0.2;       ///< share of repeated readings above which a signal is coarse
+constexpr double kRepeating = 0.2;  ///< share of repeated readings above which a signal is coarse
+constexpr double kSmooth = 0.12,
+                 kNoisy = 1;             ///< LogColumn::roughness of what moves alone, of what is noise alone
 constexpr double kSlowestPeriod = 0.02;  ///< s, rows farther apart are too slow for valves and pressures
 
 class Proposer {
@@ -25,6 +28,8 @@ class Proposer {
 
   MachineProposal Propose() {
     roles_ = AssignRoles(head_);
+    if (const MachineKind* chosen = FindKind(options_.model); chosen != nullptr && chosen->own_library)
+      std::erase_if(roles_, [](const ColumnRole& role) { return role.role != Role::kTime && !role.sure; });
     machine().name = std::filesystem::path(head_.path).stem().string();
     if (!head_.layout.header) machine().log.header = false;
     FindTime();
@@ -53,7 +58,8 @@ class Proposer {
       machine().log.time_column = "";
       machine().log.sample_period = 0.001;
       result_.open.emplace_back(
-          "[log] sample_period: no time column found; write the time between rows in s (0.001 is a guess)");
+          "[log] sample_period: no time column found; write the time between rows in s (0.001 is a guess)",
+          "[log] sample_period: keine Zeitspalte gefunden; den Zeitabstand der Zeilen in s angeben (0,001 ist geraten)");
       notes_.section["log"].emplace_back(
           "<-- FILL IN sample_period: the log has no time column, 0.001 s is a guess");
       return;
@@ -65,25 +71,34 @@ class Proposer {
     seconds_ = column.step * FindUnit(guess.unit).value_or(Unit{}).scale;
     result_.columns.push_back({"time", column.name, guess.unit,
                                Tell("{}; {}", "{}; {}", time->why, guess.why), time->sure && guess.sure});
-    result_.decided.push_back(fmt::format("rows are {:.3g} ms apart", seconds_ * 1e3));
+    result_.decided.push_back(
+        Tell("rows are {:.3g} ms apart", "die Zeilen liegen {:.3g} ms auseinander", seconds_ * 1e3));
     if (seconds_ > kSlowestPeriod)
-      result_.open.push_back(
-          fmt::format("the log has only {:.3g} rows per second; valve and pressure dynamics need 100 or more",
-                      1 / seconds_));
+      result_.open.push_back(Tell(
+          "the log has only {:.3g} rows per second; valve and pressure dynamics need 100 or more",
+          "der Log hat nur {:.3g} Zeilen je Sekunde; Ventil und Druck brauchen 100 oder mehr", 1 / seconds_));
   }
 
-  /// The columns with a role, as the machine file being made reads them.
-  LogSample Sample() {
+  /// The columns with a role, or with one that is sure alone.
+  LogSample SampleOfRoles(bool sure_alone) const {
     LogSample sample;
     sample.period = seconds_;
     for (const ColumnRole& found : roles_) {
-      if (found.role == Role::kTime) continue;
+      if (found.role == Role::kTime || (sure_alone && !found.sure)) continue;
       const LogColumn& column = head_.columns[found.column];
-      LogSample::Signal& signal = sample.signals[SignalNameOf(found.role)];
+      sample.signals[SignalNameOf(found.role)] = {column.value, column.high};
+    }
+    return sample;
+  }
+  /// The signals as the machine file being made reads them.
+  LogSample SampleOfSignals() {
+    LogSample sample;
+    sample.period = seconds_;
+    for (const SignalSpec& spec : machine().signals) {
+      const LogColumn& column = *std::find_if(head_.columns.begin(), head_.columns.end(),
+                                              [&](const LogColumn& c) { return c.reference == spec.column; });
+      LogSample::Signal& signal = sample.signals[spec.name];
       signal = {column.value, column.high};
-      const int index = machine().SignalIndex(SignalNameOf(found.role));
-      if (index < 0) continue;  // the kind is not decided yet
-      const SignalSpec& spec = machine().signals[static_cast<std::size_t>(index)];
       const Unit unit = FindUnit(spec.unit).value_or(Unit{});
       const auto si = [&](double raw) { return (raw * spec.scale + spec.offset) * unit.scale + unit.offset; };
       for (double& value : signal.value) value = si(value);
@@ -93,43 +108,76 @@ class Proposer {
   }
 
   void DecideModel() {
-    const LogSample sample = Sample();
+    if (const MachineKind* chosen = FindKind(options_.model))
+      return Take(*chosen, {"chosen by hand", "von Hand gewählt"});
+    const MachineKind& first = *MachineKinds().front();
+    if (const Told why = first.draft.suits(SampleOfRoles(true)); !why.empty()) return Take(first, why);
+    if (const MachineKind* named = KindByColumnNames(head_)) return Take(*named, ByNames(*named));
+    const LogSample sample = SampleOfRoles(false);
     for (const MachineKind* kind : MachineKinds()) {
       if (kind->draft.suits == nullptr) continue;
-      const std::string why = kind->draft.suits(sample);
+      const Told why = kind->draft.suits(sample);
       if (why.empty()) continue;
-      machine().model = kind->id;
-      result_.decided.push_back(
-          fmt::format("model {}: {}{}", kind->id, why, kind->own_library ? Missing(sample) : ""));
-      return;
+      return Take(*kind, kind->own_library ? Tell("{}; {}", "{}; {}", why, Missing(sample)) : why);
     }
   }
+  void Take(const MachineKind& kind, const Told& why) {
+    machine().model = kind.id;
+    result_.decided.push_back(Tell("model {}: {}", "Modell {}: {}", std::string(kind.id), why));
+  }
+  Told ByNames(const MachineKind& kind) const {
+    std::vector<std::string> names;
+    for (const KindColumn& found : ColumnsByName(head_, kind))
+      names.push_back(head_.columns[found.column].name);
+    return Tell("its columns are called so: {}", "seine Spalten heißen so: {}",
+                fmt::to_string(fmt::join(names, ", ")));
+  }
   /// What the first kind would have needed.
-  static std::string Missing(const LogSample& sample) {
-    std::vector<std::string_view> missing;
+  static Told Missing(const LogSample& sample) {
+    std::vector<Told> missing;
     for (const MachineInput& input : MachineKinds().front()->signals)
-      if (input.required && !sample.signals.contains(input.name)) missing.push_back(input.meaning);
-    return fmt::format("; a {} needs what was not found: {}", MachineKinds().front()->title,
-                       fmt::join(missing, ", "));
+      if (input.required && !sample.signals.contains(input.name)) missing.emplace_back(input.meaning);
+    return Tell("a {} needs what was not found: {}", "für {} wurde nicht gefunden: {}",
+                Told(MachineKinds().front()->title), Joined(missing));
   }
 
   bool Required(const std::string& name) {
     const MachineKind& kind = KindOf(machine());
-    if (kind.build == nullptr) return name == machine().valve.input || name == machine().valve.output;
     for (const MachineInput& input : kind.signals)
       if (input.name == name) return input.required;
-    return kind.own_library;
+    return kind.own_library || name == machine().valve.input || name == machine().valve.output;
   }
 
+  /// Of a kind whose signals go by name: these alone.
+  void AddSignalsByName(const MachineKind& kind) {
+    std::vector<ColumnRole> time;
+    for (const ColumnRole& role : roles_)
+      if (role.role == Role::kTime) time.push_back(role);
+    roles_ = time;
+    for (const KindColumn& found : ColumnsByName(head_, kind)) {
+      if (IsUsed(found.column)) continue;
+      AddSignal(
+          std::string(found.signal->name), head_.columns[found.column], found.unit,
+          Tell("{}; {}", "{}; {}", WhyThere(std::string(found.signal->name), found.why), found.unit.why),
+          found.unit.sure);
+      others_.push_back(found.column);
+    }
+  }
   void AddSignals() {
+    if (const MachineKind& kind = KindOf(machine()); kind.draft.suits == nullptr && !kind.signals.empty())
+      return AddSignalsByName(kind);
     const SharedSizes sizes = FindSharedSizes(head_, roles_);
     for (const ColumnRole& found : roles_) {
       if (found.role == Role::kTime) continue;
       const LogColumn& column = head_.columns[found.column];
       const UnitGuess guess = GuessUnit(found.role, column, sizes);
-      AddSignal(SignalNameOf(found.role), column, guess, Tell("{}; {}", "{}; {}", found.why, guess.why),
+      const char* name = SignalNameOf(found.role);
+      AddSignal(name, column, guess, Tell("{}; {}", "{}; {}", WhyThere(name, found.why), guess.why),
                 found.sure && guess.sure);
     }
+  }
+  Told WhyThere(const std::string& signal, const Told& why) const {
+    return options_.placed.contains(signal) ? Told("put here by hand", "von Hand hierher gelegt") : why;
   }
   void AddSignal(const std::string& name, const LogColumn& column, const UnitGuess& guess, Told why,
                  bool sure) {
@@ -152,16 +200,35 @@ class Proposer {
 
   void Complete() {
     const DraftRules& rules = KindOf(machine()).draft;
+    if (rules.suits == nullptr) TakeGeometry();
     if (rules.complete == nullptr) return;
     MachineDraft draft{std::move(result_.machine), std::move(notes_), std::move(result_.decided),
                        std::move(result_.open)};
     result_.machine = draft.machine;
-    const LogSample sample = Sample();
+    const LogSample sample = SampleOfSignals();
     rules.complete(sample, options_.known, draft);
     result_.machine = std::move(draft.machine);
     notes_ = std::move(draft.notes);
     result_.decided = std::move(draft.decided);
     result_.open = std::move(draft.open);
+  }
+
+  /// What is known of the machine; what has to be known and is not is asked for.
+  void TakeGeometry() {
+    for (const MachineInput& input : KindOf(machine()).geometry) {
+      const std::string name(input.name);
+      if (const auto known = options_.known.find(name); known != options_.known.end()) {
+        machine().geometry[name] = {known->second, 0};
+        continue;
+      }
+      if (!input.required) continue;
+      result_.open.push_back(Tell("[geometry] {}: {}; write it from drawing or data sheet",
+                                  "[geometry] {}: {}; aus Zeichnung oder Datenblatt eintragen", name,
+                                  Told(input.meaning)));
+      const std::string unit(input.unit.empty() ? input.si : input.unit);
+      notes_.section["geometry"].push_back(fmt::format(
+          "<-- FILL IN the value: {} = {{ value = ..., unit = \"{}\" }}  {}", name, unit, input.meaning));
+    }
   }
 
   /// In a machine of the user's own every column of numbers is a signal, under its name made fit for expressions.
@@ -179,10 +246,21 @@ class Proposer {
       others_.push_back(i);
     }
   }
+  /// "jack pressure" of "jack pressure [bar]".
+  static std::string WithoutUnit(const std::string& column) {
+    const std::size_t unit = column.find_last_of("[(");
+    std::string name = unit == 0 ? column : column.substr(0, unit);
+    while (!name.empty() && name.back() == ' ') name.pop_back();
+    return name;
+  }
   std::string FreeName(const std::string& column) {
     std::string name;
-    for (const char c : column)
-      if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_') name += c;
+    for (const char c : WithoutUnit(column)) {
+      const bool letter =
+          (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+      if (letter) name += c;
+      if (c == ' ') name += '_';
+    }
     if (name.empty() || (name[0] >= '0' && name[0] <= '9')) name = "c" + name;
     std::string free = name;
     for (int n = 2; machine().SignalIndex(free) >= 0; ++n) free = fmt::format("{}_{}", name, n);
@@ -199,26 +277,33 @@ class Proposer {
       const LogColumn& column = head_.columns[i];
       result_.unused.push_back(column.name);
       if (column.numeric() && !column.date && !RoleByName(column.name))
-        result_.decided.push_back(
-            fmt::format("column {} is not used; it looks like: {}", column.name, Look(column)));
+        result_.decided.push_back(Tell("column {} is not used; it looks like: {}",
+                                       "Spalte {} wird nicht gebraucht; sie sieht so aus: {}", column.name,
+                                       Look(column)));
     }
   }
   /// What a column looks like, for a person to recognise it.
-  static std::string Look(const LogColumn& column) {
-    std::string text = fmt::format("{:.4g} ... {:.4g}", column.low, column.high);
-    if (!(column.span() > 0)) return text + ", never changes";
-    if (column.rising) return text + fmt::format(", rises in every row by {:.4g}", column.step);
-    text += column.roughness < 0.12 ? ", smooth"
-            : column.roughness > 1  ? ", noise about a level"
-                                    : ", moves and is noisy";
-    return text + (column.repeated > kRepeating ? ", often repeats a reading" : "");
+  static Told Look(const LogColumn& column) {
+    std::vector<Told> parts = {Tell("{:.4g} ... {:.4g}", "{:.4g} ... {:.4g}", column.low, column.high)};
+    if (!(column.span() > 0)) {
+      parts.emplace_back("never changes", "ändert sich nie");
+    } else if (column.rising) {
+      parts.push_back(Tell("rises in every row by {:.4g}", "steigt in jeder Zeile um {:.4g}", column.step));
+    } else {
+      parts.push_back(column.roughness < kSmooth  ? Told("smooth", "glatt")
+                      : column.roughness > kNoisy ? Told("noise about a level", "Rauschen um einen Wert")
+                                                  : Told("moves and is noisy", "bewegt sich und rauscht"));
+      if (column.repeated > kRepeating)
+        parts.emplace_back("often repeats a reading", "wiederholt oft einen Wert");
+    }
+    return Joined(parts);
   }
 
   void WriteNotes() {
     notes_.head = {fmt::format("Proposed from {}: {} rows looked at.",
                                std::filesystem::path(head_.path).filename().string(), head_.rows)};
-    for (const std::string& line : result_.decided) notes_.head.push_back("- " + line);
-    for (const std::string& line : result_.open) notes_.head.push_back("- TO DO BY YOU: " + line);
+    for (const Told& line : result_.decided) notes_.head.push_back("- " + line.english);
+    for (const Told& line : result_.open) notes_.head.push_back("- TO DO BY YOU: " + line.english);
     if (!result_.unused.empty())
       notes_.head.push_back(fmt::format("- columns not used: {}", fmt::join(result_.unused, ", ")));
     notes_.head.emplace_back("Lines marked \"<-- check\" are guesses.");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace hydroscope {
 /// What a person may know beforehand.
 struct ProposalOptions {
   std::map<std::string, double> known;  ///< geometry by name, SI
+  std::string model = {};               ///< id of the kind of machine it is; "": to be recognised
+  std::set<std::string> placed = {};    ///< signals whose columns a person named
 };
 
 /// One line of what was found.
@@ -30,13 +33,14 @@ struct MachineProposal {
   std::string text;                     ///< the machine file with comments
   std::vector<ProposedColumn> columns;  ///< what was inferred from which column
   std::vector<std::string> unused;      ///< columns that mean nothing to the model
-  std::vector<std::string> decided;     ///< model, directions, sample period: what and why
-  std::vector<std::string> open;        ///< what cannot be inferred and has to be filled in
+  std::vector<Told> decided;            ///< model, directions, sample period: what and why
+  std::vector<Told> open;               ///< what cannot be inferred and has to be filled in
 };
 
 /// Proposes a machine file: time, pressures, position, spool, command and temperature by name and by
-/// behaviour; the model by what is there (die cushion; valve; else a balance of expressions). Never fails:
-/// what cannot be inferred is in `open` and marked in the file.
+/// behaviour; the model, unless it is said, by what is there: a die cushion by the names of its columns, a kind all of whose
+/// signals are there by name, die cushion and valve by behaviour, else a balance of expressions. Never fails: what
+/// cannot be inferred is in `open` and marked in the file.
 MachineProposal ProposeMachine(const LogColumns& head, const ProposalOptions& options);
 
 }  // namespace hydroscope

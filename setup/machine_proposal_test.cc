@@ -105,7 +105,7 @@ TEST(MachineProposal, RecognisesTheExamplePressCompletely) {
   for (const ProposedColumn& column : proposal.columns)
     EXPECT_TRUE(column.sure) << column.signal << ": " << column.why.english;
   EXPECT_THAT(proposal.open, IsEmpty());
-  EXPECT_THAT(proposal.decided, Contains(HasSubstr("z falls while the pressure is high")));
+  EXPECT_THAT(InEnglish(proposal.decided), Contains(HasSubstr("z falls while the pressure is high")));
   ExpectLoads(proposal);
 }
 
@@ -172,13 +172,13 @@ TEST(MachineProposal, TurnsSignalsThatRunTheOtherWayRound) {
   EXPECT_EQ(m.signals[m.SignalIndex("z")].scale, -1);
   EXPECT_GT(m.signals[m.SignalIndex("z")].offset, 0.15);
   EXPECT_EQ(m.signals[m.SignalIndex("y_v")].scale, -1);
-  EXPECT_THAT(proposal.decided, Contains(HasSubstr("z rises while the pressure is high")));
+  EXPECT_THAT(InEnglish(proposal.decided), Contains(HasSubstr("z rises while the pressure is high")));
   ExpectLoads(proposal);
 }
 
 TEST(MachineProposal, MarksThePistonAreaAsToBeFilledIn) {
   const MachineProposal proposal = Propose(PressLog("t,p_A,p_B,p_0,z,y_v,U_v,T_oil\n", SiRow), 0);
-  EXPECT_THAT(proposal.open, ElementsAre(HasSubstr("A_A")));
+  EXPECT_THAT(InEnglish(proposal.open), ElementsAre(HasSubstr("A_A")));
   EXPECT_THAT(proposal.text, HasSubstr("<-- FILL IN the piston area"));
   const auto refused = ParseMachine(proposal.text, "log.toml");
   ASSERT_FALSE(refused);
@@ -233,7 +233,7 @@ TEST(MachineProposal, KeepsEveryColumnOfAnUnknownMachineAndAsksForItsBalance) {
   const MachineProposal proposal = Propose(text);
   EXPECT_EQ(proposal.machine.model, "expressions");
   EXPECT_EQ(ColumnOf(proposal.machine, "nmotor"), "n-motor 1");
-  EXPECT_THAT(proposal.open, Contains(HasSubstr("[balance]")));
+  EXPECT_THAT(InEnglish(proposal.open), Contains(HasSubstr("[balance]")));
   EXPECT_THAT(proposal.text, HasSubstr("# [balance]"));
 }
 
@@ -261,7 +261,7 @@ TEST(MachineProposal, SaysWhenTheLogIsTooSlow) {
   std::string text = "t,U_v,y_v\n";
   for (int i = 0; i < 100; ++i)
     text += fmt::format("{},{:.3f},{:.4f}\n", i * 0.1, std::sin(i), 0.1 * std::sin(i - 1));
-  EXPECT_THAT(Propose(text).open, Contains(HasSubstr("10 rows per second")));
+  EXPECT_THAT(InEnglish(Propose(text).open), Contains(HasSubstr("10 rows per second")));
 }
 
 TEST(MachineProposal, TakesDayNumbersOfASpreadsheetForDays) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/units.h"
@@ -172,6 +174,42 @@ UnitGuess CurrentLoop(const char* unit, double range, const Told& seen) {
           false};
 }
 
+/// The unit that the column's name or header states, as the machine file writes it; "" if none.
+std::string WrittenUnit(const LogColumn& column) {
+  const std::string in_name = UnitInName(column.name);
+  return column.unit.empty() && !in_name.empty() ? in_name : KnownSpelling(column.unit);
+}
+
+UnitGuess AsWritten(const std::string& unit, bool in_name) {
+  return {unit, 1, 0,
+          in_name ? Told("unit in the name", "Einheit im Namen")
+                  : Told("unit in the header", "Einheit in der Kopfzeile")};
+}
+
+/// Units that logs are written in, and how large the signals of machines are at most and at least, SI.
+struct UsualUnits {
+  std::string_view si;
+  std::array<std::string_view, 3> units;  ///< "" = no more
+  PlausibleSize size;
+};
+constexpr UsualUnits kUsualUnits[] = {{"Pa", {"Pa", "bar", "MPa"}, {3e5, 1e8}},
+                                      {"m", {"m", "mm", ""}, {1e-3, 3, PlausibleSize::kTravel}},
+                                      {"m3/s", {"m3/s", "l/min", ""}, {1e-6, 0.05}},
+                                      {"rad/s", {"rad/s", "rpm", ""}, {1, 500}},
+                                      {"rad", {"rad", "deg", ""}, {1e-3, 6.3}},
+                                      {"m/s2", {"m/s2", "mm/s2", ""}, {1e-2, 1e3}},
+                                      {"A", {"A", "mA", ""}, {1e-4, 0.5}},
+                                      {"1", {"1", "%", ""}, {0, 1.5}},
+                                      {"V", {"V", "mV", ""}, {0, 12}},
+                                      {"N", {"N", "kN", ""}, {10, 1e7}}};
+
+/// Of the readings, in the numbers of the log.
+double SizeOf(const LogColumn& column, PlausibleSize::Of of) {
+  if (of == PlausibleSize::kTravel) return column.span();
+  if (of == PlausibleSize::kMean) return 0.5 * std::abs(column.low + column.high);
+  return std::max(std::abs(column.low), std::abs(column.high));
+}
+
 UnitGuess PositionBySize(const LogColumn& column) {
   const double largest = std::max(std::abs(column.low), std::abs(column.high));
   if (largest > 6) return {"mm", 1, 0, Tell("{} fit mm", "{} passen zu mm", Size(column))};
@@ -182,12 +220,8 @@ UnitGuess PositionBySize(const LogColumn& column) {
 
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
   const bool named = column.unit.empty() && !UnitInName(column.name).empty();
-  const std::string header = named ? UnitInName(column.name) : KnownSpelling(column.unit);
-  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date)
-    return {header, 1, 0,
-            named ? Told("unit in the name", "Einheit im Namen")
-                  : Told("unit in the header", "Einheit in der Kopfzeile"),
-            true};
+  const std::string header = WrittenUnit(column);
+  if (!header.empty() && FindUnit(header)->si == SiOf(role) && !column.date) return AsWritten(header, named);
   const bool milliamperes = header == "mA";
   const Told current =
       milliamperes ? Told("mA in the header or name", "mA in Kopfzeile oder Name") : Size(column);
@@ -217,6 +251,28 @@ UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes
     default:
       return {"N", 1, 0, Tell("{} taken as N", "{} als N genommen", Size(column)), false};
   }
+}
+
+UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column) {
+  const std::string written = WrittenUnit(column);
+  if (!written.empty() && FindUnit(written)->si == signal.si) return AsWritten(written, column.unit.empty());
+  const auto usual = std::find_if(std::begin(kUsualUnits), std::end(kUsualUnits),
+                                  [&](const UsualUnits& known) { return known.si == signal.si; });
+  const Told seen = Size(column);
+  if (usual == std::end(kUsualUnits))
+    return {std::string(signal.si), 1, 0, Tell("{}, unit unknown", "{}, Einheit unbekannt", seen), false};
+  const PlausibleSize plausible = signal.size.value_or(usual->size);
+  std::vector<std::string> fitting;
+  for (const std::string_view unit : usual->units) {
+    if (unit.empty()) continue;
+    const double size = SizeOf(column, plausible.of) * FindUnit(unit)->scale;
+    if (size >= plausible.low && size <= plausible.high) fitting.emplace_back(unit);
+  }
+  if (fitting.empty())
+    return {std::string(usual->units.front()), 1, 0,
+            Tell("{} fit no usual unit", "{} passen zu keiner üblichen Einheit", seen), false};
+  return {fitting.front(), 1, 0, Tell("{} fit {}", "{} passen zu {}", seen, fitting.front()),
+          fitting.size() == 1};
 }
 
 namespace {

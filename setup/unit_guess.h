@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/told.h"
+#include "models/machine_kind.h"
 #include "setup/column_meaning.h"
 
 namespace hydroscope {
@@ -25,6 +26,10 @@ struct SharedSizes {
 };
 /// Unit of a column in its role, from the header or by the size of its numbers.
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);
+
+/// Unit of a column that is a signal of a kind of machine: from the header or name; else the one of the usual units in which
+/// its size is plausible for that signal. Sure where only one is.
+UnitGuess GuessUnitOf(const MachineInput& signal, const LogColumn& column);
 
 /// Sizes of the columns that have these roles.
 SharedSizes FindSharedSizes(const LogColumns& head, const std::vector<ColumnRole>& roles);

@@ -49,14 +49,16 @@ SignalSpec& SignalOf(Machine& machine, const char* name) {
 /// spool is positive.
 void TurnSignals(const LogSample& log, MachineDraft& draft) {
   if (!(log.period > 0)) {
-    draft.decided.emplace_back("directions of z and y_v were not checked: no time between rows is known");
+    draft.decided.emplace_back(
+        "directions of z and y_v were not checked: no time between rows is known",
+        "Richtungen von z und y_v wurden nicht geprüft: der Zeitabstand der Zeilen ist nicht bekannt");
     return;
   }
   const Strokes strokes = Watch(log);
   if (strokes.falling + strokes.rising < kRowsToDecide) {
     draft.decided.emplace_back(
-        "directions of z and y_v were not checked: no drawing stroke in the "
-        "part of the log that was looked at");
+        "directions of z and y_v were not checked: no drawing stroke in the part of the log that was looked at",
+        "Richtungen von z und y_v wurden nicht geprüft: kein Ziehhub in dem Teil des Logs, der angesehen wurde");
     return;
   }
   const bool turned = strokes.rising > strokes.falling;
@@ -67,42 +69,52 @@ void TurnSignals(const LogSample& log, MachineDraft& draft) {
     z.scale = -z.scale;
     z.offset = std::strtod(fmt::format("{:.4g}", end).c_str(), nullptr);
     draft.decided.emplace_back(
-        "z rises while the pressure is high: turned round (scale -1), because the model's z falls in a stroke");
+        "z rises while the pressure is high: turned round (scale -1), because the model's z falls in a stroke",
+        "z steigt, während der Druck hoch ist: umgedreht (Faktor -1), weil z im Modell in einem Hub fällt");
   } else {
-    draft.decided.emplace_back("z falls while the pressure is high, as the model expects");
+    draft.decided.emplace_back("z falls while the pressure is high, as the model expects",
+                               "z fällt, während der Druck hoch ist, wie das Modell es erwartet");
   }
   SignalSpec& y = SignalOf(draft.machine, "y_v");
   if ((turned ? strokes.spool_rising : strokes.spool_falling) < 0) {
     y.scale = -y.scale;
     y.offset = -y.offset;
     draft.decided.emplace_back(
-        "y_v is negative in the strokes: turned round (scale -1), because positive opens to tank in the model");
+        "y_v is negative in the strokes: turned round (scale -1), because positive opens to tank in the model",
+        "y_v ist in den Hüben negativ: umgedreht (Faktor -1), weil positiv im Modell zum Tank öffnet");
   } else {
-    draft.decided.emplace_back("y_v is positive in the strokes, as the model expects");
+    draft.decided.emplace_back("y_v is positive in the strokes, as the model expects",
+                               "y_v ist in den Hüben positiv, wie das Modell es erwartet");
   }
 }
 
-std::string Suits(const LogSample& log) {
+Told Suits(const LogSample& log) {
   for (const char* needed : {"p_A", "z", "y_v"})
-    if (!log.signals.contains(needed)) return "";
-  return "pressure, position and spool are there";
+    if (!log.signals.contains(needed)) return {};
+  return {"pressure, position and spool are there", "Druck, Position und Schieber sind da"};
 }
 
 void Complete(const LogSample& log, const std::map<std::string, double>& known, MachineDraft& draft) {
-  TurnSignals(log, draft);
   Machine& machine = draft.machine;
-  machine.gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
+  if (!Suits(log).empty()) {
+    TurnSignals(log, draft);
+    machine.gate.bounds = {{"y_v", false, 0.04, {}}, {"z", true, {}, -0.004}};
+  }
   machine.geometry["dp_nom"] = {35e5, 0};
   machine.geometry["p_t"] = {0, 0};
   draft.decided.emplace_back(
-      "dp_nom = 35 bar: the pressure drop at which the nominal flow is stated, usual for servo valves");
-  if (!log.signals.contains("p_t")) draft.decided.emplace_back("p_t = 0 bar: no tank pressure in the log");
+      "dp_nom = 35 bar: the pressure drop at which the nominal flow is stated, usual for servo valves",
+      "dp_nom = 35 bar: der Druckabfall, für den der Nenndurchfluss angegeben ist, üblich bei Servoventilen");
+  if (!log.signals.contains("p_t"))
+    draft.decided.emplace_back("p_t = 0 bar: no tank pressure in the log",
+                               "p_t = 0 bar: kein Tankdruck im Log");
   if (const auto area = known.find("A_A"); area != known.end()) {
     machine.geometry["A_A"] = {area->second, 0};
     return;
   }
   draft.open.emplace_back(
-      "[geometry] A_A: the piston area on side A cannot be found from a log; write it from the drawing");
+      "[geometry] A_A: the piston area on side A cannot be found from a log; write it from the drawing",
+      "[geometry] A_A: die Kolbenfläche auf Seite A steht in keinem Log; aus der Zeichnung eintragen");
   draft.notes.section["geometry"] = {
       "<-- FILL IN the piston area on side A from the drawing and remove the leading '# ' of the next line:",
       "A_A = { value = 125, unit = \"cm2\" }"};

@@ -56,26 +56,32 @@ constexpr std::array<MachineParameter, 4> kCushionParameters = {{
      .meaning = {"effective bulk modulus", "wirksamer Kompressionsmodul"},
      .symbol = "K′",
      .sentence =
-         "How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil."},
+         {"How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil.",
+          "Wie steif die Ölsäule samt Schläuchen und Zylinderwänden ist; er fällt, wenn Luft ins Öl kommt."}},
     {.name = "V0",
      .si = "m3",
      .meaning = {"dead volume", "Totvolumen"},
      .symbol = "V_{0}",
-     .sentence = "Oil volume between valve and piston with the piston at its zero position: "
-                 "lines, fittings, bottom of the chamber."},
+     .sentence =
+         {"Oil volume between valve and piston with the piston at its zero position: "
+          "lines, fittings, bottom of the chamber.",
+          "Ölvolumen zwischen Ventil und Kolben, mit dem Kolben in seiner Nullstellung: Leitungen, Verschraubungen, Boden der Kammer."}},
     {.name = "Q_vn",
      .si = "m3/s",
      .meaning = {"nominal valve flow", "Nenndurchfluss des Ventils"},
      .symbol = "Q_{vn}",
      .sentence =
-         "Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-         "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold."},
+         {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
+          "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
+          "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."}},
     {.name = "y_0",
      .si = "1",
      .meaning = {"spool null", "Nullpunkt des Schiebers"},
      .symbol = "y_{0}",
-     .sentence = "Spool position at which the metering edge just closes, in % of the full spool stroke; it "
-                 "moves with wear of the edge and with the zero of the spool sensor.",
+     .sentence =
+         {"Spool position at which the metering edge just closes, in % of the full spool stroke; it "
+          "moves with wear of the edge and with the zero of the spool sensor.",
+          "Schieberstellung, bei der die Steuerkante gerade schließt, in % des ganzen Schieberwegs; sie ändert sich mit dem Verschleiß der Kante und mit dem Nullpunkt des Schiebersensors."},
      .shown = "% of stroke",
      .factor = 100,
      .relative = false},

@@ -124,32 +124,40 @@ constexpr std::array<MachineInput, 26> kArmGeometry = {
     BaseParameter("J_2", "kg m2", 1),
 };
 
-constexpr std::string_view kAcross = "How far the centre of mass lies beside the line of the link.";
-constexpr std::string_view kViscous =
-    "Friction of the piston that grows with its speed; it moves with the oil temperature.";
-constexpr std::string_view kCoulomb =
-    "Friction of the seals at any speed; it moves with wear, pressure and side loads.";
-constexpr std::string_view kOil = "How stiff the oil is, hoses included; it falls when air enters the oil.";
+constexpr Wording kAcross{"How far the centre of mass lies beside the line of the link.",
+                          "Wie weit der Schwerpunkt neben der Linie des Glieds liegt."};
+constexpr Wording kViscous{
+    "Friction of the piston that grows with its speed; it moves with the oil temperature.",
+    "Reibung des Kolbens, die mit seiner Geschwindigkeit wächst; sie ändert sich mit der Öltemperatur."};
+constexpr Wording kCoulomb{
+    "Friction of the seals at any speed; it moves with wear, pressure and side loads.",
+    "Reibung der Dichtungen bei jeder Geschwindigkeit; sie ändert sich mit Verschleiß, Druck und Querkräften."};
+constexpr Wording kOil{"How stiff the oil is, hoses included; it falls when air enters the oil.",
+                       "Wie steif das Öl samt Schläuchen ist; er fällt, wenn Luft ins Öl kommt."};
 
 constexpr MachineParameter Identified(std::string_view name, std::string_view si, Wording meaning,
-                                      std::string_view sentence) {
+                                      Wording sentence) {
   return {.name = name, .si = si, .meaning = meaning, .sentence = sentence};
 }
 constexpr MachineParameter Edge(std::string_view name, Wording meaning) {
   return Identified(
       name, "m3/(s sqrt(Pa))", meaning,
-      "What the edge passes per root of its pressure difference at full opening; it moves with wear, "
-      "dirt and the oil's density.");
+      {"What the edge passes per root of its pressure difference at full opening; it moves with wear, "
+       "dirt and the oil's density.",
+       "Was die Kante je Wurzel ihres Druckunterschieds ganz offen durchlässt; es ändert sich mit Verschleiß, "
+       "Schmutz und der Dichte des Öls."});
 }
 
 constexpr std::array<MachineParameter, 20> kArmParameters = {
     Identified("mx_1", "kg m",
                {"moment of mass along link 1, with m_2 a_1", "Massenmoment längs Glied 1, mit m_2 a_1"},
-               "What weighs on joint 1 along the link; it moves with what the arm carries."),
+               {"What weighs on joint 1 along the link; it moves with what the arm carries.",
+                "Was längs des Glieds auf Gelenk 1 lastet; es ändert sich mit dem, was der Arm trägt."}),
     Identified("my_1", "kg m", {"moment of mass across link 1", "Massenmoment quer zu Glied 1"}, kAcross),
     Identified("J_1", "kg m2",
                {"inertia about joint 1, with m_2 a_1^2", "Trägheit um Gelenk 1, mit m_2 a_1^2"},
-               "What link 1 opposes to acceleration; it moves with what the arm carries."),
+               {"What link 1 opposes to acceleration; it moves with what the arm carries.",
+                "Was Glied 1 der Beschleunigung entgegensetzt; es ändert sich mit dem, was der Arm trägt."}),
     Identified("b_1", "N s/m", {"viscous friction of cylinder 1", "viskose Reibung von Zylinder 1"},
                kViscous),
     Identified("F_c_1", "N", {"Coulomb friction of cylinder 1", "Coulombsche Reibung von Zylinder 1"},
@@ -164,10 +172,12 @@ constexpr std::array<MachineParameter, 20> kArmParameters = {
          {"edge PB of valve 1, supply to rod side", "Kante PB von Ventil 1, Versorgung zur Stangenseite"}),
     Edge("C_BT_1", {"edge BT of valve 1, rod side to tank", "Kante BT von Ventil 1, Stangenseite zum Tank"}),
     Identified("mx_2", "kg m", {"moment of mass along link 2", "Massenmoment längs Glied 2"},
-               "What weighs on joint 2 along the link; it moves with what the arm carries."),
+               {"What weighs on joint 2 along the link; it moves with what the arm carries.",
+                "Was längs des Glieds auf Gelenk 2 lastet; es ändert sich mit dem, was der Arm trägt."}),
     Identified("my_2", "kg m", {"moment of mass across link 2", "Massenmoment quer zu Glied 2"}, kAcross),
     Identified("J_2", "kg m2", {"inertia about joint 2", "Trägheit um Gelenk 2"},
-               "What link 2 opposes to acceleration; it moves with what the arm carries."),
+               {"What link 2 opposes to acceleration; it moves with what the arm carries.",
+                "Was Glied 2 der Beschleunigung entgegensetzt; es ändert sich mit dem, was der Arm trägt."}),
     Identified("b_2", "N s/m", {"viscous friction of cylinder 2", "viskose Reibung von Zylinder 2"},
                kViscous),
     Identified("F_c_2", "N", {"Coulomb friction of cylinder 2", "Coulombsche Reibung von Zylinder 2"},

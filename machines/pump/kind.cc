@@ -12,19 +12,24 @@ namespace hydroscope {
 namespace {
 
 constexpr std::array<MachineInput, 5> kPumpSignals = {{
-    Measured("shaft_speed", "rad/s", {"speed of the shaft", "Drehzahl der Welle"}),
-    Measured("load_flow", "m3/s", {"flow into the load", "Volumenstrom in die Last"}),
-    Measured("outlet_pressure", "Pa", {"pressure at the outlet", "Druck am Ausgang"}),
-    MayBeMeasured("control_pressure", "Pa", {"pressure in the control chamber", "Druck in der Stellkammer"}),
+    Measured("shaft_speed", "rad/s", {"speed of the shaft", "Drehzahl der Welle"},
+             "n speed drehzahl npump omega"),
+    Measured("load_flow", "m3/s", {"flow into the load", "Volumenstrom in die Last"},
+             "q flow volumenstrom durchfluss qload qlast"),
+    Measured("outlet_pressure", "Pa", {"pressure at the outlet", "Druck am Ausgang"},
+             "ps p pout poutlet pumpendruck systemdruck"),
+    MayBeMeasured("control_pressure", "Pa", {"pressure in the control chamber", "Druck in der Stellkammer"},
+                  "pc pcontrol stelldruck"),
     MayBeMeasured("control_position", "m",
                   {"position of the control piston, 0 at full displacement",
-                   "Weg des Stellkolbens, 0 bei vollem Fördervolumen"}),
+                   "Weg des Stellkolbens, 0 bei vollem Fördervolumen"},
+                  "xp xc stellkolben stellweg"),
 }};
 
 constexpr std::array<MachineInput, 15> kPumpGeometry = {{
     Known("D_max", "m3",
           {"largest displacement, per radian of the shaft", "größtes Fördervolumen, je Radiant der Welle"},
-          1e-8, 1e-3),
+          1e-8, 1e-3, "cm3"),
     Known("X_p", "m",
           {"stroke of the control piston to no displacement", "Weg des Stellkolbens bis zur Nullförderung"},
           1e-4, 1),
@@ -42,7 +47,7 @@ constexpr std::array<MachineInput, 15> kPumpGeometry = {{
     Known("V_c", "m3",
           {"volume of the control chamber at full displacement",
            "Volumen der Stellkammer bei vollem Fördervolumen"},
-          1e-8, 1),
+          1e-8, 1, "cm3"),
     Known("E", "Pa", {"bulk modulus of the oil", "Kompressionsmodul des Öls"}, 1e8, 1e10),
     Assumed("X_v", "m",
             {"stroke of the compensator spool to either side", "Weg des Reglerschiebers zu jeder Seite"},
@@ -66,39 +71,44 @@ constexpr std::array<MachineParameter, 7> kPumpParameters = {{
      "N/m",
      {"stiffness of the compensator spring", "Steifigkeit der Reglerfeder"},
      "K_{v}",
-     "The compensator spring; a weak or cracked one is softer."},
+     {"The compensator spring; a weak or cracked one is softer.",
+      "Die Feder des Reglers; eine schwache oder gebrochene ist weicher."}},
     {"K_q",
      "m2/s",
      {"flow gain of the compensator's edges", "Durchflussverstärkung der Reglerkanten"},
      "K_{q}",
-     "Flow through a metering edge per opening; it grows as the edges wear."},
+     {"Flow through a metering edge per opening; it grows as the edges wear.",
+      "Durchfluss einer Steuerkante je Öffnung; er wächst, wenn die Kanten verschleißen."}},
     {"C_l",
      "m3/(s Pa)",
      {"leakage of the control chamber", "Leckage der Stellkammer"},
      "C_{l}",
-     "Leakage past control piston and bleed to the case; it grows as the pump wears."},
+     {"Leakage past control piston and bleed to the case; it grows as the pump wears.",
+      "Leckage am Stellkolben und Abfluss ins Gehäuse; sie wächst mit dem Verschleiß der Pumpe."}},
     {"K_p",
      "N/m",
      {"stiffness of the control piston's spring", "Steifigkeit der Stellkolbenfeder"},
      "K_{p}",
-     "The spring that swings the swash plate out."},
+     {"The spring that swings the swash plate out.", "Die Feder, die die Schrägscheibe ausschwenkt."}},
     {"V_t",
      "m3",
      {"volume between pump and load", "Volumen zwischen Pumpe und Last"},
      "V_{t}",
-     "Line volume; air in the oil makes it seem larger.",
+     {"Line volume; air in the oil makes it seem larger.",
+      "Volumen der Leitung; Luft im Öl lässt es größer scheinen."},
      "l",
      1e3},
     {"F_0",
      "N",
      {"preload of the compensator spring", "Vorspannung der Reglerfeder"},
      "F_{0}",
-     "What the set pressure is adjusted by; it falls as the spring sets."},
+     {"What the set pressure is adjusted by; it falls as the spring sets.",
+      "Damit wird der Solldruck eingestellt; sie fällt, wenn die Feder sich setzt."}},
     {"T_q",
      "s",
      {"lag of the flow sensor", "Verzug des Durchflusssensors"},
      "T_{q}",
-     "Time constant of the flow sensor.",
+     {"Time constant of the flow sensor.", "Zeitkonstante des Durchflusssensors."},
      "ms",
      1e3},
 }};
@@ -148,6 +158,14 @@ StatesSpec PumpStates(const Machine&) {
   return spec;
 }
 
+/// Readings are means over revolutions, so that the ripple of the pistons stays out.
+void CompletePump(const LogSample& log, const std::map<std::string, double>&, MachineDraft& draft) {
+  if (!log.signals.contains("shaft_speed")) return;
+  draft.machine.states.shaft = "shaft_speed";
+  draft.decided.emplace_back("the ripple of the pistons is taken out over revolutions of the shaft",
+                             "die Pulsation der Kolben wird über Umdrehungen der Welle herausgenommen");
+}
+
 MachineWords PumpWords(const Machine&) {
   return {{"pressure at the outlet", "Druck am Ausgang"},
           {"episode", "Episode"},
@@ -169,6 +187,7 @@ const MachineKind kPump = {.id = "pump",
                            .states = PumpStates,
                            .words = PumpWords,
                            .picture = PumpPicture,
+                           .draft = {nullptr, CompletePump},
                            .effects = PumpEffects};
 
 }  // namespace hydroscope

@@ -10,14 +10,19 @@
 namespace hydroscope {
 namespace {
 
+// Noise on a set point moves the rod by tenths of a millimetre to some centimetres; valves take mA to some tenths of an ampere.
+constexpr PlausibleSize kRodTravel{1e-5, 0.1, PlausibleSize::kTravel};
+
 constexpr MachineInput kSignals[] = {
-    Measured(
-        "z_set", "m",
-        {"set point of the position, excited from outside", "Sollwert der Position, von außen angeregt"}),
+    Measured("z_set", "m",
+             {"set point of the position, excited from outside", "Sollwert der Position, von außen angeregt"},
+             "zsoll xset xsoll xref zref sollwert setpoint", kRodTravel),
     Measured(
         "I_v", "A",
-        {"current of the valve, as the controller gives it out", "Ventilstrom, wie ihn der Regler ausgibt"}),
-    Measured("z", "m", {"position of the rod", "Position der Stange"}),
+        {"current of the valve, as the controller gives it out", "Ventilstrom, wie ihn der Regler ausgibt"},
+        "i iv ivalve ventilstrom current", PlausibleSize{1e-4, 0.3}),
+    Measured("z", "m", {"position of the rod", "Position der Stange"}, "x zist xist position weg istwert",
+             kRodTravel),
 };
 constexpr MachineInput kGeometry[] = {
     {.name = "A",
@@ -31,28 +36,29 @@ constexpr MachineParameter kParameters[] = {
      "Hz",
      {"natural frequency of the oil column", "Eigenfrequenz der Ölsäule"},
      "f_h",
-     "Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise."},
+     {"Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise.",
+      "Masse der Stange auf dem Öl in den Kammern. Luft lässt sie fallen, ein Prüfling steigen."}},
     {"zeta_h",
      "1",
      {"damping of the oil column", "Dämpfung der Ölsäule"},
      "\\zeta_h",
-     "Friction of guides and seals, and leakage."},
+     {"Friction of guides and seals, and leakage.", "Reibung von Führungen und Dichtungen, und Leckage."}},
     {"f_sv",
      "Hz",
      {"corner frequency of the valve", "Eckfrequenz des Ventils"},
      "f_{sv}",
-     "A clogged pilot makes it fall."},
+     {"A clogged pilot makes it fall.", "Eine zugesetzte Vorsteuerung lässt sie fallen."}},
     {"K_sv",
      "m3/(s A)",
      {"flow gain of the valve", "Durchflussverstärkung des Ventils"},
      "K_{sv}",
-     "Size of the valve and supply pressure."},
+     {"Size of the valve and supply pressure.", "Größe des Ventils und Versorgungsdruck."}},
     {"T_d",
      "s",
      {"delay from current to reading, beside the hold",
       "Totzeit vom Strom zur Anzeige, neben dem Halteglied"},
      "T_d",
-     "Filters and buses.",
+     {"Filters and buses.", "Filter und Busse."},
      "ms",
      1e3,
      false},
@@ -69,6 +75,12 @@ constexpr LoopParameter kSearched[] = {
     {.name = "K_sv", .kind = LoopParameter::Kind::kGain, .wanted = 0.005, .unit = "m3/(s A)"},
     {.name = "T_d", .kind = LoopParameter::Kind::kDelay, .unit = "ms", .factor = 1e3, .scale = 1e-4},
 };
+
+void CompleteTestCylinder(const LogSample&, const std::map<std::string, double>&, MachineDraft& draft) {
+  draft.machine.log.hold = InputHold::kZero;
+  draft.decided.emplace_back("the controller holds the current from row to row",
+                             "der Regler hält den Strom von Zeile zu Zeile");
+}
 
 MachineWords TestCylinderWords(const Machine&) {
   return {{"position", "Position"}, {"record", "Aufzeichnung"}, {"set point", "Sollwert"}, {}, true};
@@ -97,6 +109,7 @@ const MachineKind kTestCylinder = {.id = "test_cylinder",
                                    .output_unit = "m",
                                    .words = TestCylinderWords,
                                    .picture = TestCylinderPicture,
+                                   .draft = {nullptr, CompleteTestCylinder},
                                    .closed_loop = &kTestCylinderPlant};
 
 }  // namespace hydroscope

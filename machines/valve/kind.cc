@@ -19,9 +19,13 @@ bool HasSpoolAndCommand(const LogSample& log) {
   return log.signals.contains("y_v") && log.signals.contains("U_v");
 }
 
-std::string SuitsValve(const LogSample& log) {
-  if (HasSpoolAndCommand(log)) return "spool and valve command are there, but not both pressure and position";
-  return IsAxis(log) ? "a position and its command are there, no pressure and spool" : "";
+Told SuitsValve(const LogSample& log) {
+  if (HasSpoolAndCommand(log))
+    return {"spool and valve command are there, but not both pressure and position",
+            "Schieber und Ventilbefehl sind da, aber nicht beide, Druck und Position"};
+  if (!IsAxis(log)) return {};
+  return {"a position and its command are there, no pressure and spool",
+          "eine Position und ihr Befehl sind da, kein Druck und kein Schieber"};
 }
 
 void CompleteValve(const LogSample& log, const std::map<std::string, double>&, MachineDraft& draft) {

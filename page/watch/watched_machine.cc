@@ -73,10 +73,15 @@ nlohmann::json HealthJson(const nlohmann::json& told, const Health& own) {
 
 nlohmann::json UnitJson(const WatchedParameter& parameter) {
   const ParameterInfo& info = parameter.info;
-  return {
-      {"si", parameter.si},        {"factor", info.factor},     {"offset", info.offset},
-      {"name", info.unit},         {"symbol", info.symbol},     {"meaning", info.name},
-      {"sentence", info.sentence}, {"relative", info.relative}, {"german", {{"meaning", parameter.german}}}};
+  return {{"si", parameter.si},
+          {"factor", info.factor},
+          {"offset", info.offset},
+          {"name", info.unit},
+          {"symbol", info.symbol},
+          {"meaning", info.name},
+          {"sentence", info.sentence},
+          {"relative", info.relative},
+          {"german", {{"meaning", parameter.german}, {"sentence", parameter.german_sentence}}}};
 }
 
 }  // namespace
@@ -144,8 +149,10 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
     WatchedParameter& parameter = parameters_[estimate.parameter];
     parameter.info = InfoFor(*model_->kind, estimate.parameter, estimate.unit, estimate.value);
     parameter.si = estimate.unit;
-    if (const MachineParameter* known = FindParameter(*model_->kind, estimate.parameter))
+    if (const MachineParameter* known = FindParameter(*model_->kind, estimate.parameter)) {
       parameter.german = known->meaning.german;
+      parameter.german_sentence = known->sentence.german;
+    }
     parameter.limits = LimitsOf(machine_, estimate.parameter);
   }
   const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;

@@ -17,7 +17,8 @@ namespace hydroscope {
 /// What a picture of a parameter needs beside its values.
 struct WatchedParameter {
   ParameterInfo info;
-  std::string german;  ///< what it is (ParameterInfo::name), in German; "" = told in English alone
+  /// ParameterInfo::name and ::sentence in German; "" = told in English alone.
+  std::string german, german_sentence;
   std::string si;
   std::optional<drift::TemperatureModel> healthy;      ///< as learned; nothing: not learned, or not watched
   double smallest = 0;                                 ///< SI, change worth finding; 0: not watched

@@ -133,9 +133,16 @@ export interface LogColumn {
   thumbnail: { low: (number | null)[]; high: (number | null)[] };
 }
 export interface GateBound { signal: string; rate: boolean; magnitude: boolean; si?: string; min: number | null; max: number | null }
+/** A size of the machine, SI, as a data sheet has it. */
+export interface KnownSize {
+  name: string; meaning: string; german?: { meaning: string }; required: boolean; si: string; unit: Unit;
+  value: number | null; otherwise: number | null; lowest: number; highest: number;
+}
+/** Of a machine of one's own: the output is the sum of its terms, each a parameter times an expression over the signals. */
+export interface Balance { output: string; terms: { name: string; expression: string }[] }
 export interface Proposal {
-  machine: string; model: string; title: string; german?: { title: string }; picture: Picture; pins: Pin[]; columns: LogColumn[];
-  geometry: { name: string; meaning: string; german?: { meaning: string }; required: boolean; si: string; value: number | null; lowest: number; highest: number }[];
+  machine: string; model: string; title: string; german?: { title: string; decided: string[]; open: string[] }; picture: Picture; pins: Pin[]; columns: LogColumn[];
+  kinds: { id: string; title: string; german?: { title: string } }[]; geometry: KnownSize[]; balance: Balance | null;
   gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
   problem: string | null;
 }

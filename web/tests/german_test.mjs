@@ -26,7 +26,7 @@ after(async () => {
 
 // What stays English: what commands print, how a proposed machine file came about, literature, names of tags, what a controller says
 // of a sweep, the log and the audit table of a service.
-const english = ".printed, pre, code, .code, .decided, .tags, td[title], .marks small [lang=en], .log, .audit, .facts dd[lang=en], .katex, script, style, noscript, option[value]";
+const english = ".printed, pre, code, .code, .tags, td[title], .marks small [lang=en], .log, .audit, .facts dd[lang=en], .katex, script, style, noscript, option[value]";
 // Words that English sentences have and German ones have not.
 const words = "the|and|of|with|without|these|this|that|are|from|between|which|than|strokes|episodes|have|has|would|could|their|them|only|value|change|changed|pressure|measured|model|noise";
 

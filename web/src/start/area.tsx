@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Proposal } from "../types";
+import { Told } from "../told";
 import { short, shownUnit } from "../units";
 import { useWords } from "../words";
 
@@ -23,7 +24,7 @@ export function Area({ known, set }: { known: Proposal["geometry"][number]; set:
   };
   return (
     <fieldset class="area">
-      <legend>{say("mapArea")} {known.name}</legend>
+      <legend>{known.name} <Told of={known} what="meaning" /></legend>
       <p>{say("mapAreaText")}</p>
       <label>{say("mapBore")} ({name}) <input inputMode="decimal" name={`${known.name}-bore`} value={bore}
         onInput={(e) => { setBore(e.currentTarget.value); tell(e.currentTarget.value, rod); }} /></label>

@@ -2,17 +2,24 @@ import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import { find, post } from "../api";
 import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
-import type { GateBound, LogPicture, Pin, Proposal } from "../types";
-import { Told, useTold } from "../told";
+import type { Balance, GateBound, LogPicture, Pin, Proposal } from "../types";
+import { Told, ToldList, useTold } from "../told";
 import { amount, short, shownNumber } from "../units";
 import { useWords } from "../words";
 import { Area } from "./area";
+import { BalanceEditor } from "./balance";
 import { GatePlots } from "./gate_plot";
 import { GateThresholds } from "./gate_thresholds";
 import { MachinePicture, type Reading } from "./machine_picture";
+import { isOdd, Sizes, sizeText } from "./sizes";
 import { Thumbnail } from "./thumbnail";
 
+const slowest = 50;  // rows a second below which valves and pressures are not seen
+const fewMissing = 4;  // that are named; of more their number is told
+
 interface Request {
+  model?: string;
+  balance?: Balance;
   columns?: { column: string; signal: string; unit: string }[];
   geometry?: Record<string, number>;
   gate?: GateBound[];
@@ -62,7 +69,11 @@ export function Mapping() {
   useEffect(() => void propose({}), [session?.logs.length]);
 
   if (!proposal) return problem ? <p role="alert" class="problem" lang="en">{problem}</p> : <p class="empty">{say("loading")}</p>;
-  const put = (signal: string, column: string, unit = "") => void propose({ columns: moved(proposal.pins, signal, column, unit) });
+  const put = (signal: string, column: string, unit = "") => void propose({ model: proposal.model, columns: moved(proposal.pins, signal, column, unit) });
+  const takeKind = (model: string) => {
+    asked.current = {};  // what was said of another machine
+    void propose({ model });
+  };
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
     if (value === null) delete geometry[name]; else geometry[name] = value;
@@ -73,13 +84,18 @@ export function Mapping() {
     location.hash = "step=check";
     await refresh();
   };
+  const rate = proposal.duration_s ? (proposal.rows - 1) / proposal.duration_s : null, slow = rate !== null && rate < slowest;
   const missing = [...proposal.pins.filter((pin) => pin.required && !pin.column).map((pin) => ({ ...pin, name: pin.signal })),
     ...proposal.geometry.filter((known) => known.required && known.value === null)];
+  const odd = proposal.geometry.find((known) => isOdd(known, known.value));
   const areas = proposal.geometry.filter((known) => known.si === "m2" && known.required);
   return (
     <section class="mapping">
       <h1>{say("mapTitle")}</h1>
-      <p>{say("mapRecognised", { title: tell(proposal, "title").text })}. {say("mapText")}</p>
+      <p class="kind"><label>{say("mapKind")} <select name="kind" value={proposal.model} onChange={(e) => takeKind(e.currentTarget.value)}>
+        {proposal.kinds.map((kind) => <option key={kind.id} value={kind.id}>{tell(kind, "title").text}</option>)}
+      </select></label> <span class="quiet">{say(asked.current.model ? "mapChosen" : "mapRecognised")}</span></p>
+      <p>{say("mapText")}</p>
       <div class="two">
         <div>
           <h2>{say("mapColumns")}</h2>
@@ -103,8 +119,12 @@ export function Mapping() {
               <PinRow key={pin.signal} pin={pin} proposal={proposal} put={put} />
             ))}
           </ul>
-          {proposal.duration_s !== null && <p>{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
-          {areas.map((area) => <Area key={area.name} known={area} set={(value) => setGeometry(area.name, value)} />)}
+          {slow && <p class="verdict bad">{say("mapRate", { rate: short(rate) })} – {say("mapTooSlow")}</p>}
+          {proposal.duration_s !== null && <p>{rate !== null && !slow && `${say("mapRate", { rate: short(rate) })}. `}{say("mapDuration", { duration: duration(proposal.duration_s) })} <small>({say("mapRowsOnly", { rows: proposal.rows })})</small></p>}
+          {areas.map((area) => <Area key={`${proposal.model} ${area.name}`} known={area} set={(value) => setGeometry(area.name, value)} />)}
+          <Sizes key={proposal.model} sizes={proposal.geometry.filter((known) => !areas.includes(known))} set={setGeometry} />
+          {proposal.balance && <BalanceEditor key={proposal.model} proposed={proposal.balance} signals={proposal.pins.filter((pin) => pin.signal !== "time").map((pin) => pin.signal)}
+            problem={proposal.problem} set={(balance) => void propose({ model: proposal.model, balance })} />}
         </div>
       </div>
       {picture && <>
@@ -114,15 +134,17 @@ export function Mapping() {
         <GateThresholds bounds={proposal.gate} set={(gate) => void propose({ gate })} />
       </>}
       <details><summary>{say("mapDecided")}</summary>
-        <ul lang="en" class="decided">{[...proposal.decided, ...proposal.open].map((line) => <li key={line}>{line}</li>)}</ul></details>
+        <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
       <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
       {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
-      <p class={proposal.problem ? "verdict bad" : "verdict good"} role="status">
-        {!proposal.problem ? say("mapReady")
-          : missing.length > 0 ? say("mapNeeds", { what: missing.map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") })
+      <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
+        {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
+          : !proposal.problem ? say("mapReady")
+          : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
+          : proposal.balance?.output === "" ? say("balanceNeeded")
           : <>{say("mapNotReady", { why: "" })}<span lang="en">{proposal.problem}</span></>}
       </p>
-      <button class="primary" disabled={proposal.problem !== null} onClick={() => void accept()}>{say("mapGo")}</button>
+      <button class="primary" disabled={proposal.problem !== null || odd !== undefined} onClick={() => void accept()}>{say("mapGo")}</button>
     </section>
   );
 }

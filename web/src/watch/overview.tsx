@@ -84,7 +84,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
         <tbody>
           {machine.parameters.map((p) => (
             <tr key={p.parameter}>
-              <th scope="row" title={tell({ meaning: p.unit.sentence || p.unit.meaning, german: p.unit.german }, "meaning").text}>
+              <th scope="row" title={tell(p.unit, p.unit.sentence ? "sentence" : "meaning").text}>
                 {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span>{symbolOf(p.unit)}</span>}
                 {p.unit.meaning && <small><Told of={p.unit} what="meaning" /></small>}
               </th>

@@ -2,7 +2,7 @@
 
 export type MaybeNumber = number | null;
 
-export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; german?: { meaning: string }; sentence: string; relative: boolean }
+export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; german?: { meaning: string; sentence?: string }; sentence: string; relative: boolean }
 export interface Health { letter: "F" | "C" | "S" | "M" | "-"; reason: string; text: string; learned: number; needed: number; live: boolean; german: string }
 export interface AgainstReference {
   value: MaybeNumber; deviation: MaybeNumber; std: MaybeNumber; smallest: MaybeNumber; strokes: number; moved: boolean; percent: MaybeNumber; percent_std?: number;

@@ -1,0 +1,138 @@
+// From a log alone to the model of a machine that is no cushion: its kind is recognised or chosen, its sizes are written.
+// node --test kinds_test.mjs. HYDROSCOPE names the program, CHROMIUM the browser.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { assertAccessible, assertFits, endBrowser, startBrowser, until, visitIn } from "./browser_fixture.mjs";
+import { folder, run } from "./program.mjs";
+
+const machines = fileURLToPath(new URL("../../machines", import.meta.url));
+const place = folder();
+const visit = (t, options) => visitIn(place.path, t, [], options);
+const logs = { pump: [], manipulator: ["--seconds", "20"], flexible_axis: ["--manoeuvre", "staircase"], test_cylinder: [] };
+
+before(async () => {
+  await startBrowser();
+  for (const [kind, words] of Object.entries(logs)) run(["simulate", kind.replace("_", "-"), "--out", `${kind}.csv`, ...words], place.path);
+});
+after(async () => {
+  await endBrowser();
+  place.remove();
+});
+
+const dropped = async (page, log) => {
+  await page.setInputFiles("input[type=file]", join(place.path, log));
+  await page.waitForSelector(".mapping .pin");
+};
+const chosenKind = (page) => page.locator("select[name=kind]").inputValue();
+
+/** Sizes of a machine file, as a person would copy them: name → text and unit. */
+function sizesOf(machine) {
+  const section = readFileSync(join(machines, `${machine}.toml`), "utf8").match(/\[geometry\]\n([^[]*)/)[1];
+  return [...section.matchAll(/^(\w+)\s*=\s*\{ value = ([-\d.e]+), unit = "([^"]+)" \}/gm)].map(([, name, value, unit]) => ({ name, value: Number(value), unit }));
+}
+
+test("a log of each built-in machine is recognised, with its picture and every sensor that must be there", async (t) => {
+  for (const [kind, mark] of [["pump", "shaft_speed"], ["manipulator", "p_11"], ["flexible_axis", "pressure_1"], ["test_cylinder", "I_v"]]) {
+    const { page, address } = await visit(t);
+    await page.goto(address);
+    await dropped(page, `${kind}.csv`);
+    assert.equal(await chosenKind(page), kind);
+    await page.waitForSelector(`.machine [data-mark=${mark}]`);
+    assert.equal(await page.locator(".pin.missing").count(), 0, kind);
+    await assertAccessible(page, kind);
+  }
+});
+
+test("a pump goes from its log alone to the workbench, and its file names what was written", async (t) => {
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await dropped(page, "pump.csv");
+  assert.match(await page.locator("p.verdict").innerText(), /Still missing: D_max .* and \d+ more/);
+  const in_ = { mm: 1e-3, cm2: 1e-4, l: 1e-3, cm3: 1e-6, bar: 1e5 };
+  const areas = [];
+  for (const { name, value, unit } of sizesOf("pump")) {
+    if (unit === "cm2") { areas.push(name); await page.fill(`input[name=${name}-bore]`, String(20 * Math.sqrt(value / Math.PI))); continue; }
+    const field = page.locator(`input[name=size-${name}]`);
+    if (!(await field.isVisible())) await page.click("text=More sizes");
+    const shown = (await page.locator(".size .entry", { has: field }).innerText()).trim();  // the unit that is asked for
+    await field.fill(String((value * (in_[unit] ?? 1)) / (in_[shown] ?? 1)));
+  }
+  assert.deepEqual(areas, ["A_p", "A_v"]);
+  await page.waitForSelector("p.verdict.good");
+  const right = await page.inputValue("input[name=size-V_c]");
+  await page.fill("input[name=size-V_c]", "1e9");
+  await page.waitForSelector("p.verdict.bad:has-text('No machine has V_c')");
+  assert.ok(await page.locator("button.primary").isDisabled());
+  await page.fill("input[name=size-V_c]", right);
+  await page.waitForSelector("p.verdict.good");
+  await page.click("button.primary");
+  await page.waitForSelector(".stepper");
+  const text = await (await fetch(`${address}api/v1/machine`)).text();
+  assert.match(text, /model = "pump"/);
+  assert.match(text, /shaft = "shaft_speed"/);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".centre .plot canvas");
+  assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.0/);
+});
+
+test("the kind is chosen where columns say nothing; picture, sensors and words follow, and pins keep what they are given", async (t) => {
+  const [head, ...rows] = readFileSync(join(place.path, "test_cylinder.csv"), "utf8").split("\n");
+  assert.equal(head, "t,z_set,I_v,z");
+  writeFileSync(join(place.path, "anonymous.csv"), ["t,AI_0,AI_1,AI_2", ...rows].join("\n"));
+  const { page, address } = await visit(t, { locale: "de-DE", viewport: { width: 390, height: 844 } });
+  await page.goto(address);
+  await dropped(page, "anonymous.csv");
+  assert.equal(await chosenKind(page), "expressions");
+  await page.selectOption("select[name=kind]", { label: "Prüfzylinder" });
+  await page.waitForSelector(".machine [data-mark=z_set]");
+  assert.match(await page.locator(".kind").innerText(), /von Ihnen gewählt/);
+  assert.equal(await page.locator(".pin.missing").count(), 3, "names that say nothing are not guessed at");
+  for (const [signal, column] of [["z_set", "AI_0"], ["I_v", "AI_1"], ["z", "AI_2"]]) {
+    await page.selectOption(`#pin-${signal}`, column);
+    await until(page, `document.querySelector("#pin-${signal}").value === "${column}"`);
+    assert.equal(await chosenKind(page), "test_cylinder");
+  }
+  assert.equal(await page.locator("select[aria-label='Einheit z']").inputValue(), "mm", "a rod of a test cylinder does not move by metres");
+  await page.selectOption("#pin-z", "");
+  await page.waitForSelector(".pin.missing");
+  assert.equal(await chosenKind(page), "test_cylinder", "a pin that is emptied leaves the machine what it is");
+  await page.selectOption("#pin-z", "AI_2");
+  await page.fill("input[name=A-bore]", "40.69");
+  await page.waitForSelector("p.verdict.good");
+  await assertAccessible(page, "chosen kind");
+  await assertFits(page, "chosen kind");
+});
+
+test("a balance of one's own is written over the columns of a log, checked, and worked on", async (t) => {
+  let seed = 5;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647 - 0.5;
+  const rows = Array.from({ length: 6000 }, (_, k) => {
+    const time = k * 0.01, force = 2000 + 900 * Math.sin(time) + 500 * Math.sin(0.37 * time);
+    return `${time.toFixed(2)},${(force + 4 * random()).toFixed(3)},${(force / 0.0005 / 1e5 + 0.002 * random()).toFixed(5)},${(40 + 9 * Math.sin(0.2 * time)).toFixed(3)}`;
+  });
+  writeFileSync(join(place.path, "jack.csv"), ["t,load [kN],jack pressure [bar],temp [degC]", ...rows].join("\n"));
+  const { page, address } = await visit(t);
+  await page.goto(address);
+  await dropped(page, "jack.csv");
+  await page.selectOption("select[name=kind]", { label: "machine with a balance of its own" });
+  await page.waitForSelector(".balance");
+  assert.deepEqual((await page.locator(".pin label strong").allInnerTexts()).sort(), ["T_oil", "jack_pressure", "load", "time"]);
+  const load = "load", pressure = "jack_pressure";
+  await page.fill("input[name=balance-output]", load);
+  await page.fill("input[name=balance-name-0]", "A");
+  await page.fill("input[name=balance-expression-0]", `${pressure} + ${load}*0 + nothing`);
+  await page.waitForSelector(".balance pre.problem");
+  assert.match(await page.locator(".balance pre.problem").innerText(), /nothing/);
+  assert.ok(await page.locator("button.primary").isDisabled());
+  await page.fill("input[name=balance-expression-0]", pressure);
+  await page.waitForSelector("p.verdict.good");
+  await assertAccessible(page, "balance");
+  await page.click("button.primary");
+  await page.waitForSelector("[data-verdict]");
+  assert.match(await page.locator(".staircase .error").first().innerText(), / N$/);
+  assert.match(await (await fetch(`${address}api/v1/machine`)).text(), /\[balance\][^]*A = /);
+});
