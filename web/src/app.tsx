@@ -11,6 +11,7 @@ import { firstUnits, showUnitsIn, writeNumbersIn, type ChosenUnits } from "./uni
 import { useUrl } from "./url_state";
 import { Watch, WatchNavigation, views, type View } from "./watch/watch";
 import { Workbench } from "./workbench/workbench";
+import type { Words } from "./words/en";
 import { CountedIn, firstLanguage, LanguageContext, sayIn, useWords, WordsContext, type Language } from "./words";
 
 /** Where one is: only a database has more to look at than the workbench. */
@@ -66,7 +67,7 @@ function Working() {
   const running = Object.values(jobs).find((job) => job.state === "running");
   return (
     <div class="working" role="status">
-      {running && <>{say("working", { what: running.kind })}{running.share ? <progress max={1} value={running.share} aria-label={running.kind} /> : null}</>}
+      {running && <>{say(`work_${running.kind}` as keyof Words)}{running.share ? <progress max={1} value={running.share} aria-label={say(`work_${running.kind}` as keyof Words)} /> : null}</>}
     </div>
   );
 }

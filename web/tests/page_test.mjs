@@ -154,10 +154,24 @@ test("a region drawn on the map filters strokes, overlay and ranking", async (t)
   assert.ok(errors.effects[0].rms < 1.1 * errors.noise, `${errors.effects[0].rms} is near the noise ${errors.noise}`);
   await page.click("text=Show these rows in the strokes");
   await page.waitForSelector(".centre .plot canvas");
-  const worst = [...errors.strokes].sort((a, b) => b.rms ** 2 - b.noise ** 2 - (a.rms ** 2 - a.noise ** 2))[0];
+  const energy = ({ windows, rms, noise }) => windows * (rms ** 2 - noise ** 2);  // one window says little of a stroke
+  const worst = [...errors.strokes].sort((a, b) => energy(b) - energy(a))[0];
   assert.match(await page.locator(".scrubber label span").innerText(), new RegExp(`Stroke ${worst.stroke} .* 1 of ${errors.strokes.length} `));
   assert.match(await page.locator(".plot figcaption").first().innerText(), /measured elsewhere/);
   assert.equal((await fetch(`${address}api/v1/region?where=nothing:1:2`)).status, 400);
+});
+
+test("an effect that another one explains better is replaced by a button, and no version is lost", async (t) => {
+  run(["simulate", "press", "--out", "leak.csv", "--seconds", "90", "--seed", "4", "--effect", "internal_leakage=4e-12"], place.path);
+  writeFileSync(join(place.path, "wrong.toml"), readFileSync(cushion, "utf8").replace("[machine]\n", '[machine]\neffects = ["external_leakage"]\n'));
+  const { page, address } = await visit(t, ["leak.csv", "--machine", "wrong.toml"]);
+  await page.goto(address);
+  await page.waitForSelector("[data-swap=external_leakage]");
+  assert.match(await page.locator(".suspect", { has: page.locator("[data-swap]") }).innerText(), /Replace External leakage of chamber A by Internal leakage past the piston seal: error 0\.\d+ l\/min → 0\.\d+ l\/min/);
+  await page.click("[data-swap]");
+  await until(page, () => /\+ Internal leakage past the piston seal/.test(document.querySelector(".staircase .current").textContent));
+  assert.deepEqual((await page.locator(".staircase .head").allInnerTexts()).map((text) => text.replace(/\s+/g, " ")),
+    ["1 + External leakage of chamber A", "2 base model", "3 + Internal leakage past the piston seal"]);
 });
 
 test("a threshold of the gate is dragged, and the strokes are counted anew", async (t) => {

@@ -5,6 +5,7 @@ import { mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { addValveChecks, copyHistory, makeBeginning, makeHistory } from "./history.mjs";
+import { patience } from "./browser_fixture.mjs";
 import { browser, folder, open, run, serve } from "./program.mjs";
 
 const out = resolve(process.argv[2] ?? "out/screenshots"), only = process.argv[3];
@@ -89,6 +90,7 @@ async function take(name, viewport, colorScheme, locale) {
   };
   const context = await chromium.newContext({ viewport, colorScheme, locale });
   const page = await context.newPage();
+  page.setDefaultTimeout(patience);
   if (only !== "service") await takeWatching(page, shoot);
   await takeService(page, shoot, name);
   if (only === "watch" || only === "service") return context.close();
@@ -157,6 +159,17 @@ async function take(name, viewport, colorScheme, locale) {
   await page.waitForSelector(".machine .mark");
   await shoot(page, "states-check");
   await pump.stop();
+  const alone = await open(["pump.csv"], place.path);
+  await page.goto(alone.address);
+  await page.waitForSelector(".machine [data-mark=shaft_speed]");
+  await shoot(page, "mapping-pump");
+  await page.locator(".sizes").first().scrollIntoViewIfNeeded();
+  await shoot(page, "mapping-sizes");
+  await page.selectOption("select[name=kind]", "expressions");
+  await page.waitForSelector(".balance");
+  await page.locator(".balance").scrollIntoViewIfNeeded();
+  await shoot(page, "mapping-balance");
+  await alone.stop();
   await context.close();
 }
 

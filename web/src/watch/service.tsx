@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { find } from "../api";
 import { amount, short } from "../units";
 import { CountedIn, useWords } from "../words";
+import type { Words } from "../words/en";
 import { Scroll } from "../workbench/parts";
 import { dateText } from "./shown";
 import type { Overview, ServiceStatus } from "./watch_types";
@@ -56,14 +57,14 @@ function Status({ overview, service }: { overview: Overview; service: ServiceSta
   return (
     <section class="service" data-state={service.state}>
       <h1>{say("view_service")}</h1>
-      <p>{service.machine} · <span lang="en">{service.state}</span> · {say("serviceUp", { time: age(service.uptime_s) })}</p>
+      <p>{service.machine} · {say(`running_${service.state}` as keyof Words)} · {say("serviceUp", { time: age(service.uptime_s) })}</p>
       {problems.map((text) => <p key={text} class="problem" role="alert" lang="en">{text}</p>)}
       <dl class="facts">
-        <div><dt>{say("serviceWriter")}</dt><dd><span lang="en">{writer.state}</span> · {say("serviceStored", { strokes: writer.strokes, rows: writer.rows })}</dd></div>
+        <div><dt>{say("serviceWriter")}</dt><dd>{say(`writer_${writer.state}` as keyof Words)} · {say("serviceStored", { strokes: writer.strokes, rows: writer.rows })}</dd></div>
         <div><dt>{say("serviceLatency")}</dt><dd>{writer.latency_max_s > 0 ? `${short(1e3 * writer.latency_p50_s)} ms p50, ${short(1e3 * writer.latency_p99_s)} ms p99` : "–"}</dd></div>
         <div><dt>{say("serviceQueues")}</dt><dd>{say("serviceWaiting", { batches: inbox.batches, steps: writer.waiting_items, bytes: megabytes(writer.waiting_bytes) })}</dd></div>
         <div><dt>{say("serviceLost")}</dt><dd class={lost > 0 ? "moved" : ""}>{say("serviceLostWhat", { batches: inbox.dropped_batches, rows: writer.dropped_rows, strokes: writer.dropped_strokes })}</dd></div>
-        <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: megabytes(writer.free_bytes), database: megabytes(writer.database_bytes) })}</dd></div>
+        <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: writer.free_bytes > 0 ? megabytes(writer.free_bytes) : "–", database: writer.database_bytes > 0 ? megabytes(writer.database_bytes) : "–" })}</dd></div>
         <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {megabytes(service.memory_bytes)}, {service.descriptors} fd</dd></div>
         {service.valve_check && <div><dt>{say("valveChecks")}</dt><dd lang="en">{service.valve_check}</dd></div>}
         {service.limits && <div><dt>{say("serviceReload")}</dt><dd lang="en">{service.limits}</dd></div>}

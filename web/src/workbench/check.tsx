@@ -5,6 +5,7 @@ import type { CheckResult, LogPicture, Session } from "../types";
 import { short, unitName, unitOf, withInterval } from "../units";
 import { Told, ToldList } from "../told";
 import { useWords } from "../words";
+import type { Words } from "../words/en";
 import { AsPrinted, Scroll } from "./parts";
 
 /** Why a parameter is not known well, and what to do about it. */
@@ -35,7 +36,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
             {check.signals.filter((signal) => signal.present).map((signal) => {
               const unit = unitOf(session.units, signal.unit);
               const shown = (value: number | null) => (value === null ? "–" : short(value * unit.factor + unit.offset, 4));
-              const flags = Object.entries(signal.flags).map(([flag, { count }]) => `${count} × ${flag}`).join(", ");
+              const flags = Object.entries(signal.flags).map(([flag, { count }]) => `${count} × ${say(`flag_${flag}` as keyof Words)}`).join(", ");
               return (
                 <tr key={signal.signal}>
                   <th scope="row">{signal.signal}</th><td class="num">{shown(signal.min)}</td><td class="num">{shown(signal.max)}</td>

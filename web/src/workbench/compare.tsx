@@ -10,7 +10,8 @@ import { Outputs, usePicture } from "./stroke_overlay";
 
 interface Props { compare?: CompareResult; errors: RegionErrors | null; session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
 
-interface Listed { stroke: number; rms: number; noise: number }
+/** `windows`: of a region, how many of the stroke lie there. */
+interface Listed { stroke: number; rms: number; noise: number; windows?: number }
 
 /** Measured beside modelled, stroke by stroke, the worst first; of a region that was chosen, only strokes and windows there. */
 export function Compare({ compare, errors, session, query, setUrl }: Props) {
@@ -58,9 +59,9 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
   );
 }
 
-/** Error energy of a stroke that sensor noise does not explain. */
+/** Error energy of a stroke that sensor noise does not explain; of a region in all of its windows there, since one of them says little. */
 function aboveNoise(stroke: Listed): number {
-  return stroke.rms ** 2 - stroke.noise ** 2;
+  return (stroke.windows ?? 1) * (stroke.rms ** 2 - stroke.noise ** 2);
 }
 
 function FreeRun({ picture, compare }: { picture: StrokePicture; compare: CompareResult }) {

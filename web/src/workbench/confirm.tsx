@@ -6,18 +6,19 @@ import { amount } from "../units";
 import { useTold } from "../told";
 import { useWords } from "../words";
 import { ParameterTable } from "./parameter_table";
+import { useModelName } from "./parts";
 import { Outputs, usePicture } from "./stroke_overlay";
 
 interface Props { compare?: CompareResult; session: Session; query: Record<string, string>; setUrl: (change: Record<string, string>) => void }
 
 /** Whether adding helped, and saving it. */
 export function Confirm({ compare, session, query, setUrl }: Props) {
-  const say = useWords();
+  const say = useWords(), modelName = useModelName();
   const current = session.versions.find((version) => version.current);
   const before = session.versions.find((version) => version.version === current?.parent);
   const left = session.versions.find((version) => String(version.version) === query.left) ?? before ?? session.versions[0];
   const right = session.versions.find((version) => String(version.version) === query.right) ?? current;
-  const name = (version: Version) => `${version.version}: ${version.effects.length > 0 ? `+ ${version.effects.join(" + ")}` : say("base")}`;
+  const name = (version: Version) => `${version.version}: ${modelName(version.effects)}`;
   return (
     <>
       <h1>{say("confirmTitle")}</h1>

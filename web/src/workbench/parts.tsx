@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
-import { Told } from "../told";
+import { useStore } from "../store";
+import { Told, useTold } from "../told";
 import type { Effect } from "../types";
 import { useWords } from "../words";
 
@@ -12,6 +13,16 @@ export function Scroll({ label, children }: { label: string; children: Component
 export function TitleOf({ id, effects }: { id: string; effects: Effect[] }) {
   const effect = effects.find((e) => e.id === id);
   return effect?.title ? <Told of={effect} what="title" /> : <>{id}</>;
+}
+
+/** What a model with these effects is called. */
+export function useModelName(): (effects: string[]) => string {
+  const say = useWords(), tell = useTold();
+  const { effects: library } = useStore();
+  return (effects) => {
+    const titles = effects.map((id) => { const known = library.find((effect) => effect.id === id); return known?.title ? tell(known, "title").text : id; });
+    return titles.length > 0 ? `+ ${titles.join(" + ")}` : say("base");
+  };
 }
 
 /** The text of the command, word for word. */

@@ -3,6 +3,7 @@ import { work } from "../store";
 import type { Session } from "../types";
 import { amount } from "../units";
 import { useWords } from "../words";
+import { useModelName } from "./parts";
 import { refreshWatch, useWatch } from "../watch/watch_store";
 
 /** The model worked on becomes the one that the machine is watched with. */
@@ -15,7 +16,7 @@ export function Promote({ session }: { session: Session }) {
   const [problem, setProblem] = useState("");
   const current = session.versions.find((version) => version.current);
   const watched = overview?.machines?.find((machine) => machine.machine === session.strokes?.machine);
-  const names = (effects: string[]) => (effects.length > 0 ? `+ ${effects.join(" + ")}` : say("base"));
+  const names = useModelName();
   const promote = async () => {
     setBusy(true);
     setProblem("");

@@ -3,6 +3,7 @@ import { work } from "../store";
 import type { Session, Version } from "../types";
 import { amount } from "../units";
 import { useWords } from "../words";
+import { useModelName } from "./parts";
 
 /** How many versions it stands away from the first. */
 function depth(version: Version, versions: Version[]): number {
@@ -12,7 +13,7 @@ function depth(version: Version, versions: Version[]): number {
 
 /** The error on strokes left out of every version of the model, beside what sensor noise alone would cause. */
 export function Staircase({ session }: { session: Session }) {
-  const say = useWords();
+  const say = useWords(), modelName = useModelName();
   const [busy, setBusy] = useState(false);
   const [problem, setProblem] = useState("");
   const judged = session.versions.filter((version) => version.rms_holdout !== null);
@@ -32,7 +33,7 @@ export function Staircase({ session }: { session: Session }) {
         {session.versions.map((version) => (
           <li key={version.version} class={version.current ? "current" : ""} style={{ marginLeft: `${Math.min(4, depth(version, session.versions)) * 8}px` }}>
             <div class="head">
-              <strong>{version.version}</strong> <span>{version.effects.length === 0 ? say("base") : `+ ${version.effects.join(" + ")}`}</span>
+              <strong>{version.version}</strong> <span>{modelName(version.effects)}</span>
             </div>
             <div class="bar">
               {version.rms_holdout !== null && <i style={{ width: `${(100 * version.rms_holdout) / largest}%` }} />}

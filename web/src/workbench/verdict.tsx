@@ -7,6 +7,7 @@ import { Experiment } from "./experiment";
 import { AsPrinted, TitleOf } from "./parts";
 import { rangeWords } from "./region";
 import { Remainder } from "./remainder";
+import { Swap } from "./swap";
 
 interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: string; choose: (effect: string) => void }
 
@@ -17,7 +18,6 @@ export function Verdict({ explain, effects, units, problem, choose }: Props) {
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
   const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: amount(explain.noise_floor, unit) };
-  const swap = explain.swap;
   return (
     <section class={`verdict-panel ${explain.verdict}`}>
       <h2>{say("verdictTitle")}</h2>
@@ -29,7 +29,7 @@ export function Verdict({ explain, effects, units, problem, choose }: Props) {
       <p>{say(explain.set.length > 0 ? "verdictErrors" : "verdictError", errors)}</p>
       {Object.entries(explain.final.drifts ?? {}).map(([id, text]) => <p key={id}>{say("drift", { text: "" })}<Told of={{ text, german: { text: explain.final.german?.drifts[id] } }} what="text" /></p>)}
       {explain.odd_strokes?.map((odd) => <p key={odd.strokes.join()}>{say("oddStrokes", { strokes: odd.strokes.join(", ") })}</p>)}
-      {swap && <p>{say(swap.in.length > 0 ? "swap" : "swapOut", { out: swap.out, in: swap.in.join(" + "), before: amount(swap.rms_holdout_before, unit), after: amount(swap.rms_holdout_after, unit) })}</p>}
+      {explain.swap && <Swap swap={explain.swap} unit={unit} effects={effects} />}
       {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}
       {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}
       <Experiment explain={explain} units={units} />
