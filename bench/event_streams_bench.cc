@@ -1,6 +1,6 @@
-// Event streams of the page by libmicrohttpd (page/http_server.h) beside the same by Boost.Beast, in one run: 200 readers, 50 of
+// Event streams of the page by libmicrohttpd (page/http/http_server.h) beside the same by Boost.Beast, in one run: 200 readers, 50 of
 // which read nothing, and a client that keeps asking for something else. Each server is a process of its own with one thread
-// for all connections and the same bounded feed (page/event_feed.h).
+// for all connections and the same bounded feed (page/http/event_feed.h).
 //   event_streams_bench [SECONDS [RUNS]]    default 10 s each, 3 times in turn
 #include <fmt/format.h>
 #include <sys/epoll.h>
@@ -22,8 +22,8 @@
 #include <thread>
 #include <vector>
 
-#include "page/event_feed.h"
-#include "page/http_server.h"
+#include "page/http/event_feed.h"
+#include "page/http/http_server.h"
 
 namespace hydroscope {
 namespace {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "models/machine_kind.h"
-#include "page/json_arguments.h"
+#include "page/http/json_arguments.h"
 
 namespace hydroscope {
 namespace {

@@ -2,11 +2,11 @@
 #include <cstdlib>
 
 #include "page/api_arguments.h"
-#include "page/own_effect.h"
-#include "page/region.h"
 #include "page/watch/alarm_request.h"
 #include "page/watch/learn_request.h"
 #include "page/watch/trend_question.h"
+#include "page/work/own_effect.h"
+#include "page/work/region.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hydroscope;

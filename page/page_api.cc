@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "page/assets.h"
-#include "page/json_arguments.h"
-#include "page/json_reply.h"
-#include "page/request_guard.h"
+#include "page/http/json_arguments.h"
+#include "page/http/json_reply.h"
+#include "page/http/request_guard.h"
 
 namespace hydroscope {
 namespace {

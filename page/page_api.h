@@ -3,9 +3,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "page/access/login_api.h"
-#include "page/http_message.h"
+#include "page/http/http_message.h"
 #include "page/watch/watch_api.h"
-#include "page/work_session.h"
+#include "page/work/work_session.h"
 
 namespace hydroscope {
 

@@ -6,8 +6,8 @@
 #include "page/access/gate.h"
 #include "page/access/login_api.h"
 #include "page/assets.h"
+#include "page/http/request_guard.h"
 #include "page/page_api.h"
-#include "page/request_guard.h"
 
 namespace hydroscope {
 

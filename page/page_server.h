@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/result.h"
-#include "page/http_server.h"
+#include "page/http/http_server.h"
 #include "page/watch/watch_options.h"
-#include "page/work_session.h"
+#include "page/work/work_session.h"
 
 namespace hydroscope {
 

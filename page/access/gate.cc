@@ -2,7 +2,7 @@
 
 #include "page/access/secrets.h"
 #include "page/api_route.h"
-#include "page/request_guard.h"
+#include "page/http/request_guard.h"
 
 namespace hydroscope {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "page/access/logins.h"
-#include "page/http_message.h"
+#include "page/http/http_message.h"
 
 namespace hydroscope {
 

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "page/access/secrets.h"
-#include "page/json_arguments.h"
-#include "page/json_reply.h"
-#include "page/request_guard.h"
+#include "page/http/json_arguments.h"
+#include "page/http/json_reply.h"
+#include "page/http/request_guard.h"
 
 namespace hydroscope {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "page/access/logins.h"
 #include "page/api_route.h"
-#include "page/http_message.h"
+#include "page/http/http_message.h"
 
 namespace hydroscope {
 

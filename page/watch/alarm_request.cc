@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "page/json_arguments.h"
+#include "page/http/json_arguments.h"
 
 namespace hydroscope {
 namespace {

@@ -1,6 +1,6 @@
 #include "page/watch/learn_request.h"
 
-#include "page/json_arguments.h"
+#include "page/http/json_arguments.h"
 
 namespace hydroscope {
 

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "page/job_queue.h"
 #include "page/watch/learn_request.h"
 #include "page/watch/watch_options.h"
+#include "page/work/job_queue.h"
 
 namespace hydroscope {
 

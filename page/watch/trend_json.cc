@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
-#include "page/json_number.h"
+#include "page/http/json_number.h"
 
 namespace hydroscope {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "page/api_route.h"
-#include "page/http_message.h"
+#include "page/http/http_message.h"
 #include "page/watch/learning.h"
 #include "page/watch/trend_cache.h"
 #include "page/watch/watcher.h"

@@ -12,7 +12,7 @@
 #include "models/model_structure.h"
 #include "monitor/mean_deviation.h"
 #include "monitor/rules_for.h"
-#include "page/json_number.h"
+#include "page/http/json_number.h"
 #include "workbench/history/stroke_history.h"
 
 namespace hydroscope {
@@ -165,8 +165,11 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
     if (parameter.si.empty()) {
       parameter.si = quantity.unit;
       parameter.info = InfoForQuantity(*model_->kind, quantity, typical);
-      for (const auto& effect : model_->effects)
-        if (quantity.effect && parameter.info.name == effect->title) parameter.german = effect->german.title;
+      for (const auto& effect : model_->effects) {
+        if (!quantity.effect || effect->id != quantity.name) continue;
+        parameter.info.name = effect->title;
+        parameter.german = effect->german.title;
+      }
     }
     parameter.smallest = monitor->sizes(q).smallest;
     if (!quantity.effect) parameter.healthy = monitor->reference().curves()[static_cast<std::size_t>(q)];

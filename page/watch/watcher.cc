@@ -14,7 +14,7 @@
 #include "host/real_clock.h"
 #include "models/counted_words.h"
 #include "monitor/alarm_json.h"
-#include "page/json_number.h"
+#include "page/http/json_number.h"
 #include "storage/file_identity.h"
 
 namespace hydroscope {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "page/event_feed.h"
+#include "page/http/event_feed.h"
 #include "page/watch/watch_options.h"
 #include "page/watch/watched_machine.h"
 

@@ -37,7 +37,7 @@ test("the overview says what stands and what moved, and never green while nothin
   await page.waitForSelector(".tile .health-M");
   assert.match(await page.locator(".tile .health").innerText(), /Maintenance required/);
   const leak = page.locator(".tile tr", { hasText: "internal_leakage" });
-  assert.match(await leak.innerText(), /changed/);
+  assert.match(await leak.innerText(), /Internal leakage past the piston seal[^]*changed/);
   assert.match(await page.locator(".tile .facts-line").innerText(), /15\d strokes · last Mar 1, 2026/);
   // the newest values are those that `trends` prints
   const summary = json(["trends", "--db", "press.db"]).summary.find((s) => s.parameter === "K");

@@ -204,7 +204,7 @@ export const deWatch: typeof enWatch = {
   valveSure: "Soll die Steuerung gebeten werden, das Ventil durchzufahren? Sie tut es, wenn die Presse steht.",
   valveNoService: "Um Sweeps bittet ein laufender Dienst.",
 
-  running_running: "läuft",
+  running_running: "in Betrieb",
   running_stopping: "hält an",
   writer_writing: "schreibt",
   writer_disk_full: "die Platte ist voll; er wartet und versucht es wieder",
@@ -212,7 +212,7 @@ export const deWatch: typeof enWatch = {
   writer_failing: "die Platte nimmt nichts an; er versucht es wieder",
   writer_gone: "die Datei der Datenbank ist weg",
   writer_damaged: "die Datei der Datenbank ist beschädigt",
-  serviceUp: "läuft seit {time}",
+  serviceUp: "seit {time}",
   serviceWriter: "Schreiber",
   serviceStored: "{strokes} <Hübe|Episoden>, {rows} Zeilen gespeichert",
   serviceLatency: "<Vom Hub|Von der Episode> zur Schätzung",

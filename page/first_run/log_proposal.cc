@@ -1,0 +1,258 @@
+#include "page/first_run/log_proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/units.h"
+#include "models/machine_kind.h"
+#include "page/first_run/log_picture.h"
+#include "page/work/machine_info.h"
+#include "setup/column_meaning.h"
+#include "setup/kind_columns.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kThumbnailPoints = 120;
+
+const LogColumn* FindColumn(const LogColumns& log, const std::string& reference) {
+  for (const LogColumn& column : log.columns)
+    if (column.reference == reference) return &column;
+  return nullptr;
+}
+
+/// Whether the column's own name says that it is `signal` of a machine of this kind (nullptr: not known): what its name says of the
+/// unit then counts too.
+bool Means(const LogColumns& log, const LogColumn& column, const MachineKind* kind,
+           const std::string& signal) {
+  if (kind != nullptr && kind->draft.suits == nullptr && signal != "time") {
+    const std::vector<KindColumn> named = ColumnsByName(log, *kind);
+    return std::any_of(named.begin(), named.end(), [&](const KindColumn& known) {
+      return known.signal->name == signal && &log.columns[known.column] == &column;
+    });
+  }
+  const auto role = RoleByName(column.name);
+  return role && (*role == Role::kTime ? "time" : SignalNameOf(*role)) == signal;
+}
+
+/// Reference of the column that the proposal reads as `signal`; "" if none.
+std::string ColumnOf(const MachineProposal& proposal, const std::string& signal) {
+  if (signal == "time") return proposal.machine.log.time_column;
+  const int index = proposal.machine.SignalIndex(signal);
+  return index < 0 ? "" : proposal.machine.signals[static_cast<std::size_t>(index)].column;
+}
+
+nlohmann::json PinJson(const LogColumns& log, const MachineProposal& proposal, const std::string& signal,
+                       const Wording& meaning, bool required, std::string_view si) {
+  nlohmann::json pin = {{"signal", signal},
+                        {"meaning", meaning.english},
+                        {"german", {{"meaning", meaning.german}}},
+                        {"required", required},
+                        {"si", si},
+                        {"column", nullptr},
+                        {"unit", nullptr},
+                        {"why", nullptr},
+                        {"sure", false}};
+  const std::string reference = ColumnOf(proposal, signal);
+  const LogColumn* column = FindColumn(log, reference);
+  if (column == nullptr) return pin;
+  pin["column"] = reference;
+  for (const ProposedColumn& proposed : proposal.columns)
+    if (proposed.signal == signal)
+      pin.update({{"unit", proposed.unit},
+                  {"why", proposed.why.english},
+                  {"german", {{"meaning", meaning.german}, {"why", proposed.why.german}}},
+                  {"sure", proposed.sure}});
+  const int index = proposal.machine.SignalIndex(signal);
+  if (index < 0) return pin;
+  const SignalSpec& spec = proposal.machine.signals[static_cast<std::size_t>(index)];
+  const Unit unit = FindUnit(spec.unit).value_or(Unit{});
+  const DisplayUnit shown = DisplayUnitFor(unit.si);
+  const auto show = [&](double raw) {
+    return ((raw * spec.scale + spec.offset) * unit.scale + unit.offset) * shown.factor + shown.offset;
+  };
+  pin.update({{"low", std::fmin(show(column->low), show(column->high))},
+              {"high", std::fmax(show(column->low), show(column->high))},
+              {"shown_unit", shown.name}});
+  return pin;
+}
+
+/// What the machine's kind reads, then signals of its own.
+nlohmann::json PinsJson(const LogColumns& log, const MachineProposal& proposal) {
+  nlohmann::json pins = nlohmann::json::array();
+  pins.push_back(PinJson(log, proposal, "time", {"time", "Zeit"}, false, "s"));
+  const MachineKind& kind = KindOf(proposal.machine);
+  for (const MachineInput& input : kind.signals)
+    pins.push_back(PinJson(log, proposal, std::string(input.name), input.meaning, input.required, input.si));
+  for (const SignalSpec& spec : proposal.machine.signals) {
+    const bool known = std::any_of(kind.signals.begin(), kind.signals.end(),
+                                   [&](const MachineInput& input) { return input.name == spec.name; });
+    const auto unit = FindUnit(spec.unit);
+    if (!known) pins.push_back(PinJson(log, proposal, spec.name, "", spec.required, unit ? unit->si : "1"));
+  }
+  return pins;
+}
+
+nlohmann::json ColumnsJson(const LogColumns& log, const nlohmann::json& pins) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const LogColumn& column : log.columns) {
+    nlohmann::json signal;
+    for (const nlohmann::json& pin : pins)
+      if (pin["column"] == column.reference) signal = pin["signal"];
+    out.push_back({{"column", column.reference},
+                   {"name", column.name},
+                   {"unit", column.unit},
+                   {"low", column.low},
+                   {"high", column.high},
+                   {"numeric", column.numeric()},
+                   {"thumbnail", ThumbnailJson(column.value, kThumbnailPoints)},
+                   {"signal", signal}});
+  }
+  return out;
+}
+
+/// The unit in which people read a known value: that of its kind, else the usual one.
+DisplayUnit ShownOf(const MachineInput& input) {
+  const auto own = FindUnit(input.unit);
+  if (!own || own->scale == 1) return DisplayUnitFor(input.si);
+  return {1 / own->scale, -own->offset / own->scale, input.unit};
+}
+
+nlohmann::json KindsJson(const Machine& machine) {
+  std::vector<const MachineKind*> kinds = KindsToChoose();
+  if (const MachineKind* own = &KindOf(machine); std::find(kinds.begin(), kinds.end(), own) == kinds.end())
+    kinds.push_back(own);
+  nlohmann::json out = nlohmann::json::array();
+  for (const MachineKind* kind : kinds)
+    out.push_back(
+        {{"id", kind->id}, {"title", kind->title.english}, {"german", {{"title", kind->title.german}}}});
+  return out;
+}
+
+/// null of a machine whose balance is built in.
+nlohmann::json BalanceJson(const Machine& machine) {
+  if (!KindOf(machine).own_library) return nullptr;
+  nlohmann::json terms = nlohmann::json::array();
+  for (const TermSpec& term : machine.balance.terms)
+    terms.push_back({{"name", term.parameter}, {"expression", term.expression}});
+  return {{"output", machine.balance.output}, {"terms", terms}};
+}
+
+/// What is wrong with a machine file, without the place in a text that nobody looks at.
+std::string WithoutPlace(const std::string& problem) {
+  const std::size_t section = problem.find('[');
+  return section == problem.npos ? problem : problem.substr(section);
+}
+
+nlohmann::json GeometryJson(const Machine& machine) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const MachineInput& input : KindOf(machine).geometry) {
+    const auto known = machine.Geometry(std::string(input.name));
+    const DisplayUnit shown = ShownOf(input);
+    out.push_back({{"name", input.name},
+                   {"unit", {{"factor", shown.factor}, {"offset", shown.offset}, {"name", shown.name}}},
+                   {"otherwise", input.otherwise ? nlohmann::json(*input.otherwise) : nlohmann::json()},
+                   {"meaning", input.meaning.english},
+                   {"german", {{"meaning", input.meaning.german}}},
+                   {"required", input.required},
+                   {"si", input.si},
+                   {"value", known ? nlohmann::json(known->value) : nlohmann::json()},
+                   {"lowest", input.lowest},
+                   {"highest", input.highest}});
+  }
+  return out;
+}
+
+nlohmann::json GateJson(const Machine& machine) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const GateBound& bound : machine.gate.bounds) {
+    const int index = machine.SignalIndex(bound.signal);
+    const auto unit =
+        index < 0 ? std::nullopt : FindUnit(machine.signals[static_cast<std::size_t>(index)].unit);
+    out.push_back({{"signal", bound.signal},
+                   {"rate", bound.rate},
+                   {"magnitude", bound.magnitude},
+                   {"si", unit ? unit->si : "1"},
+                   {"min", bound.min ? nlohmann::json(*bound.min) : nlohmann::json()},
+                   {"max", bound.max ? nlohmann::json(*bound.max) : nlohmann::json()}});
+  }
+  return out;
+}
+
+/// s from the first row looked at to the last, by the proposed time column; NaN without one.
+double DurationOf(const LogColumns& log, const Machine& machine) {
+  const LogColumn* time = FindColumn(log, machine.log.time_column);
+  if (time == nullptr || time->value.size() < 2) return std::nan("");
+  const double scale = FindUnit(machine.log.time_unit).value_or(Unit{}).scale;
+  return (time->value.back() - time->value.front()) * scale;
+}
+
+}  // namespace
+
+MachineProposal ProposeMapped(const LogColumns& log, const ColumnMapping& mapping) {
+  ProposalOptions options;
+  options.known = mapping.geometry;
+  options.model = mapping.model;
+  const MachineKind* kind = FindKind(mapping.model);
+  LogColumns mapped = log;
+  if (!mapping.columns.empty()) {
+    mapped.columns.clear();
+    for (const ColumnMapping::Entry& entry : mapping.columns) {
+      const LogColumn* column = FindColumn(log, entry.column);
+      if (column == nullptr || entry.signal.empty()) continue;
+      mapped.columns.push_back(*column);
+      LogColumn& put = mapped.columns.back();
+      if (!Means(log, *column, kind, entry.signal)) {
+        if (put.unit.empty()) put.unit = UnitInName(put.name);
+        put.name = entry.signal == "time" ? "t" : entry.signal;
+        options.placed.insert(entry.signal);
+      }
+      if (!entry.unit.empty()) put.unit = entry.unit;
+    }
+  }
+  MachineProposal proposal = ProposeMachine(mapped, options);
+  Machine& machine = proposal.machine;
+  for (const MachineInput& input : KindOf(machine).geometry)  // also what the draft had a usual value for
+    if (const auto known = mapping.geometry.find(std::string(input.name)); known != mapping.geometry.end())
+      machine.geometry[known->first] = {known->second, 0};
+  if (mapping.gate) machine.gate.bounds = *mapping.gate;
+  if (mapping.balance && KindOf(machine).own_library) machine.balance = *mapping.balance;
+  if (!mapping.columns.empty() || mapping.gate || mapping.balance || !mapping.geometry.empty())
+    proposal.text = FormatMachine(machine);
+  return proposal;
+}
+
+nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& proposal) {
+  const Machine& machine = proposal.machine;
+  const nlohmann::json pins = PinsJson(log, proposal);
+  const auto usable = ParseMachine(proposal.text, machine.name);
+  nlohmann::json problem;
+  if (!usable)
+    problem = WithoutPlace(usable.error().text);
+  else if (KindOf(machine).build != nullptr)
+    if (const auto built = KindOf(machine).build(*usable); !built) problem = WithoutPlace(built.error().text);
+  return {{"machine", machine.name},
+          {"model", machine.model},
+          {"title", KindOf(machine).title.english},
+          {"german",
+           {{"title", KindOf(machine).title.german},
+            {"decided", InGerman(proposal.decided)},
+            {"open", InGerman(proposal.open)}}},
+          {"kinds", KindsJson(machine)},
+          {"balance", BalanceJson(machine)},
+          {"picture", PictureJson(machine)},
+          {"pins", pins},
+          {"columns", ColumnsJson(log, pins)},
+          {"geometry", GeometryJson(machine)},
+          {"gate", GateJson(machine)},
+          {"units", UnitNames()},
+          {"decided", InEnglish(proposal.decided)},
+          {"open", InEnglish(proposal.open)},
+          {"rows", log.rows},
+          {"duration_s", DurationOf(log, machine)},
+          {"text", proposal.text},
+          {"problem", problem}};
+}
+
+}  // namespace hydroscope

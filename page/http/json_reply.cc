@@ -1,0 +1,18 @@
+#include "page/http/json_reply.h"
+
+#include <nlohmann/json.hpp>
+
+#include "host/output.h"
+
+namespace hydroscope {
+
+HttpReply JsonReply(nlohmann::json json, unsigned status) {
+  if (!json.contains("schema")) json["schema"] = kJsonSchema;
+  return {status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+HttpReply FailureReply(const Error& error) {
+  return ErrorReply(error.kind == ErrorKind::kInternal ? 500 : 400, error.text);
+}
+
+}  // namespace hydroscope

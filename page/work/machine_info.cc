@@ -1,0 +1,60 @@
+#include "page/work/machine_info.h"
+
+#include <nlohmann/json.hpp>
+
+#include "models/counted_words.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+namespace {
+
+/// "" of signals that the kind of the machine does not know.
+Wording MeaningOf(const MachineKind& kind, const std::string& signal) {
+  for (const MachineInput& input : kind.signals)
+    if (input.name == signal) return input.meaning;
+  return "";
+}
+
+}  // namespace
+
+nlohmann::json PictureJson(const Machine& machine) {
+  const MachinePicture picture = PictureOf(machine);
+  nlohmann::json places = nlohmann::json::array();
+  for (const SignalPlace& place : picture.places) {
+    const Wording meaning = MeaningOf(KindOf(machine), place.signal);
+    places.push_back({{"signal", place.signal},
+                      {"x", place.x},
+                      {"y", place.y},
+                      {"to_x", place.to_x},
+                      {"to_y", place.to_y},
+                      {"meaning", meaning.english},
+                      {"german", {{"meaning", meaning.german}}}});
+  }
+  return {
+      {"width", picture.width}, {"height", picture.height}, {"drawing", picture.drawing}, {"places", places}};
+}
+
+nlohmann::json MachineInfoJson(const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  const MachineWords words = WordsOf(machine);
+  nlohmann::json own_effects = nlohmann::json::array();
+  for (const UserEffectSpec& effect : machine.user_effects) own_effects.push_back(effect.id);
+  return {{"name", machine.name},
+          {"title", kind.title.english},
+          {"own_effects", own_effects},
+          {"version", machine.model_version},
+          {"effects", machine.added_effects},
+          {"output", words.output.english},
+          {"stroke", words.stroke.english},
+          {"sign", words.sign.english},
+          {"german",
+           {{"title", kind.title.german},
+            {"output", words.output.InGerman()},
+            {"stroke", words.stroke.InGerman()},
+            {"sign", words.sign.german}}},
+          {"picture", PictureJson(machine)},
+          {"counted", CountedWordsOf(machine).one},
+          {"states", kind.has_states}};
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,78 @@
+#include "page/work/own_effect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "models/machine_kind.h"
+#include "page/api_arguments.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr const char* kSize = "k";               ///< name of the size of every effect written on the page
+constexpr std::size_t kLongestExpression = 300;  ///< characters
+
+bool IsName(const std::string& text) {
+  const auto fine = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  return !text.empty() && text.front() >= 'a' && text.front() <= 'z' &&
+         std::all_of(text.begin(), text.end(), fine);
+}
+
+/// Nothing that would end a text between quotes in a machine file.
+bool IsPlain(const std::string& text) {
+  return text.size() <= kLongestExpression && std::all_of(text.begin(), text.end(), [](char c) {
+           return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+         });
+}
+
+/// A message of the machine file's parser without the place in the file, which nobody sees here.
+std::string WithoutPlace(const std::string& message) {
+  const std::string key = fmt::format("{}: ", kSize);
+  const std::size_t at = message.find("[effect"), after = message.find(key, at);
+  return at == message.npos || after == message.npos ? message : message.substr(after + key.size());
+}
+
+}  // namespace
+
+Result<OwnEffect> ParseOwnEffect(const std::string& body) {
+  OwnEffect effect;
+  for (const auto& [key, text] :
+       {std::pair("id", &effect.id), {"expression", &effect.expression}, {"unit", &effect.unit}}) {
+    auto value = ParseText(body, key);
+    if (!value) return tl::unexpected(value.error());
+    *text = std::move(*value);
+  }
+  const nlohmann::json json = nlohmann::json::parse(body, nullptr, false);
+  for (const auto& [key, flag] : {std::pair("not_negative", &effect.not_negative), {"keep", &effect.keep}}) {
+    if (!json.contains(key)) continue;
+    if (!json[key].is_boolean()) return BadInput("{}: expected true or false", key);
+    *flag = json[key].get<bool>();
+  }
+  if (!IsName(effect.id))
+    return BadInput("id: found '{}', expected small letters, digits and _, a letter first", effect.id);
+  if (!IsPlain(effect.expression) || effect.expression.find_first_not_of(' ') == std::string::npos)
+    return BadInput("expression: expected up to {} characters without quotes, such as p*sign(ddt(x))",
+                    kLongestExpression);
+  if (!IsPlain(effect.unit)) return BadInput("unit: expected an SI unit, such as m3/(s Pa)");
+  return effect;
+}
+
+Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffect& effect) {
+  std::string text = machine_text;
+  if (!text.ends_with('\n')) text += '\n';
+  text += fmt::format("\n[[effect]]\nid = \"{}\"\ndescription = \"{}\"\nterms = {{ {} = \"{}\" }}\n",
+                      effect.id, effect.id, kSize, effect.expression);
+  if (!effect.unit.empty()) text += fmt::format("unit = \"{}\"\n", effect.unit);
+  if (effect.not_negative) text += "min = 0\n";
+  const auto machine = ParseMachine(text, "machine file");
+  if (!machine) return BadInput("{}", WithoutPlace(machine.error().text));
+  const MachineKind& kind = KindOf(*machine);
+  if (kind.build == nullptr) return BadInput("this kind of machine takes effects in its machine file only");
+  if (const auto built = kind.build(*machine); !built)
+    return BadInput("{}", WithoutPlace(built.error().text));
+  return text;
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,95 @@
+#include "page/work/stored_strokes.h"
+
+#include <algorithm>
+
+#include "models/machine.h"
+#include "storage/database.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kRowsAround = 0.5;  ///< s before and behind a stroke, in which its gate opens and closes
+
+Result<std::int64_t> MachineNamed(Database& database, const std::string& machine) {
+  const auto names = database.MachineNames();
+  if (!names) return tl::unexpected(names.error());
+  if (std::find(names->begin(), names->end(), machine) == names->end())
+    return BadInput("the database has no machine '{}'", machine);
+  return database.MachineId(machine);
+}
+
+/// The newest strokes of the run between these whose raw rows are kept; without strokes: last < first.
+Result<KeptStrokes::Piece> KeptOfRun(const Database& database, std::int64_t id, const StrokeStretch& stretch,
+                                     const RunInfo& run, const RawExtent& extent) {
+  const std::int64_t begin = std::max(stretch.first, run.first_sequence),
+                     end = std::min(stretch.last + 1, run.first_sequence + run.strokes);
+  KeptStrokes::Piece piece{begin, begin - 1, ""};
+  if (begin >= end) return piece;
+  const auto summaries = database.SummariesOf(id, begin, end, end - begin);
+  if (!summaries) return tl::unexpected(summaries.error());
+  double from = 0, to = 0;
+  for (const StrokeSummary& stroke : *summaries) {
+    if (stroke.begin < extent.first || stroke.end > extent.last) continue;
+    if (piece.last < piece.first) {
+      piece.first = stroke.index;
+      from = stroke.begin;
+    }
+    piece.last = stroke.index;
+    to = stroke.end;
+  }
+  piece.log = fmt::format("/{}@={:.6f}:{:.6f}", run.id, from - kRowsAround, to + kRowsAround);
+  return piece;
+}
+
+}  // namespace
+
+Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch& asked) {
+  auto database = Database::OpenReadOnly(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto id = MachineNamed(*database, asked.machine);
+  if (!id) return tl::unexpected(id.error());
+  const auto end = database->EndSequence(*id);
+  if (!end) return tl::unexpected(end.error());
+  StrokeStretch stretch = asked;
+  stretch.last = std::min(stretch.last, *end - 1);
+  stretch.first = std::max(stretch.first, stretch.last - KeptStrokes::kMost + 1);
+  const auto runs = database->Runs(*id);
+  const auto extents = database->RawExtents(*id);
+  if (!runs) return tl::unexpected(runs.error());
+  if (!extents) return tl::unexpected(extents.error());
+  KeptStrokes kept;
+  for (const RunInfo& run : *runs) {
+    const auto extent =
+        std::find_if(extents->begin(), extents->end(), [&](const RawExtent& e) { return e.run == run.id; });
+    if (extent == extents->end()) continue;
+    auto piece = KeptOfRun(*database, *id, stretch, run, *extent);
+    if (!piece) return tl::unexpected(piece.error());
+    if (piece->last < piece->first) continue;
+    piece->log = path + "#" + asked.machine + piece->log;
+    kept.pieces.push_back(std::move(*piece));
+  }
+  if (kept.pieces.empty())
+    return BadInput(
+        "the raw signals of strokes {} to {} are not kept: a service keeps those of the last days (--raw-days, "
+        "--raw-gb), a replay none",
+        asked.first, asked.last);
+  const auto promoted = database->PromotedModel(*id);
+  if (!promoted) return tl::unexpected(promoted.error());
+  const auto model = *promoted ? Result<ModelVersion>(**promoted)
+                               : database->GetModelVersion(*id, runs->back().model_version);
+  if (!model) return tl::unexpected(model.error());
+  kept.definition = model->definition;
+  return kept;
+}
+
+Status PromoteWorkedOn(const std::string& path, Promotion promotion) {
+  auto database = Database::Open(path);
+  if (!database) return tl::unexpected(database.error());
+  const auto id = MachineNamed(*database, promotion.machine);
+  if (!id) return tl::unexpected(id.error());
+  promotion.id = *id;
+  const auto promoted = Promote(*database, path, promotion);
+  return promoted ? Status() : tl::unexpected(promoted.error());
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,489 @@
+#include "page/work/work_session.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "host/real_clock.h"
+#include "host/text_file.h"
+#include "models/counted_words.h"
+#include "models/machine_kind.h"
+#include "page/first_run/log_picture.h"
+#include "page/first_run/log_proposal.h"
+#include "page/work/machine_info.h"
+#include "page/work/machine_versions.h"
+#include "replay/log_head.h"
+#include "workbench/model/model_edit.h"
+#include "workbench/model/model_output.h"
+
+namespace hydroscope {
+namespace {
+
+using Kind = WorkRequest::Kind;
+
+/// "" where it cannot be read.
+std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or(""); }
+
+std::string KeyOf(const std::string& kind, const std::string& about) {
+  return about.empty() ? kind : kind + " " + about;
+}
+
+}  // namespace
+
+WorkSession::WorkSession(std::vector<ExampleLog> examples, EventFeed& feed,
+                         std::unique_ptr<ScratchFolder> folder, int niceness)
+    : examples_(std::move(examples)), feed_(feed), folder_(std::move(folder)), jobs_(feed, niceness) {}
+
+Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::string>& logs,
+                                                         const std::string& machine_file,
+                                                         std::vector<ExampleLog> examples, EventFeed& feed,
+                                                         int niceness) {
+  auto folder = ScratchFolder::Make();
+  if (!folder) return tl::unexpected(folder.error());
+  std::unique_ptr<WorkSession> session(
+      new WorkSession(std::move(examples), feed, std::move(*folder), niceness));
+  for (const char* name : {"/uploads", "/machine"})
+    std::filesystem::create_directory(session->folder_->path() + name);
+  for (const std::string& log : logs) session->logs_.push_back({log, log});
+  if (machine_file.empty()) return session;
+  if (const auto machine = LoadMachine(machine_file); !machine) return tl::unexpected(machine.error());
+  const Status used = session->UseMachine(std::filesystem::path(machine_file).filename().string(),
+                                          TextIn(machine_file), machine_file);
+  if (!used) return tl::unexpected(used.error());
+  for (const KeptVersion& kept : KeptVersions(machine_file))  // so that earlier versions can be gone back to
+    std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_file_).parent_path() /
+                                              std::filesystem::path(kept.path).filename());
+  return session;
+}
+
+void WorkSession::ForgetResults() {
+  ++generation_;
+  results_.clear();
+  strokes_.clear();
+  pictures_.clear();
+}
+
+void WorkSession::Changed() { feed_.Publish(R"({"state":"changed"})"); }
+
+std::string WorkSession::WithoutFolder(std::string text) const {
+  for (const char* name : {"/uploads/", "/machine/"}) {
+    const std::string folder = folder_->path() + name;
+    for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder)) {
+      const std::size_t numbered = text.find('/', at + folder.size());
+      text.erase(at, numbered == text.npos ? folder.size() : numbered + 1 - at);
+    }
+  }
+  return text;
+}
+
+Status WorkSession::UseMachine(const std::string& name, const std::string& text, const std::string& target) {
+  const auto machine = ParseMachine(text, name);
+  if (!machine) return tl::unexpected(machine.error());
+  const std::lock_guard lock(mutex_);
+  const std::string folder = fmt::format("{}/machine/{}", folder_->path(), generation_);
+  std::filesystem::create_directory(folder);
+  std::string plain = PlainFileName(name);
+  if (!plain.ends_with(".toml")) plain += ".toml";
+  if (const Status written = WriteTextFile(folder + "/" + plain, text); !written) return written;
+  machine_file_ = folder + "/" + plain;
+  target_ = target;
+  saved_text_ = target.empty() ? "" : text;
+  ForgetResults();
+  return {};
+}
+
+std::string WorkSession::UploadFile() {
+  const std::lock_guard lock(mutex_);
+  const std::string folder = fmt::format("{}/uploads/{}", folder_->path(), ++uploads_);
+  std::filesystem::create_directory(folder);
+  return folder + "/upload";
+}
+
+Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
+  const std::string plain = PlainFileName(name);
+  if (plain.empty()) return BadInput("name: expected the name of the log, such as press.csv");
+  const std::string path = (std::filesystem::path(file).parent_path() / plain).string();
+  std::error_code failure;
+  std::filesystem::rename(file, path, failure);
+  if (failure) return InternalError("the upload cannot be kept: {}", failure.message());
+  if (const auto head = ReadLogHead(path); !head) {
+    std::filesystem::remove(path, failure);
+    return BadInput("{}", WithoutFolder(head.error().text));
+  }
+  const std::lock_guard lock(mutex_);
+  logs_.push_back({plain, path});
+  columns_.reset();
+  ForgetResults();
+  Changed();
+  return {};
+}
+
+Status WorkSession::TakeMachine(const std::string& name, const std::string& text) {
+  const Status used = UseMachine(name, text, "");
+  if (used) Changed();
+  return used;
+}
+
+Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
+  for (const ExampleLog& example : examples_) {
+    if (example.id != id) continue;
+    const std::string file = UploadFile();
+    return jobs_.Add("example", id, [this, &example, file]() -> Status {
+      if (const Status written = example.write(file); !written) return written;
+      StartOver();
+      return TakeLog(example.id + ".csv", file);
+    });
+  }
+  return BadInput("id: there is no example '{}'", id);
+}
+
+Status WorkSession::HoldOut(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  std::string path;
+  for (const LogFile& log : logs_)
+    if (log.name == name) path = log.path;
+  if (path.empty() && !name.empty()) return BadInput("log: there is no log '{}'", name);
+  if (!path.empty() && logs_.size() < 2)
+    return BadInput("{}: a model needs another log that it is fitted to", name);
+  hold_out_ = path;
+  ForgetResults();
+  Changed();
+  return {};
+}
+
+Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
+  if (database_.empty()) return BadInput("no database is watched here");
+  const auto kept = FindKeptStrokes(database_, stretch);
+  if (!kept) return tl::unexpected(kept.error());
+  StartOver();
+  const std::string axis = stretch.machine.substr(stretch.machine.rfind('/') + 1);
+  if (const Status used = UseMachine(axis + ".toml", kept->definition, ""); !used) return used;
+  const std::lock_guard lock(mutex_);
+  for (const KeptStrokes::Piece& piece : kept->pieces)
+    logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
+  saved_text_ = kept->definition;  // the database has it
+  strokes_of_ = {stretch.machine, kept->pieces.front().first, kept->pieces.back().last};
+  ForgetResults();
+  Changed();
+  return {};
+}
+
+Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, const std::string& user) {
+  if (comment.find_first_not_of(" \t\n") == std::string::npos) return BadInput("comment: expected a text");
+  const std::lock_guard lock(mutex_);
+  if (strokes_of_.machine.empty())
+    return BadInput("these strokes are of no database: take those of an alarm or of a trend");
+  const Promotion promotion{strokes_of_.machine, 0, TextIn(machine_file_), 0, user, comment, WallSeconds()};
+  return jobs_.Add("promote", "", [this, promotion]() -> Status {
+    if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
+    const std::lock_guard lock(mutex_);
+    saved_text_ = promotion.text;  // what was added since is not
+    Changed();
+    return {};
+  });
+}
+
+void WorkSession::StartOver() {
+  const std::lock_guard lock(mutex_);
+  logs_.clear();
+  strokes_of_ = {};
+  hold_out_.clear();
+  machine_file_.clear();
+  target_.clear();
+  saved_text_.clear();
+  draft_.clear();
+  columns_.reset();
+  ForgetResults();
+  Changed();
+}
+
+Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping) {
+  LogFile log;
+  std::shared_ptr<const LogColumns> columns;
+  {
+    const std::lock_guard lock(mutex_);
+    if (logs_.empty()) return BadInput("there is no log yet");
+    log = logs_.front();
+    columns = columns_;
+  }
+  if (columns == nullptr) {
+    auto read = ReadLogColumns(log.path);
+    if (!read) return BadInput("{}", WithoutFolder(read.error().text));
+    read->path = log.name;  // names the machine
+    columns = std::make_shared<const LogColumns>(std::move(*read));
+  }
+  const MachineProposal proposal = ProposeMapped(*columns, mapping);
+  const nlohmann::json json = ProposalJson(*columns, proposal);
+  const std::lock_guard lock(mutex_);
+  columns_ = columns;
+  draft_ = proposal.text;
+  draft_name_ = proposal.machine.name + ".toml";
+  pictures_.clear();
+  return json;
+}
+
+Status WorkSession::AcceptProposal() {
+  std::string text, name;
+  {
+    const std::lock_guard lock(mutex_);
+    text = draft_;
+    name = draft_name_;
+  }
+  if (text.empty()) return BadInput("there is no proposal yet");
+  return TakeMachine(name, text);
+}
+
+Result<WorkSession::Subject> WorkSession::TakeSubject() const {
+  Subject subject;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const LogFile& log : logs_) subject.input.logs.push_back(log.path);
+    subject.input.hold_out = hold_out_;
+    subject.input.machine_file = machine_file_;
+    subject.generation = generation_;
+  }
+  if (subject.input.logs.empty()) return BadInput("there is no log yet");
+  if (subject.input.machine_file.empty()) return BadInput("there is no machine file yet");
+  const auto machine = LoadMachine(subject.input.machine_file);
+  if (!machine) return tl::unexpected(machine.error());
+  subject.version = machine->model_version;
+  return subject;
+}
+
+Result<std::int64_t> WorkSession::Start(const WorkRequest& request) {
+  const std::string about =
+      request.kind == Kind::kRestore ? std::to_string(request.version) : request.effect + request.log;
+  return jobs_.Add(WorkName(request.kind), about, [this, request]() -> Status {
+    const Status done = Work(request);
+    if (!done) return tl::unexpected(Error{done.error().kind, WithoutFolder(done.error().text)});
+    return {};
+  });
+}
+
+Status WorkSession::Work(const WorkRequest& request) {
+  if (request.kind == Kind::kPicture) return DrawLog(request.log);
+  const auto subject = TakeSubject();
+  if (!subject) return tl::unexpected(subject.error());
+  if (request.kind == Kind::kAdd || request.kind == Kind::kRemove || request.kind == Kind::kRestore)
+    return ChangeVersion(request, *subject);
+  if (request.kind == Kind::kPreview) {
+    auto preview = TryChange(request.effect, WithEffect, subject->input, folder_->path() + "/preview.toml");
+    if (!preview) return tl::unexpected(preview.error());
+    Store(*subject, KeyOf("preview", request.effect), std::move(*preview));
+    return {};
+  }
+  StrokeFindings strokes;
+  {
+    const std::lock_guard lock(mutex_);
+    strokes = strokes_[subject->version];
+  }
+  auto result = WorkOut(request.kind, subject->input, strokes);
+  if (!result) return tl::unexpected(result.error());
+  {
+    const std::lock_guard lock(mutex_);
+    if (subject->generation == generation_) strokes_[subject->version] = std::move(strokes);
+  }
+  Store(*subject, WorkName(request.kind), std::move(*result));
+  return {};
+}
+
+Status WorkSession::DrawLog(const std::string& name) {
+  const auto machine = MachineOrDraft();
+  if (!machine) return tl::unexpected(machine.error());
+  std::string path;
+  int generation = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const LogFile& log : logs_)
+      if (path.empty() && (name.empty() || name == log.name)) path = log.path;
+    generation = generation_;
+  }
+  if (path.empty()) return BadInput("there is no log {}", name);
+  auto picture = LogPictureJson(path, *machine);
+  if (!picture) return tl::unexpected(picture.error());
+  const std::lock_guard lock(mutex_);
+  if (generation == generation_) pictures_[name] = std::move(*picture);
+  return {};
+}
+
+Status WorkSession::ChangeVersion(const WorkRequest& request, const Subject& subject) {
+  // Judged beside the file, then put in place at once: nobody reads half a change.
+  const std::string next = folder_->path() + "/next.toml";
+  if (request.kind != Kind::kRestore) {
+    const auto change = request.kind == Kind::kAdd ? WithEffect : WithoutEffect;
+    const auto changed = TryChange(request.effect, change, subject.input, next);
+    if (!changed) return tl::unexpected(changed.error());
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (subject.generation != generation_) return BadInput("other logs were chosen meanwhile");
+    const Status done = request.kind == Kind::kRestore
+                            ? RestoreKept(subject.input.machine_file, request.version)
+                            : PutVersion(subject.input.machine_file, subject.version, next);
+    if (!done) return done;
+  }
+  Changed();
+  return {};
+}
+
+void WorkSession::Store(const Subject& subject, const std::string& key, nlohmann::json result) {
+  const std::lock_guard lock(mutex_);
+  if (subject.generation == generation_) results_[subject.version][key] = std::move(result);
+}
+
+Result<Machine> WorkSession::MachineOrDraft() const {
+  std::string file, draft;
+  {
+    const std::lock_guard lock(mutex_);
+    file = machine_file_;
+    draft = draft_;
+  }
+  return file.empty() ? ParseMachine(draft, "proposal") : LoadMachine(file);
+}
+
+int WorkSession::VersionOr(int version) const {
+  if (version != 0) return version;
+  const auto machine = LoadMachine(machine_file_);
+  return machine ? machine->model_version : 0;
+}
+
+nlohmann::json WorkSession::Find(const std::string& kind, const std::string& about, int version) const {
+  const std::lock_guard lock(mutex_);
+  if (kind == "picture") {
+    const auto picture = pictures_.find(about);
+    return picture == pictures_.end() ? nlohmann::json() : picture->second;
+  }
+  const auto results = results_.find(VersionOr(version));
+  if (results == results_.end()) return nullptr;
+  const auto result = results->second.find(KeyOf(kind, about));
+  return result == results->second.end() ? nlohmann::json() : result->second;
+}
+
+nlohmann::json WorkSession::Stroke(std::int64_t stroke, int version, const std::string& effect) const {
+  const std::lock_guard lock(mutex_);
+  const auto strokes = strokes_.find(VersionOr(version));
+  if (strokes == strokes_.end()) return nullptr;
+  for (const nlohmann::json& known : strokes->second.pictures) {
+    if (known["stroke"] != stroke) continue;
+    nlohmann::json picture = known;
+    if (!effect.empty()) picture["with_effect"] = strokes->second.errors.ModelledWith(effect, stroke);
+    return picture;
+  }
+  return nullptr;
+}
+
+Result<nlohmann::json> WorkSession::ErrorsIn(const Region& region, int version) const {
+  const std::lock_guard lock(mutex_);
+  const auto strokes = strokes_.find(VersionOr(version));
+  return strokes == strokes_.end() ? nlohmann::json() : strokes->second.errors.In(region);
+}
+
+/// The versions of the machine file; of those that no change has judged, what `compare` found.
+nlohmann::json WorkSession::VersionsWithErrors() const {
+  auto versions = VersionsJson(machine_file_);
+  if (!versions) return nlohmann::json::array();
+  for (nlohmann::json& version : *versions) {
+    const auto results = results_.find(version["version"].get<int>());
+    if (!version["rms_holdout"].is_null() || results == results_.end()) continue;
+    const auto compared = results->second.find("compare");
+    if (compared == results->second.end()) continue;
+    for (const char* key : {"rms_holdout", "noise_floor", "unit", "strokes", "parameters"})
+      version[key] = compared->second.value(key, nlohmann::json());
+  }
+  return *versions;
+}
+
+nlohmann::json WorkSession::Json() const {
+  nlohmann::json jobs = jobs_.Json();
+  const std::lock_guard lock(mutex_);
+  nlohmann::json out = {{"logs", nlohmann::json::array()},
+                        {"machine", nullptr},
+                        {"versions", nlohmann::json::array()},
+                        {"units", nlohmann::json::object()},
+                        {"results", nlohmann::json::array()},
+                        {"jobs", std::move(jobs)},
+                        {"examples", nlohmann::json::array()},
+                        {"unsaved", false},
+                        {"strokes", nullptr},
+                        {"file", target_.empty() ? nlohmann::json() : nlohmann::json(target_)}};
+  for (const ExampleLog& example : examples_) out["examples"].push_back(example.id);
+  for (const LogFile& log : logs_) {
+    std::error_code gone;
+    const auto bytes = std::filesystem::file_size(log.path, gone);
+    out["logs"].push_back({{"name", log.name},
+                           {"bytes", gone ? nlohmann::json() : nlohmann::json(bytes)},
+                           {"held_out", log.path == hold_out_}});
+  }
+  if (!strokes_of_.machine.empty())
+    out["strokes"] = {
+        {"machine", strokes_of_.machine}, {"first", strokes_of_.first}, {"last", strokes_of_.last}};
+  const auto machine = LoadMachine(machine_file_);
+  if (machine_file_.empty() || !machine) return out;
+  out["machine"] = ModelJson(*machine);
+  out["machine"].update(MachineInfoJson(*machine));
+  out["machine"]["suggested_file"] = std::filesystem::path(machine_file_).filename().string();
+  out["versions"] = VersionsWithErrors();
+  out["units"] = UnitsJson(*machine);
+  out["unsaved"] = TextIn(machine_file_) != saved_text_;
+  if (const auto results = results_.find(machine->model_version); results != results_.end())
+    for (const auto& [key, result] : results->second) out["results"].push_back(key);
+  return out;
+}
+
+std::string WorkSession::MachineText() const {
+  const std::lock_guard lock(mutex_);
+  return machine_file_.empty() ? "" : TextIn(machine_file_);
+}
+
+nlohmann::json WorkSession::Effects() const {
+  const auto machine = MachineOrDraft();
+  return machine ? EffectsJson(&*machine) : nlohmann::json{{"effects", nlohmann::json::array()}};
+}
+
+Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
+  const std::lock_guard lock(mutex_);
+  if (machine_file_.empty()) return BadInput("there is no machine file yet");
+  const auto text = WithOwnEffect(TextIn(machine_file_), effect);
+  if (!text) return tl::unexpected(text.error());
+  if (!effect.keep) {
+    const auto tried = ParseMachine(*text, "machine file");
+    const auto strokes = tried ? strokes_.find(tried->model_version) : strokes_.end();
+    if (strokes == strokes_.end() || strokes->second.term == nullptr) return nlohmann::json();
+    return strokes->second.term->Course(*tried, tried->user_effects.back());
+  }
+  if (const Status written = WriteTextFile(machine_file_, *text); !written)
+    return tl::unexpected(written.error());
+  ++generation_;  // what is being worked out knows another library
+  const auto machine = LoadMachine(machine_file_);
+  if (machine) results_[machine->model_version].erase("explain");
+  Changed();
+  return nlohmann::json();
+}
+
+Result<std::string> WorkSession::Save(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  if (machine_file_.empty()) return BadInput("there is no machine file yet");
+  std::string target = target_;
+  const std::string text = TextIn(machine_file_);
+  if (target.empty()) {
+    target = PlainFileName(name);
+    if (target.empty() || !target.ends_with(".toml"))
+      return BadInput("name: found '{}', expected the name of a machine file, such as press.toml", name);
+    if (std::filesystem::exists(target))
+      return BadInput("{} is there already; choose another name", std::filesystem::absolute(target).string());
+    if (const Status written = WriteTextFile(target, text); !written) return tl::unexpected(written.error());
+  } else if (text != saved_text_) {
+    if (TextIn(target) != saved_text_)
+      return BadInput("{} was changed by somebody else meanwhile; download the machine file instead", target);
+    const auto before = LoadMachine(target);
+    if (!before) return tl::unexpected(before.error());
+    if (const Status kept = PutVersion(target, before->model_version, machine_file_); !kept)
+      return tl::unexpected(kept.error());
+  }
+  target_ = target;
+  saved_text_ = text;
+  Changed();
+  return std::filesystem::absolute(target).string();
+}
+
+}  // namespace hydroscope
