@@ -10,7 +10,7 @@ export function ParameterTable({ left, right, names, units }: { left: Parameters
   const cell = (parameters: Parameters | null, name: string) => (parameters?.[name] ? withInterval(parameters[name], units) : "–");
   return (
     <Scroll label={say("parameter")}>
-      <table>
+      <table class="versions-table">
         <thead><tr><th>{say("parameter")}</th><th>{names[0]}</th><th>{names[1]}</th></tr></thead>
         <tbody>{all.map((name) => <tr key={name}><th scope="row">{name}</th><td>{cell(left, name)}</td><td>{cell(right, name)}</td></tr>)}</tbody>
       </table>
