@@ -1,5 +1,7 @@
 // Requests to the program that served the page.
 
+import { pageLanguage, sayIn } from "./words";
+
 let token = "";
 
 /** What requests that change something have to bring; the session tells it. */
@@ -18,6 +20,11 @@ export class ApiError extends Error {
   constructor(readonly status: number, message: string) { super(message); }
 }
 
+/** An answer, or in words of the page that there is no program to answer. */
+async function ask(path: string, request?: RequestInit): Promise<Response> {
+  return fetch(path, request).catch(() => { throw new ApiError(0, sayIn(pageLanguage())("lost")); });
+}
+
 async function answer<T>(response: Response): Promise<T> {
   const json = await response.json().catch(() => ({ error: response.statusText }));
   if (response.status === 401) refused();
@@ -31,7 +38,7 @@ function withQuery(path: string, query: Record<string, string | number>): string
 }
 
 export async function get<T>(path: string, query: Record<string, string | number> = {}): Promise<T> {
-  return answer<T>(await fetch(withQuery(path, query)));
+  return answer<T>(await ask(withQuery(path, query)));
 }
 
 /** The same; null if there is nothing there (yet). */
@@ -45,7 +52,7 @@ export async function find<T>(path: string, query: Record<string, string | numbe
 }
 
 export async function post<T = object>(path: string, body: unknown = {}): Promise<T> {
-  return answer<T>(await fetch(`/api/v1/${path}`, {
+  return answer<T>(await ask(`/api/v1/${path}`, {
     method: "POST",
     headers: { "X-Hydroscope-Token": token, "Content-Type": "application/json" },
     body: JSON.stringify(body),
@@ -53,7 +60,7 @@ export async function post<T = object>(path: string, body: unknown = {}): Promis
 }
 
 export async function upload(path: "logs" | "machine", file: File): Promise<void> {
-  await answer(await fetch(withQuery(path, { name: file.name }), {
+  await answer(await ask(withQuery(path, { name: file.name }), {
     method: "POST",
     headers: { "X-Hydroscope-Token": token, "Content-Type": "application/octet-stream" },
     body: file,

@@ -14,6 +14,9 @@ export function firstLanguage(): Language {
   return navigator.language.startsWith("de") ? "de" : "en";
 }
 
+/** The one that the page is shown in. */
+export const pageLanguage = (): Language => (document.documentElement.lang === "de" ? "de" : "en");
+
 /** What a machine repeats and is judged by. Words that depend on it are written "<stroke|episode>". */
 export type Counted = "stroke" | "episode";
 

@@ -52,6 +52,7 @@ test("a hidden effect is dropped, mapped, located, added and saved", async (t) =
   await until(page, () => document.querySelector("#pin-p_0").value === "p_0");
   await page.locator("#pin-p_B").selectOption("");
   await page.waitForSelector(".mark.free:has-text('p_B')");
+  await page.locator(".mark", { hasText: "p_B" }).scrollIntoViewIfNeeded();
   await page.locator(".columns li", { hasText: "p_B" }).dragTo(page.locator(".mark", { hasText: "p_B" }));  // in the picture
   await until(page, () => document.querySelector("#pin-p_B").value === "p_B");
   assert.ok(await page.locator("button.primary").isDisabled(), "without the area there is no way on");
@@ -415,6 +416,8 @@ test("the page says that the program is gone and finds it again, with what was t
   await first.served.stop();
   await first.page.waitForSelector(".lost");
   assert.equal(await first.page.inputValue("input[name=A_A-bore]"), "1");
+  await first.page.fill("input[name=A_A-bore]", "12");
+  await first.page.waitForSelector(".mapping .problem:has-text('The connection to the program is lost')");  // in words of the page
   const again = await open(["--port", port], place.path);
   t.after(() => again.stop());
   await first.page.waitForSelector(".lost", { state: "detached" });
