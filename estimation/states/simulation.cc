@@ -107,10 +107,13 @@ Eigen::VectorXd StateSimulator::Initial(const Episode& episode, const Eigen::Vec
 
 /// What drives a state beyond its limit is stopped there.
 void StateSimulator::HoldAtLimits(const double* x, double* rate) {
-  for (int i = 0; i < states_; ++i) {
-    const bool held = (x[i] >= limits_[states_ + i] && rate[i] > 0) || (x[i] <= limits_[i] && rate[i] < 0);
-    if (held) rate[i] = 0;
-    held_[static_cast<std::size_t>(i)] = held;
+  // Through pointers of its own: a byte that is written might be any of the members.
+  const int states = states_;
+  const double *low = limits_.data(), *high = low + states;
+  unsigned char* held = held_.data();
+  for (int i = 0; i < states; ++i) {
+    held[i] = (x[i] >= high[i] && rate[i] > 0) || (x[i] <= low[i] && rate[i] < 0);
+    if (held[i] != 0) rate[i] = 0;
   }
 }
 
@@ -165,6 +168,7 @@ bool StateSimulator::Clamp() {
 bool StateSimulator::Interval(double period) {
   constexpr double kStableAgain = 2.5;  // what a step times the fastest rate is cut to where it is not stable
   constexpr double kSafety = 0.9, kSmallest = 0.2, kLargest = 5, kWhole = 1 - 1e-9;
+  constexpr double kSafetyTo4 = kSafety * kSafety * kSafety * kSafety;
   double done = 0;
   int taken = 0;
   begun_ = begun_ && BeginsAsItEnded();
@@ -181,10 +185,11 @@ bool StateSimulator::Interval(double period) {
       continue;
     }
     const double order = stiff_ ? 4 : 5;
-    const double factor =
-        fine ? kSafety * std::pow(options_.tolerance / std::max(error, 1e-30), 1 / order) : kSmallest;
+    const auto factor = [&] {
+      return kSafety * std::pow(options_.tolerance / std::max(error, 1e-30), 1 / order);
+    };
     if (!fine || error > options_.tolerance) {
-      next_share_ = share * std::clamp(factor, kSmallest, 1.0);
+      next_share_ = share * (fine ? std::clamp(factor(), kSmallest, 1.0) : kSmallest);
       if (next_share_ < 1e-9) return false;
       continue;
     }
@@ -203,8 +208,10 @@ bool StateSimulator::Interval(double period) {
       if (!(std::abs(x_[at]) < options_.divergence)) return false;
     }
     done += share;
-    // A step that was cut by the row says nothing of the next one.
-    if (share >= next_share_ || factor < 1) next_share_ = share * std::clamp(factor, kSmallest, kLargest);
+    // A step that was cut by the row says nothing of the next one; one of the whole row is never longer.
+    const bool shrinks = error > options_.tolerance * kSafetyTo4 * (stiff_ ? 1 : kSafety);
+    if (shrinks || (share >= next_share_ && share < 1))
+      next_share_ = share * std::clamp(factor(), kSmallest, kLargest);
     next_share_ = std::min(next_share_, 1.0);
   }
   return true;

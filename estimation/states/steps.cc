@@ -139,7 +139,8 @@ inline void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, c
 HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step,
                                        const double* s, double* k, double* end) {
   const auto size = static_cast<std::size_t>(shape.states * shape.columns);
-  for (int stage = 0; stage + 1 < kStages; ++stage) {
+  RateOfSlopes(shape, stages[0], s, k);
+  for (int stage = 1; stage + 1 < kStages; ++stage) {
     CombineCounted(s, k, kA[stage], stage, step, size, end);
     RateOfSlopes(shape, stages[stage], end, k + static_cast<std::size_t>(stage) * size);
   }
@@ -157,10 +158,10 @@ void StateSimulator::SlopesOfRate(const double* s, double* out) {
 
 /// The last stage of the step that was taken is the first of the next one.
 void StateSimulator::KeepLastStage() {
-  const auto n = static_cast<std::size_t>(states_);
-  std::copy_n(k_.data() + (kStages - 1) * n, n, k_.data());
-  std::copy_n(stage_x_.data() + (kStages - 1) * n, n, stage_x_.data());
-  std::copy_n(stage_held_.data() + (kStages - 1) * n, n, stage_held_.data());
+  const int last = (kStages - 1) * states_;
+  CopyFew(k_.data() + last, states_, k_.data());
+  CopyFew(stage_x_.data() + last, states_, stage_x_.data());
+  CopyFew(stage_held_.data() + last, states_, stage_held_.data());
   ended_u_ = u_;
 }
 
@@ -172,7 +173,7 @@ bool StateSimulator::ExplicitStep(double fraction, double share, double period, 
     double *x = stage_x_.data() + at * n, *k = k_.data() + at * n;
     Combine(x_.data(), k_.data(), kA[s], s, step, n, x);
     Rate(x, fraction + kNodes[at] * share, k);
-    std::copy_n(held_.data(), n, stage_held_.data() + at * n);
+    CopyFew(held_.data(), states_, stage_held_.data() + at * n);
   }
   begun_ = true;
   const double* end = stage_x_.data() + (kStages - 1) * n;
@@ -198,14 +199,18 @@ double StateSimulator::Fastest() {
     if (entries[e].column < states_)
       jacobian_[static_cast<std::size_t>(entries[e].row) * n + static_cast<std::size_t>(entries[e].column)] =
           point_registers_[entry_point_places_[e]];
+  const auto own = [&](std::size_t i) -> double& { return jacobian_[i * n + i]; };
+  for (std::size_t i = 0; i < n; ++i) own(i) = std::abs(own(i));
   double fastest = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    double sum = std::abs(jacobian_[i * n + i]);
-    for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t j = i + 1; j < n; ++j) {
       const double product = jacobian_[i * n + j] * jacobian_[j * n + i];
-      if (j != i && product != 0) sum += std::sqrt(std::abs(product));
+      if (product == 0) continue;
+      const double each = std::sqrt(std::abs(product));
+      own(i) += each;
+      own(j) += each;
     }
-    fastest = std::max(fastest, sum);
+    fastest = std::max(fastest, own(i));
   }
   return fastest;
 }
@@ -217,7 +222,7 @@ void StateSimulator::SlopesAtStages(double fraction, double share) {
   const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
   for (int p = 0; p < kPoints; ++p) {
     const auto stage = static_cast<std::size_t>(std::min(p, kLast)), at = static_cast<std::size_t>(p);
-    InputAt(fraction + kNodes[stage] * share);
+    if (linear_ || p == 0) InputAt(fraction + kNodes[stage] * share);
     for (std::size_t i = 0; i < n; ++i) point_registers_[i * kPoints + at] = stage_x_[stage * n + i];
     for (std::size_t i = 0; i < m; ++i) point_registers_[(n + i) * kPoints + at] = u_[i];
     if (added_ != nullptr && p <= kLast)

@@ -8,7 +8,8 @@ inline constexpr int kStateStages = 7;
 inline constexpr int kSensitivityPadding = 4;
 
 /// Few numbers, for which a call of memmove takes longer than they do.
-inline void CopyFew(const double* from, int count, double* to) {
+template <typename Number>
+inline void CopyFew(const Number* from, int count, Number* to) {
   for (int i = 0; i < count; ++i) to[i] = from[i];
 }
 
