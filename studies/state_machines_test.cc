@@ -124,6 +124,14 @@ TEST(StateMachines, WhatAWrongMinimumLeavesIsNoSecondEffect) {
   }
 }
 
+/// Rare large swings of a hardening spring: about the fit without it linearisation foresees next to nothing of its law, and what
+/// functions predict is no more than chance may reach.
+TEST(StateMachines, WhereWhatIsLeftIsNoWhiteNoiseEffectsAreTriedThatPromiseNothing) {
+  const StateMachineOutcome outcome = OutcomeOf(7411, 168);
+  EXPECT_EQ(outcome.score.first, 1) << outcome.line;
+  EXPECT_LT(outcome.score.worst_ratio, 1.1) << outcome.line;
+}
+
 TEST(StateMachines, ALawOutsideTheFileThatNoFunctionPredictsStaysUnknownInShortRuns) {
   const StateMachineOutcome outcome = OutcomeOf(901, 7);
   EXPECT_EQ(outcome.score.unknown, 1) << outcome.line;

@@ -115,7 +115,7 @@ class EffectSearch {
     return options_.contender_share * best;
   }
 
-  /// Fits what is worth it: first what linearisation promises something of; as long as that leaves something structured all
+  /// Fits what is worth it: first what linearisation promises something of, then (LooksOn) all
   /// contenders, from short segments too, since the fit without an effect may stand in a wrong minimum. False if none does
   /// better than what was found with fewer effects.
   bool OneMore(const std::vector<StateContender>& all, bool single) {
@@ -127,11 +127,11 @@ class EffectSearch {
       if (out_.final.held_out - c.foreseen >= worth) Take(sets, fits_->Fitted(c));
     Sort(sets);
     StateRemainder left = LeftBy(sets);
-    if (out_.final_left.structured && !Settled(sets, left)) {
+    if (LooksOn(sets, left)) {
       const double best = sets.empty() ? INFINITY : sets.front().held_out;
       for (const StateContender& c : contenders) {
         if (out_.final.held_out - c.foreseen < worth) Take(sets, fits_->Fitted(c));
-        if (out_.base_left.structured) Take(sets, fits_->FittedFromSegments(c));
+        if (single || out_.base_left.structured) Take(sets, fits_->FittedFromSegments(c));
       }
       Sort(sets);
       if (!sets.empty() && sets.front().held_out != best) left = LeftBy(sets);
@@ -212,6 +212,13 @@ class EffectSearch {
   bool Settled(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
     return Better(out_.final, out_.final_left, sets) &&
            Unexplained(sets.front(), left) <= LeftShare(sets.front());
+  }
+
+  /// Whether sets of which linearisation promises little are fitted too: what is left is structured, or it is no white noise and
+  /// none did better. About a wrong minimum linearisation says nothing of what another fit would explain.
+  bool LooksOn(const std::vector<StateCandidate>& sets, const StateRemainder& left) const {
+    if (out_.final_left.structured) return !Settled(sets, left);
+    return Coloured(out_.final) && !Better(out_.final, out_.final_left, sets);
   }
 
   /// Whether a set does better than another, of which `left` is left.
