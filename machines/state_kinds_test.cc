@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "machines/manipulator/effects/effects.h"
 #include "models/expressions/check.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
@@ -123,6 +124,15 @@ TEST(KindsWithStates, SayWhatEachEffectIs) {
       for (const ParameterSpec& p : e.parameters)
         EXPECT_TRUE(std::isfinite(p.min) && std::isfinite(p.max)) << e.id << "." << p.name;
     }
+  }
+}
+
+TEST(KindsWithStates, APlayIsSoftNearTheReversalOfItsLoadAlone) {
+  constexpr double kCarried = 15e3;  // N, what a joint carries that never lets go
+  for (const int joint : {1, 2}) {
+    const ParameterSpec sets_in = manipulator::JointPlay(joint).parameters.back();
+    ASSERT_EQ(sets_in.name, "F_0");
+    EXPECT_LT(std::pow(std::cosh(kCarried / sets_in.max), -2), 0.01) << "else it is a soft rod";
   }
 }
 

@@ -7,7 +7,8 @@ namespace hydroscope::manipulator {
 
 /// A rod that weighs nothing lies at one end of the clearance or the other, as the force says: it moves by
 /// (play/2) tanh(F/F_0), a softness c = play/(2 F_0) / cosh^2(F/F_0) about the reversal of the load. With k the stiffness of the
-/// oil the force then changes by F'/(1 + c k), and the piston goes c times that faster than the joint.
+/// oil the force then changes by F'/(1 + c k), and the piston goes c times that faster than the joint. F_0 stays small against the
+/// loads of an arm: spread over all of them the law would be a soft rod, which the jitter of the spools looks like.
 Effect JointPlay(int joint) {
   Effect e;
   e.id = fmt::format("joint_play_{}", joint);
@@ -19,7 +20,7 @@ Effect JointPlay(int joint) {
   e.german = {fmt::format("Spiel zwischen Zylinder {} und seinem Gelenk", joint),
               "Bolzen oder Buchse ist verschlissen: das Gelenk steht, während der Kolben bei Lastumkehr das "
               "Spiel durchläuft."};
-  e.parameters = {{"play", 5e-4, 0, 0.02, "m"}, {"F_0", 2000, 200, 2e4, "N"}};
+  e.parameters = {{"play", 5e-4, 0, 0.02, "m"}, {"F_0", 1000, 200, 5000, "N"}};
   const std::string soft = fmt::format("play/(2*F_0*cosh(min(abs({}/F_0), 50))^2)", CylinderForce(joint));
   const std::string stiff =
       fmt::format("(A1_{0}^2*{1} + A2_{0}^2*{2})", joint, Stiffness(joint, 1), Stiffness(joint, 2));
