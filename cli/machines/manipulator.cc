@@ -127,6 +127,11 @@ void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
   command->add_option("--effects", o->effects, "Logs with a hidden effect to explain, 0 = none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      ->add_option("--first-effect", o->first_effect,
+                   "Number of the first of these logs: effects in turn, then a healthy log")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   AddJobs(*command, o->threads);
   command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
   command->footer(

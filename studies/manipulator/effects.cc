@@ -65,7 +65,8 @@ bool PrintManipulatorEffects(const ManipulatorBenchmarkOptions& options) {
   ProgressBar progress("effects", "logs");
   ForEachCase(
       options.effects, progress,
-      [&](int number) {
+      [&](int at) {
+        const int number = options.first_effect + at;
         const EffectOutcome outcome = ExplainOne(number, options);
         const std::lock_guard lock(mutex);
         fmt::print("{:>4} {}, {:.1f} s\n", number,
