@@ -9,8 +9,8 @@
 namespace hydroscope {
 
 struct MissingSensorOptions {
-  double loose =
-      0.02;  ///< relative standard error of a parameter from which on another sensor is asked for ...
+  /// Relative standard error of a parameter from which on another sensor is asked for: its 95 % interval spans 4 % ...
+  double loose = 0.01;
   double together = 4;  ///< ... if it is so many times less where the other parameters are known
   double noise = 0.01;  ///< of a sensor that is not there, of its signal's variation
   double helps = 3;     ///< factor by which a sensor must lower one of these errors to be named

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "diagnosis/drift/rules.h"
+#include "diagnosis/states/missing_sensors.h"
 #include "models/machine_kind.h"
 #include "studies/pump/identification.h"
 
@@ -37,6 +38,23 @@ TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
   ASSERT_TRUE(fit.solved()) << fit.failed;
   EXPECT_GT(fit.minima.size(), 1);
   EXPECT_GT(PumpFit(fit), 98);
+}
+
+TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
+  PumpOptions options = RandomPump(20);
+  options.seconds = 12;
+  const Machine machine = PumpFile(false);
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model);
+  const Episode episode = PumpEpisode(SimulatePump(options), machine);
+  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  const ToldTogether together = FindToldTogether(fit, std::span(&episode, 1));
+  ASSERT_GE(together.parameters.size(), 2u);
+  EXPECT_EQ(together.parameters[0], "K_v");
+  EXPECT_EQ(together.parameters[1], "K_q");
+  ASSERT_FALSE(together.sensors.empty());
+  EXPECT_EQ(together.sensors.front().signal, "control_position");
 }
 
 TEST(PumpRules, WatchParametersThatThePumpHas) {
