@@ -12,7 +12,7 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Root of a pressure difference in its sign, linear within a tenth of a bar of 0.
-double SignedRoot(double difference) {
+double PressureRoot(double difference) {
   constexpr double kLaminarPa = 1e4;
   return difference / std::pow(difference * difference + kLaminarPa * kLaminarPa, 0.25);
 }
@@ -79,7 +79,7 @@ double PistonRipple::At(double angle) const {
 }
 
 double PumpPlant::LoadFlow(const PumpDrive& d, double outlet_pressure) const {
-  return d.conductance * SignedRoot(outlet_pressure - m_.tank_pressure);
+  return d.conductance * PressureRoot(outlet_pressure - m_.tank_pressure);
 }
 
 double PumpPlant::Ripple(const PumpDrive& d, const PumpState& s) const {
@@ -90,9 +90,9 @@ double PumpPlant::Ripple(const PumpDrive& d, const PumpState& s) const {
 /// `ripple`: Pa, at the compensator.
 PumpPlant::Rates PumpPlant::RatesAt(const PumpState& s, const PumpDrive& d, double ripple) const {
   const double gain = m_.flow_gain / std::sqrt(m_.gain_drop);
-  const double in = gain * RoundedOpening(s.x_v, m_.edge_rounding) * SignedRoot(s.p_s - s.p_c),
-               out = gain * RoundedOpening(-s.x_v, m_.edge_rounding) * SignedRoot(s.p_c - m_.tank_pressure);
-  const double leak = m_.leakage * d.wear * s.p_c + f_.leakage_grown * SignedRoot(s.p_c);
+  const double in = gain * RoundedOpening(s.x_v, m_.edge_rounding) * PressureRoot(s.p_s - s.p_c),
+               out = gain * RoundedOpening(-s.x_v, m_.edge_rounding) * PressureRoot(s.p_c - m_.tank_pressure);
+  const double leak = m_.leakage * d.wear * s.p_c + f_.leakage_grown * PressureRoot(s.p_c);
   const double delivered = d.speed * m_.displacement * (1 - s.x_p / m_.piston_stroke) * (1 - f_.suction_air);
   const double outlet =
       delivered - in - m_.spool_area * s.v_v - LoadFlow(d, s.p_s) - f_.outlet_leakage * s.p_s;

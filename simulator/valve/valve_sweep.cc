@@ -14,7 +14,7 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kFullScale = 10;  // V
+constexpr double kSweepFullScale = 10;  // V
 
 /// The command, relative to full scale, as a function of time: sines that follow each other without a jump.
 class SteppedSine {
@@ -58,7 +58,7 @@ Status Validate(const ValveSweepOptions& o) {
         check("sample rate", o.sample_rate, 10, 1e5, "Hz"), check("update rate", o.update_rate, 0, 1e5, "Hz"),
         check("f0", o.f0, 1, 5000, "Hz"), check("damping", o.damping, 0.05, 5, "1"),
         check("gain", o.gain, 1e-3, 100, "1"), check("dead time", o.dead_time, 0, 0.1, "s"),
-        check("noise", o.noise, 0, 1, "1"), check("command noise", o.command_noise, 0, kFullScale, "V")})
+        check("noise", o.noise, 0, 1, "1"), check("command noise", o.command_noise, 0, kSweepFullScale, "V")})
     if (!s) return s;
   return {};
 }
@@ -75,7 +75,7 @@ ValveSweepLog SimulateValveSweep(const ValveSweepOptions& o) {
   for (std::int64_t row = 0; row < rows; ++row) {
     const double t = static_cast<double>(row) * period;
     log.t.push_back(t);
-    log.U_v.push_back(kFullScale * command.At(t) + o.command_noise * noise.Normal());
+    log.U_v.push_back(kSweepFullScale * command.At(t) + o.command_noise * noise.Normal());
     log.y_v.push_back(o.zero + valve.position() + o.noise * noise.Normal());
     for (int k = 0; k < steps; ++k) valve.Step(command.At(t + (k + 0.5) * step - o.dead_time));
   }
