@@ -7,6 +7,7 @@
 #include "pipeline/log_pass.h"
 #include "pipeline/physical_sizes.h"
 #include "pipeline/raw_log.h"
+#include "pipeline/time_stamps.h"
 #include "replay/resampled_reader.h"
 
 namespace hydroscope {
@@ -132,6 +133,9 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
   LogStrokes out = collector.Finish(**pipeline);
   out.reader = (*reader)->counters();
+  if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
+      out.strokes.empty() && !coarse.empty())
+    return BadInput("{}: {}", log, coarse.english);
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   return out;
 }

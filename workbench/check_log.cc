@@ -10,6 +10,7 @@
 #include "pipeline/geometry_tolerance.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
+#include "pipeline/time_stamps.h"
 #include "replay/log_reader.h"
 #include "workbench/fit_log.h"
 #include "workbench/identifiability.h"
@@ -168,6 +169,8 @@ Result<CheckResult> CheckLog(const std::string& log, const std::string& machine_
     check.driving.too_short = pipeline->discarded_strokes();
     TakeFit(FitStrokes(strokes.Finish(*pipeline)), pipeline->model(), check);
     check.hints = PlausibilityHints(check);
+    if (const Told coarse = CoarseTimeStamps((*reader)->counters(), machine->signals.size()); !coarse.empty())
+      check.hints.insert(check.hints.begin(), coarse);
     const auto clamps = WindowSamples::Clamps(check.machine.window, check.sample_period);
     for (const std::string& clamp : clamps) check.hints.push_back({clamp, ""});
   } else if (KindOf(*machine).has_states) {

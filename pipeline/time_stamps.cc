@@ -1,0 +1,29 @@
+#include "pipeline/time_stamps.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/quality.h"
+
+namespace hydroscope {
+namespace {
+
+/// Rows that repeat a time stamp, beyond which they are no exception.
+constexpr double kCoarseShare = 0.3;
+
+}  // namespace
+
+Told CoarseTimeStamps(const LogCounters& read, std::size_t signals) {
+  constexpr int kBit = std::countr_zero(static_cast<unsigned>(quality::kDuplicate));
+  const double values = static_cast<double>(read.rows) * static_cast<double>(signals);
+  const double share = static_cast<double>(read.flagged[kBit]) / std::max(1.0, values);
+  if (share < kCoarseShare) return {};
+  return Tell(
+      "{:.0f} % of the rows repeat the time stamp of the row before: the stamps are coarser than the rows. Record times "
+      "with more digits, or give the log a column of its own with the true times",
+      "{:.0f} % der Zeilen wiederholen den Zeitstempel der Zeile davor: die Stempel sind gröber als die Zeilen. Zeiten mit "
+      "mehr Stellen aufzeichnen, oder der Aufzeichnung eine Spalte mit den wahren Zeiten geben",
+      100 * share);
+}
+
+}  // namespace hydroscope
