@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/distributions.h"
+#include "core/quantile.h"
 
 namespace hydroscope {
 namespace {
@@ -262,6 +263,18 @@ std::vector<RankedEffect> EffectRanking::RankGeneric(const CandidateModel& on) c
   return ranking;
 }
 
+double EffectRanking::DesignEffect(const CandidateModel& on) const {
+  const double student = StudentFactor(strokes_.strokes() - 1.0);
+  std::vector<double> effects;
+  for (const auto& ranking : {Rank(on), RankGeneric(on)})
+    for (const RankedEffect& law : ranking) {
+      if (!law.fit.solved) continue;
+      const EffectEstimate& size = law.fit.effects.back();
+      if (size.model_std > 0) effects.push_back(std::pow(size.std / student / size.model_std, 2));
+    }
+  return std::max(1.0, Median(effects, 1.0));
+}
+
 bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& best, double gain) const {
   if (Gain(candidate, best) < options_.rival_gain) return true;
   const Eigen::VectorXd worse = Worse(candidate, best) / noise_;
@@ -272,8 +285,7 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
          worse.sum() < std::max(options_.sure_gain, options_.MayRemain(gain));
 }
 
-std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking,
-                                               bool complete) const {
+std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
@@ -284,8 +296,7 @@ std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& 
     // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
     const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
                          best.gain - candidate.gain < options_.MayRemain(candidate.gain);
-    if (twin || simpler || IsRival(candidate.fit, best.fit, complete ? 0 : best.gain))
-      set.push_back(candidate.id);
+    if (twin || simpler || IsRival(candidate.fit, best.fit, best.gain)) set.push_back(candidate.id);
   }
   return set;
 }

@@ -14,10 +14,6 @@ namespace {
 
 using Groups = std::vector<std::vector<std::string>>;
 
-/// p-value that an effect needs where the model as it is leaves no more than noise: some thirty effects in several shapes each
-/// are tried, which together find one in a hundred such logs (Bonferroni).
-constexpr double kChanceAtFloor = 1e-4;
-
 /// One run of the chain over one set of Grams.
 class Explainer {
  public:
@@ -48,9 +44,9 @@ class Explainer {
   }
   /// The model as it is leaves no more than noise, and none of the effects that stand out would not by chance.
   bool MayBeChance(const Explanation& found) const {
-    return start_.fit.excess_ratio <= options_.floor_excess &&
+    return options_.IsDownToNoise(start_.fit) &&
            std::none_of(found.ranking.begin(), found.ranking.end(), [&](const RankedEffect& r) {
-             return r.significant && (r.p_value < kChanceAtFloor || ranking_.IsConfirmed(r.effect));
+             return r.significant && (r.p_value < options_.chance_at_floor || ranking_.IsConfirmed(r.effect));
            });
   }
   const std::string& Id(const EffectChoice& choice) const {
@@ -69,6 +65,7 @@ class Explainer {
   bool IsSame(const RankedEffect& law, const Explanation& found) const;
   std::optional<std::pair<std::string, std::string>> Relatives(const Groups& groups) const;
   double LeastShare(const Explanation& found) const;
+  Told ValueAtItsLimit(const Explanation& found) const;
   void Judge(Explanation& out) const;
 
   const StrokeSet& strokes_;
@@ -185,7 +182,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     }
   }
   if (!first.significant) return std::nullopt;
-  out.groups = {ranking_.Rivals(out.ranking, true)};
+  out.groups = {ranking_.Rivals(out.ranking)};
   if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
@@ -193,7 +190,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
-  out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
+  out.groups.push_back(ranking_.Rivals(out.second));
   return Both(model, second);
 }
 
@@ -277,6 +274,27 @@ double Explainer::LeastShare(const Explanation& found) const {
   return least;
 }
 
+/// A value that the data would rather have beyond what its law allows: they follow another law. "" if there is none.
+Told Explainer::ValueAtItsLimit(const Explanation& found) const {
+  for (auto k = static_cast<std::size_t>(found.started); k < found.chosen.size(); ++k) {
+    const Effect& effect = *strokes_.model().effects[found.chosen[k].effect];
+    const EffectShape& shape = strokes_.model().effect_shapes[found.chosen[k].effect][found.chosen[k].shape];
+    if (!shape.refined || effect.implied) continue;
+    for (std::size_t i = 0; i < shape.nonlinear.size(); ++i) {
+      const NonlinearParameter& value = effect.nonlinear[i];
+      const double margin = options_.limit_share * (value.max - value.min);
+      if (value.std > 0 || effect.grid.empty() ||
+          (shape.nonlinear[i] > value.min + margin && shape.nonlinear[i] < value.max - margin))
+        continue;
+      return Tell(
+          "{} of {} comes out at the limit of what it may be: another law of this kind may be at work",
+          "{} von {} liegt an der Grenze des Zulässigen: es kann ein anderes Gesetz dieser Art sein",
+          value.name, effect.id);
+    }
+  }
+  return {};
+}
+
 void Explainer::Judge(Explanation& out) const {
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
@@ -300,6 +318,8 @@ void Explainer::Judge(Explanation& out) const {
         "without it the error is no larger than noise, and of so many effects one may stand out by chance",
         "ohne ihn ist der Fehler nicht größer als das Rauschen, und von so vielen Effekten kann einer "
         "zufällig hervortreten");
+  } else if (Told limit = ValueAtItsLimit(out); !limit.empty()) {
+    out.doubt = std::move(limit);
   } else if (const auto blend = Relatives(out.groups)) {
     out.doubt = Tell("{} and {} have similar signatures, and together they can pass for a third law",
                      "{} und {} haben ähnliche Spuren und können zusammen als ein drittes Gesetz durchgehen",
@@ -339,6 +359,19 @@ Explanation Explainer::Run() {
   FindMargin(out);
   Judge(out);
   return out;
+}
+
+/// The chain with its evidence counted in what a law gains by chance: as many noise variances as sizes of laws scatter more
+/// between strokes, on what the model found leaves, than in the logs that the thresholds were set on.
+Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& options,
+                             const CandidateModel& start) {
+  Explanation out = Explainer(strokes, options, start).Run();
+  if (!out.final.solved || out.chosen.size() == start.choices.size()) return out;
+  const EffectRanking ranking(strokes, options, start.fit.noise_variance);
+  ExplainOptions counted = options;
+  counted.evidence_scale = ranking.DesignEffect({out.chosen, out.final}) / options.white_correlation;
+  if (counted.evidence_scale < (1 + options.evidence_growth) * options.evidence_scale) return out;
+  return Explainer(strokes, counted, start).Run();
 }
 
 /// A name that does not lower the error on strokes left out, in the units shown, step by step, is none.
@@ -389,7 +422,7 @@ Explanation Explain(const StrokeSet& strokes, const ExplainOptions& options) {
   const StrokeSet& used = comparable ? *comparable : strokes;
   const CandidateModel start = StartModel(used, options.start);
   Explanation out = IsOwnMachine(used.model()) ? ExplainBySubsets(used, options, start)
-                                               : Explainer(used, options, start).Run();
+                                               : ExplainByStrokes(used, options, start);
   RefuseWhatDoesNotLowerTheError(out);
   WidenShown(used, out);
   return out;

@@ -87,13 +87,28 @@ struct ExplainOptions {
   double hidden_colour = 2.0;
   /// Share and p-value of what can be predicted below which it is nothing.
   double nothing_share = 0.02, nothing_p = 0.05;
-  /// Predictability::correlation of white sensor noise, for which the thresholds were calibrated: pressure noise in the
+  /// Predictability::correlation, and EffectRanking::DesignEffect, of white sensor noise, for which the thresholds were calibrated: pressure noise in the
   /// valve's flow is integrated and makes neighbouring equations alike (median of
   /// healthy logs of `hydroscope benchmark hidden-effects`).
   double white_correlation = 2.0;
-  double noise_scale = 1;     ///< noise energy over that of the noise shares
-  double evidence_scale = 1;  ///< noise variances that count as one where equations are correlated
+  double noise_scale = 1;  ///< noise energy over that of the noise shares
+  /// Noise variances that count as one, at least: where neighbouring equations are alike, each tells less (design effect,
+  /// Kish 1965; of a likelihood ratio, Rao and Scott 1984). Explain finds how many (EffectRanking::DesignEffect).
+  double evidence_scale = 1;
+  /// Growth of that number which another search is worth: strokes by the dozen tell it to a third.
+  double evidence_growth = 0.5;
+  /// Standard errors of the model error's energy above floor_excess up to which it may still be noise alone.
+  double floor_errors = 2;
+  /// p-value that an effect needs where the model as it is leaves no more than noise: some thirty effects in several shapes
+  /// each are tried, which together find one in a hundred such logs (Bonferroni).
+  double chance_at_floor = 1e-4;
+  /// Share of its range by which a value that the data chose is away from its limits, if it is no doubt of the law.
+  double limit_share = 0.02;
 
+  /// Whether the model of this fit leaves no more than noise may.
+  bool IsDownToNoise(const ExtendedFit& fit) const {
+    return fit.excess_ratio <= floor_excess + floor_errors * fit.excess_error;
+  }
   /// What a further law may gain on an explanation that claims to be complete and has gained `gain`, in noise variances;
   /// `times` the share that is allowed one effect. Whatever decides between two explanations must be more than that.
   double MayRemain(double gain, double times = 1) const {

@@ -233,7 +233,7 @@ constexpr double kInterval = 1.96;
 /// once the freedom of its shape counts.
 void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
   const auto first = out.final.effects.begin() + static_cast<std::ptrdiff_t>(out.started);
-  if (out.set.empty() || out.base.excess_ratio > options.floor_excess ||
+  if (out.set.empty() || !options.IsDownToNoise(out.base) ||
       std::none_of(first, out.final.effects.end(),
                    [](const EffectEstimate& e) { return std::abs(e.size) < kInterval * e.std; }))
     return;

@@ -34,6 +34,18 @@ Eigen::MatrixXd Congruence(const Eigen::MatrixXd& gram, const SparseColumns& col
   return out;
 }
 
+/// Of the sum of independent values that are alike, by their scatter; NaN are left out.
+double StandardErrorOfSum(const Eigen::VectorXd& values) {
+  double count = 0, sum = 0, squares = 0;
+  for (const double x : values) {
+    if (!std::isfinite(x)) continue;
+    count += 1;
+    sum += x;
+    squares += x * x;
+  }
+  return count > 1 ? std::sqrt(NonNegative(count / (count - 1) * (squares - sum * sum / count))) : 0.0;
+}
+
 double Energy(const Eigen::MatrixXd& augmented, const Eigen::VectorXd& theta) {
   const int n = static_cast<int>(theta.size());
   return theta.dot(augmented.topLeftCorner(n, n) * theta) - 2 * theta.dot(augmented.col(n).head(n)) +
@@ -364,6 +376,7 @@ void StrokeSet::Judge(const std::vector<Reduced>& strokes, std::span<const Effec
   const double further_noise = (noise_scale_ - 1) * noise;
   noise *= noise_scale_;
   fit.excess_ratio = (excess - further_noise) / noise;
+  fit.excess_error = StandardErrorOfSum(fit.excess) / noise;
   fit.noise_variance = noise / total.equations;
   fit.fit_excess_ratio = (fit_excess - further_noise) / noise;
   fit.rms_holdout = windows > 0 ? std::sqrt(NonNegative(flow_error / windows)) : 0.0;

@@ -54,6 +54,7 @@ struct ExtendedFit {
   Eigen::VectorXd excess;
   double noise_variance = 0;    ///< of one equation, integrated output unit squared
   double excess_ratio = 0;      ///< mean held-out model error energy over noise energy; 0 = perfect model
+  double excess_error = 0;      ///< standard error of `excess_ratio`, from its scatter between strokes
   double fit_excess_ratio = 0;  ///< the same on the strokes it was fitted to
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0;  ///< as in GramFit
   int indispensable_strokes = 0;  ///< as in GramFit; they do not enter `rms_holdout`

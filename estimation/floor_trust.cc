@@ -122,6 +122,15 @@ double Leverage(const SignalNoise& noise) {
   return noise.share * (std::isfinite(scale) ? std::abs(scale - 1) : 1.0);
 }
 
+/// `as_noise`: shares if all that is slower than the rows were noise.
+void DoubtMotion(double floor_excess, const SignalNoise& noise, double as_noise, FloorTrust& trust) {
+  SignalNoise all = noise;
+  all.share = as_noise;
+  const bool stronger = noise.kind == NoiseKind::kColoured && noise.ratio > 1;
+  if (stronger && Leverage(all) > floor_excess && Leverage(noise) <= floor_excess)
+    trust.may_be_noise = noise.sentence;
+}
+
 void Conclude(double floor_excess, FloorTrust& trust) {
   double scale = 0, shares = 0;
   trust.stated = true;
@@ -201,13 +210,16 @@ FloorTrust JudgeFloor(const ModelStructure& model, std::span<const std::vector<S
     white[static_cast<std::size_t>(channel)] = WhiteStd(judged.back());
   }
   const std::vector<double> shares = SharesOf(model, strokes, window, theta, std, white);
+  const std::vector<double> as_noise = SharesOf(model, strokes, window, theta, std, std);
   for (std::size_t k = 0; k < judged.size(); ++k) {
     judged[k].share = shares[static_cast<std::size_t>(channels[k])];
+    DoubtMotion(options.floor_excess, judged[k], as_noise[static_cast<std::size_t>(channels[k])], trust);
     if (judged[k].share > 0) trust.signals.push_back(std::move(judged[k]));
   }
   std::stable_sort(trust.signals.begin(), trust.signals.end(),
                    [](const SignalNoise& a, const SignalNoise& b) { return a.share > b.share; });
   Conclude(options.floor_excess, trust);
+  if (!trust.believable) trust.may_be_noise = {};
   return trust;
 }
 

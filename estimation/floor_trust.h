@@ -25,7 +25,10 @@ struct FloorTrust {
   /// Not believable, but `noise_scale` is what the machine file states of the signals that count, of none of
   /// which the noise is filtered: a floor as good as the statement.
   bool stated = false;
-  std::string why;              ///< one sentence; "" if believable
+  std::string why;  ///< one sentence; "" if believable
+  /// Believable, and a signal is slower than its rows, which is taken for motion: as noise it would matter. What it is; "" if
+  /// there is none.
+  Told may_be_noise;
   std::vector<Told> sentences;  ///< of signals that count, for `warnings`
 };
 

@@ -135,6 +135,10 @@ namespace {
 
 /// Says what the noise is like where the floor does not rest on it, and what the verdict rests on instead.
 void WarnOfFloor(const FloorTrust& trust, Explanation& x) {
+  if (x.verdict == Verdict::kUnknown && !trust.may_be_noise.empty())
+    x.warnings.push_back(Tell("{}, or it moves so: noise of that kind would be part of the error left",
+                              "{}, oder es bewegt sich so: solches Rauschen wäre Teil des Restfehlers",
+                              trust.may_be_noise));
   x.warnings.insert(x.warnings.end(), trust.sentences.begin(), trust.sentences.end());
   if (trust.stated)
     x.warnings.push_back(Tell("the noise floor is taken from the noise that the machine file states",
@@ -178,7 +182,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.
-  if (!floor.believable) figures.noise_floor = x.final.noise_floor;
+  if (!floor.believable || x.noise_scale != 1) figures.noise_floor = x.final.noise_floor;
   // Rows too far apart: what they miss looks like an effect, or hides one.
   RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
                 out.explanation);
@@ -203,7 +207,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
                                       ColumnWeights(*out.explanation.model, fit));
-    if (!trust.believable) ScaleNoise(fit.noise_floor, residuals);
+    if (!trust.believable || out.explanation.noise_scale != 1) ScaleNoise(fit.noise_floor, residuals);
     return residuals;
   };
   Residuals residuals = residuals_of(out.explanation.base);

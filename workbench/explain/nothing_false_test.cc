@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <random>
 
 #include "studies/simulated_strokes.h"
 #include "workbench/explain/explain_log.h"
@@ -13,6 +15,7 @@ namespace hydroscope {
 namespace {
 
 using testing::Contains;
+using testing::Field;
 using testing::HasSubstr;
 
 PressOptions ASeenPress(std::uint64_t seed) {
@@ -70,40 +73,90 @@ void LagUnlikeUpAndDown(double slow, SimulatedLog& log) {
   }
 }
 
+/// Of two effects found one is a twin of what the other is easily taken for.
 TEST(NothingFalse, ASensorThatLagsUnlikeUpAndDownIsNotTwoEffectsForSure) {
   const PressOptions options = ASeenPress(5);
   SimulatedLog log = SimulatePress(options);
-  LagUnlikeUpAndDown(0.0048, log);
+  LagUnlikeUpAndDown(0.0034, log);
   const Explanation x = ExplanationOf(log, MachineFor(options));
-  EXPECT_TRUE(x.groups.size() < 2 || x.partial);
-  EXPECT_NE(x.verdict, Verdict::kAdequate);
+  ASSERT_EQ(x.groups.size(), 2u);
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("have similar signatures"));
 }
 
 /// Weak evidence is let through, so that what noise gains is found at all.
-TEST(NothingFalse, NoNameHasAnIntervalThatHoldsZeroWhereNothingIsNeeded) {
+ExplainOptions Eager(double min_t) {
   ExplainOptions eager;
   eager.min_gain = 4;
-  eager.min_t = 1.2;
-  for (const std::uint64_t seed : {41u, 42u, 43u}) {
+  eager.min_t = min_t;
+  return eager;
+}
+
+TEST(NothingFalse, NoNameHasAnIntervalThatHoldsZeroWhereNothingIsNeeded) {
+  for (const std::uint64_t seed : {81u}) {
     const PressOptions options = ASeenPress(seed);
-    const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options), eager);
-    for (const EffectEstimate& e : x.final.effects)
-      EXPECT_GT(std::abs(e.size), 1.96 * e.std) << seed << " " << x.model->effects[e.choice.effect]->id;
+    const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options), Eager(1.2));
+    EXPECT_EQ(x.verdict, Verdict::kAdequate) << seed;
+    EXPECT_TRUE(x.final.effects.empty()) << seed;
   }
 }
 
+/// All other doubts are put aside.
 TEST(NothingFalse, WhatMayStandOutByChanceIsFlaggedWhereNothingIsNeeded) {
-  ExplainOptions eager;
-  eager.min_gain = 4;
-  eager.min_t = 2.2;
-  int named = 0;
-  for (const std::uint64_t seed : {41u, 42u, 43u, 44u}) {
+  ExplainOptions eager = Eager(2.2);
+  eager.doubt_margin = std::numeric_limits<double>::lowest();
+  eager.doubt_remainder = std::numeric_limits<double>::max();
+  for (const std::uint64_t seed : {43u, 70u}) {
     const PressOptions options = ASeenPress(seed);
     const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options), eager);
-    named += !x.set.empty();
-    EXPECT_TRUE(x.set.empty() || x.partial) << seed << " " << x.set.front();
+    ASSERT_FALSE(x.set.empty()) << seed;
+    EXPECT_TRUE(x.partial) << seed;
+    EXPECT_THAT(x.doubt.english, HasSubstr("by chance")) << seed;
   }
-  EXPECT_GT(named, 0);
+}
+
+/// A relief valve that opens below what any such valve is set to is described best at the limit.
+TEST(NothingFalse, AValueAtTheLimitOfItsLawIsADoubt) {
+  PressOptions options = ASeenPress(2);
+  options.effects = {{"relief_valve", 2e-12, {{"crack", 95e5}}}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  ASSERT_THAT(x.set, Contains("relief_valve"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("p_crack of relief_valve comes out at the limit"));
+}
+
+/// AR(1) noise of the spool's sensor, whose correlation lasts some rows.
+void ColourSpoolNoise(double std, double phi, SimulatedLog& log) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  double noise = 0;
+  for (double& y : log.y_v) {
+    noise = phi * noise + std::sqrt(1 - phi * phi) * normal(random);
+    y += std * noise;
+  }
+}
+
+/// What is slower than the rows of a spool may be motion: the noise cannot be counted, and is told of.
+TEST(NothingFalse, ColouredNoiseOfTheSpoolIsToldOfWhereItMayBeTheError) {
+  const PressOptions options = ASeenPress(4);
+  SimulatedLog log = SimulatePress(options);
+  ColourSpoolNoise(0.006, 0.7, log);
+  const Explanation x = ExplanationOf(log, MachineFor(options));
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(x.set.empty());
+  EXPECT_THAT(x.warnings, Contains(Field(&Told::english, HasSubstr("noise of y_v is not white"))));
+}
+
+/// Spool noise that the valve integrates is alike in neighbouring equations.
+TEST(NothingFalse, EquationsThatAreAlikeTellLess) {
+  PressOptions options = ASeenPress(3);
+  options.effects = {{"internal_leakage", 8e-12, {}}};
+  SimulatedLog log = SimulatePress(options);
+  const double plain = ExplanationOf(log, MachineFor(options)).evidence_scale;
+  ColourSpoolNoise(0.02, 0, log);
+  const Explanation x = ExplanationOf(log, MachineFor(options));
+  EXPECT_GT(x.evidence_scale, 1.5 * plain);
+  EXPECT_THAT(x.set, Contains("internal_leakage"));
 }
 
 }  // namespace
