@@ -87,9 +87,9 @@ struct ExplainOptions {
   double hidden_colour = 2.0;
   /// Share and p-value of what can be predicted below which it is nothing.
   double nothing_share = 0.02, nothing_p = 0.05;
-  /// Predictability::correlation, and EffectRanking::DesignEffect, of white sensor noise, for which the thresholds were calibrated: pressure noise in the
-  /// valve's flow is integrated and makes neighbouring equations alike (median of
-  /// healthy logs of `hydroscope benchmark hidden-effects`).
+  /// Predictability::correlation, and EffectRanking::DesignEffect, of white sensor noise, for which the thresholds were
+  /// calibrated: pressure noise in the valve's flow is integrated and makes neighbouring equations alike (median of healthy
+  /// logs of `hydroscope benchmark hidden-effects`).
   double white_correlation = 2.0;
   double noise_scale = 1;  ///< noise energy over that of the noise shares
   /// Noise variances that count as one, at least: where neighbouring equations are alike, each tells less (design effect,
