@@ -285,7 +285,8 @@ bool EffectRanking::IsRival(const ExtendedFit& candidate, const ExtendedFit& bes
          worse.sum() < std::max(options_.sure_gain, options_.MayRemain(gain));
 }
 
-std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking) const {
+std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& ranking,
+                                               bool complete) const {
   std::vector<std::string> set;
   const RankedEffect& best = ranking.front();
   if (IsConfirmed(best.effect)) return {best.id};
@@ -296,7 +297,8 @@ std::vector<std::string> EffectRanking::Rivals(const std::vector<RankedEffect>& 
     // What a simpler law leaves to a freer one must be more than any complete explanation leaves to a further law.
     const bool simpler = IsFreerThan(*effects[best.effect], *effects[candidate.effect]) &&
                          best.gain - candidate.gain < options_.MayRemain(candidate.gain);
-    if (twin || simpler || IsRival(candidate.fit, best.fit, best.gain)) set.push_back(candidate.id);
+    if (twin || simpler || IsRival(candidate.fit, best.fit, complete ? 0 : best.gain))
+      set.push_back(candidate.id);
   }
   return set;
 }

@@ -51,8 +51,9 @@ class EffectRanking {
   /// Whether `candidate` explains about as well as `best`, which gained `gain`: a model confidence set by paired
   /// stroke-wise losses.
   bool IsRival(const ExtendedFit& candidate, const ExtendedFit& best, double gain) const;
-  /// Effects of the ranking that stand out and are rivals of the first one, the first one included.
-  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking) const;
+  /// Effects of the ranking that stand out and are rivals of the first one, the first one included. `complete`: the first
+  /// leaves nothing to a further law, which would tell that its own is not quite right.
+  std::vector<std::string> Rivals(const std::vector<RankedEffect>& ranking, bool complete) const;
   /// An effect that is the same to first order as another one, and about as good (Effect::twins).
   bool IsTwin(std::string_view id, const ExtendedFit& fit, double gain, std::string_view best_id,
               const ExtendedFit& best, double best_gain) const;

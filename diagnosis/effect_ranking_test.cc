@@ -32,25 +32,5 @@ TEST(EffectRanking, ExplanationsThatDifferByATrifleOfWhatBothGainAreRivals) {
   EXPECT_FALSE(ranking.IsRival(SlightlyWorse(kStrokes), best, 500));
 }
 
-TEST(EffectRanking, ASingleEffectHasTheSameRivalsAsOneOfAPair) {
-  PressOptions options;
-  options.seconds = 20;
-  const SimulatedStrokes log = StrokesOfPress(options);
-  const StrokeSet strokes(log.model, GramsOf(log.model, log.strokes, log.window), log.window);
-  constexpr int kStrokes = 20;
-  RankedEffect best, other;
-  best.id = "best";
-  best.gain = 60000;
-  best.stands_out = other.stands_out = true;
-  best.fit.excess = Eigen::VectorXd::Zero(kStrokes);
-  other.effect = 1;
-  other.id = "other";
-  other.gain = best.gain - 70;
-  other.fit = SlightlyWorse(kStrokes);
-  const ExplainOptions thresholds;
-  EXPECT_EQ(EffectRanking(strokes, thresholds, 1.0).Rivals(std::vector{best, other}),
-            (std::vector<std::string>{"best", "other"}));
-}
-
 }  // namespace
 }  // namespace hydroscope

@@ -182,7 +182,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     }
   }
   if (!first.significant) return std::nullopt;
-  out.groups = {ranking_.Rivals(out.ranking)};
+  out.groups = {ranking_.Rivals(out.ranking, true)};
   if (!AtFloor(model.fit)) return model;
   out.second = ranking_.Rank(model);
   if (IsBelowFloor(model.fit) || out.second.empty() || !out.second.front().significant ||
@@ -190,7 +190,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
     return model;
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
-  out.groups.push_back(ranking_.Rivals(out.second));
+  out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
   return Both(model, second);
 }
 
