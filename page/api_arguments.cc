@@ -65,7 +65,7 @@ Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>
   return {};
 }
 
-constexpr std::size_t kLongestExpression = 300, kLongestParameterName = 40;  ///< characters
+constexpr std::size_t kLongestBalance = 300, kLongestParameterName = 40;  ///< characters
 
 bool IsParameterName(const std::string& text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -79,9 +79,8 @@ Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) 
   auto text = TextOf(object, key);
   if (!text) return text;
   const bool plain = std::all_of(text->begin(), text->end(), [](char c) { return c >= ' ' && c <= '~'; });
-  if (!plain || text->size() > kLongestExpression)
-    return BadInput("{}: expected up to {} plain characters, such as p_A*sign(ddt(z))", key,
-                    kLongestExpression);
+  if (!plain || text->size() > kLongestBalance)
+    return BadInput("{}: expected up to {} plain characters, such as p_A*sign(ddt(z))", key, kLongestBalance);
   return text;
 }
 

@@ -123,7 +123,7 @@ std::vector<std::string> DrawnTruth(std::mt19937_64& random) {
   return ids;
 }
 
-bool Contains(const std::vector<std::string>& ids, const std::string& id) {
+bool Among(const std::vector<std::string>& ids, const std::string& id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
@@ -131,13 +131,13 @@ bool Contains(const std::vector<std::string>& ids, const std::string& id) {
 bool AllInSet(const Explanation& x, const std::vector<std::string>& hidden) {
   return x.groups.size() == hidden.size() && std::all_of(hidden.begin(), hidden.end(), [&](const auto& id) {
            return std::any_of(x.groups.begin(), x.groups.end(),
-                              [&](const auto& group) { return Contains(group, id); });
+                              [&](const auto& group) { return Among(group, id); });
          });
 }
 
 bool NamesWhatIsNotThere(const Explanation& x, const std::vector<std::string>& hidden) {
   return std::any_of(x.groups.begin(), x.groups.end(), [&](const auto& group) {
-    return std::none_of(group.begin(), group.end(), [&](const auto& id) { return Contains(hidden, id); });
+    return std::none_of(group.begin(), group.end(), [&](const auto& id) { return Among(hidden, id); });
   });
 }
 
@@ -149,7 +149,7 @@ void Count(const Explanation& x, const std::vector<std::string>& hidden, OwnMach
   const bool all = hidden.empty() ? x.verdict == Verdict::kAdequate : AllInSet(x, hidden);
   score.in_set += all;
   score.exact += all && std::all_of(x.groups.begin(), x.groups.end(),
-                                    [&](const auto& group) { return Contains(hidden, group.front()); });
+                                    [&](const auto& group) { return Among(hidden, group.front()); });
   if (!hidden.empty())
     score.set_size += static_cast<double>(x.set.size()) / static_cast<double>(hidden.size());
 }

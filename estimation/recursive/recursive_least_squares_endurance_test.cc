@@ -15,7 +15,7 @@ using Rls = RecursiveLeastSquares;
 constexpr double kLambda = 0.999;
 constexpr int kUpdates = 1'000'000;
 constexpr int kDayOfBlocks = 24 * 3600 * 50;  // 20 ms each
-const Eigen::Vector4d kTruth(-2, 0.5, 1, 3);
+const Eigen::Vector4d kEnduring(-2, 0.5, 1, 3);
 
 class Endurance : public testing::TestWithParam<Forgetting> {
  protected:
@@ -33,7 +33,7 @@ class Endurance : public testing::TestWithParam<Forgetting> {
     for (int k = 0; k < updates; ++k) {
       const double common = random_.Normal();
       const Eigen::Vector4d u(random_.Normal() + common, random_.Normal() + common, random_.Normal(), common);
-      Learn(u, u.dot(kTruth) + random_.Normal());
+      Learn(u, u.dot(kEnduring) + random_.Normal());
     }
   }
   void ExpectSound() const {
@@ -46,7 +46,7 @@ class Endurance : public testing::TestWithParam<Forgetting> {
   }
   void ExpectRight(double sigmas = 5) const {
     const Eigen::MatrixXd p = rls_.Covariance();
-    for (int i = 0; i < 4; ++i) EXPECT_NEAR(rls_.theta()[i], kTruth[i], sigmas * std::sqrt(p(i, i))) << i;
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(rls_.theta()[i], kEnduring[i], sigmas * std::sqrt(p(i, i))) << i;
   }
 
   Rls rls_;
@@ -73,7 +73,7 @@ TEST_P(Endurance, ADayOfZeroRegressorsChangesNothing) {
 TEST_P(Endurance, ADayOfConstantRegressorsIsSurvivedAndThenUnlearned) {
   Excite(20'000);
   const Eigen::Vector4d u(1, 1, -1, 0.5);
-  for (int k = 0; k < kDayOfBlocks; ++k) Learn(u, u.dot(kTruth) + random_.Normal());
+  for (int k = 0; k < kDayOfBlocks; ++k) Learn(u, u.dot(kEnduring) + random_.Normal());
   ExpectSound();
   // Directional forgetting holds what it knew; the exponential form may have let it go, but says so in P.
   ExpectRight();

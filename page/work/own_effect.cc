@@ -28,7 +28,7 @@ bool IsPlain(const std::string& text) {
 }
 
 /// A message of the machine file's parser without the place in the file, which nobody sees here.
-std::string WithoutPlace(const std::string& message) {
+std::string WithoutEffectsPlace(const std::string& message) {
   const std::string key = fmt::format("{}: ", kSize);
   const std::size_t at = message.find("[effect"), after = message.find(key, at);
   return at == message.npos || after == message.npos ? message : message.substr(after + key.size());
@@ -67,11 +67,11 @@ Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffe
   if (!effect.unit.empty()) text += fmt::format("unit = \"{}\"\n", effect.unit);
   if (effect.not_negative) text += "min = 0\n";
   const auto machine = ParseMachine(text, "machine file");
-  if (!machine) return BadInput("{}", WithoutPlace(machine.error().text));
+  if (!machine) return BadInput("{}", WithoutEffectsPlace(machine.error().text));
   const MachineKind& kind = KindOf(*machine);
   if (kind.build == nullptr) return BadInput("this kind of machine takes effects in its machine file only");
   if (const auto built = kind.build(*machine); !built)
-    return BadInput("{}", WithoutPlace(built.error().text));
+    return BadInput("{}", WithoutEffectsPlace(built.error().text));
   return text;
 }
 
