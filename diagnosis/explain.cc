@@ -361,8 +361,14 @@ Explanation Explainer::Run() {
   return out;
 }
 
+bool SameEffects(const std::vector<EffectChoice>& a, const std::vector<EffectChoice>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const EffectChoice& x, const EffectChoice& y) { return x.effect == y.effect; });
+}
+
 /// The chain with its evidence counted in what a law gains by chance: as many noise variances as sizes of laws scatter more
-/// between strokes, on what the model found leaves, than in the logs that the thresholds were set on.
+/// between strokes, on what the model found leaves, than in the logs that the thresholds were set on. Effects that stand so as
+/// well keep their rivals: sizes also scatter because a leak grows, which does not make it another law.
 Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& options,
                              const CandidateModel& start) {
   Explanation out = Explainer(strokes, options, start).Run();
@@ -371,7 +377,10 @@ Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& opt
   ExplainOptions counted = options;
   counted.evidence_scale = ranking.DesignEffect({out.chosen, out.final}) / options.white_correlation;
   if (counted.evidence_scale < (1 + options.evidence_growth) * options.evidence_scale) return out;
-  return Explainer(strokes, counted, start).Run();
+  Explanation recounted = Explainer(strokes, counted, start).Run();
+  if (recounted.partial || !SameEffects(recounted.chosen, out.chosen)) return recounted;
+  out.evidence_scale = counted.evidence_scale;
+  return out;
 }
 
 /// A name that does not lower the error on strokes left out, in the units shown, step by step, is none.
