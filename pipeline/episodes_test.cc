@@ -35,7 +35,8 @@ class EpisodesTest : public testing::Test {
   }
 
   static constexpr int kBatch = 260;
-  const std::string path_ = testing::TempDir() + "hydroscope_batches.csv";
+  const std::string path_ = testing::TempDir() + "batches_" +
+                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
 };
 
 TEST_F(EpisodesTest, ALogIsOneWithoutAMarker) {

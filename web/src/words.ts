@@ -17,13 +17,22 @@ export function firstLanguage(): Language {
 /** The one that the page is shown in. */
 export const pageLanguage = (): Language => (document.documentElement.lang === "de" ? "de" : "en");
 
-/** What a machine repeats and is judged by. Words that depend on it are written "<stroke|episode>". */
+/** What a machine repeats and is judged by. Words that depend on it are written "<stroke|episode>"; those that also depend on the
+ * number before them "{count} <stroke/strokes|episode/episodes>" or "{rows} <row/rows>". */
 export type Counted = "stroke" | "episode";
 
 export function sayIn(language: Language, counted: Counted = "stroke"): Say {
   const words = language === "de" ? de : en;
+  const chosen = (written: string) => {
+    const [stroke, episode = stroke] = written.split("|");
+    return counted === "episode" ? episode : stroke;
+  };
   return (key, values = {}) => (words[key] ?? String(key).replace(/^[a-z]+_/, "").replace(/_/g, " "))
-    .replace(/<([^|>]*)\|([^>]*)>/g, (_, stroke: string, episode: string) => (counted === "episode" ? episode : stroke))
+    .replace(/\{(\w+)\} <([^>]*\/[^>]*)>/g, (_, name: string, written: string) => {
+      const [one, many] = chosen(written).split("/");
+      return `${values[name] ?? ""} ${String(values[name]) === "1" ? one : many}`;
+    })
+    .replace(/<([^|>]*\|[^>]*)>/g, (_, written: string) => chosen(written))
     .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
 }
 
