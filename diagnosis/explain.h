@@ -177,7 +177,7 @@ struct Explanation {
   std::vector<RankedEffect> second;   ///< on the model and the first effect, best first
   std::vector<ExplainStep> steps;
   double noise_scale = 1;     ///< ExplainOptions::noise_scale that was found
-  double evidence_scale = 1;  ///< ExplainOptions::evidence_scale that gains were counted in
+  double evidence_scale = 1;  ///< largest ExplainOptions::evidence_scale that the effects stand in
   /// Strokes that were left out of everything else here, except of a set that explains them.
   std::vector<OddStrokes> odd_strokes;
   Predictability base_left, final_left;  ///< of the error of `base` and `final`; tested on samples only

@@ -18,7 +18,9 @@ constexpr MachineInput Measured(std::string_view name, std::string_view si, Word
 /// A signal that some effects need, or that makes the rest surer.
 constexpr MachineInput MayBeMeasured(std::string_view name, std::string_view si, Wording meaning,
                                      std::string_view columns, std::optional<PlausibleSize> size = {}) {
-  return {.name = name, .si = si, .required = false, .meaning = meaning, .size = size, .columns = columns};
+  MachineInput input = Measured(name, si, meaning, columns, size);
+  input.required = false;
+  return input;
 }
 constexpr MachineInput MayBeMeasured(std::string_view name, std::string_view si, Wording meaning,
                                      std::optional<PlausibleSize> size = {}) {

@@ -65,7 +65,7 @@ Status ParseGeometry(const nlohmann::json& object, std::map<std::string, double>
   return {};
 }
 
-constexpr std::size_t kLongestBalance = 300, kLongestParameterName = 40;  ///< characters
+constexpr std::size_t kLongestParameterName = 40;  ///< characters
 
 bool IsParameterName(const std::string& text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -74,13 +74,11 @@ bool IsParameterName(const std::string& text) {
                      [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
-/// Nothing in it that a machine file could not hold between quotes.
 Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) {
   auto text = TextOf(object, key);
-  if (!text) return text;
-  const bool plain = std::all_of(text->begin(), text->end(), [](char c) { return c >= ' ' && c <= '~'; });
-  if (!plain || text->size() > kLongestBalance)
-    return BadInput("{}: expected up to {} plain characters, such as p_A*sign(ddt(z))", key, kLongestBalance);
+  if (text && !IsPlain(*text))
+    return BadInput("{}: expected up to {} characters without quotes, such as p_A*sign(ddt(z))", key,
+                    kLongestExpression);
   return text;
 }
 

@@ -91,6 +91,7 @@ TEST(ApiArguments, NamesWhatIsWrongWithAMapping) {
       {R"({"model": "toaster"})", "model: found 'toaster', expected one of die_cushion"},
       {R"({"balance": 3})", "balance: found number"},
       {R"({"balance": {"output": "F\n[x]"}})", "output: expected up to"},
+      {R"({"balance": {"output": "F\""}})", "output: expected up to"},
       {R"({"balance": {"terms": [{"name": "A.x", "expression": "p"}]}})", "name: found 'A.x'"},
       {R"({"balance": {"terms": [{"name": "A", "expression": "p"}, {"name": "A", "expression": "x"}]}})",
        "once"},

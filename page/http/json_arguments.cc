@@ -1,5 +1,6 @@
 #include "page/http/json_arguments.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace hydroscope {
@@ -32,6 +33,12 @@ Result<std::optional<double>> NumberOf(const nlohmann::json& object, const char*
   const auto number = FiniteNumber(*found, key);
   if (!number) return tl::unexpected(number.error());
   return std::optional<double>(*number);
+}
+
+bool IsPlain(const std::string& text) {
+  return text.size() <= kLongestExpression && std::all_of(text.begin(), text.end(), [](char c) {
+           return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+         });
 }
 
 Result<bool> FlagOf(const nlohmann::json& object, const char* key) {

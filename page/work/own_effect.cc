@@ -7,24 +7,17 @@
 
 #include "models/machine_kind.h"
 #include "page/api_arguments.h"
+#include "page/http/json_arguments.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr const char* kSize = "k";               ///< name of the size of every effect written on the page
-constexpr std::size_t kLongestExpression = 300;  ///< characters
+constexpr const char* kSize = "k";  ///< name of the size of every effect written on the page
 
 bool IsName(const std::string& text) {
   const auto fine = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   return !text.empty() && text.front() >= 'a' && text.front() <= 'z' &&
          std::all_of(text.begin(), text.end(), fine);
-}
-
-/// Nothing that would end a text between quotes in a machine file.
-bool IsPlain(const std::string& text) {
-  return text.size() <= kLongestExpression && std::all_of(text.begin(), text.end(), [](char c) {
-           return c >= ' ' && c <= '~' && c != '"' && c != '\\';
-         });
 }
 
 /// A message of the machine file's parser without the place in the file, which nobody sees here.

@@ -31,8 +31,8 @@ struct ExampleLog {
 /// long goes through the job queue.
 class WorkSession {
  public:
-  /// `machine_file` "" = to be made on the page; `niceness` of what takes long. Errors: no temporary folder, or the machine file is
-  /// wrong.
+  /// `machine_file` "" = to be made on the page; `niceness` of what takes long.
+  /// Errors: no temporary folder, or the machine file is wrong.
   static Result<std::unique_ptr<WorkSession>> Create(const std::vector<std::string>& logs,
                                                      const std::string& machine_file,
                                                      std::vector<ExampleLog> examples, EventFeed& feed,

@@ -27,27 +27,29 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   for (std::size_t p = 0; p < 5; ++p) EXPECT_NEAR(c.error_all[p], 0, within[p]) << p;
 }
 
-TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
-  PumpOptions options = RandomPump(41);
+/// 12 s of a random pump of which the outlet pressure alone is measured.
+Episode OutletEpisode(std::uint64_t seed) {
+  PumpOptions options = RandomPump(seed);
   options.seconds = 12;
-  const Machine machine = PumpFile(false);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model);
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
-  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  return PumpEpisode(SimulatePump(options), PumpFile(false));
+}
+StateFit OutletFit(const Episode& episode) {
+  const auto model = BuildStateModel(PumpFile(false), {});
+  if (!model) throw std::runtime_error(model.error().text);
+  return FitStates(*model, std::span(&episode, 1));
+}
+
+TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
+  const Episode episode = OutletEpisode(41);
+  const StateFit fit = OutletFit(episode);
   ASSERT_TRUE(fit.solved()) << fit.failed;
   EXPECT_GT(fit.minima.size(), 1);
   EXPECT_GT(PumpFit(fit), 98);
 }
 
 TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
-  PumpOptions options = RandomPump(20);
-  options.seconds = 12;
-  const Machine machine = PumpFile(false);
-  const auto model = BuildStateModel(machine, {});
-  ASSERT_TRUE(model);
-  const Episode episode = PumpEpisode(SimulatePump(options), machine);
-  const StateFit fit = FitStates(*model, std::span(&episode, 1));
+  const Episode episode = OutletEpisode(20);
+  const StateFit fit = OutletFit(episode);
   ASSERT_TRUE(fit.solved()) << fit.failed;
   const ToldTogether together = FindToldTogether(fit, std::span(&episode, 1));
   ASSERT_GE(together.parameters.size(), 2u);
