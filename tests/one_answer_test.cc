@@ -193,7 +193,12 @@ TEST_F(OneAnswer, ReplayIsNoSurerThanTheFitWhereStrokesHangTogether) {
 }
 
 TEST_F(OneAnswer, UnderColouredNoise) {
-  ExpectOneAnswer(Simulate("coloured.csv", 60, 4, {"--imperfection", "coloured_noise"}), Cushion());
+  const std::string log = Simulate("coloured.csv", 60, 4, {"--imperfection", "coloured_noise"}),
+                    machine = Cushion();
+  ExpectOneAnswer(log, machine);
+  const Ran compare = Run({"compare", log, "-m", machine});
+  EXPECT_THAT(compare.out, HasSubstr("nor is the noise of these sensors"));
+  EXPECT_THAT(compare.out, Not(HasSubstr("NOT WHITE")));
 }
 
 /// What a missing effect takes away with it is no smaller noise.

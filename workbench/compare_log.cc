@@ -59,7 +59,8 @@ void JudgeOnLogs(CompareResult& out) {
   const JudgedModel judged = JudgeAsExplain(out.log, out.model.structure, out.model.figures);
   if (!judged.explanation.base.solved) return;
   TakeVerdict(judged.explanation, out);
-  if (!judged.trust.floor.believable) ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
+  if (HasFloorOfItsOwn(judged.trust, judged.explanation))
+    ScaleNoise(judged.explanation.final.noise_floor, out.residuals);
 }
 
 }  // namespace

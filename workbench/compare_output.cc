@@ -131,14 +131,15 @@ std::string StrokesText(const CompareResult& result) {
 std::string WhitenessText(const CompareResult& result) {
   const Whiteness& w = result.whiteness;
   if (w.autocorrelation.empty()) return "";
+  const char* pattern = result.model.trust.floor.believable
+                            ? "NOT WHITE: the rest has a pattern in time"
+                            : "not white, but nor is the noise of these sensors: no proof of a model error";
   return fmt::format(
       "\nWhat is left, block by block\n"
       "  variance {:.3g} times that of sensor noise; correlation with the block before {:+.3f}\n"
       "  {} (Ljung-Box over {} lags, p = {:.2g})\n",
       w.variance_ratio, w.autocorrelation.front(),
-      w.p_value < kPatternP ? "NOT WHITE: the rest has a pattern in time"
-                            : "white: no pattern in time is left",
-      w.lags, w.p_value);
+      w.p_value < kPatternP ? pattern : "white: no pattern in time is left", w.lags, w.p_value);
 }
 
 /// "; +0.31 when it follows 40 ms later", if that is clearly more than at the same time.

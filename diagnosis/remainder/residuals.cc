@@ -241,8 +241,10 @@ void ScaleNoise(double noise_floor, Residuals& residuals) {
     }
   if (!(sum > 0)) return;
   const double factor = noise_floor * noise_floor * windows / sum;
-  for (StrokeResiduals& stroke : residuals.strokes)
+  for (StrokeResiduals& stroke : residuals.strokes) {
     for (double& variance : stroke.noise_variance) variance *= factor;
+    for (Eigen::VectorXd& contrasts : stroke.whitened) contrasts /= std::sqrt(factor);
+  }
 }
 
 }  // namespace hydroscope

@@ -47,8 +47,8 @@ Eigen::VectorXd ColumnWeights(const ModelStructure& model, const ExtendedFit& fi
 Residuals ResidualsOf(std::shared_ptr<const ModelStructure> model, std::span<const StrokeStretches> strokes,
                       const WindowSamples& window, const Eigen::VectorXd& weights);
 
-/// Where the noise shares do not hold: all noise variances by one factor, so that their mean is the square of
-/// `noise_floor` (output unit rms).
+/// Where the noise shares do not hold: all noise variances, and the whitened contrasts with them, by one factor, so that
+/// the mean variance is the square of `noise_floor` (output unit rms).
 void ScaleNoise(double noise_floor, Residuals& residuals);
 
 }  // namespace hydroscope

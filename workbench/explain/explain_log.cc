@@ -162,6 +162,10 @@ Told WhyUnmeasured(const UnmeasuredEffect& unmeasured) {
               fmt::to_string(fmt::join(unmeasured.missing, ", ")));
 }
 
+bool HasFloorOfItsOwn(const LogTrust& trust, const Explanation& explanation) {
+  return !trust.floor.believable || explanation.noise_scale != 1;
+}
+
 JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
                            GramFit& figures, const ExplainOptions& options) {
   const bool own_balance = model->kind->own_library;
@@ -182,7 +186,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.
-  if (!floor.believable || x.noise_scale != 1) figures.noise_floor = x.final.noise_floor;
+  if (HasFloorOfItsOwn(out.trust, x)) figures.noise_floor = x.final.noise_floor;
   // Rows too far apart: what they miss looks like an effect, or hides one.
   RefuseVerdict(out.trust.rate.fast_enough ? ImpossibleFigures(figures) : out.trust.rate.sentence,
                 out.explanation);
@@ -199,7 +203,6 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
   out.explanation = std::move(judged.explanation);
   out.trust = std::move(judged.trust);
-  const FloorTrust& trust = out.trust.floor;
   if (!out.explanation.base.solved)
     return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
                     model->words.vary.english);
@@ -207,7 +210,7 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
                                       ColumnWeights(*out.explanation.model, fit));
-    if (!trust.believable || out.explanation.noise_scale != 1) ScaleNoise(fit.noise_floor, residuals);
+    if (HasFloorOfItsOwn(out.trust, out.explanation)) ScaleNoise(fit.noise_floor, residuals);
     return residuals;
   };
   Residuals residuals = residuals_of(out.explanation.base);
