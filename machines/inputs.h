@@ -2,7 +2,7 @@
 
 #include "models/machine_kind.h"
 
-// How kinds of machines write their signals and known values; what is special is a MachineInput with its fields by name.
+// How kinds of machines write their signals, known values and parameters; what is special is a MachineInput with its fields by name.
 namespace hydroscope {
 
 /// A signal without which nothing can be identified; `columns`: what logs call it (MachineInput::columns).
@@ -49,6 +49,20 @@ constexpr MachineInput Assumed(std::string_view name, std::string_view si, Wordi
           .meaning = meaning,
           .positive = true,
           .otherwise = otherwise};
+}
+
+/// A parameter that is identified; `symbol` for plots, "" = the name. Plots show it in `shown` = SI * `factor` where the usual
+/// unit of `si` does not do.
+constexpr MachineParameter Identified(std::string_view name, std::string_view si, Wording meaning,
+                                      Wording sentence, std::string_view symbol = "",
+                                      std::string_view shown = "", double factor = 1) {
+  return {.name = name,
+          .si = si,
+          .meaning = meaning,
+          .symbol = symbol,
+          .sentence = sentence,
+          .shown = shown,
+          .factor = factor};
 }
 
 /// Beside the atmosphere, which it is taken for where the machine file does not state it.

@@ -60,10 +60,10 @@ struct MachineParameter {
 struct MachineKind {
   std::string_view id;  ///< `model` of the machine file
   Wording title;        ///< "die cushion"
-  std::span<const MachineInput> signals, geometry;
-  std::span<const MachineParameter> parameters;
-  std::string_view output_unit;  ///< SI; "": [balance] of the machine file says
-  bool own_library = false;      ///< balance and effects are those of the machine file
+  std::span<const MachineInput> signals = {}, geometry = {};
+  std::span<const MachineParameter> parameters = {};
+  std::string_view output_unit = "";  ///< SI; "": [balance] of the machine file says
+  bool own_library = false;           ///< balance and effects are those of the machine file
   /// Described by states (models/state_model.h), fitted by simulation; `build` is nullptr.
   bool has_states = false;
   /// The equations of a built-in machine with states, of one whose required signals and geometry are there. Outputs whose

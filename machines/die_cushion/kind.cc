@@ -51,29 +51,23 @@ constexpr std::array<MachineInput, 4> kCushionGeometry = {{
      .positive = true},
 }};
 constexpr std::array<MachineParameter, 4> kCushionParameters = {{
-    {.name = "K",
-     .si = "Pa",
-     .meaning = {"effective bulk modulus", "wirksamer Kompressionsmodul"},
-     .symbol = "K′",
-     .sentence =
-         {"How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil.",
-          "Wie steif die Ölsäule samt Schläuchen und Zylinderwänden ist; er fällt, wenn Luft ins Öl kommt."}},
-    {.name = "V0",
-     .si = "m3",
-     .meaning = {"dead volume", "Totvolumen"},
-     .symbol = "V_{0}",
-     .sentence =
-         {"Oil volume between valve and piston with the piston at its zero position: "
-          "lines, fittings, bottom of the chamber.",
-          "Ölvolumen zwischen Ventil und Kolben, mit dem Kolben in seiner Nullstellung: Leitungen, Verschraubungen, Boden der Kammer."}},
-    {.name = "Q_vn",
-     .si = "m3/s",
-     .meaning = {"nominal valve flow", "Nenndurchfluss des Ventils"},
-     .symbol = "Q_{vn}",
-     .sentence =
-         {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-          "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
-          "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."}},
+    Identified(
+        "K", "Pa", {"effective bulk modulus", "wirksamer Kompressionsmodul"},
+        {"How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil.",
+         "Wie steif die Ölsäule samt Schläuchen und Zylinderwänden ist; er fällt, wenn Luft ins Öl kommt."},
+        "K′"),
+    Identified(
+        "V0", "m3", {"dead volume", "Totvolumen"},
+        {"Oil volume between valve and piston with the piston at its zero position: "
+         "lines, fittings, bottom of the chamber.",
+         "Ölvolumen zwischen Ventil und Kolben, mit dem Kolben in seiner Nullstellung: Leitungen, Verschraubungen, Boden der Kammer."},
+        "V_{0}"),
+    Identified(
+        "Q_vn", "m3/s", {"nominal valve flow", "Nenndurchfluss des Ventils"},
+        {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
+         "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
+         "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."},
+        "Q_{vn}"),
     {.name = "y_0",
      .si = "1",
      .meaning = {"spool null", "Nullpunkt des Schiebers"},
@@ -129,11 +123,11 @@ const std::array<StandstillRule, 2> kCushionStandstill = {{
 }};
 
 MachineWords CushionWords(const Machine&) {
-  return {{"flow", "Durchfluss"},
-          {"drawing stroke", "Ziehhub"},
-          {"ram speed and pressure", "Stößelgeschwindigkeit und Druck"},
-          {"whether oil is missing or in surplus", "ob Öl fehlt oder zu viel ist"},
-          true};
+  return {.output = {"flow", "Durchfluss"},
+          .stroke = {"drawing stroke", "Ziehhub"},
+          .vary = {"ram speed and pressure", "Stößelgeschwindigkeit und Druck"},
+          .sign = {"whether oil is missing or in surplus", "ob Öl fehlt oder zu viel ist"},
+          .hydraulic = true};
 }
 
 std::vector<std::shared_ptr<const Effect>> CushionEffects(const Machine& machine) {
@@ -148,7 +142,6 @@ const MachineKind kDieCushion = {.id = "die_cushion",
                                  .geometry = kCushionGeometry,
                                  .parameters = kCushionParameters,
                                  .output_unit = "m3/s",
-                                 .own_library = false,
                                  .words = CushionWords,
                                  .picture = CushionPicture,
                                  .temperature = "T_oil",

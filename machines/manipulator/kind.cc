@@ -135,10 +135,6 @@ constexpr Wording kCoulomb{
 constexpr Wording kOil{"How stiff the oil is, hoses included; it falls when air enters the oil.",
                        "Wie steif das Öl samt Schläuchen ist; er fällt, wenn Luft ins Öl kommt."};
 
-constexpr MachineParameter Identified(std::string_view name, std::string_view si, Wording meaning,
-                                      Wording sentence) {
-  return {.name = name, .si = si, .meaning = meaning, .sentence = sentence};
-}
 constexpr MachineParameter Edge(std::string_view name, Wording meaning) {
   return Identified(
       name, "m3/(s sqrt(Pa))", meaning,
@@ -194,11 +190,9 @@ constexpr std::array<MachineParameter, 20> kArmParameters = {
 };
 
 MachineWords ArmWords(const Machine&) {
-  return {{"angles and pressures", "Winkel und Drücke"},
-          {"episode", "Episode"},
-          {"positions and speeds of both joints", "Stellungen und Geschwindigkeiten beider Gelenke"},
-          {},
-          false};
+  return {.output = {"angles and pressures", "Winkel und Drücke"},
+          .stroke = {"episode", "Episode"},
+          .vary = {"positions and speeds of both joints", "Stellungen und Geschwindigkeiten beider Gelenke"}};
 }
 
 }  // namespace
@@ -208,7 +202,6 @@ const MachineKind kManipulator = {.id = "manipulator",
                                   .signals = kArmSignals,
                                   .geometry = kArmGeometry,
                                   .parameters = kArmParameters,
-                                  .output_unit = "",
                                   .has_states = true,
                                   .states = manipulator::States,
                                   .words = ArmWords,

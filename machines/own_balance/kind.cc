@@ -30,7 +30,8 @@ Told ListOf(const std::vector<std::string>& names) {
 }
 
 MachineWords OwnWords(const Machine& machine) {
-  return {machine.balance.output, {"stroke", "Hub"}, ListOf(SignalsOfTerms(machine)), {}, false};
+  return {
+      .output = machine.balance.output, .stroke = {"stroke", "Hub"}, .vary = ListOf(SignalsOfTerms(machine))};
 }
 
 }  // namespace
@@ -38,15 +39,10 @@ MachineWords OwnWords(const Machine& machine) {
 const MachineKind kOwnBalance = {
     .id = "expressions",
     .title = {"machine with a balance of its own", "Maschine mit eigener Bilanz"},
-    .signals = {},
-    .geometry = {},
-    .parameters = {},
-    .output_unit = "",
     .own_library = true,
     .words = OwnWords,
     .temperature = "T_oil",
     .draft = kOwnDraft,
-    .build = BuildExpressionBalance,
-    .effects = nullptr};
+    .build = BuildExpressionBalance};
 
 }  // namespace hydroscope

@@ -6,17 +6,13 @@ namespace {
 MachineWords StatesWords(const Machine& machine) {
   std::string output;
   for (const OutputSpec& o : machine.states.outputs) output += (output.empty() ? "" : ", ") + o.signal;
-  return {output, {"episode", "Episode"}, {"the inputs", "die Eingänge"}, {}, false};
+  return {.output = output, .stroke = {"episode", "Episode"}, .vary = {"the inputs", "die Eingänge"}};
 }
 
 }  // namespace
 
 const MachineKind kOwnStates = {.id = "states",
                                 .title = {"machine with states of its own", "Maschine mit eigenen Zuständen"},
-                                .signals = {},
-                                .geometry = {},
-                                .parameters = {},
-                                .output_unit = "",
                                 .has_states = true,
                                 .words = StatesWords};
 

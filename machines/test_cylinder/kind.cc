@@ -32,36 +32,29 @@ constexpr MachineInput kGeometry[] = {
      .positive = true},
 };
 constexpr MachineParameter kParameters[] = {
-    {"f_h",
-     "Hz",
-     {"natural frequency of the oil column", "Eigenfrequenz der Ölsäule"},
-     "f_h",
-     {"Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise.",
-      "Masse der Stange auf dem Öl in den Kammern. Luft lässt sie fallen, ein Prüfling steigen."}},
-    {"zeta_h",
-     "1",
-     {"damping of the oil column", "Dämpfung der Ölsäule"},
-     "\\zeta_h",
-     {"Friction of guides and seals, and leakage.", "Reibung von Führungen und Dichtungen, und Leckage."}},
-    {"f_sv",
-     "Hz",
-     {"corner frequency of the valve", "Eckfrequenz des Ventils"},
-     "f_{sv}",
-     {"A clogged pilot makes it fall.", "Eine zugesetzte Vorsteuerung lässt sie fallen."}},
-    {"K_sv",
-     "m3/(s A)",
-     {"flow gain of the valve", "Durchflussverstärkung des Ventils"},
-     "K_{sv}",
-     {"Size of the valve and supply pressure.", "Größe des Ventils und Versorgungsdruck."}},
-    {"T_d",
-     "s",
-     {"delay from current to reading, beside the hold",
-      "Totzeit vom Strom zur Anzeige, neben dem Halteglied"},
-     "T_d",
-     {"Filters and buses.", "Filter und Busse."},
-     "ms",
-     1e3,
-     false},
+    Identified("f_h", "Hz", {"natural frequency of the oil column", "Eigenfrequenz der Ölsäule"},
+               {"Mass of the rod on the oil in the chambers. Air makes it fall, a specimen rise.",
+                "Masse der Stange auf dem Öl in den Kammern. Luft lässt sie fallen, ein Prüfling steigen."},
+               "f_h"),
+    Identified(
+        "zeta_h", "1", {"damping of the oil column", "Dämpfung der Ölsäule"},
+        {"Friction of guides and seals, and leakage.", "Reibung von Führungen und Dichtungen, und Leckage."},
+        "\\zeta_h"),
+    Identified("f_sv", "Hz", {"corner frequency of the valve", "Eckfrequenz des Ventils"},
+               {"A clogged pilot makes it fall.", "Eine zugesetzte Vorsteuerung lässt sie fallen."},
+               "f_{sv}"),
+    Identified("K_sv", "m3/(s A)", {"flow gain of the valve", "Durchflussverstärkung des Ventils"},
+               {"Size of the valve and supply pressure.", "Größe des Ventils und Versorgungsdruck."},
+               "K_{sv}"),
+    {.name = "T_d",
+     .si = "s",
+     .meaning = {"delay from current to reading, beside the hold",
+                 "Totzeit vom Strom zur Anzeige, neben dem Halteglied"},
+     .symbol = "T_d",
+     .sentence = {"Filters and buses.", "Filter und Busse."},
+     .shown = "ms",
+     .factor = 1e3,
+     .relative = false},
 };
 
 // Poles of test cylinders and of their valves lie between 30 Hz and 1 kHz; combinations within a factor of two of the truth
@@ -83,7 +76,10 @@ void CompleteTestCylinder(const LogSample&, const std::map<std::string, double>&
 }
 
 MachineWords TestCylinderWords(const Machine&) {
-  return {{"position", "Position"}, {"record", "Aufzeichnung"}, {"set point", "Sollwert"}, {}, true};
+  return {.output = {"position", "Position"},
+          .stroke = {"record", "Aufzeichnung"},
+          .vary = {"set point", "Sollwert"},
+          .hydraulic = true};
 }
 
 }  // namespace

@@ -4,11 +4,10 @@ namespace hydroscope {
 namespace {
 
 MachineWords ValveWords(const Machine&) {
-  return {{"response", "Antwort"},
-          {"sweep", "Durchlauf"},
-          {"frequency and amplitude of the command", "Frequenz und Amplitude des Befehls"},
-          {},
-          true};
+  return {.output = {"response", "Antwort"},
+          .stroke = {"sweep", "Durchlauf"},
+          .vary = {"frequency and amplitude of the command", "Frequenz und Amplitude des Befehls"},
+          .hydraulic = true};
 }
 
 /// The loop of a servo axis answers like a valve.
@@ -36,16 +35,10 @@ void CompleteValve(const LogSample& log, const std::map<std::string, double>&, M
 
 const MachineKind kValve = {.id = "valve",
                             .title = {"valve", "Ventil"},
-                            .signals = {},
-                            .geometry = {},
-                            .parameters = {},
                             .output_unit = "m3/s",
-                            .own_library = false,
                             .words = ValveWords,
                             .temperature = "T_oil",
                             .supply = "p_0",
-                            .draft = {SuitsValve, CompleteValve},
-                            .build = nullptr,
-                            .effects = nullptr};
+                            .draft = {SuitsValve, CompleteValve}};
 
 }  // namespace hydroscope
