@@ -6,41 +6,36 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/study_command.h"
 
 namespace hydroscope {
 namespace {
 
 void AddAlarmKill(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<AlarmKillOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "alarm-kill",
-      "kill -9 of a process that writes the alarm journal and feeds an MQTT broker: nothing is lost");
-  command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of times and alarms")->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "alarm-kill",
+               "kill -9 of a process that writes the alarm journal and feeds an MQTT broker: nothing is lost",
+               RunAlarmKill, exit_code);
+  command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000));
+  command->add_option("--seed", o->seed, "Seed of times and alarms");
   command->footer(
       "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-kill "
       "--times 200");
-  command->callback([o, &exit_code] { exit_code = RunAlarmKill(*o); });
 }
 
 void AddBurstOptions(CLI::App* command, AlarmBurstOptions& o) {
-  command->add_option("--alarms", o.alarms, "Alarms raised")
-      ->check(CLI::Range(20, 100000))
-      ->capture_default_str();
-  command->add_option("--seconds", o.seconds, "s in which they are raised")
-      ->check(CLI::Range(0.1, 1e4))
-      ->capture_default_str();
+  command->add_option("--alarms", o.alarms, "Alarms raised")->check(CLI::Range(20, 100000));
+  command->add_option("--seconds", o.seconds, "s in which they are raised")->check(CLI::Range(0.1, 1e4));
 }
 
 void AddAlarmBurst(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<AlarmBurstOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "alarm-burst",
-      "1000 alarms in a second: journal whole, feeds in order, a SCADA poller at 1 Hz misses none");
+  const auto [command, o] =
+      AddStudy(benchmark, "alarm-burst",
+               "1000 alarms in a second: journal whole, feeds in order, a SCADA poller at 1 Hz misses none",
+               RunAlarmBurst, exit_code);
   AddBurstOptions(command, *o);
   command->footer(
       "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-burst");
-  command->callback([o, &exit_code] { exit_code = RunAlarmBurst(*o); });
 }
 
 /// The process the others start; not shown.

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
+#include "cli/study_command.h"
 #include "studies/coverage_benchmark.h"
 #include "studies/drift/drift_benchmark.h"
 #include "studies/drift/drift_full_simulation.h"
@@ -26,66 +26,41 @@ namespace hydroscope {
 namespace {
 
 void AddCoverage(CLI::App& benchmark, int& exit_code) {
-  struct Options {
-    int cases = 200;
-    std::uint64_t seed = 1;
-    double seconds = 120;
-  };
-  auto o = std::make_shared<Options>();
-  CLI::App* command =
-      benchmark.add_subcommand("coverage", "How often the 95 % intervals of the fit hold the truth");
+  const auto [command, o] =
+      AddStudy(benchmark, "coverage", "How often the 95 % intervals of the fit hold the truth",
+               RunCoverageBenchmark, exit_code);
   command->add_option("--cases", o->cases, "Simulated machines, each with its own parameters")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seconds", o->seconds, "Length of each log, s")
-      ->check(CLI::Range(10.0, 1e5))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the first machine")->capture_default_str();
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seconds", o->seconds, "Length of each log, s")->check(CLI::Range(10.0, 1e5));
+  command->add_option("--seed", o->seed, "Seed of the first machine");
   command->footer("Example:\n  hydroscope benchmark coverage --cases 200 --seconds 120");
-  command->callback([o, &exit_code] { exit_code = RunCoverageBenchmark(o->cases, o->seed, o->seconds); });
 }
 
 void AddFrf(CLI::App& benchmark, int& exit_code) {
-  struct Options {
-    int cases = 400;
-    std::uint64_t seed = 1;
-  };
-  auto o = std::make_shared<Options>();
-  CLI::App* command = benchmark.add_subcommand("frf", "Valve model from simulated sweeps against the truth");
-  command->add_option("--cases", o->cases, "Noise draws per variation")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the first draw")->capture_default_str();
+  const auto [command, o] = AddStudy(benchmark, "frf", "Valve model from simulated sweeps against the truth",
+                                     RunFrfBenchmark, exit_code);
+  command->add_option("--cases", o->cases, "Noise draws per variation")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the first draw");
   command->footer("Example:\n  hydroscope benchmark frf --cases 100");
-  command->callback([o, &exit_code] { exit_code = RunFrfBenchmark(o->cases, o->seed); });
 }
 
 void AddLateSignals(CLI::App& benchmark, int& exit_code) {
-  struct Arguments {
-    int cases = 96;
-    std::uint64_t seed = 1;
-  };
-  auto o = std::make_shared<Arguments>();
-  CLI::App* command = benchmark.add_subcommand(
-      "late-signals",
-      "Late signals and filtered ones: how often they are told apart, and how far each is right");
-  command->add_option("--cases", o->cases, "Simulated logs")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "late-signals",
+               "Late signals and filtered ones: how often they are told apart, and how far each is right",
+               RunLateSignalsBenchmark, exit_code);
+  command->add_option("--cases", o->cases, "Simulated logs")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->footer("Example:\n  hydroscope benchmark late-signals --cases 48");
-  command->callback([o, &exit_code] { exit_code = RunLateSignalsBenchmark(o->cases, o->seed); });
 }
 
 void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<HiddenEffectsOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "hidden-effects",
-      "Effects hidden in simulated logs: how often they are found, and how often wrongly named");
-  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "hidden-effects",
+               "Effects hidden in simulated logs: how often they are found, and how often wrongly named",
+               RunHiddenEffectsBenchmark, exit_code);
+  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_flag(
       "--experiments", o->experiments,
       "Also run the experiment proposed for each ambiguous log in the simulator and explain again");
@@ -97,18 +72,15 @@ void AddHiddenEffects(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark hidden-effects --cases 300\n"
       "  hydroscope benchmark hidden-effects --cases 300 --seed 5 --experiments\n"
       "  hydroscope benchmark hidden-effects --cases 40 --seed 7 --details cases.tsv");
-  command->callback([o, &exit_code] { exit_code = RunHiddenEffectsBenchmark(*o); });
 }
 
 void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<PlantLogsOptions>();
-  CLI::App* command = benchmark.add_subcommand("plant-logs",
-                                               "Logs as plants have them, each with an imperfection: right, "
-                                               "wrong and missing answers of explain and fit");
-  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  const auto [command, o] = AddStudy(benchmark, "plant-logs",
+                                     "Logs as plants have them, each with an imperfection: right, "
+                                     "wrong and missing answers of explain and fit",
+                                     RunPlantLogsBenchmark, exit_code);
+  command->add_option("--cases", o->cases, "Simulated logs of 60 ... 180 s")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_option("--kinds", o->kinds, "Only these kinds of imperfection, separated by commas")
       ->delimiter(',');
   AddJobs(*command, o->threads);
@@ -117,40 +89,35 @@ void AddPlantLogs(CLI::App& benchmark, int& exit_code) {
       "Examples:\n"
       "  hydroscope benchmark plant-logs\n"
       "  hydroscope benchmark plant-logs --cases 40 --kinds coloured_noise,signal_lag --details cases.tsv");
-  command->callback([o, &exit_code] { exit_code = RunPlantLogsBenchmark(*o); });
 }
 
 void AddSince(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<SinceOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "since", "What changed at a known time, by 'explain --since': right, wrong and superfluous names");
+  const auto [command, o] =
+      AddStudy(benchmark, "since",
+               "What changed at a known time, by 'explain --since': right, wrong and superfluous names",
+               RunSinceBenchmark, exit_code);
   command->add_option("--cases", o->cases, "Histories of simulated machines, a log before and one after")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_option("--effect", o->effect, "Where one effect appears, this one");
   command->add_option("--details", o->details, "Write one line per history to this tab-separated file");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark since\n"
       "  hydroscope benchmark since --cases 30 --effect relief_valve --details cases.tsv");
-  command->callback([o, &exit_code] { exit_code = RunSinceBenchmark(*o); });
 }
 
 void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<FilterStudyOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "filter-study", "The press paper's filter study: its estimator over filter widths, and ours beside it");
+  const auto [command, o] =
+      AddStudy(benchmark, "filter-study",
+               "The press paper's filter study: its estimator over filter widths, and ours beside it",
+               RunFilterStudy, exit_code);
   command->add_option("--draws", o->draws, "Noise draws of the one simulated log")
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
-  command->add_option("--seconds", o->seconds, "Length of the log, s")
-      ->check(CLI::Range(20.0, 1e4))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the log and of the first draw")->capture_default_str();
+      ->check(CLI::Range(2, 100000));
+  command->add_option("--seconds", o->seconds, "Length of the log, s")->check(CLI::Range(20.0, 1e4));
+  command->add_option("--seed", o->seed, "Seed of the log and of the first draw");
   command->add_option("--seeds", o->seeds, "Logs: repeat ours on this many, with the median over them")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 1000));
   command->add_option("--svg", o->svg,
                       "Write a plot of bias and standard deviation over the width to this file");
   command->footer(
@@ -158,45 +125,35 @@ void AddFilterStudy(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark filter-study\n"
       "  hydroscope benchmark filter-study --seeds 20\n"
       "  hydroscope benchmark filter-study --draws 20 --svg filter_study.svg");
-  command->callback([o, &exit_code] { exit_code = RunFilterStudy(*o); });
 }
 
 void AddThirtyRuns(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<ThirtyRunsOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "thirty-runs", "Consecutive runs while the oil warms up: Q_vn must follow, K' and V0 must not");
-  command->add_option("--runs", o->runs, "Number of runs")
-      ->check(CLI::Range(6, 10000))
-      ->capture_default_str();
-  command->add_option("--seconds", o->seconds, "Length of each run, s")
-      ->check(CLI::Range(10.0, 1e4))
-      ->capture_default_str();
-  command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K")
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of all runs")->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "thirty-runs",
+               "Consecutive runs while the oil warms up: Q_vn must follow, K' and V0 must not", RunThirtyRuns,
+               exit_code);
+  command->add_option("--runs", o->runs, "Number of runs")->check(CLI::Range(6, 10000));
+  command->add_option("--seconds", o->seconds, "Length of each run, s")->check(CLI::Range(10.0, 1e4));
+  command->add_option("--viscosity", o->viscosity, "True change of the valve's flow with the oil, 1/K");
+  command->add_option("--seed", o->seed, "Seed of all runs");
   command->add_option("--seeds", o->seeds, "Repeat with this many seeds and list the slopes")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 1000));
   command->add_option("--db", o->database, "Keep the trend database of the first seed in this new file");
   command->add_option("--report", o->report, "Write the report of the first seed to this HTML file");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark thirty-runs --db runs.db --report runs.html\n"
       "  hydroscope benchmark thirty-runs --seeds 20");
-  command->callback([o, &exit_code] { exit_code = RunThirtyRuns(*o); });
 }
 
 void AddRecovery(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<RecoveryOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "recovery", "Each effect of the library simulated at a known size: found again by the extended model?");
-  command->add_option("--seconds", o->seconds, "Length of each log, s")
-      ->check(CLI::Range(30.0, 1e4))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the first log of each effect")->capture_default_str();
-  command->add_option("--seeds", o->seeds, "Logs per effect")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "recovery",
+               "Each effect of the library simulated at a known size: found again by the extended model?",
+               RunRecovery, exit_code);
+  command->add_option("--seconds", o->seconds, "Length of each log, s")->check(CLI::Range(30.0, 1e4));
+  command->add_option("--seed", o->seed, "Seed of the first log of each effect");
+  command->add_option("--seeds", o->seeds, "Logs per effect")->check(CLI::Range(1, 1000));
   command->add_option("--effect", o->effect, "Only this one");
   command->add_flag("--random", o->random, "Machines, sizes and shapes drawn at random, off every grid");
   command->footer(
@@ -205,135 +162,109 @@ void AddRecovery(CLI::App& benchmark, int& exit_code) {
       "  hydroscope benchmark recovery --random --seeds 20\n"
       "  hydroscope benchmark recovery --effect pressure_signal_delay\n"
       "  hydroscope benchmark recovery --seeds 10");
-  command->callback([o, &exit_code] { exit_code = RunRecovery(*o); });
 }
 
 void AddEndurance(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<EnduranceOptions>();
-  CLI::App* command =
-      benchmark.add_subcommand("endurance", "Millions of updates and a day of standstill: nothing may drift");
+  const auto [command, o] =
+      AddStudy(benchmark, "endurance", "Millions of updates and a day of standstill: nothing may drift",
+               RunEndurance, exit_code);
   command->add_option("--updates", o->updates, "Updates of each form of forgetting")
-      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000'000}))
-      ->capture_default_str();
-  command->add_option("--hours", o->standstill_hours, "Hours of standstill")
-      ->check(CLI::Range(0.01, 1e4))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed")->capture_default_str();
+      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000'000}));
+  command->add_option("--hours", o->standstill_hours, "Hours of standstill")->check(CLI::Range(0.01, 1e4));
+  command->add_option("--seed", o->seed, "Seed");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark endurance\n"
       "  hydroscope benchmark endurance --updates 1000000 --hours 1");
-  command->callback([o, &exit_code] { exit_code = RunEndurance(*o); });
 }
 
 void AddDrift(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<DriftBenchmarkOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "drift",
-      "Drift detection: false alarms of a healthy press, delay and naming of faults, faults under a warm-up");
+  const auto [command, o] = AddStudy(
+      benchmark, "drift",
+      "Drift detection: false alarms of a healthy press, delay and naming of faults, faults under a warm-up",
+      RunDriftBenchmark, exit_code);
   command->add_option("--axis-years", o->axis_years, "Healthy axis-years of 365 days of 1 500 strokes")
-      ->check(CLI::Range(0.001, 1000.0))
-      ->capture_default_str();
-  command->add_option("--faults", o->faults, "Cases of each fault")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+      ->check(CLI::Range(0.001, 1000.0));
+  command->add_option("--faults", o->faults, "Cases of each fault")->check(CLI::Range(1, 100000));
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark drift\n"
       "  hydroscope benchmark drift --axis-years 0.1 --faults 20");
-  command->callback([o, &exit_code] { exit_code = RunDriftBenchmark(*o); });
 }
 
 void AddDriftFull(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<DriftFullSimulationOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "drift-full",
-      "Drift detection on fully simulated logs of machines at random, every stroke through the pipeline");
+  const auto [command, o] = AddStudy(
+      benchmark, "drift-full",
+      "Drift detection on fully simulated logs of machines at random, every stroke through the pipeline",
+      RunDriftFullSimulation, exit_code);
   command->add_option("--machines", o->machines, "Machines, every second one with three products")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 10000));
   command->add_option("--commissioning", o->commissioning, "Strokes the reference is learned from")
-      ->check(CLI::Range(100, 100000))
-      ->capture_default_str();
+      ->check(CLI::Range(100, 100000));
   command->add_option("--learned-to", o->learned_to, "Warmest oil while the reference is learned, degC")
-      ->check(CLI::Range(24.0, 100.0))
-      ->capture_default_str();
+      ->check(CLI::Range(24.0, 100.0));
   command->add_option("--healthy", o->healthy, "Healthy strokes judged on each machine")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  command->add_option("--faulty", o->faulty, "Strokes of each fault")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--faulty", o->faulty, "Strokes of each fault")->check(CLI::Range(1, 100000));
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->add_flag("--details", o->details, "Print what was found on each machine");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark drift-full\n"
       "  hydroscope benchmark drift-full --machines 2 --healthy 300 --details");
-  command->callback([o, &exit_code] { exit_code = RunDriftFullSimulation(*o); });
 }
 
 void AddSealFriction(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<SealFrictionOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "seal-friction", "Measured runs of a cylinder seal: from F = A p + c to the friction that is missing");
+  const auto [command, o] =
+      AddStudy(benchmark, "seal-friction",
+               "Measured runs of a cylinder seal: from F = A p + c to the friction that is missing",
+               RunSealFriction, exit_code);
   command->add_option(
       "--data", o->data,
       "Folder with the runs (*.csv); without it seal_friction in HYDROSCOPE_DATA or ../shared/data");
-  command->add_option("--machine,-m", o->machine, "Machine file (TOML)")->capture_default_str();
+  command->add_option("--machine,-m", o->machine, "Machine file (TOML)");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark seal-friction\n"
       "  hydroscope benchmark seal-friction --data runs --machine machines/seal_friction.toml");
-  command->callback([o, &exit_code] { exit_code = RunSealFriction(*o); });
 }
 
 void AddOwnMachines(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<OwnMachinesOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "own-machines", "Effects hidden in simulated machines of the user's own, among eight that are alike");
-  command->add_option("--cases", o->cases, "Simulated machines")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the first machine")->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "own-machines",
+               "Effects hidden in simulated machines of the user's own, among eight that are alike",
+               RunOwnMachines, exit_code);
+  command->add_option("--cases", o->cases, "Simulated machines")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the first machine");
   command->footer("Example:\n  hydroscope benchmark own-machines --cases 60");
-  command->callback([o, &exit_code] { exit_code = RunOwnMachines(*o); });
 }
 
 void AddStateMachines(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<StateMachinesOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "state-machines", "Effects hidden in simulated machines that are described by states");
-  command->add_option("--cases", o->cases, "Simulated machines")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--first", o->first, "Number of the first of them")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the machines")->capture_default_str();
+  const auto [command, o] = AddStudy(benchmark, "state-machines",
+                                     "Effects hidden in simulated machines that are described by states",
+                                     RunStateMachines, exit_code);
+  command->add_option("--cases", o->cases, "Simulated machines")->check(CLI::PositiveNumber);
+  command->add_option("--first", o->first, "Number of the first of them")->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", o->seed, "Seed of the machines");
   AddJobs(*command, o->threads);
   command->footer("Example:\n  hydroscope benchmark state-machines --cases 36");
-  command->callback([o, &exit_code] { exit_code = RunStateMachines(*o); });
 }
 
 void AddExampleLog(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<ExampleLogOptions>();
+  const auto [command, o] = AddStudy(
+      benchmark, "example-log", "Fit of an example log against its known truth", RunExampleLog, exit_code);
   o->machine_file = "machines/die_cushion.toml";
-  CLI::App* command =
-      benchmark.add_subcommand("example-log", "Fit of an example log against its known truth");
   command->add_option("log", o->log, "Log without hidden effect (CSV, CSV.gz or MAT)")->required();
-  command->add_option("--machine,-m", o->machine_file, "Machine file (TOML)")->capture_default_str();
-  command->add_option("--K", o->K, "True bulk modulus, Pa")->capture_default_str();
-  command->add_option("--V0", o->V0, "True dead volume, m3")->capture_default_str();
-  command->add_option("--Q_vn", o->Q_vn, "True nominal flow of the valve, m3/s (102 l/min = 0.0017)")
-      ->capture_default_str();
-  command->add_option("--y_0", o->y_0, "True spool position without flow")->capture_default_str();
+  command->add_option("--machine,-m", o->machine_file, "Machine file (TOML)");
+  command->add_option("--K", o->K, "True bulk modulus, Pa");
+  command->add_option("--V0", o->V0, "True dead volume, m3");
+  command->add_option("--Q_vn", o->Q_vn, "True nominal flow of the valve, m3/s (102 l/min = 0.0017)");
+  command->add_option("--y_0", o->y_0, "True spool position without flow");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark example-log log_a.csv\n"
       "  hydroscope benchmark example-log press.csv --K 1.3e9 --V0 0.0017");
-  command->callback([o, &exit_code] { exit_code = RunExampleLog(*o); });
 }
 
 }  // namespace
@@ -342,6 +273,7 @@ void AddBenchmarkCommand(CLI::App& app, int& exit_code) {
   CLI::App* benchmark =
       app.add_subcommand("benchmark", "Studies on simulated machines, whose truth is known");
   benchmark->require_subcommand(1);
+  benchmark->option_defaults()->always_capture_default();
   benchmark->footer(
       "Every study prints a table, says what was required, and returns 0 if it was reached, else 1.\n"
       "Examples:\n"

@@ -33,6 +33,14 @@ void AddQuiet(CLI::App& app) {
     app.add_flag_callback("--quiet", BeQuiet, "No text for people on stdout and no progress; errors stay");
 }
 
+/// A list without entries is no default that help should tell.
+void HideEmptyDefaults(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    HideEmptyDefaults(*command);
+  for (CLI::Option* option : app.get_options())
+    if (option->get_default_str() == "[]") option->default_str("");
+}
+
 /// What in the words nobody knows, and what comes nearest; "" if every command and option is known.
 std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* at = &app;
@@ -82,6 +90,7 @@ int RunCommandLine(int argc, const char* const* argv) {
 #undef HYDROSCOPE_ADD_COMMAND
   AddShellCommands(app, exit_code);
   AddQuiet(app);
+  HideEmptyDefaults(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

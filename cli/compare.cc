@@ -49,7 +49,7 @@ Result<std::vector<CompareResult>> Compare(const CompareArguments& a) {
 }
 
 Status CompareStates(const CompareArguments& a) {
-  const auto fit = FitStatesLogs(a.logs, a.machine, a.hold_out);
+  const auto fit = CompareStatesLogs(a.logs, a.machine, a.hold_out);
   if (!fit) return tl::unexpected(fit.error());
   if (a.json != "-") Say(CompareText(*fit));
   if (!a.csv.empty())

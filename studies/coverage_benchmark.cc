@@ -54,15 +54,15 @@ void PrintScores(const char* title, const std::vector<Estimate>& names,
 
 }  // namespace
 
-int RunCoverageBenchmark(int cases, std::uint64_t seed, double seconds) {
+int RunCoverageBenchmark(const CoverageOptions& options) {
   std::array<Score, kParameters> batch, recursive;
   std::vector<Estimate> names;
   int not_fitted = 0;
   ProgressBar progress("coverage", "logs");
-  for (int c = 0; c < cases; ++c) {
-    PressOptions options = RandomMachine(seed + c);
-    options.seconds = seconds;
-    const auto strokes = StrokesOf(SimulatePress(options), MachineFor(options));
+  for (int c = 0; c < options.cases; ++c) {
+    PressOptions press = RandomMachine(options.seed + c);
+    press.seconds = options.seconds;
+    const auto strokes = StrokesOf(SimulatePress(press), MachineFor(press));
     const auto fit = strokes ? FitBaseModel(*strokes->model, strokes->Grams(), strokes->window)
                              : Result<GramFit>(tl::unexpected(strokes.error()));
     if (!fit || strokes->strokes.back().estimates.empty()) {
@@ -70,15 +70,15 @@ int RunCoverageBenchmark(int cases, std::uint64_t seed, double seconds) {
       continue;
     }
     names = fit->parameters;
-    const auto truth = Truth(options.machine);
+    const auto truth = Truth(press.machine);
     for (int i = 0; i < kParameters; ++i) {
       batch[i].Add(fit->parameters[i], truth[i]);
       recursive[i].Add(strokes->strokes.back().estimates[i], truth[i]);
     }
-    progress.Update((c + 1.0) / cases, c + 1);
+    progress.Update((c + 1.0) / options.cases, c + 1);
   }
-  std::cout << fmt::format("{} simulated machines, {:.0f} s each, seed {}; {} could not be fitted\n", cases,
-                           seconds, seed, not_fitted);
+  std::cout << fmt::format("{} simulated machines, {:.0f} s each, seed {}; {} could not be fitted\n",
+                           options.cases, options.seconds, options.seed, not_fitted);
   if (names.empty()) return 1;
   PrintScores("batch fit over all strokes (hydroscope fit)", names, batch);
   PrintScores("recursive estimator after the last stroke (hydroscope replay)", names, recursive);

@@ -118,7 +118,8 @@ bool RunVariation(const Variation& variation, int cases, std::uint64_t seed, dou
 
 }  // namespace
 
-int RunFrfBenchmark(int cases, std::uint64_t seed) {
+int RunFrfBenchmark(const FrfBenchmarkOptions& options) {
+  const auto& [cases, seed] = options;
   std::cout << fmt::format("Valve frequency response, {} simulated sweeps per variation, seeds from {}\n\n",
                            cases, seed);
   std::cout << fmt::format("{:<18} {:<7} {:>10} {:>12} {:>11} {:>11}\n", "variation", "figure", "truth",

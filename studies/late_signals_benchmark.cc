@@ -81,7 +81,8 @@ void CountLate(const LateCase& c, const Explanation& x, LateTally& t) {
 
 }  // namespace
 
-int RunLateSignalsBenchmark(int cases, std::uint64_t seed) {
+int RunLateSignalsBenchmark(const LateSignalsOptions& options) {
+  const auto& [cases, seed] = options;
   std::array<LateTally, kSignals.size()> tallies;
   ProgressBar progress("late signals", "logs");
   for (int i = 0; i < cases; ++i) {

@@ -9,6 +9,7 @@
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
+#include "cli/study_command.h"
 #include "host/output.h"
 #include "simulator/flexible_axis/log.h"
 
@@ -48,27 +49,23 @@ Status RunFlexibleAxisSimulation(FlexibleAxisArguments a) {
 
 void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
   CLI::App* app = simulate.add_subcommand("flexible-axis", "A servo axis with a flexible load: a log as CSV");
+  app->option_defaults()->always_capture_default();
   auto a = std::make_shared<FlexibleAxisArguments>();
   std::vector<std::string> names;
   for (const AxisManoeuvreInfo& info : AllAxisManoeuvres()) names.emplace_back(info.name);
   FlexibleAxisOptions& o = a->options;
   AddFiles(*app, a->files);
-  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
+  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")->check(CLI::IsMember(names));
   app->add_option("--effect", a->effects, "What is wrong with it, NAME or NAME=SIZE; repeatable");
   app->add_option("--random-machine", a->random_machine,
                   "Draw its parameters with this seed; 0: the published ones");
-  app->add_option("--rows", o.rows, "Samples")->capture_default_str();
-  app->add_option("--sample-period", o.period, "s")->capture_default_str();
-  app->add_option("--filter", o.sensors.filter, "Hz, low-pass of first order in every sensor; 0 = none")
-      ->capture_default_str();
-  app->add_option("--bits", o.sensors.bits, "Resolution of the converters; 0 = no steps")
-      ->capture_default_str();
+  app->add_option("--rows", o.rows, "Samples");
+  app->add_option("--sample-period", o.period, "s");
+  app->add_option("--filter", o.sensors.filter, "Hz, low-pass of first order in every sensor; 0 = none");
+  app->add_option("--bits", o.sensors.bits, "Resolution of the converters; 0 = no steps");
   app->add_option("--coloured", o.sensors.coloured,
-                  "How much of the noise remembers itself from row to row, 0 ... 1")
-      ->capture_default_str();
-  app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+                  "How much of the noise remembers itself from row to row, 0 ... 1");
+  app->add_option("--seed", o.seed, "Seed of the noise");
   app->footer(
       "Manoeuvres:\n" + NameLines(AllAxisManoeuvres()) + FaultLines(AllFlexibleAxisFaults()) +
       "Examples:\n"
@@ -81,24 +78,19 @@ void AddSimulateFlexibleAxis(CLI::App& simulate, int& exit_code) {
 }
 
 void AddBenchmarkFlexibleAxis(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<FlexibleAxisStudyOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "flexible-axis",
-      "Servo axis with a flexible load: random machines fitted from starts within a factor of ten");
-  command->add_option("--machines", o->machines, "Random machines")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the first")->capture_default_str();
-  command->add_option("--starts", o->starts, "At most so many starts each")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  const auto [command, o] =
+      AddStudy(benchmark, "flexible-axis",
+               "Servo axis with a flexible load: random machines fitted from starts within a factor of ten",
+               RunFlexibleAxisStudy, exit_code);
+  command->add_option("--machines", o->machines, "Random machines")->check(CLI::PositiveNumber);
+  command->add_option("--seed", o->seed, "Seed of the first");
+  command->add_option("--starts", o->starts, "At most so many starts each")->check(CLI::PositiveNumber);
   command->add_flag("--effects", o->effects, "Hide each effect of the library in turn instead, and explain");
   command->add_option("--only", o->only, "... this one alone; - is the machine without any");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark flexible-axis\n"
       "  hydroscope benchmark flexible-axis --effects --machines 2");
-  command->callback([o, &exit_code] { exit_code = RunFlexibleAxisStudy(*o); });
 }
 
 }  // namespace hydroscope

@@ -6,9 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/jobs_option.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
+#include "cli/study_command.h"
 #include "host/output.h"
 #include "studies/manipulator/benchmark.h"
 
@@ -76,29 +76,27 @@ Status RunSimulation(const ManipulatorArguments& a) {
 void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
   CLI::App* app = simulate.add_subcommand(
       "manipulator", "An arm of two joints, driven by cylinders with four-edge valves: a log as CSV");
+  app->option_defaults()->always_capture_default();
   auto a = std::make_shared<ManipulatorArguments>();
   ManipulatorOptions& o = a->options;
   app->add_option("--out", a->files.out, "Log to write, .csv or .csv.gz; - is stdout")->type_name("FILE");
-  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
-  app->add_option("--seed", o.seed, "Seed of the noise")->capture_default_str();
+  app->add_option("--seconds", o.seconds, "Length in s");
+  app->add_option("--seed", o.seed, "Seed of the noise");
   app->add_option("--motion", a->motion,
                   "series: both joints through their ranges; parallelogram: the paper's path")
-      ->check(CLI::IsMember({"series", "parallelogram"}))
-      ->capture_default_str();
-  app->add_option("--motion-seed", a->motion_seed, "Seed of the series")->capture_default_str();
+      ->check(CLI::IsMember({"series", "parallelogram"}));
+  app->add_option("--motion-seed", a->motion_seed, "Seed of the series");
   app->add_option("--control", a->control, "What the controller believes: datasheet and CAD, or the truth")
-      ->check(CLI::IsMember({"datasheet", "true"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"datasheet", "true"}));
   app->add_option("--effect", a->effects, "Hidden effect ID[=SIZE] in SI, repeatable")
       ->type_name("EFFECT")
       ->allow_extra_args(false);
   app->add_flag("--list-effects", a->list_effects, "Print the effects with units and typical sizes");
-  app->add_option("--random-machine", a->random_machine, "Draw a machine with this seed (above 0)")
+  app->add_option("--random-machine", a->random_machine, "Draw a machine with this seed; 0: the usual one")
       ->type_name("SEED");
   app->add_option("--noise", a->noise_factor, "Sensor noise relative to the usual; 0 = none")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app->add_option("--sample-period", o.sample_period, "s")->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
+  app->add_option("--sample-period", o.sample_period, "s");
   app->add_option("--truth", a->files.truth,
                   "Write the true parameters and how well the arm followed as JSON")
       ->type_name("FILE");
@@ -114,31 +112,25 @@ void AddSimulateManipulator(CLI::App& simulate, int& exit_code) {
 }
 
 void AddBenchmarkManipulator(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<ManipulatorBenchmarkOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "manipulator",
-      "Parameters of simulated manipulators against their truth; how well the arm follows the paper's path with them");
+  const auto [command, o] = AddStudy(
+      benchmark, "manipulator",
+      "Parameters of simulated manipulators against their truth; how well the arm follows the paper's path with them",
+      RunManipulatorBenchmark, exit_code);
   command->add_option("--cases", o->cases, "Drawn machines that are identified, 0 = none: effects alone")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--seconds", o->seconds, "Length of each record, s")
-      ->check(CLI::Range(20.0, 3600.0))
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--seconds", o->seconds, "Length of each record, s")->check(CLI::Range(20.0, 3600.0));
   command->add_option("--effects", o->effects, "Logs with a hidden effect to explain, 0 = none")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--first-effect", o->first_effect,
                    "Number of the first of these logs: effects in turn, then a healthy log")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   AddJobs(*command, o->threads);
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark manipulator\n"
       "  hydroscope benchmark manipulator --cases 0 --effects 28");
-  command->callback([o, &exit_code] { exit_code = RunManipulatorBenchmark(*o); });
 }
 
 }  // namespace hydroscope

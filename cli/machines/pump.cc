@@ -4,10 +4,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/jobs_option.h"
 #include "cli/machines/fault_setting.h"
 #include "cli/machines/machines.h"
 #include "cli/machines/simulated_log.h"
+#include "cli/study_command.h"
 #include "host/output.h"
 #include "simulator/pump/log.h"
 #include "studies/pump/benchmark.h"
@@ -55,32 +55,27 @@ Status RunPumpSimulation(const PumpArguments& a, const CLI::App& app) {
 void AddSimulatePump(CLI::App& simulate, int& exit_code) {
   CLI::App* app =
       simulate.add_subcommand("pump", "A pressure-compensated pump of variable displacement: a log as CSV");
+  app->option_defaults()->always_capture_default();
   auto a = std::make_shared<PumpArguments>();
   std::vector<std::string> names;
   for (const PumpManoeuvreInfo& info : AllPumpManoeuvres()) names.emplace_back(info.name);
   PumpOptions& o = a->options;
   AddFiles(*app, a->files);
-  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
+  app->add_option("--manoeuvre", a->manoeuvre, "How it is driven")->check(CLI::IsMember(names));
   app->add_option("--effect", a->effects, "What is wrong with it, NAME or NAME=SIZE; repeatable")
       ->allow_extra_args(false);
   app->add_option("--random-machine", a->random_machine,
                   "Draw its parameters with this seed; 0: the usual ones");
-  app->add_option("--seconds", o.seconds, "Length in s")->capture_default_str();
-  app->add_option("--sample-period", o.period, "s")->capture_default_str();
-  app->add_option("--speed", o.speed, "rad/s of the shaft, its highest")->capture_default_str();
-  app->add_option("--speed-swing", o.speed_swing, "Share of the speed that it wanders by")
-      ->capture_default_str();
-  app->add_option("--ripple", o.ripple, "Ripple of the pistons, relative to the usual; 0 = none")
-      ->capture_default_str();
-  app->add_option("--preload", o.machine.preload, "N, of the compensator spring")->capture_default_str();
-  app->add_option("--flow-lag", o.sensors.flow_lag, "s, time constant of the flow sensor")
-      ->capture_default_str();
-  app->add_option("--wear", o.wear, "Share per s by which the leakage of the control chamber grows")
-      ->capture_default_str();
-  app->add_option("--wear-from", o.wear_from, "... from this time on, s")->capture_default_str();
-  app->add_option("--seed", o.seed, "Seed of noise, load and pistons")->capture_default_str();
+  app->add_option("--seconds", o.seconds, "Length in s");
+  app->add_option("--sample-period", o.period, "s");
+  app->add_option("--speed", o.speed, "rad/s of the shaft, its highest");
+  app->add_option("--speed-swing", o.speed_swing, "Share of the speed that it wanders by");
+  app->add_option("--ripple", o.ripple, "Ripple of the pistons, relative to the usual; 0 = none");
+  app->add_option("--preload", o.machine.preload, "N, of the compensator spring");
+  app->add_option("--flow-lag", o.sensors.flow_lag, "s, time constant of the flow sensor");
+  app->add_option("--wear", o.wear, "Share per s by which the leakage of the control chamber grows");
+  app->add_option("--wear-from", o.wear_from, "... from this time on, s");
+  app->add_option("--seed", o.seed, "Seed of noise, load and pistons");
   app->footer("Manoeuvres:\n" + NameLines(AllPumpManoeuvres()) + FaultLines(AllPumpFaults()) +
               "Examples:\n"
               "  hydroscope simulate pump --out pump.csv --truth pump.json\n"
@@ -93,23 +88,19 @@ void AddSimulatePump(CLI::App& simulate, int& exit_code) {
 }
 
 void AddBenchmarkPump(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<PumpBenchmarkOptions>();
-  CLI::App* command = benchmark.add_subcommand(
-      "pump",
-      "Random pumps with ripple and noise fitted beside the published linear model; hidden effects named");
-  command->add_option("--machines", o->machines, "Random pumps")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  const auto [command, o] = AddStudy(
+      benchmark, "pump",
+      "Random pumps with ripple and noise fitted beside the published linear model; hidden effects named",
+      RunPumpBenchmark, exit_code);
+  command->add_option("--machines", o->machines, "Random pumps")->check(CLI::PositiveNumber);
   command->add_option("--effects", o->effects, "Logs with each hidden effect, and without one; 0 = none")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--seed", o->seed, "Seed of the whole campaign")->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", o->seed, "Seed of the whole campaign");
   AddJobs(*command, o->threads);
   command->footer(
       "Examples:\n"
       "  hydroscope benchmark pump\n"
       "  hydroscope benchmark pump --machines 3 --effects 0");
-  command->callback([o, &exit_code] { exit_code = RunPumpBenchmark(*o); });
 }
 
 }  // namespace hydroscope
