@@ -24,8 +24,8 @@ class ServiceWatchTest : public testing::Test {
   }
   std::vector<std::string> Events() {
     std::vector<std::string> events;
-    for (const JournalRow& row : journal_->Rows("press").value())
-      events.push_back(row.event.event + " " + row.event.alarm);
+    const auto rows = journal_->Rows("press");
+    for (const JournalRow& row : *rows) events.push_back(row.event.event + " " + row.event.alarm);
     return events;
   }
 

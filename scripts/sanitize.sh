@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds with AddressSanitizer and UBSan what reads, computes and stores, below the rooms of the program, and runs its tests.
-# scripts/sanitize.sh all: everything.
+# scripts/sanitize.sh all: everything; threads: what has threads, with ThreadSanitizer.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -9,6 +9,14 @@ folders=(estimation acquisition alarms models simulator storage replay dds machi
 if [[ ${1:-} == all ]]; then
   scripts/build.sh sanitize
   exec ctest --preset sanitize --parallel 2
+fi
+if [[ ${1:-} == threads ]]; then
+  # Libraries that are not built with it lock as they do.
+  export TSAN_OPTIONS=suppressions=$PWD/scripts/tsan_suppressions.txt:detect_deadlocks=0:report_mutex_bugs=0
+  folders=(acquisition alarms dds live page)
+  scripts/build.sh tsan "${folders[@]/%/_test}"
+  for folder in "${folders[@]}"; do "build/tsan/tests/${folder}_test" --gtest_brief=1; done
+  exit
 fi
 scripts/build.sh sanitize "${folders[@]/%/_test}"
 # test FOLDER: 255, which ends xargs, if a test fails; its output stays in one piece.

@@ -50,6 +50,25 @@ TEST_F(StateModels, WhatIsMissingIsNoNoiseAndWhatIsLeftWithItIs) {
   EXPECT_GT(before["noise_floor"].get<double>(), 0.98 * after["noise_floor"].get<double>());
 }
 
+/// A spring that hardens is missed at large deflections; with it nothing stands out anywhere.
+TEST_F(StateModels, CompareSaysWhereTheModelErrs) {
+  const auto compared = [&] {
+    return Run({"compare", File("log.csv"), "-m", File("machine.toml"), "--json", "-"}).Json();
+  };
+  const nlohmann::json before = compared();
+  ASSERT_FALSE(before["located"].empty());
+  EXPECT_EQ(before["located"][0]["output"], "y");
+  EXPECT_GT(before["located"][0]["share_error"].get<double>(),
+            1.5 * before["located"][0]["share_windows"].get<double>());
+  EXPECT_THAT(Of("compare").out, HasSubstr("Where the model errs"));
+  EXPECT_EQ(Run({"explain", File("log.csv"), "-m", File("machine.toml"), "--json", "-"}).Json()["located"],
+            before["located"]);
+  ASSERT_EQ(Run({"model", "add", "cubic", File("log.csv"), "-m", File("machine.toml")}).exit_code, 0);
+  const nlohmann::json after = compared();
+  EXPECT_TRUE(after["located"].empty()) << after["located"].dump(1);
+  EXPECT_FALSE(after["maps"].empty());
+}
+
 /// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.
 TEST_F(CommandLine, NoRecordIsProposedWhereTheScaleOfAStateIsFree) {
   WriteText(File("free.toml"), R"toml([machine]

@@ -25,7 +25,6 @@ constexpr double kFamilyError = 0.01;
 constexpr double kVisible = 1.05;
 /// p-value of the whiteness test below which a pattern in time is called model error.
 constexpr double kPatternP = 1e-4;
-constexpr std::size_t kPairMaps = 3;
 
 double LagSeconds(const CompareResult& result, const SignalCorrelation& c) {
   return c.lag * result.log.window.block * result.log.window.period;
@@ -231,16 +230,6 @@ nlohmann::json CorrelationsJson(const CompareResult& result) {
   return out;
 }
 
-nlohmann::json MapsJson(const CompareResult& result) {
-  const double factor = OutputUnit(result.log.model.get()).factor;
-  nlohmann::json out = nlohmann::json::array();
-  for (const ErrorMap& map : result.location.single)
-    out.push_back(MapJson(map, result.residuals.signals, factor));
-  for (std::size_t k = 0; k < std::min(kPairMaps, result.location.pairs.size()); ++k)
-    out.push_back(MapJson(result.location.pairs[k], result.residuals.signals, factor));
-  return out;
-}
-
 }  // namespace
 
 std::string CompareText(const CompareResult& result) {
@@ -288,7 +277,7 @@ nlohmann::json CompareJson(const CompareResult& result) {
                         {"variance_ratio", w.variance_ratio}};
   out["correlations"] = CorrelationsJson(result);
   out["located"] = LocatedJson(result.location.located, unit.factor);
-  out["maps"] = MapsJson(result);
+  out["maps"] = MapsJson(result.location, result.residuals.signals, unit.factor);
   return out;
 }
 

@@ -58,6 +58,14 @@ void RegionErrors::Take(const CompareResult& compared) {
   unit_ = OutputUnit(compared.log.model.get());
 }
 
+void RegionErrors::Take(const StatesFit& compared) {
+  strokes_.clear();
+  effects_.clear();
+  for (const StatePiece& piece : compared.fit.pieces) strokes_.push_back(piece.episode);
+  residuals_ = compared.located.front().residuals;
+  unit_ = compared.located.front().unit;
+}
+
 void RegionErrors::Take(const ExplainResult& explained) {
   const Explanation& x = explained.explanation;
   effects_.clear();
@@ -90,8 +98,8 @@ Result<nlohmann::json> RegionErrors::In(const Region& region) const {
   const auto rows = SignalsOf(region, residuals_);
   if (!rows) return tl::unexpected(rows.error());
   RegionSums all;
+  std::vector<std::pair<std::int64_t, RegionSums>> by_stroke;
   std::vector<double> with_effect(effects_.size(), 0);
-  nlohmann::json strokes = nlohmann::json::array(), effects = nlohmann::json::array();
   for (std::size_t s = 0; s < residuals_.strokes.size(); ++s) {
     const StrokeResiduals& stroke = residuals_.strokes[s];
     RegionSums sums;
@@ -110,8 +118,14 @@ Result<nlohmann::json> RegionErrors::In(const Region& region) const {
     }
     if (sums.windows == 0) continue;
     all.Add(sums);
+    if (by_stroke.empty() || by_stroke.back().first != strokes_[s])
+      by_stroke.emplace_back(strokes_[s], RegionSums());
+    by_stroke.back().second.Add(sums);
+  }
+  nlohmann::json strokes = nlohmann::json::array(), effects = nlohmann::json::array();
+  for (const auto& [stroke, sums] : by_stroke) {
     strokes.push_back(sums.Json(unit_.factor));
-    strokes.back()["stroke"] = strokes_[s];
+    strokes.back()["stroke"] = stroke;
   }
   std::vector<std::size_t> order(effects_.size());
   for (std::size_t e = 0; e < order.size(); ++e) order[e] = e;

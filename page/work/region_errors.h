@@ -10,6 +10,7 @@
 #include "page/work/region.h"
 #include "workbench/compare_log.h"
 #include "workbench/explain/explain_log.h"
+#include "workbench/states/states_log.h"
 
 namespace hydroscope {
 
@@ -21,6 +22,8 @@ class RegionErrors {
 
   /// The model as it is.
   void Take(const CompareResult& compared);
+  /// ... of a machine with states: the output that errs most.
+  void Take(const StatesFit& compared);
   /// With one more effect, of the best kMostEffects that could be fitted.
   void Take(const ExplainResult& explained);
 
@@ -37,7 +40,7 @@ class RegionErrors {
     std::string effect;
     std::vector<std::vector<double>> modelled;  ///< per stroke, per window, output unit
   };
-  std::vector<std::int64_t> strokes_;
+  std::vector<std::int64_t> strokes_;  ///< of each of `residuals_`; pieces of an episode follow one another
   Residuals residuals_;
   DisplayUnit unit_;
   std::vector<WithEffect> effects_;

@@ -6,6 +6,7 @@
 
 #include "core/units.h"
 #include "diagnosis/free_run.h"
+#include "diagnosis/states/state_residuals.h"
 #include "models/output_unit.h"
 
 namespace hydroscope {
@@ -74,7 +75,24 @@ DisplayUnit UnitOfSignal(const Machine& machine, const std::string& name) {
   return DisplayUnitFor(unit ? unit->si : "1");
 }
 
-nlohmann::json EpisodeJson(const StateModel& model, const Episode& episode, const StateRun& run) {
+/// Of every `step`-th row.
+nlohmann::json RunSignalsJson(const StatesFit& fit, std::size_t episode, int step) {
+  const std::vector<ResidualSignal> signals = RunSignals(fit.fit);
+  nlohmann::json out = nlohmann::json::array();
+  for (const ResidualSignal& signal : signals)
+    out.push_back({{"name", signal.name}, {"unit", signal.unit}, {"values", nlohmann::json::array()}});
+  for (int row = 0; row < fit.log.episodes[episode].rows(); row += step) {
+    const std::vector<double> values = RunSignalsAt(fit.fit, fit.log.episodes, episode, row);
+    for (std::size_t s = 0; s < signals.size(); ++s)
+      out[s]["values"].push_back(values[s] * signals[s].factor + signals[s].offset);
+  }
+  return out;
+}
+
+nlohmann::json EpisodeJson(const StatesFit& fit, std::size_t index) {
+  const StateModel& model = *fit.fit.model;
+  const Episode& episode = fit.log.episodes[index];
+  const StateRun& run = fit.fit.runs[index];
   const int step = episode.rows() / kMostRows + 1;
   // Of each group of rows one that was measured, if there is any: outputs may have readings now and then only.
   const auto course = [&](const DisplayUnit& unit, int signal, auto value) {
@@ -105,7 +123,7 @@ nlohmann::json EpisodeJson(const StateModel& model, const Episode& episode, cons
           {"measured", outputs.front()["measured"]},
           {"modelled", outputs.front()["modelled"]},
           {"noise", nlohmann::json::array()},
-          {"signals", nlohmann::json::array()},
+          {"signals", RunSignalsJson(fit, index, step)},
           {"free_run", nullptr},
           {"outputs", std::move(outputs)}};
 }
@@ -116,7 +134,7 @@ nlohmann::json EpisodePicturesJson(const StatesFit& fit) {
   nlohmann::json out = nlohmann::json::array();
   for (std::size_t e = 0; e < fit.log.episodes.size(); ++e) {
     if (fit.log.episodes[e].rows() == 0 || fit.fit.runs.size() <= e) continue;
-    out.push_back(EpisodeJson(*fit.fit.model, fit.log.episodes[e], fit.fit.runs[e]));
+    out.push_back(EpisodeJson(fit, e));
     out.back()["stroke"] = e;
   }
   return out;

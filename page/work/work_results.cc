@@ -40,10 +40,15 @@ Result<nlohmann::json> WorkOutStates(WorkRequest::Kind kind, const WorkInput& in
     if (!explained) return tl::unexpected(explained.error());
     return WithText(ExplainJson(*explained), ExplainText(*explained));
   }
-  const auto fit = FitStatesLogs(input.logs, input.machine_file, input.hold_out);
+  if (kind == WorkRequest::Kind::kFit) {
+    const auto fit = FitStatesLogs(input.logs, input.machine_file, input.hold_out);
+    if (!fit) return tl::unexpected(fit.error());
+    return WithText(FitJson(*fit), FitText(*fit));
+  }
+  const auto fit = CompareStatesLogs(input.logs, input.machine_file, input.hold_out);
   if (!fit) return tl::unexpected(fit.error());
-  if (kind == WorkRequest::Kind::kFit) return WithText(FitJson(*fit), FitText(*fit));
   strokes.pictures = EpisodePicturesJson(*fit);
+  strokes.errors.Take(*fit);
   return WithText(CompareJson(*fit), CompareText(*fit));
 }
 

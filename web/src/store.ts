@@ -6,7 +6,7 @@ import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
 type Kind = keyof Results;
-const kinds: Kind[] = ["compare", "explain", "check", "picture"];
+const kinds: Kind[] = ["compare", "check", "picture", "explain"];  // what takes longest last
 
 interface State {
   session: Session | null;

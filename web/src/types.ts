@@ -55,9 +55,10 @@ export interface CheckResult {
   parameters: Parameters; text: string;
 }
 
-export interface Located { signal: string; from: number; to: number; unit: string; rms: number; mean: number; share_error: number; share_windows: number }
+/** `output`, `error_unit`: of a machine with states, which output errs and in which unit. */
+export interface Located { output?: string; error_unit?: string; signal: string; from: number; to: number; unit: string; rms: number; mean: number; share_error: number; share_windows: number }
 export interface MapCell { from: number[]; to: number[]; rms: number; mean: number; mean_std: number; windows: number; strokes: number; above_floor: boolean }
-export interface ErrorMap { signals: string[]; units: string[]; explained: number; cells: MapCell[] }
+export interface ErrorMap { output?: string; error_unit?: string; signals: string[]; units: string[]; explained: number; cells: MapCell[] }
 /** How a model errs in a part of the operating space, and would with one more effect. */
 export interface RegionErrors {
   windows: number; rms: number; noise: number; unit: string;

@@ -78,6 +78,9 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   await page.goto(`${address}#step=compare`);
   await page.waitForSelector(".centre .plot canvas");
   assert.match(await page.locator(".centre").innerText(), /Running by itself the model errs by 0\.0/);
+  await page.goto(`${address}#step=locate`);
+  await page.waitForSelector(".heat .cell");
+  assert.match(await page.locator(".centre").innerText(), /Of outlet_pressure;/);
 });
 
 test("the kind is chosen where columns say nothing; picture, sensors and words follow, and pins keep what they are given", async (t) => {

@@ -2,23 +2,28 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/non_negative.h"
 
 namespace hydroscope {
-std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit) {
+
+std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit,
+                        const std::string& output) {
   constexpr std::size_t kShown = 6;
   if (located.empty()) return "";
-  std::string text = "\nWhere the model errs (sensor noise taken out)\n";
+  std::string text = fmt::format("\nWhere the model errs{} (sensor noise taken out)\n",
+                                 output.empty() ? "" : " in " + output);
+  const std::string behind = unit.name == "1" ? "" : fmt::format(" {}", unit.name);
   for (std::size_t k = 0; k < located.size() && k < kShown; ++k) {
     const Located& l = located[k];
     text += fmt::format(
-        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f} {} rms, measured {:+.2f} {} on average; "
+        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f}{} rms, measured {:+.2f}{} on average; "
         "{:.0f} % of the error in {:.0f} % of the time\n",
-        l.signal, l.from, l.to, l.unit, l.rms * unit.factor, unit.name, l.mean * unit.factor, unit.name,
-        100 * l.share_error, 100 * l.share_windows);
+        l.signal, l.from, l.to, l.unit == "1" ? "" : l.unit, l.rms * unit.factor, behind,
+        l.mean * unit.factor, behind, 100 * l.share_error, 100 * l.share_windows);
   }
   return text;
 }
@@ -36,6 +41,8 @@ nlohmann::json LocatedJson(const std::vector<Located>& located, double factor) {
                    {"share_windows", l.share_windows}});
   return out;
 }
+
+namespace {
 
 nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals, double factor) {
   nlohmann::json names = nlohmann::json::array(), units = names, cells = names;
@@ -62,6 +69,18 @@ nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& s
                      {"above_floor", cell.above_floor}});
   }
   return {{"signals", names}, {"units", units}, {"explained", map.explained}, {"cells", cells}};
+}
+
+}  // namespace
+
+nlohmann::json MapsJson(const ErrorLocation& location, const std::vector<ResidualSignal>& signals,
+                        double factor) {
+  constexpr std::size_t kPairs = 3;
+  nlohmann::json out = nlohmann::json::array();
+  for (const ErrorMap& map : location.single) out.push_back(MapJson(map, signals, factor));
+  for (std::size_t k = 0; k < std::min(kPairs, location.pairs.size()); ++k)
+    out.push_back(MapJson(location.pairs[k], signals, factor));
+  return out;
 }
 
 }  // namespace hydroscope

@@ -10,11 +10,13 @@
 namespace hydroscope {
 
 /// Where the model errs, best first, a line each; "" if nothing is located. `unit` is the output's (OutputUnit), `factor`
-/// its factor.
-std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit);
+/// its factor. `output`: which of several this is about.
+std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit,
+                        const std::string& output = "");
 /// The array "located" of `explain` and `compare`; errors in the output's unit.
 nlohmann::json LocatedJson(const std::vector<Located>& located, double factor);
-/// One map with all its cells, in units as shown; errors in the output's unit.
-nlohmann::json MapJson(const ErrorMap& map, const std::vector<ResidualSignal>& signals, double factor);
+/// The array "maps": all of one signal and the best of two, with all their cells, in units as shown.
+nlohmann::json MapsJson(const ErrorLocation& location, const std::vector<ResidualSignal>& signals,
+                        double factor);
 
 }  // namespace hydroscope

@@ -172,6 +172,13 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   return out;
 }
 
+Result<StatesFit> CompareStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                    const std::string& hold_out) {
+  auto out = FitStatesLogs(logs, machine_file, hold_out);
+  if (out) out->located = LocateErrors(out->fit, out->log.episodes, out->left);
+  return out;
+}
+
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file) {
   const auto machine = LoadMachine(machine_file);
@@ -193,6 +200,7 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);
+  out.located = LocateErrors(x.base.fit, out.log.episodes, x.base_left);
   out.base_parameters = EstimatesOf(x.base.fit);
   out.final_parameters = EstimatesOf(x.final.fit);
   return out;

@@ -12,6 +12,7 @@
 #include "estimation/linear_form/starts.h"
 #include "models/model_history.h"
 #include "pipeline/episodes.h"
+#include "workbench/states/states_location.h"
 
 namespace hydroscope {
 
@@ -51,11 +52,15 @@ struct StatesFit {
       held_out;  ///< shown unit, free run on the log held out; initial states are estimated there
   std::string held_out_log;
   int held_out_episodes = 0;
+  std::vector<OutputErrors> located;  ///< of `compare`
 };
 
-/// `fit` and `compare`. Errors: logs, machine file, a model that diverges from every start.
+/// `fit`. Errors: logs, machine file, a model that diverges from every start.
 Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
                                 const std::string& hold_out);
+/// `compare`: the same, and where it errs.
+Result<StatesFit> CompareStatesLogs(const std::vector<std::string>& logs, const std::string& machine_file,
+                                    const std::string& hold_out);
 /// The same on episodes that were read.
 Result<StatesFit> FitEpisodes(EpisodeLog log);
 
@@ -67,6 +72,7 @@ struct StatesExplained {
   StateExperiment experiment;  ///< what to record next
   StatesError base, final;
   std::vector<Estimate> base_parameters, final_parameters;
+  std::vector<OutputErrors> located;  ///< of the model as it is
 };
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);

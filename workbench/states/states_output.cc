@@ -396,7 +396,7 @@ std::string CompareText(const StatesFit& fit) {
     text +=
         fmt::format("  {:<{}} error {:.1f} % of its variation\n", outputs[static_cast<std::size_t>(j)].signal,
                     width, 100 * fit.fit.noise[j] / fit.fit.scale[j]);
-  text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit));
+  text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit)) + LocatedText(fit.located);
   if (fit.left.structured)
     text += "\nNext\n  Which physical effect it is: hydroscope explain, with the same arguments\n";
   return text;
@@ -409,6 +409,8 @@ nlohmann::json CompareJson(const StatesFit& fit) {
   out["one_step"] = fit.error.one_step;
   out["model_error_seen"] = fit.left.structured;
   out["per_stroke"] = EpisodesJson(fit);
+  out["located"] = LocatedJson(fit.located);
+  out["maps"] = MapsJson(fit.located);
   return out;
 }
 
@@ -430,7 +432,7 @@ std::string ExplainText(const StatesExplained& e) {
   for (const StateCandidate& candidate : x.ranking)
     text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
                         UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
-  text += RecordTable(e);
+  text += LocatedText(e.located) + RecordTable(e);
   const std::optional<Told> record = StatesToRecord(e);
   if (x.verdict != Verdict::kNamed && !record) return text;
   text += "\nNext\n";
@@ -486,7 +488,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
             {"parameters", ParametersJson(BaseOnly(e.final_parameters))},
             {"effects", effects}}},
           {"odd_strokes", nlohmann::json::array()},
-          {"located", nlohmann::json::array()},
+          {"located", LocatedJson(e.located)},
           {"experiment", record ? nlohmann::json(record->english) : nlohmann::json()},
           {"experiment_plan", ExperimentPlanJson(e)}};
 }

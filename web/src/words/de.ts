@@ -173,6 +173,7 @@ export const de: Words = {
   locateTitle: "Wo der Fehler sitzt",
   locateText: "Jede Zelle enthält gleich viele Zeilen. Farbige Zellen irren mehr, als Sensorrauschen erklärt, graue nicht. Die Zahl sagt, wie viele Fenster dort liegen.",
   locateOver: "Fehler über",
+  locateOutput: "Von {output};",
   locateExplains: "diese Signale sagen {share} % des Fehlers auf ausgelassenen <Hüben|Episoden> voraus",
   locateNothing: "Die Karte ist flach: Der Fehler, falls es einen gibt, hängt nicht davon ab, wo die Maschine arbeitet.",
   locateCell: "{where}: Fehler {rms}, gemessen im Mittel {mean}, {windows} Fenster aus {strokes} <Hub/Hüben|Episode/Episoden>",

@@ -172,6 +172,7 @@ export const en = {
   locateTitle: "Where the error lives",
   locateText: "Each cell holds equally many rows. Coloured cells err more than sensor noise explains; grey ones do not. The number is how many windows lie there.",
   locateOver: "Error over",
+  locateOutput: "Of {output};",
   locateExplains: "these signals predict {share} % of the error on <strokes|episodes> left out",
   locateNothing: "The map is flat: the error, if there is one, does not depend on where the machine works.",
   locateCell: "{where}: error {rms}, measured {mean} on average, {windows} <window/windows> of {strokes} <stroke/strokes|episode/episodes>",

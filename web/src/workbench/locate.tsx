@@ -24,8 +24,8 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
       <label>{say("locateOver")} <select value={nameOfMap(map)} onChange={(e) => setUrl({ map: e.currentTarget.value, region: "" })}>
         {maps.map((m) => <option key={nameOfMap(m)} value={nameOfMap(m)}>{nameOfMap(m)} ({Math.max(0, Math.round(100 * m.explained))} %)</option>)}
       </select></label>
-      <p class="quiet">{say("locateExplains", { share: Math.max(0, Math.round(100 * map.explained)) })}</p>
-      <HeatMap map={map} unit={compare.unit} region={region} choose={(next) => setUrl({ region: regionText(next) })} />
+      <p class="quiet">{map.output && <>{say("locateOutput", { output: map.output })} </>}{say("locateExplains", { share: Math.max(0, Math.round(100 * map.explained)) })}</p>
+      <HeatMap map={map} unit={map.error_unit ?? compare.unit} region={region} choose={(next) => setUrl({ region: regionText(next) })} />
       {region.length > 0 && <p class="region" data-region>
         <button class="primary" onClick={() => setUrl({ step: "compare" })}>{say("locateShow")}</button>{" "}
         <span>{regionWords(region, maps)}{errors && `: ${say("errorThere", { error: amount(errors.rms, errors.unit), noise: amount(errors.noise, errors.unit), windows: errors.windows, strokes: errors.strokes.length })}`}</span>{" "}
@@ -36,7 +36,7 @@ export function Locate({ compare, errors, query, setUrl }: Props) {
           {compare.located.slice(0, 5).map((l, k) => (
             <li key={k}><button class="quiet" onClick={() => setUrl({ region: regionText([l]) })}>
               <strong>{rangeWords(l, l.unit)}</strong></button>{" "}
-              {amount(l.rms, compare.unit)} rms · {say("locateShare", { error: Math.round(100 * l.share_error), time: Math.round(100 * l.share_windows) })}</li>
+              {l.output && `${l.output}: `}{amount(l.rms, l.error_unit ?? compare.unit)} rms · {say("locateShare", { error: Math.round(100 * l.share_error), time: Math.round(100 * l.share_windows) })}</li>
           ))}
         </ul>
       </>}
