@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "diagnosis/states/missing_law.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -88,6 +89,37 @@ TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
   const StatesExplanation x = ExplainPushed(Bent, 0);
   EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
   EXPECT_TRUE(x.runs.empty());
+}
+
+/// The law less the straight line that the valve's gain takes over, where the file names no effect.
+TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
+  const std::string_view all = kPushedCylinder;
+  const auto machine = ParseMachine(
+      "[log]\nhold = \"zero\"\n" + std::string(all.substr(0, all.find("[[effect]]"))), "cylinder");
+  const Episode episode = PushedLog(Bent, 0);
+  const StatesExplanation x = ExplainStates(*machine, std::span(&episode, 1));
+  ASSERT_EQ(x.verdict, Verdict::kUnknown);
+  ASSERT_EQ(x.final_left.about, "x");
+  const auto law = FindMissingLaw(x.final.fit, std::span(&episode, 1), x.final_left.about);
+  ASSERT_TRUE(law);
+  EXPECT_TRUE(law->of_state);
+  EXPECT_EQ(law->variable, "u");
+  EXPECT_GT(law->share, 0.8);
+  const auto count = static_cast<Eigen::Index>(law->points.size());
+  Eigen::MatrixXd line(count, 2);
+  Eigen::VectorXd truth(count), curve(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const MissingLaw::Point& point = law->points[static_cast<std::size_t>(k)];
+    line.row(k) << 1, point.x;
+    truth[k] = Bent(point.x);
+    curve[k] = point.value;
+  }
+  truth -= line * line.colPivHouseholderQr().solve(truth);
+  EXPECT_LT((curve - truth).norm(), 0.3 * truth.norm()) << curve.transpose() << "\n" << truth.transpose();
+  // Of the right law nothing is left to be shown.
+  const Episode even = PushedLog(Even, 0);
+  const StatesExplanation healthy = ExplainStates(*machine, std::span(&even, 1));
+  EXPECT_FALSE(FindMissingLaw(healthy.final.fit, std::span(&even, 1), "x"));
 }
 
 }  // namespace

@@ -88,22 +88,26 @@ void FunctionBank::Values(const double* state, const double* input, double* out)
   }
 }
 
+std::string FunctionBank::VariableName(int variable) const {
+  if (variable < states_) return model_.machine.states.states[static_cast<std::size_t>(variable)].name;
+  const int signal = model_.inputs[static_cast<std::size_t>(variable - states_)];
+  return model_.machine.signals[static_cast<std::size_t>(signal)].name;
+}
+
+std::optional<int> FunctionBank::Variable(int function) const {
+  const int variable = (function - 1) / kOfOne;
+  if (function < 1 || variable >= static_cast<int>(middle_.size())) return std::nullopt;
+  return variable;
+}
+
 std::string FunctionBank::About(int function) const {
-  const auto name = [&](int v) {
-    return v < states_
-               ? model_.machine.states.states[static_cast<std::size_t>(v)].name
-               : model_.machine
-                     .signals[static_cast<std::size_t>(model_.inputs[static_cast<std::size_t>(v - states_)])]
-                     .name;
-  };
   const int variables = static_cast<int>(middle_.size());
   if (function == 0) return "nothing (a constant)";
-  function -= 1;
-  if (function < variables * kOfOne) return name(function / kOfOne);
-  function -= variables * kOfOne;
+  if (const auto variable = Variable(function)) return VariableName(*variable);
+  function -= 1 + variables * kOfOne;
   for (int i = 0; pairs_ && i < variables; ++i)
     for (int j = 0; j < i; ++j, function -= 2)
-      if (function < 2) return name(i) + " and " + name(j);
+      if (function < 2) return VariableName(i) + " and " + VariableName(j);
   return "all states and inputs";
 }
 

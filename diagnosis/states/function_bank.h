@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ class FunctionBank {
   void Values(const double* state, const double* input, double* out) const;
   /// What a function is of: "x", "x and v".
   std::string About(int function) const;
+  /// The one variable that a function is of: states first, then inputs; nothing if it is of none or several.
+  std::optional<int> Variable(int function) const;
+  std::string VariableName(int variable) const;
   /// Every function in every equation but those that only say that a state is the rate of another; one column each, whose
   /// equation (states, then states + output) is added to `equation`. This must outlive the terms.
   AddedTerms Terms(std::vector<int>& equation) const;

@@ -123,17 +123,6 @@ nlohmann::json IntervalUnitJson(const StrokeClusters& clusters) {
   return {{"unit", ClusterUnitName(clusters.unit)}, {"count", clusters.count}};
 }
 
-nlohmann::json RemainderJson(const ExplainResult& result) {
-  const std::optional<RemainderShape>& shape = result.remainder;
-  if (!shape) return nullptr;
-  nlohmann::json points = nlohmann::json::array();
-  for (const ShapePoint& point : shape->points)
-    points.push_back(
-        {{"x", point.x}, {"value", point.value * Factor(result)}, {"std", point.std * Factor(result)}});
-  return {
-      {"signal", shape->signal}, {"unit", shape->unit}, {"explained", shape->explained}, {"points", points}};
-}
-
 nlohmann::json PlanJson(const Experiment& experiment) {
   if (!experiment.proposed()) return nullptr;
   nlohmann::json plan = {{"strokes", experiment.strokes},
@@ -220,45 +209,46 @@ nlohmann::json PredictableJson(const Predictability& left) {
 nlohmann::json ExplainJson(const ExplainResult& result) {
   const Explanation& x = result.explanation;
   const std::optional<Told> experiment = WhatToRecord(result);
-  return {{"schema", kExplainSchema},
-          {"verdict", VerdictName(x.verdict)},
-          {"set", x.set},
-          {"groups", x.groups},
-          {"partial", x.partial},
-          {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt.english)},
-          {"warnings", InEnglish(x.warnings)},
-          {"german",
-           {{"doubt", x.doubt.german},
-            {"warnings", InGerman(x.warnings)},
-            {"experiment", experiment ? experiment->german : ""}}},
-          {"noise", NoiseJson(result.trust.floor)},
-          {"sampling", SamplingJson(result.trust.rate, result.log.model.get())},
-          {"noise_floor", x.final.noise_floor * Factor(result)},
-          {"strokes", result.strokes},
-          {"strokes_in_log", result.log.strokes.size()},
-          {"unit", OutputUnit(x.model.get()).name},
-          {"base",
-           {{"rms_holdout", result.base.rms_holdout * Factor(result)},
-            {"noise_floor", result.base.noise_floor * Factor(result)},
-            {"excess_ratio", x.base.excess_ratio},
-            {"parameters", ParametersJson(result.base.parameters)},
-            {"effects", EffectsJson(result, x.base)}}},
-          {"ranking", RankingJson(result)},
-          {"nearest", NearestEffects(x)},
-          {"relatives", RelativesJson(result)},
-          {"measured", MeasuredJson(result)},
-          {"odd_strokes", OddStrokesJson(result)},
-          {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
-          {"noise_scale", x.noise_scale},
-          {"steps", StepsJson(result)},
-          {"swap", SwapJson(result)},
-          {"interval_units", IntervalUnitJson(x.final.clusters)},
-          {"final", FinalJson(result)},
-          {"located", LocatedJson(result.location.located, Factor(result))},
-          {"remainder", RemainderJson(result)},
-          {"experiment", experiment ? nlohmann::json(experiment->english) : nlohmann::json()},
-          {"experiment_plan", result.signal_experiment.inputs.empty() ? PlanJson(result.experiment)
-                                                                      : PlanJson(result.signal_experiment)}};
+  return {
+      {"schema", kExplainSchema},
+      {"verdict", VerdictName(x.verdict)},
+      {"set", x.set},
+      {"groups", x.groups},
+      {"partial", x.partial},
+      {"doubt", x.doubt.empty() ? nlohmann::json() : nlohmann::json(x.doubt.english)},
+      {"warnings", InEnglish(x.warnings)},
+      {"german",
+       {{"doubt", x.doubt.german},
+        {"warnings", InGerman(x.warnings)},
+        {"experiment", experiment ? experiment->german : ""}}},
+      {"noise", NoiseJson(result.trust.floor)},
+      {"sampling", SamplingJson(result.trust.rate, result.log.model.get())},
+      {"noise_floor", x.final.noise_floor * Factor(result)},
+      {"strokes", result.strokes},
+      {"strokes_in_log", result.log.strokes.size()},
+      {"unit", OutputUnit(x.model.get()).name},
+      {"base",
+       {{"rms_holdout", result.base.rms_holdout * Factor(result)},
+        {"noise_floor", result.base.noise_floor * Factor(result)},
+        {"excess_ratio", x.base.excess_ratio},
+        {"parameters", ParametersJson(result.base.parameters)},
+        {"effects", EffectsJson(result, x.base)}}},
+      {"ranking", RankingJson(result)},
+      {"nearest", NearestEffects(x)},
+      {"relatives", RelativesJson(result)},
+      {"measured", MeasuredJson(result)},
+      {"odd_strokes", OddStrokesJson(result)},
+      {"predictable", {{"base", PredictableJson(x.base_left)}, {"final", PredictableJson(x.final_left)}}},
+      {"noise_scale", x.noise_scale},
+      {"steps", StepsJson(result)},
+      {"swap", SwapJson(result)},
+      {"interval_units", IntervalUnitJson(x.final.clusters)},
+      {"final", FinalJson(result)},
+      {"located", LocatedJson(result.location.located, Factor(result))},
+      {"remainder", result.remainder ? RemainderJson(*result.remainder, Factor(result)) : nlohmann::json()},
+      {"experiment", experiment ? nlohmann::json(experiment->english) : nlohmann::json()},
+      {"experiment_plan", result.signal_experiment.inputs.empty() ? PlanJson(result.experiment)
+                                                                  : PlanJson(result.signal_experiment)}};
 }
 
 }  // namespace hydroscope

@@ -123,26 +123,6 @@ std::string DoubtText(const ExplainResult& result) {
                      x.doubt.english, x.set.size() == 1 ? "this effect" : "these effects");
 }
 
-/// The curve of what is missing, for a person to recognise.
-std::string RemainderText(const std::optional<RemainderShape>& shape, const DisplayUnit& unit) {
-  constexpr int kBarWidth = 12, kEvery = 3;
-  if (!shape) return "";
-  double largest = 0;
-  for (const ShapePoint& p : shape->points) largest = std::max(largest, std::abs(p.value));
-  std::string text = fmt::format(
-      "\nShape of what is missing, over {} (follows {:.0f} % of the error), measured less modelled\n",
-      shape->signal, 100 * shape->explained);
-  for (std::size_t k = 0; k < shape->points.size(); k += kEvery) {
-    const ShapePoint& p = shape->points[k];
-    const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
-    const std::string left = p.value < 0 ? std::string(bar, '#') : "",
-                      right = p.value >= 0 ? std::string(bar, '#') : "";
-    text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, shape->unit, left, right,
-                        p.value * unit.factor, kNormal95 * p.std * unit.factor, unit.name);
-  }
-  return text;
-}
-
 /// "3 (at 12.4 s), 9 (at 40.1 s)".
 std::string StrokesText(const ExplainResult& result, const OddStrokes& odd) {
   std::vector<std::string> words;
@@ -395,7 +375,8 @@ std::string ExplainText(const ExplainResult& result) {
   return text + StepsText(result) + ParametersText(result) + AddedText(result) +
          IntervalUnitText(x.final.clusters, CountedWordsOf(result.log.machine)) + RankingText(result) +
          RuledOutText(x) + UntestableText(result) + LocatedText(result.location.located, unit) +
-         RemainderText(result.remainder, unit) + NextText(result);
+         (result.remainder ? RemainderText(*result.remainder, unit.factor, unit.name) : "") +
+         NextText(result);
 }
 
 }  // namespace hydroscope

@@ -6,9 +6,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/constants.h"
 #include "core/non_negative.h"
 
 namespace hydroscope {
+namespace {
+
+/// Of numbers none.
+std::string_view ShownUnit(std::string_view unit) { return unit == "1" ? "" : unit; }
+
+}  // namespace
 
 std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& unit,
                         const std::string& output) {
@@ -22,8 +29,8 @@ std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& 
     text += fmt::format(
         "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f}{} rms, measured {:+.2f}{} on average; "
         "{:.0f} % of the error in {:.0f} % of the time\n",
-        l.signal, l.from, l.to, l.unit == "1" ? "" : l.unit, l.rms * unit.factor, behind,
-        l.mean * unit.factor, behind, 100 * l.share_error, 100 * l.share_windows);
+        l.signal, l.from, l.to, ShownUnit(l.unit), l.rms * unit.factor, behind, l.mean * unit.factor, behind,
+        100 * l.share_error, 100 * l.share_windows);
   }
   return text;
 }
@@ -81,6 +88,33 @@ nlohmann::json MapsJson(const ErrorLocation& location, const std::vector<Residua
   for (std::size_t k = 0; k < std::min(kPairs, location.pairs.size()); ++k)
     out.push_back(MapJson(location.pairs[k], signals, factor));
   return out;
+}
+
+std::string RemainderText(const RemainderShape& shape, double factor, std::string_view unit,
+                          const std::string& equation) {
+  constexpr int kBarWidth = 12, kEvery = 3;
+  double largest = 0;
+  for (const ShapePoint& p : shape.points) largest = std::max(largest, std::abs(p.value));
+  std::string text =
+      fmt::format("\nShape of what is missing{}, over {} (follows {:.0f} % of the error){}\n",
+                  equation.empty() ? "" : fmt::format(" in the equation of {}", equation), shape.signal,
+                  100 * shape.explained, equation.empty() ? ", measured less modelled" : "");
+  for (std::size_t k = 0; k < shape.points.size(); k += kEvery) {
+    const ShapePoint& p = shape.points[k];
+    const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
+    const std::string left = p.value < 0 ? std::string(bar, '#') : "",
+                      right = p.value >= 0 ? std::string(bar, '#') : "";
+    text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, ShownUnit(shape.unit),
+                        left, right, p.value * factor, kNormal95 * p.std * factor, unit);
+  }
+  return text;
+}
+
+nlohmann::json RemainderJson(const RemainderShape& shape, double factor) {
+  nlohmann::json points = nlohmann::json::array();
+  for (const ShapePoint& point : shape.points)
+    points.push_back({{"x", point.x}, {"value", point.value * factor}, {"std", point.std * factor}});
+  return {{"signal", shape.signal}, {"unit", shape.unit}, {"explained", shape.explained}, {"points", points}};
 }
 
 }  // namespace hydroscope

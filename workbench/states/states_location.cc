@@ -24,6 +24,17 @@ double Standing(const OutputErrors& errors) {
   return 0;
 }
 
+/// SI unit of a state or input; "1" where the file states none.
+std::string UnitInSi(const Machine& machine, const std::string& name) {
+  std::string unit;
+  for (const StateSpec& state : machine.states.states)
+    if (state.name == name) unit = state.unit;
+  for (const SignalSpec& signal : machine.signals)
+    if (signal.name == name) unit = signal.unit;
+  const auto known = FindUnit(unit);
+  return known ? std::string(known->si) : "1";
+}
+
 nlohmann::json Of(const OutputErrors& errors, nlohmann::json json) {
   json["output"] = errors.output;
   json["error_unit"] = errors.unit.name;
@@ -47,6 +58,20 @@ std::vector<OutputErrors> LocateErrors(const StateFit& fit, std::span<const Epis
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const OutputErrors& a, const OutputErrors& b) { return Standing(a) > Standing(b); });
+  return out;
+}
+
+ShownLaw Shown(const MissingLaw& law, const StateModel& model) {
+  const std::string output = UnitInSi(model.machine, law.equation);
+  const std::string variable = UnitInSi(model.machine, law.variable);
+  const DisplayUnit unit = DisplayUnitFor(variable);
+  ShownLaw out;
+  out.equation = law.equation;
+  out.unit = EffectUnitFor(law.of_state ? output + "/s" : output);
+  if (law.of_state && output == "1") out.unit = {1, "1/s"};
+  out.shape = {law.variable, std::string(unit.name), law.share, {}};
+  for (const MissingLaw::Point& point : law.points)
+    out.shape.points.push_back({point.x * unit.factor + unit.offset, point.value, point.std});
   return out;
 }
 

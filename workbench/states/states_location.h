@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/effect_units.h"
 #include "core/units.h"
-#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/remainder_shape.h"
+#include "diagnosis/states/missing_law.h"
 #include "diagnosis/states/remainder.h"
 
 namespace hydroscope {
@@ -22,6 +24,14 @@ struct OutputErrors {
 /// All outputs, the one first that errs most beside noise. `left`: of this fit.
 std::vector<OutputErrors> LocateErrors(const StateFit& fit, std::span<const Episode> episodes,
                                        const StateRemainder& left);
+
+/// What is missing in an equation, as shown.
+struct ShownLaw {
+  std::string equation;
+  RemainderShape shape;  ///< values SI, of a state its rate
+  EffectUnit unit;       ///< of its values
+};
+ShownLaw Shown(const MissingLaw& law, const StateModel& model);
 
 /// A line for each range that stands out; "" if none does.
 std::string LocatedText(const std::vector<OutputErrors>& errors);

@@ -200,7 +200,12 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);
-  out.located = LocateErrors(x.base.fit, out.log.episodes, x.base_left);
+  const std::span<const Episode> fitted =
+      x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
+  out.located = LocateErrors(x.base.fit, fitted, x.base_left);
+  if (x.verdict == Verdict::kUnknown && x.final_left.structured)
+    if (const auto law = FindMissingLaw(x.final.fit, fitted, x.final_left.about))
+      out.missing = Shown(*law, *x.final.fit.model);
   out.base_parameters = EstimatesOf(x.base.fit);
   out.final_parameters = EstimatesOf(x.final.fit);
   return out;

@@ -73,6 +73,7 @@ struct StatesExplained {
   StatesError base, final;
   std::vector<Estimate> base_parameters, final_parameters;
   std::vector<OutputErrors> located;  ///< of the model as it is
+  std::optional<ShownLaw> missing;    ///< verdict unknown: what is missing in the model with what was found
 };
 Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
                                           const std::string& machine_file);

@@ -12,6 +12,7 @@
 #include "core/effect_units.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
+#include "workbench/explain/located_output.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 #include "workbench/states/experiment_output.h"
@@ -414,6 +415,18 @@ nlohmann::json CompareJson(const StatesFit& fit) {
   return out;
 }
 
+namespace {
+
+nlohmann::json MissingJson(const StatesExplained& e) {
+  if (!e.missing) return nullptr;
+  nlohmann::json out = RemainderJson(e.missing->shape, e.missing->unit.factor);
+  out["equation"] = e.missing->equation;
+  out["value_unit"] = e.missing->unit.name;
+  return out;
+}
+
+}  // namespace
+
 std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
@@ -432,7 +445,11 @@ std::string ExplainText(const StatesExplained& e) {
   for (const StateCandidate& candidate : x.ranking)
     text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
                         UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
-  text += LocatedText(e.located) + RecordTable(e);
+  text += LocatedText(e.located);
+  if (e.missing)
+    text +=
+        RemainderText(e.missing->shape, e.missing->unit.factor, e.missing->unit.name, e.missing->equation);
+  text += RecordTable(e);
   const std::optional<Told> record = StatesToRecord(e);
   if (x.verdict != Verdict::kNamed && !record) return text;
   text += "\nNext\n";
@@ -489,6 +506,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
             {"effects", effects}}},
           {"odd_strokes", nlohmann::json::array()},
           {"located", LocatedJson(e.located)},
+          {"remainder", MissingJson(e)},
           {"experiment", record ? nlohmann::json(record->english) : nlohmann::json()},
           {"experiment_plan", ExperimentPlanJson(e)}};
 }

@@ -199,6 +199,7 @@ export const de: Words = {
   swapButton: "Ersetzen",
   swapOutButton: "Herausnehmen",
   swapOut: "{out} herausnehmen: Fehler {before} → {after}",
+  remainderOf: "Gestalt dessen, was in der Gleichung von {equation} fehlt, über {signal}",
   remainder: "Gestalt dessen, was fehlt, über {signal}",
   warnings: "Was daran zweifeln lässt",
   asPrinted: "Wie die Befehlszeile es druckt",

@@ -198,6 +198,7 @@ export const en = {
   swapButton: "Replace it",
   swapOutButton: "Take it out",
   swapOut: "Take {out} out: error {before} → {after}",
+  remainderOf: "Shape of what is missing in the equation of {equation}, over {signal}",
   remainder: "Shape of what is missing, over {signal}",
   warnings: "What makes this doubtful",
   asPrinted: "As the command line prints it",

@@ -4,15 +4,16 @@ import type { ExplainResult } from "../types";
 import { nameOf, shownNumber, shownUnit, unitsKey } from "../units";
 import { useWords } from "../words";
 
-/** What is missing as a curve, for a person to recognise. */
-export function Remainder({ remainder, unit }: { remainder: NonNullable<ExplainResult["remainder"]>; unit: string }) {
+/** What is missing as a curve, for a person to recognise: of the output, or of one equation of a machine with states. */
+export function Remainder({ remainder, unit: ofOutput }: { remainder: NonNullable<ExplainResult["remainder"]>; unit: string }) {
   const say = useWords();
+  const { signal, equation, value_unit: unit = ofOutput } = remainder;
   const data = useMemo(() => {
     const { points } = remainder;
     const { factor } = shownUnit(unit), at = (times: number) => points.map((p) => (p.value + times * 1.96 * p.std) * factor);
     return { x: points.map((p) => shownNumber(p.x, remainder.unit)), values: [at(-1), at(1), at(0)] };
   }, [remainder, unitsKey()]);
-  const title = say("remainder", { signal: remainder.signal });
+  const title = equation ? say("remainderOf", { equation, signal }) : say("remainder", { signal });
   const band = pageColor("--band");
   return <><h3>{title}</h3>
     <Plot label={title} x={data.x} values={data.values} height={180} bands={[{ high: 1, low: 0, color: band }]}

@@ -1,0 +1,176 @@
+#include "diagnosis/states/missing_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/constants.h"
+#include "diagnosis/states/function_bank.h"
+#include "diagnosis/states/tangent.h"
+#include "estimation/decompositions.h"
+
+namespace hydroscope {
+namespace {
+
+using Columns = std::vector<Eigen::Index>;
+
+/// Products of the columns (parameters, functions, last the error) over groups of neighbouring pieces.
+std::vector<Eigen::MatrixXd> GroupProducts(const std::vector<Eigen::MatrixXd>& pieces, int groups) {
+  std::vector<Eigen::MatrixXd> out;
+  const auto count = std::min<std::size_t>(static_cast<std::size_t>(groups), pieces.size());
+  for (std::size_t g = 0; g < count; ++g) {
+    out.push_back(pieces[g * pieces.size() / count]);
+    for (std::size_t p = g * pieces.size() / count + 1; p < (g + 1) * pieces.size() / count; ++p)
+      out.back() += pieces[p];
+  }
+  return out;
+}
+
+/// Ridge regression of the error on parameters, unpenalised, and some functions.
+class LawRegression {
+ public:
+  LawRegression(const std::vector<Eigen::MatrixXd>& groups, int parameters, double ridge)
+      : groups_(groups), parameters_(parameters), ridge_(ridge) {
+    total_ = groups.front();
+    for (std::size_t g = 1; g < groups.size(); ++g) total_ += groups[g];
+  }
+
+  /// Weights of parameters and functions (in this order) without a group; -1: of all groups.
+  Eigen::VectorXd Weights(const Columns& functions, int without) const {
+    const Columns columns = All(functions);
+    Eigen::MatrixXd products = total_;
+    if (without >= 0) products -= groups_[static_cast<std::size_t>(without)];
+    const Eigen::VectorXd scale = total_.diagonal()(columns).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd own = scale.asDiagonal() * products(columns, columns) * scale.asDiagonal();
+    own.diagonal().head(parameters_).array() += kRound;
+    own.diagonal().tail(static_cast<Eigen::Index>(functions.size())).array() += ridge_;
+    const Eigen::VectorXd cross = scale.cwiseProduct(products(columns, total_.cols() - 1));
+    return scale.cwiseProduct(PositiveFactor(own).SolveColumns(cross));
+  }
+  /// Energy of the error on groups left out in turn.
+  double LeftOut(const Columns& functions) const {
+    const Columns columns = All(functions);
+    const Eigen::Index error = total_.cols() - 1;
+    double energy = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const Eigen::VectorXd w = Weights(functions, static_cast<int>(g));
+      const Eigen::MatrixXd& here = groups_[g];
+      energy +=
+          here(error, error) - 2 * w.dot(here(columns, error).matrix()) + w.dot(here(columns, columns) * w);
+    }
+    return energy;
+  }
+  int groups() const { return static_cast<int>(groups_.size()); }
+
+ private:
+  static constexpr double kRound = 1e-9;  ///< parameters that the data do not see stay where they are
+  Columns All(const Columns& functions) const {
+    Columns out;
+    for (int p = 0; p < parameters_; ++p) out.push_back(p);
+    out.insert(out.end(), functions.begin(), functions.end());
+    return out;
+  }
+
+  const std::vector<Eigen::MatrixXd>& groups_;
+  int parameters_;
+  double ridge_;
+  Eigen::MatrixXd total_;
+};
+
+/// Values of a state (below the number of states) or input in the runs, ascending.
+std::vector<double> ValuesOf(const StateFit& fit, std::span<const Episode> episodes, int variable) {
+  const int states = fit.model->states();
+  std::vector<double> values;
+  for (std::size_t e = 0; e < episodes.size(); ++e)
+    for (int row = 0; row < episodes[e].rows(); ++row)
+      values.push_back(
+          variable < states
+              ? fit.runs[e].states(row, variable)
+              : episodes[e].signal(row, fit.model->inputs[static_cast<std::size_t>(variable - states)]));
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+/// Takes the straight line out of each column that fits it best over the points, which are evenly apart: nearly every equation
+/// has a term that is linear in its variable, and takes a line over.
+void TakeLinesOut(Eigen::MatrixXd& curves) {
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(curves.rows(), -1, 1);
+  curves.rowwise() -= curves.colwise().mean().eval();
+  curves -= x * (x.transpose() * curves / x.squaredNorm()).eval();
+}
+
+}  // namespace
+
+std::optional<MissingLaw> FindMissingLaw(const StateFit& fit, std::span<const Episode> episodes,
+                                         const std::string& about, const MissingLawOptions& options) {
+  const StateModel& model = *fit.model;
+  const FunctionBank bank(fit, episodes, 0, 0);
+  std::vector<int> equation;
+  const AddedTerms added = bank.Terms(equation);
+  const std::vector<Eigen::MatrixXd> groups =
+      GroupProducts(PieceProducts(fit, episodes, added, {&fit.residuals}), options.groups);
+  if (groups.size() < 2) return std::nullopt;
+  const LawRegression regression(groups, model.parameter_count(), options.ridge);
+  std::map<std::pair<int, int>, Columns> laws;  // by equation and variable
+  for (std::size_t k = 0; k < equation.size(); ++k)
+    if (const auto variable = bank.Variable(static_cast<int>(k) % bank.count());
+        variable && EquationName(model, equation[k]) == about)
+      laws[{equation[k], *variable}].push_back(model.parameter_count() + static_cast<Eigen::Index>(k));
+  const double before = regression.LeftOut({});
+  double least = (1 - options.min_share) * before;
+  std::optional<std::pair<int, int>> best;
+  for (const auto& [place, functions] : laws) {
+    const double left = regression.LeftOut(functions);
+    if (!(left < least)) continue;
+    least = left;
+    best = place;
+  }
+  if (!best) return std::nullopt;
+
+  const auto [row, variable] = *best;
+  MissingLaw law;
+  law.of_state = row < model.states();
+  law.equation = EquationName(model, row);
+  law.of_input = variable >= model.states();
+  law.variable = bank.VariableName(variable);
+  law.share = 1 - least / before;
+  const Columns& functions = laws[*best];
+  std::vector<Eigen::VectorXd> weights;  // of all, then without each group
+  for (int g = -1; g < regression.groups(); ++g)
+    weights.push_back(regression.Weights(functions, g).tail(static_cast<Eigen::Index>(functions.size())));
+  const std::vector<double> seen = ValuesOf(fit, episodes, variable);
+  const auto at = [&](double share) {
+    return seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))];
+  };
+  const double low = at((1 - options.inner_share) / 2), high = at((1 + options.inner_share) / 2);
+  std::vector<double> state(static_cast<std::size_t>(model.states())), input(model.inputs.size()),
+      values(static_cast<std::size_t>(bank.count()));
+  const auto count = static_cast<Eigen::Index>(functions.size());
+  Eigen::MatrixXd curves(options.points, count);  // of each function
+  for (int k = 0; k < options.points; ++k) {
+    law.points.push_back({low + (high - low) * k / (options.points - 1), 0, 0});
+    (law.of_input ? input[static_cast<std::size_t>(variable - model.states())]
+                  : state[static_cast<std::size_t>(variable)]) = law.points.back().x;
+    bank.Values(state.data(), input.data(), values.data());
+    for (Eigen::Index f = 0; f < count; ++f) {
+      const auto column = static_cast<int>(functions[static_cast<std::size_t>(f)]) - model.parameter_count();
+      curves(k, f) = values[static_cast<std::size_t>(column % bank.count())];
+    }
+  }
+  TakeLinesOut(curves);
+  const Eigen::VectorXd curve = curves * weights.front();
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(curve.size());
+  for (std::size_t g = 1; g < weights.size(); ++g) spread += (curves * weights[g] - curve).cwiseAbs2();
+  const double groups_left = regression.groups();
+  for (int k = 0; k < options.points; ++k) {
+    law.points[static_cast<std::size_t>(k)].value = curve[k];
+    law.points[static_cast<std::size_t>(k)].std = std::sqrt(spread[k] * (groups_left - 1) / groups_left);
+  }
+  if (std::none_of(law.points.begin(), law.points.end(), [](const MissingLaw::Point& point) {
+        return std::abs(point.value) > kNormal95 * point.std;
+      }))
+    return std::nullopt;
+  return law;
+}
+
+}  // namespace hydroscope
