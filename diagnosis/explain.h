@@ -67,6 +67,9 @@ struct ExplainOptions {
   /// The noise shares of the Grams hold (estimation/signal_noise.h). Where they do not, the floor is what no
   /// function of the measured signals can predict on strokes left out (diagnosis/remainder/predictability.h).
   bool floor_believable = true;
+  /// Whatever there is of sensor noise is white: what a model leaves must be independent from block to block
+  /// (diagnosis/remainder/whiteness.h), wherever the floor is taken from.
+  bool noise_is_white = true;
   PredictabilityOptions predictability;
   // Thresholds of single steps, set on the same campaigns unless said otherwise.
   double matters_times =

@@ -223,6 +223,7 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
     left = out.final_left;
   }
   ObjectIfPredictable(options, out);
+  if (options.noise_is_white) ObjectIfItGoesOn(strokes, window, out);
   return out;
 }
 
@@ -274,8 +275,6 @@ Explanation ExplainAsItIs(std::shared_ptr<const ModelStructure> model,
   if (auto parted = ExplainOddStrokes(set, out, scaled)) return std::move(*parted);
   if (!options.floor_believable || !IsFloorToBlame(out, options)) return out;
   Explanation without = ExplainWithoutFloor(model, strokes, window, options);
-  // Noise with that little colour is white again from block to block.
-  ObjectIfItGoesOn(strokes, window, without);
   if (without.verdict == Verdict::kUnknown) return out;
   without.warnings.push_back(Tell(
       "the error is {:.0f} % above what neighbouring rows promise, and nothing predicts "

@@ -133,7 +133,7 @@ void DoubtMotion(double floor_excess, const SignalNoise& noise, double as_noise,
 
 void Conclude(double floor_excess, FloorTrust& trust) {
   double scale = 0, shares = 0;
-  trust.stated = true;
+  trust.stated = trust.only_moves = true;
   for (const SignalNoise& noise : trust.signals) {
     const bool counts = Leverage(noise) > floor_excess;
     scale += noise.share * (counts ? KnownScale(noise) : 1);
@@ -144,9 +144,11 @@ void Conclude(double floor_excess, FloorTrust& trust) {
     if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence.english;
     trust.believable = false;
     trust.stated = trust.stated && FromStatement(noise);
+    trust.only_moves = trust.only_moves && noise.kind == NoiseKind::kSignalInContrast;
     trust.sentences.push_back(noise.sentence);
   }
   trust.stated = trust.stated && !trust.believable;
+  trust.only_moves = trust.only_moves && !trust.believable;
   if (!trust.believable) trust.noise_scale = shares > 0 ? scale / shares : kUnstated;
 }
 

@@ -26,6 +26,9 @@ struct FloorTrust {
   /// which the noise is filtered: a floor as good as the statement.
   bool stated = false;
   std::string why;  ///< one sentence; "" if believable
+  /// Not believable for no other reason than that signals move from row to row: there may be less noise than the contrasts have,
+  /// but what is there is white.
+  bool only_moves = false;
   /// Believable, and a signal is slower than its rows, which is taken for motion: as noise it would matter. What it is; "" if
   /// there is none.
   Told may_be_noise;

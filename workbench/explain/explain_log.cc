@@ -176,6 +176,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   as_is.start = log.machine.added_effects;
   if (own_balance) as_is.left_share = std::max(as_is.left_share, kOwnBalanceLeft);
   as_is.floor_believable = floor.believable || floor.stated;
+  as_is.noise_is_white = floor.believable || floor.only_moves;
   if (floor.stated) as_is.noise_scale = floor.noise_scale;
   out.explanation = ExplainSamples(std::move(model), log.stretches, log.window, as_is);
   const Explanation& x = out.explanation;

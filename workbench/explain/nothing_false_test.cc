@@ -15,6 +15,7 @@ namespace hydroscope {
 namespace {
 
 using testing::Contains;
+using testing::ElementsAre;
 using testing::Field;
 using testing::HasSubstr;
 
@@ -31,10 +32,14 @@ Explanation ExplanationOf(const SimulatedLog& log, const Machine& machine,
 }
 
 /// The magnets of a position sensor err the same at every period of its scale: no function of z that a law could be.
+void ErrInCycles(double size, SimulatedLog& log) {
+  for (double& z : log.z) z += size * std::sin(2 * std::numbers::pi * z / 0.011);
+}
+
 Explanation WithCyclicError(double size, std::uint64_t seed) {
   const PressOptions options = ASeenPress(seed);
   SimulatedLog log = SimulatePress(options);
-  for (double& z : log.z) z += size * std::sin(2 * std::numbers::pi * z / 0.011);
+  ErrInCycles(size, log);
   return ExplanationOf(log, MachineFor(options));
 }
 
@@ -45,6 +50,26 @@ TEST(NothingFalse, AnErrorThatGoesOnFromBlockToBlockIsNotBlamedOnTheFloor) {
 TEST(NothingFalse, AnErrorThatGoesOnFromBlockToBlockIsNoNoiseThoughTheFloorWouldAllowIt) {
   const Explanation x = WithCyclicError(2.2e-5, 6);
   EXPECT_LT(x.base.excess_ratio, ExplainOptions().floor_excess);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.doubt.english, HasSubstr("goes on from block to block"));
+}
+
+/// A ram that trembles hides the noise of its position, but what noise there is, is white. Means of blocks of 20 ms see nothing of
+/// 50 Hz.
+Explanation OfTremblingRam(double cyclic_error) {
+  const PressOptions options = ASeenPress(5);
+  SimulatedLog log = SimulatePress(options);
+  ErrInCycles(cyclic_error, log);
+  for (std::size_t k = 0; k < log.t.size(); ++k)
+    log.z[k] += 3e-4 * std::sin(2 * std::numbers::pi * 50 * log.t[k]);
+  Explanation x = ExplanationOf(log, MachineFor(options));
+  EXPECT_THAT(x.warnings, Contains(Field(&Told::english, HasSubstr("z moves within"))));
+  return x;
+}
+
+TEST(NothingFalse, AnErrorThatGoesOnFromBlockToBlockIsNoNoiseWhereASignalMovesFromRowToRow) {
+  EXPECT_EQ(OfTremblingRam(0).verdict, Verdict::kAdequate);
+  const Explanation x = OfTremblingRam(3e-5);
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_THAT(x.doubt.english, HasSubstr("goes on from block to block"));
 }
@@ -147,16 +172,16 @@ TEST(NothingFalse, ColouredNoiseOfTheSpoolIsToldOfWhereItMayBeTheError) {
   EXPECT_THAT(x.warnings, Contains(Field(&Told::english, HasSubstr("noise of y_v is not white"))));
 }
 
-/// Spool noise that the valve integrates is alike in neighbouring equations.
+/// Spool noise that the valve integrates is alike in neighbouring equations: further laws gain so much by chance that the leak
+/// would not be named for them.
 TEST(NothingFalse, EquationsThatAreAlikeTellLess) {
-  PressOptions options = ASeenPress(3);
-  options.effects = {{"internal_leakage", 8e-12, {}}};
+  PressOptions options = ASeenPress(4);
+  options.effects = {{"internal_leakage", 4e-12, {}}};
   SimulatedLog log = SimulatePress(options);
-  const double plain = ExplanationOf(log, MachineFor(options)).evidence_scale;
   ColourSpoolNoise(0.02, 0, log);
   const Explanation x = ExplanationOf(log, MachineFor(options));
-  EXPECT_GT(x.evidence_scale, 1.5 * plain);
-  EXPECT_THAT(x.set, Contains("internal_leakage"));
+  EXPECT_GT(x.evidence_scale, 2);
+  EXPECT_THAT(x.set, ElementsAre("internal_leakage"));
 }
 
 }  // namespace
