@@ -14,6 +14,7 @@
 #include "pipeline/run_summary.h"
 #include "workbench/explain/explain_history.h"
 #include "workbench/history/stored_change.h"
+#include "workbench/history/trend_analysis.h"
 
 namespace hydroscope {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 using Kind = LearningDoubt::Kind;
 /// Strokes whose sizes are looked at, evenly spread.
 constexpr std::int64_t kLooked = 200;
+constexpr std::int64_t kMostSummaries = 100'000;
 constexpr std::int64_t kStrokesWhoseRowsAreLookedAt = 20;
 constexpr std::array<const char*, 8> kDoubtNames = {"model_versions", "open_alarm",   "change",
                                                     "implausible",    "too_slow",     "effect",
@@ -97,6 +99,27 @@ Told SlowRowsKept(const Database& database, const std::string& path, const Histo
   return trust && !trust->rate.fast_enough ? trust->rate.sentence : Told{};
 }
 
+/// Where the model errs, a parameter that moved, and not with the oil, is a machine that changed, too slowly for a place of
+/// the change.
+std::vector<LearningDoubt> OfTrends(const Database& database, const HistoryPart& part,
+                                    const Machine& machine) {
+  auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);
+  if (!strokes) return {};
+  auto trends = database.Trend(part.id, "", part.first, part.last);
+  auto blocks = EstimateBlocks(database, part.id, machine, *strokes);
+  if (!trends || !blocks) return {};
+  const TrendAnalysis analysis =
+      AnalyseTrends({machine, {}, std::move(*strokes), std::move(*trends), std::move(*blocks)});
+  std::vector<std::string> moved;
+  for (const ParameterAnalysis& parameter : analysis.parameters)
+    if (parameter.unexplained == Significance::kClear) moved.push_back(parameter.parameter);
+  if (moved.empty()) return {};
+  return {{Kind::kChange,
+           Tell("they hold a change: {} moved over them, and not with the oil",
+                "in ihnen liegt eine Änderung: {} hat sich über sie hinweg bewegt, und nicht mit dem Öl",
+                fmt::format("{}", fmt::join(moved, ", ")))}};
+}
+
 void Append(std::vector<LearningDoubt>& all, std::vector<LearningDoubt> more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
@@ -139,6 +162,8 @@ std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std:
   const auto history = LoadHistory(database, path, {part}, machine);
   Append(doubts, OfVerdict(history ? ExplainHistory(*history)
                                    : Result<ExplainResult>(tl::unexpected(history.error()))));
+  if (std::any_of(doubts.begin(), doubts.end(), [](const auto& d) { return d.kind == Kind::kUnexplained; }))
+    Append(doubts, OfTrends(database, part, machine));
   return doubts;
 }
 

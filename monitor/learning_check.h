@@ -36,8 +36,8 @@ std::optional<LearningDoubt> DoubtOfSignals(const Database& database, const std:
                                             const HistoryPart& part, const Machine& machine);
 
 /// Looks at the strokes of `part` before they are learned: versions of the model, `alarms` of the machine, a
-/// change inside (workbench/history/stored_change.h) and the verdict of the explain chain on all of them. Empty:
-/// nothing speaks against it.
+/// change inside (workbench/history/stored_change.h) and the verdict of the explain chain on all of them; where that is
+/// unknown, also a parameter that moved over them (workbench/history/trend_analysis.h). Empty: nothing speaks against it.
 std::vector<LearningDoubt> DoubtsOfLearning(const Database& database, const std::string& path,
                                             const HistoryPart& part, const Machine& machine,
                                             const std::vector<AlarmState>& alarms);

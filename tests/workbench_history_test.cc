@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "tests/command_line_fixture.h"
 
 namespace hydroscope {
@@ -182,6 +186,19 @@ TEST_F(WorkbenchHistory, ALeakingMachineIsNotLearnedAsTheHealthyOne) {
   EXPECT_EQ(forced.Json()["learned"][0]["doubts"][0]["kind"], "effect");
   const Ran alarms = Good({"alarms", "--db", Db(), "list", "--json", "-"});
   EXPECT_THAT(alarms.out, HasSubstr("doubtful_reference"));
+}
+
+/// No place of a change, and no effect of one size.
+TEST_F(WorkbenchHistory, AMachineWhoseLeakGrowsFromLogToLogIsNotLearnedAsTheHealthyOne) {
+  std::vector<std::string> logs;
+  for (int day = 0; day < 16; ++day)
+    logs.push_back(
+        Simulate(fmt::format("day{}.csv", day), 50, 100 + day,
+                 {"--effect", fmt::format("internal_leakage={}", 2.5e-13 * std::max(0, day - 3))}));
+  Replay(logs);
+  const Ran learned = Run({"learn", "--db", Db(), "-m", machine_});
+  EXPECT_EQ(learned.exit_code, 3);
+  EXPECT_THAT(learned.err, HasSubstr("they hold a change: "));
 }
 
 TEST_F(WorkbenchHistory, StrokesOfTwoModelsOrWithAChangeAreNotLearned) {
