@@ -44,7 +44,8 @@ std::string FileOf(const MachineKind& kind, bool all) {
 void ExpectText(const std::string& what, const std::string& text, const ExpressionNames& names,
                 const std::string& unit) {
   const auto checked = CheckExpression(text, names);
-  ASSERT_TRUE(checked) << what << ": " << checked.error().text << "\n" << CaretLine(text, checked.error().at);
+  ASSERT_TRUE(checked) << what << ": " << checked.error().text.english << "\n"
+                       << CaretLine(text, checked.error().at);
   const auto expected = ParseSiUnit(unit);
   if (!expected || !checked->unit.exact) return;
   EXPECT_TRUE(checked->unit.dimension == *expected)
@@ -93,7 +94,10 @@ TEST(KindsWithStates, HaveEquationsInTheirUnitsThatBuild) {
         const auto with = BuildStateModel(*machine, {effect.id});
         EXPECT_TRUE(with) << with.error().text;
       }
-      const auto again = ParseMachine(FormatMachine(*machine), "conformance");
+      const std::string written = FormatMachine(*machine);
+      for (const char* unused : {"[gate]", "[window]"})
+        EXPECT_EQ(written.find(unused), written.npos) << unused;
+      const auto again = ParseMachine(written, "conformance");
       ASSERT_TRUE(again) << again.error().text;
       EXPECT_EQ(*again, *machine);
     }

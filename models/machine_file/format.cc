@@ -151,7 +151,9 @@ Pairs BoundPairs(const Machine& machine, const std::vector<GateBound>& bounds) {
   return conditions;
 }
 
+/// Of machines judged in episodes neither gate nor window need be: what is as it is anyway does not stand in their files.
 std::string GateSection(const Machine& machine, const MachineNotes& notes) {
+  if (InEpisodes(KindOf(machine)) && machine.gate == GateSpec{}) return "";
   const Pairs conditions = BoundPairs(machine, machine.gate.bounds);
   Pairs pairs;
   if (!conditions.empty()) pairs.emplace_back("conditions", Inline(conditions));
@@ -171,7 +173,9 @@ std::string ConditionsSection(const Machine& machine, const MachineNotes& notes)
                  notes, "conditions");
 }
 
-std::string WindowSection(const WindowSpec& window, const MachineNotes& notes) {
+std::string WindowSection(const Machine& machine, const MachineNotes& notes) {
+  const WindowSpec& window = machine.window;
+  if (InEpisodes(KindOf(machine)) && window == WindowSpec{}) return "";
   return Section("[window]", "Averaging, s.",
                  {{"block", Plain(window.block)},
                   {"span", Plain(window.span)},
@@ -371,7 +375,7 @@ std::string FormatMachine(const Machine& machine, const MachineNotes& notes) {
   for (const std::string& line : notes.head) text += Comment(line) + "\n";
   text += MachineHead(machine, notes) + LogSection(machine.log, notes) + SignalsSection(machine, notes) +
           GeometrySection(machine, notes) + GateSection(machine, notes) + ConditionsSection(machine, notes) +
-          WindowSection(machine.window, notes) + EstimatorSection(machine.estimator, notes) +
+          WindowSection(machine, notes) + EstimatorSection(machine.estimator, notes) +
           MonitorSections(machine, notes) + ValveSection(machine, notes) + ExperimentSection(machine, notes) +
           BalanceSection(machine, notes) + StatesSections(machine, notes) + EpisodeSection(machine, notes) +
           EffectSections(machine, notes) + LiveSections(machine, notes) + FeedsSections(machine, notes);
