@@ -19,6 +19,7 @@ enum class ErrorKind {
 struct Error {
   ErrorKind kind = ErrorKind::kInternal;
   std::string text;
+  std::string german = {};  ///< the same on the page (core/told_error.h); "": told in English alone
 };
 
 template <typename T>

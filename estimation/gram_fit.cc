@@ -7,6 +7,7 @@
 #include "core/constants.h"
 #include "core/distributions.h"
 #include "core/non_negative.h"
+#include "core/told_error.h"
 #include "estimation/decompositions.h"
 
 namespace hydroscope {
@@ -212,6 +213,13 @@ double NoiseFloor(std::span<const StrokeGram> strokes, std::span<const int> colu
   return sum.Rms();
 }
 
+Told NotExcited(const ModelStructure& model) {
+  return Tell(
+      "the strokes do not excite all parameters of the model: vary {}, or record longer",
+      "die Hübe regen nicht alle Parameter des Modells an: verändern, was hier steht, oder länger aufzeichnen: {}",
+      model.words.vary);
+}
+
 Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const StrokeGram> strokes,
                              const WindowSamples& window) {
   const std::vector<int> columns = BaseColumns(model);
@@ -227,12 +235,11 @@ Result<GramFit> FitBaseModel(const ModelStructure& model, std::span<const Stroke
   fit.strokes = static_cast<int>(strokes.size());
   if (fit.strokes == 0)
     return BadInput(
-        "no {} found: check the [gate] of the machine file against the log with 'hydroscope check'",
-        model.words.stroke.english);
+        Tell("no {} found: check the [gate] of the machine file against the log with 'hydroscope check'",
+             "nicht gefunden: {}; [gate] der Maschinendatei am Log prüfen ('hydroscope check')",
+             model.words.stroke));
   fit.theta = SolveNormalEquations(total);
-  if (fit.theta.size() == 0)
-    return BadInput("the strokes do not excite all parameters of the base model: vary {}, or record longer",
-                    model.words.vary.english);
+  if (fit.theta.size() == 0) return BadInput(NotExcited(model));
 
   // Delete one stroke at a time: spread of the parameters, and the error on the stroke left out.
   const std::vector<DerivedParameter> derived = model.derive(fit.theta);

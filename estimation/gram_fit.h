@@ -7,6 +7,7 @@
 
 #include "core/records.h"
 #include "core/stroke_gram.h"
+#include "core/told.h"
 #include "estimation/normal_equations.h"
 #include "estimation/span_equations.h"
 #include "estimation/stroke_clusters.h"
@@ -22,6 +23,9 @@ NormalEquations IntegralEquations(const StrokeGram& gram, std::span<const int> c
                                   NoiseCorrection correction = NoiseCorrection::kSubtract);
 /// Flow form, for errors in output units.
 NormalEquations FlowEquations(const StrokeGram& gram, std::span<const int> columns, int output);
+
+/// What is said where strokes do not tell all parameters of the model apart.
+Told NotExcited(const ModelStructure& model);
 
 /// Result of a batch fit of the base model over strokes.
 struct GramFit {

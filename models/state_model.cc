@@ -93,7 +93,7 @@ class Builder {
         std::vector<std::string> known;
         for (const Effect& other : library_) known.push_back(other.id);
         return BadInput("machine '{}': unknown effect '{}'; {}its effects: {}", machine().name, id,
-                        DidYouMean(id, known), fmt::join(known, ", "));
+                        DidYouMean(id, known).english, fmt::join(known, ", "));
       }
       for (const ParameterSpec& p : effect->parameters)
         model_.parameters.push_back({id + "." + p.name, id, p});

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "monitor/axis_alarms.h"
 #include "monitor/finding_explanation.h"
@@ -312,8 +313,10 @@ Status AxisMonitor::Learn(std::int64_t first, std::int64_t last, double wall, co
   auto strokes = LoadLearnable(first, last - first);
   if (!strokes) return tl::unexpected(strokes.error());
   if (strokes->empty())
-    return BadInput("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
-                    machine_.name, counted().one, first, last - 1);
+    return BadInput(
+        Tell("{}: no {} from {} to {} can be learned from: none stored, or the oil was too cold",
+             "{0}: aus {2} bis {3} lässt sich nichts lernen: nichts gespeichert, oder das Öl war zu kalt",
+             machine_.name, counted().one, first, last - 1));
   const std::int64_t next = std::max(next_, strokes->back().sequence + 1);
   return LearnFrom(std::move(*strokes), next, wall, user);
 }

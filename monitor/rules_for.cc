@@ -37,7 +37,7 @@ std::vector<std::string> RuleRemarks(const drift::RuleBook& rules, const ModelSt
   for (const drift::WatchSpec& watch : rules.watches)
     if (std::find(known.begin(), known.end(), watch.quantity) == known.end())
       remarks.push_back(fmt::format("{} watches {}, which this machine has not: {}parameters are {}",
-                                    rules.file, watch.quantity, DidYouMean(watch.quantity, known),
+                                    rules.file, watch.quantity, DidYouMean(watch.quantity, known).english,
                                     Listed(parameters)));
   std::vector<std::string> unwatched;
   for (const std::string& name : parameters)

@@ -6,6 +6,7 @@
 #include "page/access/gate.h"
 #include "page/access/login_api.h"
 #include "page/assets.h"
+#include "page/http/json_reply.h"
 #include "page/http/request_guard.h"
 #include "page/page_api.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/physical_sizes.h"
@@ -135,7 +136,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
   out.reader = (*reader)->counters();
   if (const Told coarse = CoarseTimeStamps(out.reader, machine.signals.size());
       out.strokes.empty() && !coarse.empty())
-    return BadInput("{}: {}", log, coarse.english);
+    return BadInput(Tell("{}: {}", "{}: {}", log, coarse));
   if (!note.empty()) out.notes.push_back(log + ": " + note);
   return out;
 }
@@ -145,7 +146,7 @@ Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSa
 void Append(LogStrokes next, LogStrokes& all) {
   // Samples are kept up to a limit; strokes whose samples are not kept come last in every log.
   if (all.stretches.size() < all.strokes.size()) next.stretches.clear();
-  Label(next, all.strokes.empty() ? 0 : all.strokes.back().gram.log + 1);
+  Label(next, all.logs++);
   MoveTime(next, LastTime(all));
   const auto offset = static_cast<std::int64_t>(all.strokes.size());
   for (StrokeRecord& stroke : next.strokes) {
@@ -176,10 +177,12 @@ Result<LogStrokes> ReadStrokes(const std::vector<std::string>& logs, const Machi
     }
     const double period = next->window.period, first = all->window.period;
     if (std::abs(period - first) > kSamePeriod * first || next->window.block != all->window.block)
-      return BadInput(
+      return BadInput(Tell(
           "{}: rows are {:.4g} s apart, in {} {:.4g} s, too different to be taken together; give logs of "
           "nearly the same sampling rate (25 %)",
-          log, period, logs.front(), first);
+          "{}: Zeilen liegen {:.4g} s auseinander, in {} {:.4g} s, zu verschieden, um zusammen genommen zu werden; "
+          "Logs mit fast derselben Abtastrate nehmen (25 %)",
+          log, period, logs.front(), first));
     Append(std::move(*next), *all);
   }
   if (!all) return UsageError("no log given");

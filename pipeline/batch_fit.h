@@ -20,6 +20,7 @@ struct LogStrokes {
   std::vector<StrokeRecord> strokes;
   StrokeCounters totals;
   std::int64_t discarded_strokes = 0;
+  int logs = 1;  ///< taken together; StrokeGram::log and Stretch::log count them
   LogCounters reader;
   WindowSamples window;
   std::shared_ptr<const ModelStructure> model;

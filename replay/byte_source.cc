@@ -10,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/told_error.h"
 #include "replay/decimal.h"
 
 namespace hydroscope {
@@ -53,10 +54,12 @@ class GzipFile : public ByteSource {
     int code = Z_OK;
     const char* text = gzerror(file_, &code);
     if (got < 0 || (got == 0 && code != Z_OK && code != Z_STREAM_END))
-      return BadInput(
-          "log '{}': the compressed data are damaged or cut off ({}); unpack what can be saved with "
-          "`gzip -dc {} > log.csv` and read that",
-          path_, text, path_);
+      return BadInput(Tell(
+          "log '{0}': the compressed data are damaged or cut off ({1}); unpack what can be saved with "
+          "`gzip -dc {0} > log.csv` and read that",
+          "Log '{0}': die gepackten Daten sind beschädigt oder abgeschnitten ({1}); was zu retten ist, mit "
+          "`gzip -dc {0} > log.csv` auspacken und das lesen",
+          path_, text));
     return static_cast<std::size_t>(got);
   }
   double Progress() const override {
@@ -140,8 +143,9 @@ Result<bool> LineBuffer::Fill() {
   while (!at_end_) {
     if (end_ == capacity_) {
       if (capacity_ >= kLongestLine)
-        return BadInput("log '{}': no line end within {} MB; this is not a text log", origin_,
-                        kLongestLine >> 20);
+        return BadInput(Tell("log '{}': no line end within {} MB; this is not a text log",
+                             "Log '{}': kein Zeilenende in {} MB; das ist kein Log aus Text", origin_,
+                             kLongestLine >> 20));
       Reserve(capacity_ * 2);
     }
     const auto got = source_->Read(buffer_.get() + end_, capacity_ - end_);

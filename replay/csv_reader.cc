@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "replay/date_time.h"
 #include "replay/decimal.h"
 
@@ -106,10 +107,12 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
   }
   sample_period_ = SamplePeriodOf(times);
   if (sample_period_ > 0) return {};
-  return BadInput(
+  return BadInput(Tell(
       "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
       "'{}' (log.time_unit), or give log.sample_period in s",
-      origin_, layout_.names[static_cast<std::size_t>(plan_.time)], times.size(), format.time_unit);
+      "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
+      "(log.time_unit), oder log.sample_period in s angeben",
+      origin_, layout_.names[static_cast<std::size_t>(plan_.time)], times.size(), format.time_unit));
 }
 
 void CsvReader::PointInto(SampleBlock& block) {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/told_error.h"
 #include "core/units.h"
 #include "replay/date_time.h"
 
@@ -270,11 +271,16 @@ void SetFields(const std::vector<Line>& lines, int data, const RowShape& shape, 
 
 Status CheckText(std::string_view head, const std::string& origin) {
   if (Trimmed(head).empty())
-    return BadInput("log '{}' is empty; expected a header and rows of numbers", origin);
+    return BadInput(Tell("log '{}' is empty; expected a header and rows of numbers",
+                         "Log '{}' ist leer; erwartet: eine Kopfzeile und Zeilen mit Zahlen", origin));
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
-    return BadInput("log '{}' is UTF-16 text; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)", origin);
+    return BadInput(Tell("log '{}' is UTF-16 text; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)",
+                         "Log '{}' ist Text in UTF-16; als UTF-8 speichern (iconv -f UTF-16 -t UTF-8)",
+                         origin));
   if (head.substr(0, 64).find('\0') != std::string_view::npos)
-    return BadInput("log '{}' is binary; expected text (CSV), gzip-compressed text or a MAT file", origin);
+    return BadInput(Tell(
+        "log '{}' is binary; expected text (CSV), gzip-compressed text or a MAT file",
+        "Log '{}' ist binär; erwartet: Text (CSV), mit gzip gepackter Text oder eine MAT-Datei", origin));
   return {};
 }
 
@@ -316,10 +322,12 @@ Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, co
   }
   const HeadLines found = HeadFinder(lines, hints, dialect, shape).Find();
   if (found.data < 0)
-    return BadInput(
+    return BadInput(Tell(
         "log '{}': no rows of numbers found in the first {} lines; expected a header row with column names "
         "and rows of numbers separated by ',', ';', tab or blanks",
-        origin, lines.size());
+        "Log '{}': in den ersten {} Zeilen stehen keine Zahlenreihen; erwartet: eine Kopfzeile mit den Namen der Spalten "
+        "und Zeilen mit Zahlen, getrennt durch ',', ';', Tabulator oder Leerzeichen",
+        origin, lines.size()));
 
   LogLayout layout;
   layout.separator = dialect.separator;

@@ -120,6 +120,14 @@ TEST(LogLayout, RefusesWhatIsNoLog) {
   EXPECT_THAT(ErrorOf("only words\nand more words\n"), HasSubstr("no rows of numbers"));
 }
 
+TEST(LogLayout, TellsPeopleInGermanTooWhatIsNoLog) {
+  for (const std::string text : {"", "\xFF\xFEt", "only words\nand more words\n"}) {
+    const auto layout = DetectLayout(text, {}, "log.csv");
+    ASSERT_FALSE(layout);
+    EXPECT_THAT(layout.error().german, HasSubstr("Log 'log.csv'")) << text;
+  }
+}
+
 TEST(LogLayout, RefusesTheSameSignTwice) {
   LogFormat hints;
   hints.separator = hints.decimal = ',';

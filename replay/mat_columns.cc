@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "core/told_error.h"
 #include "replay/mat_reader.h"
 
 namespace hydroscope {
@@ -107,7 +108,9 @@ Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
   std::unique_ptr<MatColumns> columns(new MatColumns(path));
   columns->file_ = Mat_Open(path.c_str(), MAT_ACC_RDONLY);
   if (columns->file_ == nullptr)
-    return BadInput("log '{}': the MAT file cannot be opened; expected version 4 to 7.3", path);
+    return BadInput(Tell("log '{}': the MAT file cannot be opened; expected version 4 to 7.3",
+                         "Log '{}': die MAT-Datei lässt sich nicht öffnen; erwartet: Version 4 bis 7.3",
+                         path));
   while (matvar_t* variable = Mat_VarReadNextInfo(columns->file_)) columns->variables_.push_back(variable);
   for (matvar_t*& variable : columns->variables_) {
     if (variable->name == nullptr) continue;
@@ -122,8 +125,9 @@ Result<std::unique_ptr<MatColumns>> MatColumns::Open(const std::string& path) {
   }
   if (columns->columns_.empty())
     return BadInput(
-        "log '{}': no vectors or matrices of numbers found among the {} variables of the MAT file", path,
-        columns->variables_.size());
+        Tell("log '{}': no vectors or matrices of numbers found among the {} variables of the MAT file",
+             "Log '{}': unter den {} Variablen der MAT-Datei ist kein Vektor und keine Matrix aus Zahlen",
+             path, columns->variables_.size()));
   return columns;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 namespace {
@@ -65,10 +66,12 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
   for (double& time : times) time *= plan_.time_scale;
   sample_period_ = SamplePeriodOf(times);
   if (sample_period_ > 0) return {};
-  return BadInput(
+  return BadInput(Tell(
       "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
       "'{}' (log.time_unit), or give log.sample_period in s",
-      path, layout_.names[column], times.size(), format.time_unit);
+      "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
+      "(log.time_unit), oder log.sample_period in s angeben",
+      path, layout_.names[column], times.size(), format.time_unit));
 }
 
 Status MatReader::LoadSlice() {

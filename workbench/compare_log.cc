@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
+#include "core/told_error.h"
 #include "diagnosis/free_run.h"
 #include "workbench/explain/explain_log.h"
 
@@ -103,10 +105,12 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
   out.log = std::move(*strokes);
   out.strokes = out.log.stretches.size();
   if (out.strokes < 2)
-    return BadInput(
-        "{}: {} strokes inside the gate, expected at least 2: record longer, or see what the gate of {} lets "
+    return BadInput(Tell(
+        "{0}: {1} strokes inside the gate, expected at least 2: record longer, or see what the gate of {2} lets "
         "through with 'hydroscope check'",
-        fmt::join(chosen->fitted, ", "), out.strokes, machine_file);
+        "{0}: {1} Hübe im Gate, erwartet: mindestens 2; länger aufzeichnen, oder mit 'hydroscope check' ansehen, was das "
+        "Gate von {2} durchlässt",
+        fmt::format("{}", fmt::join(chosen->fitted, ", ")), out.strokes, machine_file));
   auto model = FitMachineModel(out.log);
   if (!model) return tl::unexpected(model.error());
   out.model = std::move(*model);
@@ -119,6 +123,9 @@ Result<CompareResult> CompareLogs(const std::vector<std::string>& logs, const st
     out.per_stroke.push_back(stroke.Comparison());
     out.per_stroke.back().stroke = out.log.strokes[s].summary.index;
     out.per_stroke.back().begin = out.log.strokes[s].summary.begin;
+    out.per_stroke.back().log =
+        std::filesystem::path(chosen->fitted[static_cast<std::size_t>(out.log.strokes[s].gram.log)])
+            .filename();
   }
   out.overall = OverallOf(out.model.figures);
   for (const StrokeComparison& stroke : out.per_stroke) out.overall.windows += stroke.windows;

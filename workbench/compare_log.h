@@ -17,6 +17,7 @@ namespace hydroscope {
 struct StrokeComparison {
   std::int64_t stroke = 0;  ///< index within the log, 0, 1, ...
   double begin = 0;         ///< s
+  std::string log = {};     ///< file it is of; "" = of a database
   int windows = 0;
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0, noise_floor = 0;
   std::optional<double>

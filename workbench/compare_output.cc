@@ -212,6 +212,7 @@ nlohmann::json StrokesJson(const CompareResult& result) {
   for (const StrokeComparison& s : result.per_stroke) {
     out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor));
     out.back()["stroke"] = s.stroke;
+    if (!s.log.empty()) out.back()["log"] = s.log;
     out.back()["begin"] = std::isfinite(s.begin) ? nlohmann::json(s.begin) : nlohmann::json();
   }
   return out;

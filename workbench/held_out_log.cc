@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/counted_words.h"
+#include "core/told_error.h"
 #include "diagnosis/remainder/residuals.h"
 
 namespace hydroscope {
@@ -37,7 +38,9 @@ Result<HeldOutError> ErrorOnLog(const MachineModel& model, const LogStrokes& hel
     squared += error.dot(Unpacked(gram.flow) * error);
     windows += static_cast<double>(gram.windows);
   }
-  if (!(windows > 0)) return BadInput("{}: no strokes inside the gate to judge the model on", log);
+  if (!(windows > 0))
+    return BadInput(Tell("{}: no strokes inside the gate to judge the model on",
+                         "{}: keine Hübe im Gate, an denen das Modell beurteilt werden könnte", log));
   out.rms = std::sqrt(std::max(0.0, squared / windows));
   return out;
 }

@@ -86,8 +86,8 @@ void ReadRule(const toml::table& source, std::size_t number, const std::vector<s
   table.Texts("may", rule.may);
   for (const std::string& name : rule.may)
     if (std::find(quantities.begin(), quantities.end(), name) == quantities.end())
-      table.Wrong("may",
-                  fmt::format("{}watched quantities: {}", DidYouMean(name, quantities), Listed(quantities)));
+      table.Wrong("may", fmt::format("{}watched quantities: {}", DidYouMean(name, quantities).english,
+                                     Listed(quantities)));
   if (const auto choice = table.Choice("severity", {"advisory", "warning", "alarm"}))
     rule.severity = static_cast<RuleSeverity>(*choice);
   table.Integer("axes", rule.axes, 1);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/told_error.h"
 #include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
 
@@ -17,8 +18,8 @@ Result<CheckedExpression> CheckedText(const Machine& machine, const std::string&
   const ExpressionNames names = ExpressionNamesOf(machine);
   auto checked = CheckExpression(text, names);
   if (!checked)
-    return BadInput("machine '{}': [balance] {}: {}\n{}", machine.name, key, checked.error().text,
-                    CaretLine(text, checked.error().at));
+    return BadInput(Tell("machine '{}': [balance] {}: {}\n{}", "Maschine '{}': [balance] {}: {}\n{}",
+                         machine.name, key, checked.error().text, CaretLine(text, checked.error().at)));
   checked->tree = WithValues(checked->tree, names.constants);
   return *checked;
 }

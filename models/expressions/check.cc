@@ -32,13 +32,15 @@ Checked CheckNames(const ExpressionNode& node, const ExpressionNames& names, boo
     if (!names.units.contains(node.text)) {
       std::vector<std::string> known;
       for (const auto& [name, unit] : names.units) known.push_back(name);
-      return tl::unexpected(
-          ExpressionError{node.at, fmt::format("unknown signal \"{}\"; {}known here: {}", node.text,
-                                               DidYouMean(node.text, known), Signals(names))});
+      return tl::unexpected(ExpressionError{
+          node.at,
+          Tell("unknown signal \"{}\"; {}known here: {}", "unbekanntes Signal \"{}\"; {}hier bekannt: {}",
+               node.text, DidYouMean(node.text, known), Signals(names))});
     }
     if (in_ddt && names.found.contains(node.text))
       return tl::unexpected(ExpressionError{
-          node.at, fmt::format("{} is found from the data and cannot stand inside ddt(...)", node.text)});
+          node.at, Tell("{} is found from the data and cannot stand inside ddt(...)",
+                        "{} wird aus den Daten gefunden und kann nicht in ddt(...) stehen", node.text)});
   }
   for (const Expression& arg : node.args)
     if (const Checked fine = CheckNames(*arg, names, in_ddt || node.text == "ddt"); !fine) return fine;
@@ -51,21 +53,25 @@ Checked CheckDelays(const ExpressionNode& node, const ExpressionNames& names) {
     if (const Checked fine = CheckDelays(*arg, names); !fine) return fine;
   if (node.kind != Kind::kCall || node.text != "delay") return {};
   const ExpressionNode &signal = *node.args[0], &time = *node.args[1];
-  const auto refuse = [](const ExpressionNode& at, const char* why) {
+  const auto refuse = [](const ExpressionNode& at, const Told& why) {
     return tl::unexpected(ExpressionError{at.at, why});
   };
   if (names.delayed.empty())
     return refuse(node,
-                  "delay(...) has a place only in the equations of a model with states that has inputs");
+                  {"delay(...) has a place only in the equations of a model with states that has inputs",
+                   "delay(...) hat nur in Gleichungen eines Modells mit Zuständen und Eingängen Platz"});
   if (signal.kind != Kind::kName || !names.delayed.contains(signal.text))
-    return refuse(signal,
-                  "delay(...) is of an input, a signal that no equation gives: write e.g. delay(u, t_dead)");
+    return refuse(
+        signal,
+        {"delay(...) is of an input, a signal that no equation gives: write e.g. delay(u, t_dead)",
+         "delay(...) gilt einem Eingang, einem Signal, das keine Gleichung liefert: z. B. delay(u, t_dead)"});
   const bool constant =
       time.kind == Kind::kNumber || (time.kind == Kind::kName && names.constants.contains(time.text));
   if (!constant && (time.kind != Kind::kName || !names.delay_times.contains(time.text)))
     return refuse(
         time,
-        "a delay is a number of seconds, or a parameter whose min is 0 or more: write e.g. delay(u, t_dead)");
+        {"a delay is a number of seconds, or a parameter whose min is 0 or more: write e.g. delay(u, t_dead)",
+         "eine Verzögerung ist eine Zahl in Sekunden oder ein Parameter, dessen min 0 oder mehr ist: z. B. delay(u, t_dead)"});
   return {};
 }
 
@@ -142,11 +148,14 @@ Range Domain(const std::string& function) {
   return {};
 }
 
-Checked Refuse(const ExpressionNode& node, const std::string& what, const std::string& instead) {
+Checked Refuse(const ExpressionNode& node, const Told& what, const Told& instead) {
   return tl::unexpected(ExpressionError{
       node.at,
-      fmt::format("{} of a rate that may have any sign and size, and is zero when the motion turns; write {}",
-                  what, instead)});
+      Tell(
+          "{} of a rate that may have any sign and size, and is zero when the motion turns; write {}",
+          "{} mit einer Änderungsrate, die jedes Vorzeichen und jede Größe haben kann und null ist, wenn die Bewegung "
+          "umkehrt; stattdessen {}",
+          what, instead)});
 }
 
 Checked CheckRates(const ExpressionNode& node, const ExpressionNames& names) {
@@ -155,20 +164,23 @@ Checked CheckRates(const ExpressionNode& node, const ExpressionNames& names) {
   if (node.kind == Kind::kBinary && node.text == "/" && ContainsDdt(*node.args[1])) {
     const Range below = RangeOf(*node.args[1], names);
     if (!(below.low > 0 || below.high < 0))
-      return Refuse(node, "division by an expression", "e.g. max(abs(ddt(x)), 0.001)");
+      return Refuse(node, {"division by an expression", "Division durch einen Ausdruck"},
+                    {"e.g. max(abs(ddt(x)), 0.001)", "z. B. max(abs(ddt(x)), 0.001)"});
   }
   if (node.kind == Kind::kBinary && node.text == "^" &&
       (ContainsDdt(*node.args[0]) || ContainsDdt(*node.args[1]))) {
     const Range base = RangeOf(*node.args[0], names), power = RangeOf(*node.args[1], names);
     const bool whole = power.low == power.high && power.low >= 0 && std::fmod(power.low, 1.0) == 0.0;
     const bool root = base.low >= 0 && power.low == power.high && power.low >= 0;
-    if (!whole && !root) return Refuse(node, "a power", "e.g. abs(ddt(x))^0.5");
+    if (!whole && !root)
+      return Refuse(node, {"a power", "eine Potenz"}, {"e.g. abs(ddt(x))^0.5", "z. B. abs(ddt(x))^0.5"});
   }
   if (node.kind == Kind::kCall && node.args.size() == 1 && node.text != "ddt" && ContainsDdt(*node.args[0])) {
     const Range domain = Domain(node.text), range = RangeOf(*node.args[0], names);
     if (!(range.low >= domain.low && range.high <= domain.high))
       return Refuse(node, node.text,
-                    fmt::format("e.g. {}(max(abs(ddt(x)), 0.001)) or limit it with min and max", node.text));
+                    Tell("e.g. {}(max(abs(ddt(x)), 0.001)) or limit it with min and max",
+                         "z. B. {}(max(abs(ddt(x)), 0.001)), oder mit min und max begrenzen", node.text));
   }
   return {};
 }

@@ -34,7 +34,7 @@ ExpressionError ErrorOf(const std::string& text) {
 /// Value of an expression without signals.
 double Value(const std::string& text) {
   const auto tree = ParseExpression(text);
-  EXPECT_TRUE(tree) << text << ": " << (tree ? "" : tree.error().text);
+  EXPECT_TRUE(tree) << text << ": " << (tree ? "" : tree.error().text.english);
   if (!tree) return NAN;
   const ExpressionEvaluator evaluator(**tree, {});
   double value = NAN;
@@ -65,36 +65,49 @@ TEST(Expression, EveryFunctionIsComputed) {
 
 TEST(Expression, AMistakeIsFoundAtItsCharacter) {
   EXPECT_EQ(ErrorOf("p*sign(ddt(xx))").at, 11u);
-  EXPECT_THAT(ErrorOf("p*sign(ddt(xx))").text, HasSubstr("did you mean \"x\"?"));
+  EXPECT_THAT(ErrorOf("p*sign(ddt(xx))").text.english, HasSubstr("did you mean \"x\"?"));
   EXPECT_EQ(ErrorOf("p*").at, 2u);
   EXPECT_EQ(ErrorOf("p*sgn(x)").at, 2u);
-  EXPECT_THAT(ErrorOf("p*sgn(x)").text, HasSubstr("did you mean \"sign\"?"));
+  EXPECT_THAT(ErrorOf("p*sgn(x)").text.english, HasSubstr("did you mean \"sign\"?"));
   EXPECT_EQ(ErrorOf("(p + 1").at, 6u);
   EXPECT_EQ(ErrorOf("p $ x").at, 2u);
-  EXPECT_THAT(ErrorOf("2p").text, HasSubstr("write *"));
-  EXPECT_THAT(ErrorOf("1,5*p").text, HasSubstr("decimal sign is a point"));
-  EXPECT_THAT(ErrorOf("log(p)").text, HasSubstr("ln"));
-  EXPECT_THAT(ErrorOf("min(p)").text, HasSubstr("2 or more arguments, found 1"));
+  EXPECT_THAT(ErrorOf("2p").text.english, HasSubstr("write *"));
+  EXPECT_THAT(ErrorOf("1,5*p").text.english, HasSubstr("decimal sign is a point"));
+  EXPECT_THAT(ErrorOf("log(p)").text.english, HasSubstr("ln"));
+  EXPECT_THAT(ErrorOf("min(p)").text.english, HasSubstr("2 or more arguments, found 1"));
   EXPECT_EQ(CaretLine("p*sign(ddt(xx))", 11), "    p*sign(ddt(xx))\n               ^");
 }
 
+TEST(Expression, EveryMistakeIsToldInGermanToo) {
+  for (const char* wrong :
+       {"p*", "p $ x", "1,5*p", "2p", "p)", "(p", "sgn(p)", "log(p)", "min(p)", "p*q", "p + x", "exp(p)",
+        "p^x", "1/ddt(x)", "ddt(x)^1.5", "sqrt(ddt(x))", "delay(p, 1)"}) {
+    const Told text = ErrorOf(wrong).text;
+    EXPECT_FALSE(text.english.empty()) << wrong;
+    EXPECT_FALSE(text.german.empty()) << wrong;
+    EXPECT_NE(text.german, text.english) << wrong;
+  }
+  EXPECT_THAT(ErrorOf("p*sgn(x)").text.german, HasSubstr("war \"sign\" gemeint?"));
+  EXPECT_THAT(ErrorOf("min(p)").text.german, HasSubstr("2 oder mehr Argumente, gefunden 1"));
+}
+
 TEST(Expression, DeepOrLongOnesAreRefusedBeforeTheyHurt) {
-  EXPECT_THAT(ErrorOf(std::string(1000, '(')).text, HasSubstr("200 brackets"));
+  EXPECT_THAT(ErrorOf(std::string(1000, '(')).text.english, HasSubstr("200 brackets"));
   std::string sum = "x";
   for (int k = 0; k < 600; ++k) sum += "+x";
-  EXPECT_THAT(ErrorOf(sum).text, HasSubstr("500 operators"));
-  EXPECT_THAT(ErrorOf(std::string(3000, ' ') + "x").text, HasSubstr("longer than 2000"));
+  EXPECT_THAT(ErrorOf(sum).text.english, HasSubstr("500 operators"));
+  EXPECT_THAT(ErrorOf(std::string(3000, ' ') + "x").text.english, HasSubstr("longer than 2000"));
   std::string power = "x";
   for (int k = 0; k < 600; ++k) power += "^x";
-  EXPECT_THAT(ErrorOf(power).text, HasSubstr("500 operators"));
+  EXPECT_THAT(ErrorOf(power).text.english, HasSubstr("500 operators"));
 }
 
 TEST(Expression, UnitsThatCannotFitAreFound) {
-  EXPECT_THAT(ErrorOf("p + x").text, HasSubstr("puts Pa and m together"));
+  EXPECT_THAT(ErrorOf("p + x").text.english, HasSubstr("puts Pa and m together"));
   EXPECT_EQ(ErrorOf("p + x").at, 2u);
-  EXPECT_THAT(ErrorOf("exp(p)").text, HasSubstr("exp of Pa"));
-  EXPECT_THAT(ErrorOf("p > x ? 1 : 0").text, HasSubstr("puts Pa and m together"));
-  EXPECT_THAT(ErrorOf("max(p, x)").text, HasSubstr("Pa and m"));
+  EXPECT_THAT(ErrorOf("exp(p)").text.english, HasSubstr("exp of Pa"));
+  EXPECT_THAT(ErrorOf("p > x ? 1 : 0").text.english, HasSubstr("puts Pa and m together"));
+  EXPECT_THAT(ErrorOf("max(p, x)").text.english, HasSubstr("Pa and m"));
 }
 
 TEST(Expression, NumbersMayCarryAnyUnit) {
@@ -127,10 +140,10 @@ TEST(Expression, SiUnitsAreReadAndWritten) {
 }
 
 TEST(Expression, WhatFailsWhenTheMotionTurnsIsRefused) {
-  EXPECT_THAT(ErrorOf("1/ddt(x)").text, HasSubstr("division"));
-  EXPECT_THAT(ErrorOf("sqrt(ddt(x))").text, HasSubstr("sqrt"));
-  EXPECT_THAT(ErrorOf("ln(abs(ddt(x)))").text, HasSubstr("ln"));
-  EXPECT_THAT(ErrorOf("ddt(x)^1.5").text, HasSubstr("power"));
+  EXPECT_THAT(ErrorOf("1/ddt(x)").text.english, HasSubstr("division"));
+  EXPECT_THAT(ErrorOf("sqrt(ddt(x))").text.english, HasSubstr("sqrt"));
+  EXPECT_THAT(ErrorOf("ln(abs(ddt(x)))").text.english, HasSubstr("ln"));
+  EXPECT_THAT(ErrorOf("ddt(x)^1.5").text.english, HasSubstr("power"));
   ExpressionNames names = ExpressionNamesOf(Cylinder());
   names.units["v_s"] = ParseSiUnit("m/s");
   names.found["v_s"] = {0.001, 0.1};

@@ -154,7 +154,7 @@ TEST(ExpressionProgram, ColumnsOfAnyLengthAreThePointsOneByOne) {
   std::normal_distribution<double> normal;
   for (const std::string& text : {std::string("x^2 - exp(-abs(y))"), std::string("3"), longest}) {
     const auto tree = ParseExpression(text);
-    ASSERT_TRUE(tree) << tree.error().text;
+    ASSERT_TRUE(tree) << tree.error().text.english;
     const ExpressionEvaluator evaluator(**tree, kInputs);
     std::vector<std::vector<double>> channels(2, std::vector<double>(1003));
     for (auto& channel : channels)

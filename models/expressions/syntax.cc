@@ -25,26 +25,31 @@ bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 const std::vector<std::vector<std::string_view>> kRanks = {
     {"||"}, {"&&"}, {"<=", ">=", "==", "!=", "<", ">"}, {"+", "-"}, {"*", "/"}};
 
+const Told kOperand = {"a signal, a number or \"(\"", "ein Signal, eine Zahl oder \"(\""};
+
 class Parser {
  public:
   explicit Parser(const std::string& text) : text_(text) {}
 
   ExpressionResult<Expression> Run() {
     if (text_.size() > kMaxLength)
-      return Fail(kMaxLength, fmt::format("the expression is longer than {} characters", kMaxLength));
+      return Fail(kMaxLength, Tell("the expression is longer than {} characters",
+                                   "der Ausdruck ist länger als {} Zeichen", kMaxLength));
     auto whole = Conditional();
-    if (whole && !AtEnd()) return Fail(at_, Unexpected("an operator or the end"));
+    if (whole && !AtEnd())
+      return Fail(at_, Unexpected({"an operator or the end", "ein Operator oder das Ende"}));
     return whole;
   }
 
  private:
   using Parsed = ExpressionResult<Expression>;
 
-  static tl::unexpected<ExpressionError> Fail(std::size_t at, std::string text) {
+  static tl::unexpected<ExpressionError> Fail(std::size_t at, Told text) {
     return tl::unexpected(ExpressionError{at, std::move(text)});
   }
   static tl::unexpected<ExpressionError> TooLong(std::size_t at) {
-    return Fail(at, fmt::format("more than {} operators and brackets", kMaxParts));
+    return Fail(
+        at, Tell("more than {} operators and brackets", "mehr als {} Operatoren und Klammern", kMaxParts));
   }
   void SkipSpace() {
     while (at_ < text_.size() && IsSpace(text_[at_])) ++at_;
@@ -53,13 +58,17 @@ class Parser {
     SkipSpace();
     return at_ == text_.size();
   }
-  std::string Unexpected(std::string_view expected) {
-    if (AtEnd()) return fmt::format("the expression ends here; expected {}", expected);
+  Told Unexpected(const Told& expected) {
+    if (AtEnd())
+      return Tell("the expression ends here; expected {}", "der Ausdruck endet hier; erwartet: {}", expected);
     const char c = text_[at_];
-    if (c == ',') return fmt::format("unexpected \",\"; expected {} (the decimal sign is a point)", expected);
+    if (c == ',')
+      return Tell("unexpected \",\"; expected {} (the decimal sign is a point)",
+                  "unerwartet: \",\"; erwartet: {} (das Dezimalzeichen ist ein Punkt)", expected);
     if (static_cast<unsigned char>(c) >= 0x80 || static_cast<unsigned char>(c) < 0x20)
-      return fmt::format("a character no expression knows; expected {}", expected);
-    return fmt::format("unexpected \"{}\"; expected {}", c, expected);
+      return Tell("a character no expression knows; expected {}",
+                  "ein Zeichen, das kein Ausdruck kennt; erwartet: {}", expected);
+    return Tell("unexpected \"{}\"; expected {}", "unerwartet: \"{}\"; erwartet: {}", c, expected);
   }
   bool Take(std::string_view symbol) {
     SkipSpace();
@@ -74,7 +83,7 @@ class Parser {
 
   Parsed Conditional() {
     if (++brackets_ > kMaxExpressionParts)
-      return Fail(at_, fmt::format("more than {} brackets", kMaxExpressionParts));
+      return Fail(at_, Tell("more than {} brackets", "mehr als {} Klammern", kMaxExpressionParts));
     if (++parts_ > kMaxParts) return TooLong(at_);
     auto condition = Binary(0);
     SkipSpace();
@@ -82,7 +91,8 @@ class Parser {
     if (condition && Take("?")) {
       auto yes = Conditional();
       if (!yes) return yes;
-      if (!Take(":")) return Fail(at_, Unexpected("\":\" of condition ? a : b"));
+      if (!Take(":"))
+        return Fail(at_, Unexpected({"\":\" of condition ? a : b", "\":\" von Bedingung ? a : b"}));
       auto no = Conditional();
       if (!no) return no;
       condition = Node(Kind::kConditional, mark, "?", {*condition, *yes, *no});
@@ -134,12 +144,12 @@ class Parser {
     const std::size_t mark = at_;
     if (Take("(")) {
       auto inner = Conditional();
-      if (inner && !Take(")")) return Fail(at_, Unexpected("\")\""));
+      if (inner && !Take(")")) return Fail(at_, Unexpected({"\")\"", "\")\""}));
       return inner;
     }
-    if (AtEnd()) return Fail(at_, Unexpected("a signal, a number or \"(\""));
+    if (AtEnd()) return Fail(at_, Unexpected(kOperand));
     if (IsDigit(text_[at_]) || text_[at_] == '.') return Number(mark);
-    if (!IsLetter(text_[at_])) return Fail(at_, Unexpected("a signal, a number or \"(\""));
+    if (!IsLetter(text_[at_])) return Fail(at_, Unexpected(kOperand));
     while (at_ < text_.size() && (IsLetter(text_[at_]) || IsDigit(text_[at_]))) ++at_;
     std::string name = text_.substr(mark, at_ - mark);
     if (Take("(")) return Call(mark, std::move(name));
@@ -150,10 +160,14 @@ class Parser {
     double number = 0;
     const char* end = text_.data() + text_.size();
     const auto [rest, problem] = std::from_chars(text_.data() + mark, end, number);
-    if (problem != std::errc() || !std::isfinite(number)) return Fail(mark, "this is no number");
+    if (problem != std::errc() || !std::isfinite(number))
+      return Fail(mark, {"this is no number", "das ist keine Zahl"});
     at_ = static_cast<std::size_t>(rest - text_.data());
     if (at_ < text_.size() && IsLetter(text_[at_]))
-      return Fail(at_, "a letter after a number; write * between them, units have no place here (SI)");
+      return Fail(
+          at_,
+          {"a letter after a number; write * between them, units have no place here (SI)",
+           "ein Buchstabe hinter einer Zahl; * dazwischen schreiben, Einheiten haben hier keinen Platz (SI)"});
     return std::make_shared<const ExpressionNode>(ExpressionNode{Kind::kNumber, number, "", {}, mark});
   }
 
@@ -169,26 +183,32 @@ class Parser {
         if (!argument) return argument;
         args.push_back(*argument);
       } while (Take(","));
-      if (!Take(")")) return Fail(at_, Unexpected("\",\" or \")\""));
+      if (!Take(")")) return Fail(at_, Unexpected({"\",\" or \")\"", "\",\" oder \")\""}));
     }
     if (args.size() < function->min_args || args.size() > function->max_args)
-      return Fail(mark, fmt::format("{} takes {} argument{}, found {}", name,
-                                    function->max_args > 2 ? fmt::format("{} or more", function->min_args)
-                                                           : fmt::format("{}", function->min_args),
-                                    function->min_args == 1 ? "" : "s", args.size()));
+      return Fail(
+          mark, Tell("{0} takes {1} argument{2}, found {3}", "{0} nimmt {1} Argument{4}, gefunden {3}", name,
+                     function->max_args > 2 ? Tell("{} or more", "{} oder mehr", function->min_args)
+                                            : Tell("{}", "{}", function->min_args),
+                     function->min_args == 1 ? "" : "s", args.size(), function->min_args == 1 ? "" : "e"));
     return Node(Kind::kCall, mark, std::move(name), std::move(args));
   }
 
-  static std::string UnknownFunction(const std::string& name) {
-    if (name == "log") return "unknown function \"log\"; write ln (natural) or log10";
-    if (name == "if") return "unknown function \"if\"; write condition ? a : b";
+  static Told UnknownFunction(const std::string& name) {
+    if (name == "log")
+      return {"unknown function \"log\"; write ln (natural) or log10",
+              "unbekannte Funktion \"log\"; ln (natürlich) oder log10 schreiben"};
+    if (name == "if")
+      return {"unknown function \"if\"; write condition ? a : b",
+              "unbekannte Funktion \"if\"; Bedingung ? a : b schreiben"};
     std::vector<std::string> names;
     for (const ExpressionFunction& f : ExpressionFunctions()) names.emplace_back(f.name);
     const std::string near = Nearest(name, names);
     std::string all;
     for (const std::string& n : names) all += (all.empty() ? "" : " ") + n;
-    return fmt::format("unknown function \"{}\"; {}functions: {}", name,
-                       near.empty() ? "" : fmt::format("did you mean \"{}\"? ", near), all);
+    return Tell("unknown function \"{}\"; {}functions: {}", "unbekannte Funktion \"{}\"; {}Funktionen: {}",
+                name, near.empty() ? Told() : Tell("did you mean \"{}\"? ", "war \"{}\" gemeint? ", near),
+                all);
   }
 
   const std::string& text_;

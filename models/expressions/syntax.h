@@ -7,6 +7,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/told.h"
+
 namespace hydroscope {
 
 /// One node of a parsed expression. Nodes are immutable and shared.
@@ -23,7 +25,7 @@ using Expression = std::shared_ptr<const ExpressionNode>;
 /// What is wrong with an expression, and where: `at` counts characters from 0.
 struct ExpressionError {
   std::size_t at = 0;
-  std::string text;
+  Told text;
 };
 template <typename T>
 using ExpressionResult = tl::expected<T, ExpressionError>;

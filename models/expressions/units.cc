@@ -100,8 +100,8 @@ class UnitParser {
   std::size_t at_ = 0;
 };
 
-std::string Shown(const ExpressionUnit& unit) {
-  return unit.dimension.pure() ? "a pure number" : SiUnitName(unit.dimension);
+Told Shown(const ExpressionUnit& unit) {
+  return unit.dimension.pure() ? Told("a pure number", "eine reine Zahl") : Told(SiUnitName(unit.dimension));
 }
 
 /// Both sides of + - < == ?: min max.
@@ -109,8 +109,9 @@ ExpressionResult<ExpressionUnit> Common(const ExpressionNode& at, const Expressi
                                         const ExpressionUnit& b) {
   if (a.exact && b.exact && !(a.dimension == b.dimension))
     return tl::unexpected(ExpressionError{
-        at.at, fmt::format("\"{}\" puts {} and {} together, expected the same unit on both sides", at.text,
-                           Shown(a), Shown(b))});
+        at.at, Tell("\"{}\" puts {} and {} together, expected the same unit on both sides",
+                    "\"{}\" verbindet {} und {}, erwartet: dieselbe Einheit auf beiden Seiten", at.text,
+                    Shown(a), Shown(b))});
   return a.exact ? a : b;
 }
 
@@ -210,7 +211,8 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
       if (node.text == "^") {
         if (args[1].exact && !args[1].dimension.pure())
           return tl::unexpected(ExpressionError{
-              node.at, fmt::format("the exponent has the unit {}, expected a pure number", Shown(args[1]))});
+              node.at, Tell("the exponent has the unit {}, expected a pure number",
+                            "der Exponent hat die Einheit {}, erwartet: eine reine Zahl", Shown(args[1]))});
         const bool constant = node.args[1]->kind == Kind::kNumber;
         if (constant) return ExpressionUnit{args[0].dimension.Power(node.args[1]->number), args[0].exact};
         return ExpressionUnit{args[0].dimension, args[0].exact && args[0].dimension.pure()};
@@ -229,14 +231,16 @@ ExpressionResult<ExpressionUnit> UnitOf(const ExpressionNode& node, const NameUn
   if (node.text == "min" || node.text == "max") return common(0);
   if (node.text == "delay") {
     if (args[1].exact && !(args[1].dimension == Dimension{{0, 0, 1, 0, 0}}))
-      return tl::unexpected(
-          ExpressionError{node.args[1]->at, fmt::format("a delay in {}, expected s", Shown(args[1]))});
+      return tl::unexpected(ExpressionError{
+          node.args[1]->at,
+          Tell("a delay in {}, expected s", "eine Verzögerung in {}, erwartet: s", Shown(args[1]))});
     return args[0];
   }
   if (args[0].exact && !args[0].dimension.pure())
     return tl::unexpected(ExpressionError{
-        node.at, fmt::format("{} of {}, expected a pure number: divide by a value of that unit first",
-                             node.text, Shown(args[0]))});
+        node.at, Tell("{} of {}, expected a pure number: divide by a value of that unit first",
+                      "{} von {}, erwartet: eine reine Zahl; erst durch einen Wert dieser Einheit teilen",
+                      node.text, Shown(args[0]))});
   return ExpressionUnit{};
 }
 

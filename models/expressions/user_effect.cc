@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "models/state_effects.h"
 
 namespace hydroscope {
@@ -95,8 +96,8 @@ Result<Effect> MakeUserEffect(const Machine& machine, const UserEffectSpec& spec
   const std::string& text = spec.terms[0].expression;
   const auto checked = CheckExpression(text, names);
   if (!checked)
-    return BadInput("machine '{}': effect '{}': {}\n{}", machine.name, spec.id, checked.error().text,
-                    CaretLine(text, checked.error().at));
+    return BadInput(Tell("machine '{}': effect '{}': {}\n{}", "Maschine '{}': Effekt '{}': {}\n{}",
+                         machine.name, spec.id, checked.error().text, CaretLine(text, checked.error().at)));
   Effect e = DescribeUserEffect(machine, spec, context.output_unit);
   Expression tree = WithValues(checked->tree, names.constants);
   if (context.sign < 0) tree = NegateNode(tree);

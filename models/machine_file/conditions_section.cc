@@ -61,7 +61,7 @@ void ReadConditions(TableReader& file, Machine& machine) {
       section.Problem(entry.where,
                       fmt::format("\"{}\": expected a signal, its speed \"abs(ddt(<signal>))\" or its "
                                   "largest value \"max(<signal>)\". {}",
-                                  text, DidYouMean(condition.signal, signals)));
+                                  text, DidYouMean(condition.signal, signals).english));
       continue;
     }
     condition.unit = SiOf(machine.signals[static_cast<std::size_t>(signal)].unit);

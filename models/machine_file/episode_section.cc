@@ -21,7 +21,7 @@ void ReadEpisodeSection(TableReader& file, Machine& machine) {
   if (section.Has("marker") && machine.SignalIndex(machine.episode_marker) < 0)
     section.Wrong("marker",
                   fmt::format("a signal of [signals] whose change begins a new episode; {}signals: {}",
-                              DidYouMean(machine.episode_marker, names), Listed(names)));
+                              DidYouMean(machine.episode_marker, names).english, Listed(names)));
   if (!section.Has("shaft")) return;
   const int shaft = machine.SignalIndex(machine.states.shaft);
   if (!KindOf(machine).has_states)
@@ -29,7 +29,7 @@ void ReadEpisodeSection(TableReader& file, Machine& machine) {
   else if (shaft < 0 || SiOf(machine.signals[static_cast<std::size_t>(shaft)].unit) != "rad/s")
     section.Wrong("shaft",
                   fmt::format("a signal of [signals] in rpm or rad/s, the speed of a shaft; {}signals: {}",
-                              DidYouMean(machine.states.shaft, names), Listed(names)));
+                              DidYouMean(machine.states.shaft, names).english, Listed(names)));
 }
 
 }  // namespace hydroscope

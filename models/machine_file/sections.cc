@@ -236,7 +236,7 @@ std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, co
           entry.where,
           fmt::format(
               "\"{}\" is no signal; {}signals: {}; rates: \"ddt(<signal>)\", magnitudes: \"abs(...)\"",
-              bound.signal, DidYouMean(bound.signal, names), Listed(names)));
+              bound.signal, DidYouMean(bound.signal, names).english, Listed(names)));
       continue;
     }
     const toml::table* limits = conditions.Table(entry.key);

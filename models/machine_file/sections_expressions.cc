@@ -140,7 +140,7 @@ bool IsName(const std::string& text) {
 void ExpressionProblem(TableReader& reader, const toml::node& node, const std::string& key,
                        const ExpressionError& error) {
   const std::string& text = node.as_string()->get();
-  reader.Problem(node.source(), fmt::format("{}: {}\n{}", key, error.text, CaretLine(text, error.at)),
+  reader.Problem(node.source(), Tell("{}: {}\n{}", "{}: {}\n{}", key, error.text, CaretLine(text, error.at)),
                  ColumnOf(node, text, error.at));
 }
 

@@ -54,7 +54,7 @@ void CheckModelSignals(TableReader& file, const Machine& machine, const MachineK
     if (input.required)
       section.Problem(fmt::format(
           "{} is missing: model \"{}\" needs the {}; {}write e.g. {} = {{ column = \"...\", unit = \"{}\" }}",
-          input.name, model.id, input.meaning, DidYouMean(input.name, OwnSignalNames(machine, model)),
+          input.name, model.id, input.meaning, DidYouMean(input.name, OwnSignalNames(machine, model)).english,
           input.name, input.si));
   }
 }
@@ -80,7 +80,7 @@ void CheckValveSignals(TableReader& file, const Machine& machine) {
   for (const std::string& name : {machine.valve.input, machine.valve.output}) {
     if (machine.SignalIndex(name) >= 0) continue;
     file.Problem(fmt::format("[valve] signal {} is not in [signals]; {}signals: {}", name,
-                             DidYouMean(name, SignalNames(machine)), Listed(SignalNames(machine))));
+                             DidYouMean(name, SignalNames(machine)).english, Listed(SignalNames(machine))));
   }
 }
 

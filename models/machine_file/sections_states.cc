@@ -45,10 +45,12 @@ void CheckText(TableReader& reader, const std::string& key, const std::string& t
     return;
   }
   if (ContainsDdt(*checked->tree))
-    ExpressionProblem(reader, *node, key,
-                      {text.find("ddt"),
-                       "ddt(...) has no place here: make what changes a state of its "
-                       "own, or give its rate as a signal"});
+    ExpressionProblem(
+        reader, *node, key,
+        {text.find("ddt"),
+         {"ddt(...) has no place here: make what changes a state of its own, or give its rate as a signal",
+          "ddt(...) hat hier keinen Platz: was sich ändert, zu einem eigenen Zustand machen, oder seine "
+          "Änderungsrate als Signal geben"}});
   const auto expected = ParseSiUnit(unit);
   if (expected && checked->unit.exact && !(checked->unit.dimension == *expected))
     reader.Wrong(key, fmt::format("an expression in {}, this one is in {}", SiUnitName(*expected),

@@ -47,22 +47,30 @@ std::vector<std::string> UnitsOf(std::string_view si) {
 
 }  // namespace
 
-void FileProblems::Add(const toml::source_region& where, const std::string& text, std::size_t column) {
-  const std::size_t end = text.find_last_not_of(' ') + 1;
-  problems_.push_back({where.begin.line, column, text.substr(0, end)});
+void FileProblems::Add(const toml::source_region& where, const Told& text, std::size_t column) {
+  const auto trimmed = [](const std::string& said) { return said.substr(0, said.find_last_not_of(' ') + 1); };
+  problems_.push_back({where.begin.line, column, {trimmed(text.english), trimmed(text.german)}});
 }
 
 Error FileProblems::ToError() const {
   auto problems = problems_;
   std::stable_sort(problems.begin(), problems.end(),
                    [](const auto& a, const auto& b) { return a.line < b.line; });
-  std::string text;
-  for (std::size_t i = 0; i < std::min(problems.size(), kReported); ++i)
-    text +=
-        fmt::format("{}{}:{}{}: {}", i == 0 ? "" : "\n", origin_, problems[i].line,
-                    problems[i].column > 0 ? fmt::format(":{}", problems[i].column) : "", problems[i].text);
-  if (problems.size() > kReported) text += fmt::format("\n... and {} more", problems.size() - kReported);
-  return Error{ErrorKind::kBadInput, text};
+  Told all;
+  bool german = true;
+  for (std::size_t i = 0; i < std::min(problems.size(), kReported); ++i) {
+    const Problem& problem = problems[i];
+    const std::string place = fmt::format("{}{}:{}{}: ", i == 0 ? "" : "\n", origin_, problem.line,
+                                          problem.column > 0 ? fmt::format(":{}", problem.column) : "");
+    all.english += place + problem.text.english;
+    all.german += place + problem.text.german;
+    german = german && !problem.text.german.empty();
+  }
+  if (problems.size() > kReported) {
+    const Told more = Tell("\n... and {} more", "\n... und {} weitere", problems.size() - kReported);
+    all = {all.english + more.english, all.german + more.german};
+  }
+  return Error{ErrorKind::kBadInput, all.english, german ? all.german : ""};
 }
 
 std::optional<FileUnit> FindFileUnit(std::string_view name) {
@@ -70,9 +78,9 @@ std::optional<FileUnit> FindFileUnit(std::string_view name) {
   return std::nullopt;
 }
 
-std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates) {
+Told DidYouMean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string nearest = Nearest(name, candidates);
-  return nearest.empty() ? "" : fmt::format("did you mean \"{}\"? ", nearest);
+  return nearest.empty() ? Told() : Tell("did you mean \"{}\"? ", "war \"{}\" gemeint? ", nearest);
 }
 
 std::string Listed(const std::vector<std::string>& names) {
@@ -96,7 +104,7 @@ void TableReader::AllowOnly(const std::vector<std::string>& known) {
   for (const Entry& entry : Entries()) {
     if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
     Problem(entry.where, fmt::format("unknown {} \"{}\"; {}known here: {}", path_.empty() ? "section" : "key",
-                                     entry.key, DidYouMean(entry.key, known), Listed(known)));
+                                     entry.key, DidYouMean(entry.key, known).english, Listed(known)));
   }
 }
 
@@ -138,7 +146,7 @@ std::optional<std::size_t> TableReader::Choice(std::string_view key,
   if (const auto* text = table_.get_as<std::string>(key)) {
     const auto found = std::find(choices.begin(), choices.end(), text->get());
     if (found != choices.end()) return found - choices.begin();
-    suggestion = DidYouMean(text->get(), choices);
+    suggestion = DidYouMean(text->get(), choices).english;
   }
   std::string quoted;
   for (const std::string& choice : choices)
@@ -216,7 +224,7 @@ void TableReader::UnitName(std::string_view key, std::string& value, std::string
     return;
   }
   const std::vector<std::string> candidates = UnitsOf(si);
-  const std::string suggestion = text == nullptr || unit ? "" : DidYouMean(text->get(), candidates);
+  const std::string suggestion = text == nullptr || unit ? "" : DidYouMean(text->get(), candidates).english;
   Wrong(key, fmt::format("{}; {}units: {}",
                          unit ? fmt::format("a unit of the same quantity as {}", si) : "a known unit",
                          suggestion, Listed(candidates)));
@@ -236,8 +244,11 @@ void TableReader::Wrong(std::string_view key, const std::string& expected) {
 
 void TableReader::Problem(const std::string& text) { Problem(table_.source(), text); }
 
-void TableReader::Problem(const toml::source_region& where, const std::string& text, std::size_t column) {
-  problems_.Add(where, path_.empty() ? text : fmt::format("[{}] {}", path_, text), column);
+void TableReader::Problem(const toml::source_region& where, const Told& text, std::size_t column) {
+  const auto placed = [&](const std::string& said) {
+    return path_.empty() || said.empty() ? said : fmt::format("[{}] {}", path_, said);
+  };
+  problems_.Add(where, {placed(text.english), placed(text.german)}, column);
 }
 
 toml::source_region TableReader::Where(std::string_view key) const {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/result.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 
@@ -19,9 +19,9 @@ class FileProblems {
   explicit FileProblems(std::string origin) : origin_(std::move(origin)) {}
 
   /// Notes "origin:line: text", with a column (from 1) "origin:line:column: text".
-  void Add(const toml::source_region& where, const std::string& text, std::size_t column = 0);
+  void Add(const toml::source_region& where, const Told& text, std::size_t column = 0);
   bool any() const { return !problems_.empty(); }
-  /// The first ten, in the order of the file.
+  /// The first ten, in the order of the file; in German where all of them are told so.
   Error ToError() const;
 
  private:
@@ -30,7 +30,7 @@ class FileProblems {
   struct Problem {
     toml::source_index line;
     std::size_t column;
-    std::string text;
+    Told text;
   };
   std::vector<Problem> problems_;
 };
@@ -96,7 +96,7 @@ class TableReader {
   void Wrong(std::string_view key, const std::string& expected);
   /// Notes a problem of the table as a whole.
   void Problem(const std::string& text);
-  void Problem(const toml::source_region& where, const std::string& text, std::size_t column = 0);
+  void Problem(const toml::source_region& where, const Told& text, std::size_t column = 0);
 
   const std::string& path() const { return path_; }
   FileProblems& problems() { return problems_; }
@@ -111,7 +111,7 @@ class TableReader {
 };
 
 /// "did you mean "x"? " with the nearest candidate, or "".
-std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates);
+Told DidYouMean(std::string_view name, const std::vector<std::string>& candidates);
 /// "a, b, c".
 std::string Listed(const std::vector<std::string>& names);
 

@@ -2,7 +2,7 @@
 
 #include "page/access/secrets.h"
 #include "page/api_route.h"
-#include "page/http/request_guard.h"
+#include "page/http/json_reply.h"
 
 namespace hydroscope {
 
@@ -23,12 +23,14 @@ std::optional<HttpReply> Gate::Refuse(HttpRequest& request) {
   if (needed == UserRole::kNobody) return std::nullopt;
   const bool reads = request.method != "POST";
   if (reads && needed == UserRole::kView && reads_freely_) return std::nullopt;
-  if (has == UserRole::kNobody) return ErrorReply(401, "log in first");
+  if (has == UserRole::kNobody) return ErrorReply(401, Told("log in first", "bitte erst anmelden"));
   if (has < needed)
-    return ErrorReply(403, fmt::format("this needs the role {}; {} has the role {}", RoleName(needed),
-                                       request.who.name, RoleName(has)));
+    return ErrorReply(403, Tell("this needs the role {}; {} has the role {}",
+                                "dazu gehört die Rolle {}; {} hat die Rolle {}", RoleName(needed),
+                                request.who.name, RoleName(has)));
   if (!reads && !SameSecret(request.token, request.who.token))
-    return ErrorReply(403, "the token is missing or old: load the page again (X-Hydroscope-Token)");
+    return ErrorReply(403, Told("the token is missing or old: load the page again (X-Hydroscope-Token)",
+                                "das Token fehlt oder ist alt: die Seite neu laden (X-Hydroscope-Token)"));
   return std::nullopt;
 }
 

@@ -48,11 +48,13 @@ HttpReply LoginApi::Login(const HttpRequest& request) {
   if (!begun) return FailureReply(begun.error());
   if (begun->wait > 0) {
     HttpReply reply = ErrorReply(
-        429, fmt::format("too many attempts; try again in {:.0f} min", std::ceil(begun->wait / 60)));
+        429, Tell("too many attempts; try again in {:.0f} min",
+                  "zu viele Versuche; in {:.0f} min wieder versuchen", std::ceil(begun->wait / 60)));
     reply.headers = {{"Retry-After", fmt::format("{:.0f}", std::ceil(begun->wait))}};
     return reply;
   }
-  if (begun->cookie.empty()) return ErrorReply(401, "name or password is wrong");
+  if (begun->cookie.empty())
+    return ErrorReply(401, Told("name or password is wrong", "Name oder Passwort ist falsch"));
   HttpReply reply = JsonReply({{"user", UserJson(begun->who)}});
   reply.headers = {Cookie(begun->cookie, Logins::kLife)};
   return reply;

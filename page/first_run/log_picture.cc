@@ -9,6 +9,7 @@
 #include "core/units.h"
 #include "estimation/stroke_segmenter.h"
 #include "page/first_run/gate_course.h"
+#include "page/http/json_reply.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/raw_log.h"
@@ -70,7 +71,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   auto pipeline = Pipeline::Create(machine, (*reader)->SamplePeriod(), [&](StrokeRecord&& stroke) {
     strokes.push_back({{"begin", stroke.summary.begin}, {"end", stroke.summary.end}});
   });
-  if (!pipeline) no_strokes = pipeline.error().text;
+  if (!pipeline) no_strokes = ErrorJson(ToldOf(pipeline.error()));
   std::vector<Envelope> signals(machine.signals.size(), Envelope(kPicturePoints));
   std::vector<GateCourse> gate = GateCoursesOf(machine, (*reader)->SamplePeriod());
   double first = kNaN, last = kNaN;

@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "page/first_run/log_picture.h"
+#include "page/http/json_reply.h"
 #include "page/work/machine_info.h"
 #include "setup/column_meaning.h"
 #include "setup/kind_columns.h"
@@ -140,9 +141,12 @@ nlohmann::json BalanceJson(const Machine& machine) {
 }
 
 /// What is wrong with a machine file, without the place in a text that nobody looks at.
-std::string WithoutPlace(const std::string& problem) {
-  const std::size_t section = problem.find('[');
-  return section == problem.npos ? problem : problem.substr(section);
+Told WithoutPlace(const Error& error) {
+  const auto from_section = [](const std::string& problem) {
+    const std::size_t section = problem.find('[');
+    return section == problem.npos ? problem : problem.substr(section);
+  };
+  return {from_section(error.text), from_section(error.german)};
 }
 
 nlohmann::json GeometryJson(const Machine& machine) {
@@ -229,9 +233,10 @@ nlohmann::json ProposalJson(const LogColumns& log, const MachineProposal& propos
   const auto usable = ParseMachine(proposal.text, machine.name);
   nlohmann::json problem;
   if (!usable)
-    problem = WithoutPlace(usable.error().text);
+    problem = ErrorJson(WithoutPlace(usable.error()));
   else if (KindOf(machine).build != nullptr)
-    if (const auto built = KindOf(machine).build(*usable); !built) problem = WithoutPlace(built.error().text);
+    if (const auto built = KindOf(machine).build(*usable); !built)
+      problem = ErrorJson(WithoutPlace(built.error()));
   return {{"machine", machine.name},
           {"model", machine.model},
           {"title", KindOf(machine).title.english},

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "page/http/json_reply.h"
 #include "page/http/request_guard.h"
 
 namespace hydroscope {

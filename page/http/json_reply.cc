@@ -11,8 +11,16 @@ HttpReply JsonReply(nlohmann::json json, unsigned status) {
   return {status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
 }
 
+nlohmann::json ErrorJson(const Told& error) {
+  nlohmann::json german;
+  if (!error.german.empty()) german = {{"error", error.german}};
+  return {{"error", error.english}, {"german", std::move(german)}};
+}
+
+HttpReply ErrorReply(unsigned status, const Told& error) { return JsonReply(ErrorJson(error), status); }
+
 HttpReply FailureReply(const Error& error) {
-  return ErrorReply(error.kind == ErrorKind::kInternal ? 500 : 400, error.text);
+  return ErrorReply(error.kind == ErrorKind::kInternal ? 500 : 400, ToldOf(error));
 }
 
 }  // namespace hydroscope

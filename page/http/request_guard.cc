@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "host/output.h"
+#include "page/http/json_reply.h"
 
 namespace hydroscope {
 namespace {
@@ -51,19 +50,15 @@ std::optional<HttpReply> RequestGuard::Refuse(const HttpRequest& request) const 
   if (!request.origin.empty() && request.origin != (tls ? "https://" : "http://") + request.host)
     return ErrorReply(403, "the Origin header names another site");
   if (request.length > BodyLimit(request.path))
-    return ErrorReply(413, fmt::format("{} bytes are more than the {} that are taken here", request.length,
-                                       BodyLimit(request.path)));
+    return ErrorReply(413, Tell("{} bytes are more than the {} that are taken here",
+                                "{} Bytes sind mehr als die {}, die hier angenommen werden", request.length,
+                                BodyLimit(request.path)));
   return std::nullopt;
 }
 
 std::int64_t BodyLimit(const std::string& path) {
   if (path == "/api/v1/logs") return kMostUpload;
   return path == "/api/v1/machine" ? kMostMachine : kMostBody;
-}
-
-HttpReply ErrorReply(unsigned status, const std::string& text) {
-  const nlohmann::json json = {{"schema", kJsonSchema}, {"error", text}};
-  return {status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
 }
 
 }  // namespace hydroscope

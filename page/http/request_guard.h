@@ -27,7 +27,4 @@ struct RequestGuard {
 inline constexpr std::int64_t kMostBody = 256 * 1024, kMostMachine = 1024 * 1024, kMostUpload = 2LL << 30;
 std::int64_t BodyLimit(const std::string& path);
 
-/// {"schema", "error"}: every refusal and failure of the API has this form.
-HttpReply ErrorReply(unsigned status, const std::string& text);
-
 }  // namespace hydroscope

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "page/http/json_arguments.h"
 
 namespace hydroscope {
@@ -40,7 +41,8 @@ Result<AlarmRequest> ParseAlarmRequest(const std::string& body) {
     return BadInput("seconds: expected a time above 0, of at most a month");
   if ((shelves || request.action == Action::kComment) &&
       request.comment.find_first_not_of(" \t\n") == std::string::npos)
-    return BadInput("comment: expected {}", shelves ? "the reason" : "a text");
+    return BadInput(Tell("comment: expected {}", "Bemerkung: erwartet: {}",
+                         shelves ? Told("the reason", "der Grund") : Told("a text", "ein Text")));
   return request;
 }
 

@@ -1,5 +1,6 @@
 #include "page/watch/learn_request.h"
 
+#include "core/told_error.h"
 #include "page/http/json_arguments.h"
 
 namespace hydroscope {
@@ -16,7 +17,9 @@ Result<LearnRequest> ParseLearnRequest(const std::string& body) {
   for (const auto* text : {&user, &comment})
     if (!*text) return tl::unexpected(text->error());
   if (*insist && comment->find_first_not_of(" \t\n") == std::string::npos)
-    return BadInput("comment: expected why these strokes are learned in spite of what speaks against them");
+    return BadInput(
+        Told("comment: expected why these strokes are learned in spite of what speaks against them",
+             "Bemerkung: erwartet: warum diese Hübe gelernt werden, obwohl etwas dagegen spricht"));
   return LearnRequest{*strokes, *only_look, *insist, *user, *comment};
 }
 

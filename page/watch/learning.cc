@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "host/real_clock.h"
 #include "monitor/learning.h"
 #include "monitor/rules_for.h"
@@ -17,7 +18,8 @@ Result<HistoryPart> StoredPart(Database& database, const std::string& path, cons
   part.first = std::max(part.first, strokes.first);
   part.last = std::min(part.last, strokes.last + 1);
   if (part.strokes() <= 0)
-    return BadInput("{} has no strokes {} to {}", strokes.machine, strokes.first, strokes.last);
+    return BadInput(Tell("{} has no strokes {} to {}", "{} hat keine Hübe {} bis {}", strokes.machine,
+                         strokes.first, strokes.last));
   return part;
 }
 

@@ -246,6 +246,17 @@ Result<nlohmann::json> WatchedMachine::ParametersJson(const std::vector<TrendPoi
   return list;
 }
 
+void WatchedMachine::AddTitles(nlohmann::json& effects) const {
+  if (model_ == nullptr) return;
+  for (const auto& effect : model_->effects) {
+    const bool there = std::any_of(effects.begin(), effects.end(),
+                                   [&](const nlohmann::json& known) { return known["id"] == effect->id; });
+    if (there || effect->title.empty()) continue;
+    effects.push_back({{"id", effect->id}, {"title", effect->title}, {"german", nullptr}});
+    if (!effect->german.title.empty()) effects.back()["german"] = {{"title", effect->german.title}};
+  }
+}
+
 /// As its own monitor answers; nothing known where there is none.
 hydroscope::Health WatchedMachine::Health() const {
   hydroscope::Health health;

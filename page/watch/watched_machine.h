@@ -61,6 +61,8 @@ class WatchedMachine {
   const Machine& described() const { return described_; }
   /// docs/page.md, `watch/overview`.
   const nlohmann::json& json() const { return json_; }
+  /// What the effects of its library are called, in addition to those that stand there: `id`, `title`, `german`.
+  void AddTitles(nlohmann::json& effects) const;
   const std::map<std::string, WatchedParameter>& parameters() const { return parameters_; }
   /// Model changes and valve checks, in order.
   const std::vector<TrendMark>& marks() const { return marks_; }

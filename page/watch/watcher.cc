@@ -15,6 +15,7 @@
 #include "models/counted_words.h"
 #include "monitor/alarm_json.h"
 #include "page/http/json_number.h"
+#include "page/http/json_reply.h"
 #include "storage/file_identity.h"
 
 namespace hydroscope {
@@ -138,7 +139,7 @@ void Watcher::Run() {
     }
     if (!looked && looked.error().text != problem) {
       auto failed = std::make_shared<WatchedState>(Seen());  // what was seen last stays, with the reason
-      failed->overview["problem"] = looked.error().text;
+      failed->overview["problem"] = ErrorJson(ToldOf(looked.error()));
       Publish(std::move(failed));
     }
     problem = looked ? "" : looked.error().text;
@@ -275,7 +276,7 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     if (!alarms) return tl::unexpected(alarms.error());
     state->alarms = std::move(*alarms);
   }
-  nlohmann::json list = nlohmann::json::array();
+  nlohmann::json list = nlohmann::json::array(), effects = nlohmann::json::array();
   std::vector<AxisPicture> axes;
   const auto names = opened.database.MachineNames();
   if (!names) return tl::unexpected(names.error());
@@ -309,6 +310,7 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     shown.marks.insert(shown.marks.end(), machine.marks().begin(), machine.marks().end());
     std::stable_sort(shown.marks.begin(), shown.marks.end(),
                      [](const TrendMark& a, const TrendMark& b) { return a.stroke < b.stroke; });
+    machine.AddTitles(effects);
     list.push_back(machine.json());
     list.back()["alarms"] = standing[name];
     axes.push_back(machine.picture());
@@ -326,6 +328,7 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
                      {"service", service.is_object()},
                      {"journal", opened.journal.has_value()},
                      {"user", options_.user},
+                     {"effects", std::move(effects)},
                      {"machines", std::move(list)},
                      {"presses", std::move(presses)},
                      {"problem", nullptr}};

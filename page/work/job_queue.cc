@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/progress_listener.h"
+#include "page/http/json_reply.h"
 
 namespace hydroscope {
 namespace {
@@ -13,10 +14,10 @@ namespace {
 constexpr std::size_t kEndedKept = 20;
 
 nlohmann::json JobJson(std::int64_t id, const std::string& kind, const std::string& state,
-                       const std::string& what, double share, const std::string& error) {
+                       const std::string& what, double share, const Told& error) {
   nlohmann::json json = {{"job", id}, {"kind", kind}, {"state", state}};
   if (state == "running") json.update({{"what", what}, {"share", share}});
-  if (state == "failed") json["error"] = error;
+  if (state == "failed") json.update(ErrorJson(error));
   return json;
 }
 
@@ -66,9 +67,11 @@ Result<std::int64_t> JobQueue::Add(const std::string& kind, const std::string& k
       job.work = std::move(work);
       return job.id;
     }
-    if (waiting >= kMostWaiting) return BadInput("{} jobs wait already; wait for them", waiting);
+    if (waiting >= kMostWaiting)
+      return BadInput(hydroscope::Tell("{} jobs wait already; wait for them",
+                                       "{} Arbeiten warten schon; bitte warten", waiting));
     id = ++last_id_;
-    jobs_.push_back({id, kind, key, "waiting", "", "", 0, std::move(work)});
+    jobs_.push_back({id, kind, key, "waiting", "", {}, 0, std::move(work)});
     Tell(jobs_.back());
   }
   changed_.notify_all();
@@ -100,7 +103,7 @@ void JobQueue::Run(int niceness) {
     const Status done = work();
     lock.lock();
     job.state = done ? "done" : "failed";
-    if (!done) job.error = done.error().text;
+    if (!done) job.error = ToldOf(done.error());
     Tell(job);
     while (jobs_.size() > kEndedKept && jobs_.front().state != "waiting") jobs_.pop_front();
   }

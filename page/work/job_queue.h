@@ -37,7 +37,8 @@ class JobQueue {
  private:
   struct Job {
     std::int64_t id = 0;
-    std::string kind, key, state = "waiting", what, error;
+    std::string kind, key, state = "waiting", what;
+    Told error;
     double share = 0;
     std::function<Status()> work;
   };

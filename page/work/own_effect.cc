@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "page/api_arguments.h"
 #include "page/http/json_arguments.h"
@@ -26,6 +27,9 @@ std::string WithoutEffectsPlace(const std::string& message) {
   const std::size_t at = message.find("[effect"), after = message.find(key, at);
   return at == message.npos || after == message.npos ? message : message.substr(after + key.size());
 }
+Error WithoutEffectsPlace(const Error& error) {
+  return {error.kind, WithoutEffectsPlace(error.text), WithoutEffectsPlace(error.german)};
+}
 
 }  // namespace
 
@@ -44,10 +48,13 @@ Result<OwnEffect> ParseOwnEffect(const std::string& body) {
     *flag = json[key].get<bool>();
   }
   if (!IsName(effect.id))
-    return BadInput("id: found '{}', expected small letters, digits and _, a letter first", effect.id);
+    return BadInput(Tell(
+        "id: found '{}', expected small letters, digits and _, a letter first",
+        "Name: gefunden '{}', erwartet: kleine Buchstaben, Ziffern und _, zuerst ein Buchstabe", effect.id));
   if (!IsPlain(effect.expression) || effect.expression.find_first_not_of(' ') == std::string::npos)
-    return BadInput("expression: expected up to {} characters without quotes, such as p*sign(ddt(x))",
-                    kLongestExpression);
+    return BadInput(Tell("expression: expected up to {} characters without quotes, such as p*sign(ddt(x))",
+                         "Ausdruck: erwartet: bis zu {} Zeichen ohne Anführungszeichen, etwa p*sign(ddt(x))",
+                         kLongestExpression));
   if (!IsPlain(effect.unit)) return BadInput("unit: expected an SI unit, such as m3/(s Pa)");
   return effect;
 }
@@ -60,11 +67,13 @@ Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffe
   if (!effect.unit.empty()) text += fmt::format("unit = \"{}\"\n", effect.unit);
   if (effect.not_negative) text += "min = 0\n";
   const auto machine = ParseMachine(text, "machine file");
-  if (!machine) return BadInput("{}", WithoutEffectsPlace(machine.error().text));
+  if (!machine) return tl::unexpected(WithoutEffectsPlace(machine.error()));
   const MachineKind& kind = KindOf(*machine);
-  if (kind.build == nullptr) return BadInput("this kind of machine takes effects in its machine file only");
+  if (kind.build == nullptr)
+    return BadInput(Told("this kind of machine takes effects in its machine file only",
+                         "diese Art Maschine nimmt Effekte nur in ihrer Maschinendatei"));
   if (const auto built = kind.build(*machine); !built)
-    return BadInput("{}", WithoutEffectsPlace(built.error().text));
+    return tl::unexpected(WithoutEffectsPlace(built.error()));
   return text;
 }
 

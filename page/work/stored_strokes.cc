@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "models/machine.h"
 #include "storage/database.h"
 
@@ -69,10 +70,12 @@ Result<KeptStrokes> FindKeptStrokes(const std::string& path, const StrokeStretch
     kept.pieces.push_back(std::move(*piece));
   }
   if (kept.pieces.empty())
-    return BadInput(
+    return BadInput(Tell(
         "the raw signals of strokes {} to {} are not kept: a service keeps those of the last days (--raw-days, "
         "--raw-gb), a replay none",
-        asked.first, asked.last);
+        "die Rohsignale der Hübe {} bis {} sind nicht aufbewahrt: ein Dienst behält die der letzten Tage "
+        "(--raw-days, --raw-gb), eine Wiedergabe keine",
+        asked.first, asked.last));
   const auto promoted = database->PromotedModel(*id);
   if (!promoted) return tl::unexpected(promoted.error());
   const auto model = *promoted ? Result<ModelVersion>(**promoted)

@@ -21,6 +21,9 @@ namespace {
 
 using Kind = WorkRequest::Kind;
 
+const Told kNoLog = {"there is no log yet", "es gibt noch kein Log"};
+const Told kNoMachineFile = {"there is no machine file yet", "es gibt noch keine Maschinendatei"};
+
 /// "" where it cannot be read.
 std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or(""); }
 
@@ -65,6 +68,10 @@ void WorkSession::ForgetResults() {
 
 void WorkSession::Changed() { feed_.Publish(R"({"state":"changed"})"); }
 
+Error WorkSession::WithoutFolder(const Error& error) const {
+  return {error.kind, WithoutFolder(error.text), WithoutFolder(error.german)};
+}
+
 std::string WorkSession::WithoutFolder(std::string text) const {
   for (const char* name : {"/uploads/", "/machine/"}) {
     const std::string folder = folder_->path() + name;
@@ -108,7 +115,7 @@ Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
   if (failure) return InternalError("the upload cannot be kept: {}", failure.message());
   if (const auto head = ReadLogHead(path); !head) {
     std::filesystem::remove(path, failure);
-    return BadInput("{}", WithoutFolder(head.error().text));
+    return tl::unexpected(WithoutFolder(head.error()));
   }
   const std::lock_guard lock(mutex_);
   logs_.push_back({plain, path});
@@ -144,7 +151,8 @@ Status WorkSession::HoldOut(const std::string& name) {
     if (log.name == name) path = log.path;
   if (path.empty() && !name.empty()) return BadInput("log: there is no log '{}'", name);
   if (!path.empty() && logs_.size() < 2)
-    return BadInput("{}: a model needs another log that it is fitted to", name);
+    return BadInput(Tell("{}: a model needs another log that it is fitted to",
+                         "{}: ein Modell braucht ein anderes Log, an das es angepasst wird", name));
   hold_out_ = path;
   ForgetResults();
   Changed();
@@ -172,7 +180,9 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
   if (comment.find_first_not_of(" \t\n") == std::string::npos) return BadInput("comment: expected a text");
   const std::lock_guard lock(mutex_);
   if (strokes_of_.machine.empty())
-    return BadInput("these strokes are of no database: take those of an alarm or of a trend");
+    return BadInput(
+        Told("these strokes are of no database: take those of an alarm or of a trend",
+             "diese Hübe sind aus keiner Datenbank: die eines Alarms oder eines Verlaufs nehmen"));
   const Promotion promotion{strokes_of_.machine, 0, TextIn(machine_file_), 0, user, comment, WallSeconds()};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
     if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
@@ -202,13 +212,13 @@ Result<nlohmann::json> WorkSession::Propose(const ColumnMapping& mapping) {
   std::shared_ptr<const LogColumns> columns;
   {
     const std::lock_guard lock(mutex_);
-    if (logs_.empty()) return BadInput("there is no log yet");
+    if (logs_.empty()) return BadInput(kNoLog);
     log = logs_.front();
     columns = columns_;
   }
   if (columns == nullptr) {
     auto read = ReadLogColumns(log.path);
-    if (!read) return BadInput("{}", WithoutFolder(read.error().text));
+    if (!read) return tl::unexpected(WithoutFolder(read.error()));
     read->path = log.name;  // names the machine
     columns = std::make_shared<const LogColumns>(std::move(*read));
   }
@@ -242,8 +252,8 @@ Result<WorkSession::Subject> WorkSession::TakeSubject() const {
     subject.input.machine_file = machine_file_;
     subject.generation = generation_;
   }
-  if (subject.input.logs.empty()) return BadInput("there is no log yet");
-  if (subject.input.machine_file.empty()) return BadInput("there is no machine file yet");
+  if (subject.input.logs.empty()) return BadInput(kNoLog);
+  if (subject.input.machine_file.empty()) return BadInput(kNoMachineFile);
   const auto machine = LoadMachine(subject.input.machine_file);
   if (!machine) return tl::unexpected(machine.error());
   subject.version = machine->model_version;
@@ -255,7 +265,7 @@ Result<std::int64_t> WorkSession::Start(const WorkRequest& request) {
       request.kind == Kind::kRestore ? std::to_string(request.version) : request.effect + request.log;
   return jobs_.Add(WorkName(request.kind), about, [this, request]() -> Status {
     const Status done = Work(request);
-    if (!done) return tl::unexpected(Error{done.error().kind, WithoutFolder(done.error().text)});
+    if (!done) return tl::unexpected(WithoutFolder(done.error()));
     return {};
   });
 }
@@ -316,7 +326,8 @@ Status WorkSession::ChangeVersion(const WorkRequest& request, const Subject& sub
   }
   {
     const std::lock_guard lock(mutex_);
-    if (subject.generation != generation_) return BadInput("other logs were chosen meanwhile");
+    if (subject.generation != generation_)
+      return BadInput(Told("other logs were chosen meanwhile", "inzwischen wurden andere Logs gewählt"));
     const Status done = request.kind == Kind::kRestore
                             ? RestoreKept(subject.input.machine_file, request.version)
                             : PutVersion(subject.input.machine_file, subject.version, next);
@@ -442,7 +453,7 @@ nlohmann::json WorkSession::Effects() const {
 
 Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
-  if (machine_file_.empty()) return BadInput("there is no machine file yet");
+  if (machine_file_.empty()) return BadInput(kNoMachineFile);
   const auto text = WithOwnEffect(TextIn(machine_file_), effect);
   if (!text) return tl::unexpected(text.error());
   if (!effect.keep) {
@@ -462,19 +473,26 @@ Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
 
 Result<std::string> WorkSession::Save(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (machine_file_.empty()) return BadInput("there is no machine file yet");
+  if (machine_file_.empty()) return BadInput(kNoMachineFile);
   std::string target = target_;
   const std::string text = TextIn(machine_file_);
   if (target.empty()) {
     target = PlainFileName(name);
     if (target.empty() || !target.ends_with(".toml"))
-      return BadInput("name: found '{}', expected the name of a machine file, such as press.toml", name);
+      return BadInput(Tell("name: found '{}', expected the name of a machine file, such as press.toml",
+                           "Name: gefunden '{}', erwartet: der Name einer Maschinendatei, etwa presse.toml",
+                           name));
     if (std::filesystem::exists(target))
-      return BadInput("{} is there already; choose another name", std::filesystem::absolute(target).string());
+      return BadInput(Tell("{} is there already; choose another name",
+                           "{} gibt es schon; bitte einen anderen Namen wählen",
+                           std::filesystem::absolute(target).string()));
     if (const Status written = WriteTextFile(target, text); !written) return tl::unexpected(written.error());
   } else if (text != saved_text_) {
     if (TextIn(target) != saved_text_)
-      return BadInput("{} was changed by somebody else meanwhile; download the machine file instead", target);
+      return BadInput(Tell(
+          "{} was changed by somebody else meanwhile; download the machine file instead",
+          "{} wurde inzwischen von jemand anderem geändert; stattdessen die Maschinendatei herunterladen",
+          target));
     const auto before = LoadMachine(target);
     if (!before) return tl::unexpected(before.error());
     if (const Status kept = PutVersion(target, before->model_version, machine_file_); !kept)

@@ -114,6 +114,7 @@ class WorkSession {
   nlohmann::json VersionsWithErrors() const;
   void ForgetResults();
   void Changed();
+  Error WithoutFolder(const Error& error) const;
   std::string WithoutFolder(std::string text) const;
 
   const std::vector<ExampleLog> examples_;

@@ -122,6 +122,14 @@ TEST_F(PageSession, TakesTheKindOfMachineThatAPersonChooses) {
   EXPECT_EQ(Post("/api/v1/accept", "{}").status, 400u);
 }
 
+TEST_F(PageSession, TellsFailuresInGermanToo) {
+  const nlohmann::json none = Json(Post("/api/v1/proposal", "{}"));
+  EXPECT_EQ(none["error"], "there is no log yet");
+  EXPECT_EQ(none["german"]["error"], "es gibt noch kein Log");
+  const nlohmann::json odd = Json(Post("/api/v1/work", R"({"kind": "dance"})"));
+  EXPECT_TRUE(odd["german"].is_null()) << "what only programs see is told in English alone";
+}
+
 TEST_F(PageSession, TakesABalanceThatAPersonWrites) {
   ASSERT_EQ(Work(R"({"id": "leak"})", "/api/v1/example")["state"], "done");
   const auto propose = [&](const char* expression) {
@@ -130,7 +138,9 @@ TEST_F(PageSession, TakesABalanceThatAPersonWrites) {
                                  "terms": [{{"name": "k", "expression": "{}"}}]}}}})",
                                              expression)));
   };
-  const std::string problem = propose("p_B + q")["problem"];
+  const nlohmann::json told = propose("p_B + q")["problem"];
+  const std::string problem = told["error"];
+  EXPECT_THAT(std::string(told["german"]["error"]), HasSubstr("unbekanntes Signal \"q\""));
   EXPECT_THAT(problem, HasSubstr("unknown signal \"q\""));
   EXPECT_EQ(problem.front(), '[') << "without the place in a file that nobody looks at: " << problem;
   const nlohmann::json fine = propose("p_B");

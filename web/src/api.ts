@@ -15,20 +15,20 @@ export function whenLoggedOut(then: () => void): void {
   refused = then;
 }
 
-/** A failure that the program told in words. */
+/** A failure that the program told in words, in German too as far as it does. */
 export class ApiError extends Error {
-  constructor(readonly status: number, message: string) { super(message); }
+  constructor(readonly status: number, message: string, readonly german?: string) { super(message); }
 }
 
 /** An answer, or in words of the page that there is no program to answer. */
 async function ask(path: string, request?: RequestInit): Promise<Response> {
-  return fetch(path, request).catch(() => { throw new ApiError(0, sayIn(pageLanguage())("lost")); });
+  return fetch(path, request).catch(() => { const lost = sayIn(pageLanguage())("lost"); throw new ApiError(0, lost, lost); });
 }
 
 async function answer<T>(response: Response): Promise<T> {
   const json = await response.json().catch(() => ({ error: response.statusText }));
   if (response.status === 401) refused();
-  if (!response.ok) throw new ApiError(response.status, json.error ?? response.statusText);
+  if (!response.ok) throw new ApiError(response.status, json.error ?? response.statusText, json.german?.error);
   return json as T;
 }
 

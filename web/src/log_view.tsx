@@ -1,5 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import { Plot, pageColor } from "./plot";
+import { Told } from "./told";
 import type { LogPicture } from "./types";
 import { nameOf, shownNumber, unitsKey } from "./units";
 import { useWords } from "./words";
@@ -20,7 +21,7 @@ export function LogView({ picture }: { picture: LogPicture }) {
   return (
     <section class="log-view">
       <h2>{say("gateTitle")}</h2>
-      <p role="status">{picture.no_strokes ? <span lang="en">{picture.no_strokes}</span> : say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}</p>
+      <p role="status">{picture.no_strokes ? <Told of={picture.no_strokes} what="error" /> : say("gateText", { count: picture.strokes.length, discarded: picture.discarded })}</p>
       <label>{say("signalShown")} <select value={signal.name} onChange={(e) => setChosen(e.currentTarget.value)}>
         {moving.map((s) => <option key={s.name} value={s.name}>{s.name}</option>)}
       </select></label>

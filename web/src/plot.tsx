@@ -31,6 +31,8 @@ export function pageColor(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
+const low = 200;  // height of a picture below which its ticks stand closer
+
 function axis(label: string, size: number): uPlot.Axis {
   const line = { stroke: pageColor("--grid"), width: 1 };
   return { label, size, labelSize: 20, stroke: pageColor("--text"), grid: line, ticks: line, font: "12px system-ui",
@@ -79,7 +81,7 @@ export function Plot({ label, x, lines, values, bands, xLabel, yLabel, height, s
       const plot = new uPlot({
         width: Math.max(200, place.clientWidth), height,
         scales: { x: { time: false }, ...(levels ? { y: { range: (_: uPlot, low: number | null, high: number | null) => withRoom(low, high, across.current) } } : {}) },
-        axes: [axis(xLabel, 34), axis(yLabel, 54)],
+        axes: [axis(xLabel, 34), { ...axis(yLabel, 54), space: height < low ? 18 : 30 }],
         series: [{ label: xLabel }, ...lines.map((line) => ({
           label: line.label, stroke: line.color, width: line.width ?? 1.6, dash: line.dashed ? [6, 4] : undefined, spanGaps: line.sparse,
           points: { show: false },

@@ -1,7 +1,9 @@
 // What the page knows: the session of work and the results for the version of the model in force.
 
 import { useEffect, useState } from "preact/hooks";
-import { bringToken, find, get, listen, post, whenLoggedOut } from "./api";
+import { ApiError, bringToken, find, get, listen, post, whenLoggedOut } from "./api";
+import { knowEffects } from "./effect_titles";
+import { failureOf, type Failure } from "./failure";
 import type { CheckResult, CompareResult, Effect, ExplainResult, Job, LogPicture, Session } from "./types";
 
 export interface Results { check?: CheckResult; compare?: CompareResult; explain?: ExplainResult; picture?: LogPicture }
@@ -17,7 +19,7 @@ interface State {
   effects: Effect[];
   results: Results;
   /** Why a result is not there, by kind. */
-  failed: Record<string, string>;
+  failed: Record<string, Failure>;
   jobs: Record<number, Job>;
   connected: boolean;
 }
@@ -49,7 +51,7 @@ export async function work(kind: string, more: object = {}, path = "work"): Prom
     if (known && (known.state === "done" || known.state === "failed")) resolve(known);
     else waiting.set(job, resolve);
   });
-  if (ended.state === "failed") throw new Error(ended.error);
+  if (ended.state === "failed") throw new ApiError(0, ended.error ?? "", ended.german?.error);
 }
 
 async function fetchResult(kind: Kind, version: number) {
@@ -64,8 +66,8 @@ async function workOut(kind: Kind, version: number) {
     if (!(await find("results", { kind, version }))) await work(kind);
     await fetchResult(kind, version);
     if (kind === "compare") set({ session: await get<Session>("session") });  // the errors of this version
-  } catch (failure) {
-    set({ failed: { ...state.failed, [kind]: (failure as Error).message } });
+  } catch (caught) {
+    set({ failed: { ...state.failed, [kind]: failureOf(caught) } });
   }
 }
 
@@ -83,7 +85,9 @@ export async function refresh(): Promise<void> {
   shown = now;
   set({ session, results: {}, failed: {} });
   if (!session.machine || now === "") return;
-  set({ effects: (await get<{ effects: Effect[] }>("effects")).effects });
+  const { effects } = await get<{ effects: Effect[] }>("effects");
+  knowEffects(effects);
+  set({ effects });
   for (const kind of kinds) void workOut(kind, session.machine.version);
 }
 

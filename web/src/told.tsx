@@ -2,6 +2,7 @@
 // in its language and says of the rest that it is English.
 
 import { useContext } from "preact/hooks";
+import { isEffect, titleOf, withTitles } from "./effect_titles";
 import { LanguageContext } from "./words";
 
 /** Something with sentences under these keys, and the same in German. */
@@ -13,9 +14,11 @@ export type Tell = <K extends string>(of: Telling<K>, what: K) => { text: string
 export function useTold(): Tell {
   const language = useContext(LanguageContext);
   return (of, what) => {
+    if (isEffect(of[what])) return { text: titleOf(of[what], language) };
     const german = of.german?.[what];
-    if (language === "de" && german) return { text: german };
-    return language === "en" ? { text: of[what] } : { text: of[what], lang: "en" };
+    if (language === "de" && german) return { text: withTitles(german, "de") };
+    const text = withTitles(of[what], language);
+    return language === "en" ? { text } : { text, lang: "en" };
   };
 }
 

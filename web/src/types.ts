@@ -1,5 +1,7 @@
 // What the API answers (docs/page.md, docs/command_line.md). Numbers that are not known are null.
 
+import type { Failure } from "./failure";
+
 export interface Unit { factor: number; offset: number; name: string }
 
 export interface Parameter {
@@ -19,7 +21,7 @@ export interface MachineInfo {
   german: { title: string; output: string; stroke: string; sign: string }; picture: Picture;
 }
 
-export interface Job { job: number; kind: string; state: "waiting" | "running" | "done" | "failed"; what?: string; share?: number; error?: string }
+export interface Job { job: number; kind: string; state: "waiting" | "running" | "done" | "failed"; what?: string; share?: number; error?: string; german?: { error: string } }
 
 export interface Session {
   logs: { name: string; bytes: number | null; held_out: boolean }[];
@@ -64,7 +66,8 @@ export interface RegionErrors {
   windows: number; rms: number; noise: number; unit: string;
   strokes: { stroke: number; windows: number; rms: number; noise: number }[]; effects: { effect: string; rms: number }[];
 }
-export interface StrokeError { stroke: number; begin: number | null; rms_residual: number; noise_floor?: number; model_error: number; free_run_bar: number | null }
+/** `log`: the file that the stroke is of. */
+export interface StrokeError { stroke: number; log?: string; begin: number | null; rms_residual: number; noise_floor?: number; model_error: number; free_run_bar: number | null }
 
 export interface HeldOut { log: string; strokes: number; rms: number; unit: string }
 
@@ -113,7 +116,7 @@ export interface StrokePicture {
 }
 
 export interface LogPicture {
-  from: number; step: number; duration_s: number; rows: number; discarded: number; no_strokes: string | null;
+  from: number; step: number; duration_s: number; rows: number; discarded: number; no_strokes: Failure | null;
   signals: { name: string; unit: string; low: (number | null)[]; high: (number | null)[] }[];
   strokes: { begin: number; end: number }[];
   gate: GateCourse[];
@@ -145,5 +148,6 @@ export interface Proposal {
   machine: string; model: string; title: string; german?: { title: string; decided: string[]; open: string[] }; picture: Picture; pins: Pin[]; columns: LogColumn[];
   kinds: { id: string; title: string; german?: { title: string } }[]; geometry: KnownSize[]; balance: Balance | null;
   gate: GateBound[]; units: string[]; decided: string[]; open: string[]; rows: number; duration_s: number | null; text: string;
-  problem: string | null;
+  /** Why the machine file cannot be used yet. */
+  problem: Failure | null;
 }

@@ -105,9 +105,14 @@ export function unitOf(units: Units, si: string): Unit {
 /** Words in names of units, in German. */
 const germanParts: [RegExp, string][] = [[/% of stroke/, "% des Wegs"], [/ per /g, " je "]];
 
+/** Powers and roots as they are printed: "cm²", "l/min per √bar". */
+export const printedUnit = (name: string) =>
+  name.replace(/sqrt\((\w+)\)/g, "√$1").replace(/(?<=[A-Za-z])\^?2(?!\d)/g, "²").replace(/(?<=[A-Za-z])\^?3(?!\d)/g, "³");
+
 export function unitName(unit: { name: string }): string {
   if (unit.name === "1" || unit.name === "-") return "";
-  return comma ? germanParts.reduce((name, [english, german]) => name.replace(english, german), unit.name) : unit.name;
+  const name = printedUnit(unit.name);
+  return comma ? germanParts.reduce((text, [english, german]) => text.replace(english, german), name) : name;
 }
 
 /** "12202 ± 424 bar": the half width of the 95 % interval, both with its two digits. */

@@ -44,6 +44,22 @@ export async function until(page, condition) {
   assert.fail(`not so after ${patience} ms: ${condition}`);
 }
 
+/** Goes to an element with the Tab key alone, as somebody without a mouse does. */
+export async function tabTo(page, selector) {
+  await page.waitForSelector(selector);
+  for (let k = 0; k < 250; ++k) {
+    if (await page.evaluate((wanted) => document.activeElement?.matches(wanted) ?? false, selector)) return;
+    await page.keyboard.press("Tab");
+  }
+  assert.fail(`no key leads to ${selector}`);
+}
+
+/** Presses a button without a mouse. */
+export async function press(page, selector) {
+  await tabTo(page, selector);
+  await page.keyboard.press("Enter");
+}
+
 export async function assertAccessible(page, where) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }));

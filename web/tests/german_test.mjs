@@ -5,9 +5,9 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { endBrowser, startBrowser, visitIn } from "./browser_fixture.mjs";
+import { assertAccessible, endBrowser, startBrowser, visitIn, visitServed } from "./browser_fixture.mjs";
 import { addValveChecks, makeHistory } from "./history.mjs";
-import { folder, run } from "./program.mjs";
+import { folder, run, serve } from "./program.mjs";
 
 const machines = fileURLToPath(new URL("../../machines", import.meta.url));
 const place = folder();
@@ -49,6 +49,7 @@ async function assertGerman(page, where) {
   await page.evaluate(() => { for (const fold of document.querySelectorAll("details")) fold.open = true; });
   await page.waitForTimeout(300);
   assert.deepEqual(await englishOn(page), [], where);
+  await assertAccessible(page, where);
 }
 
 /** The steps of the workbench. */
@@ -67,6 +68,9 @@ test("the first run is German", async (t) => {
   await page.goto(address);
   await page.waitForSelector(".drop");
   await assertGerman(page, "start");
+  await page.setInputFiles("input[type=file]", { name: "worte.csv", mimeType: "text/csv", buffer: Buffer.from("only words\n") });
+  await page.waitForSelector(".problem:has-text(\"Log 'worte.csv': in den ersten 1 Zeilen stehen keine Zahlenreihen\")");
+  await assertGerman(page, "no log");
   await page.setInputFiles("input[type=file]", join(place.path, "leak.csv"));
   await page.waitForSelector(".mapping .pin.sure");
   await assertGerman(page, "mapping");
@@ -93,4 +97,32 @@ test("what is watched is German: overview, trends with their marks, an alarm wit
     await page.waitForSelector(there);
     await assertGerman(page, view);
   }
+});
+
+test("what goes wrong is told in German: an expression, too few strokes, a wrong password", async (t) => {
+  run(["simulate", "press", "--out", "short.csv", "--seconds", "8", "--seed", "1"], place.path);
+  const { page, address } = await visit(t, ["short.csv", "--machine", join(machines, "die_cushion.toml")]);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector(".verdict-panel .problem:has-text('im Gate')");
+  await page.goto(`${address}#step=add`);
+  await page.waitForSelector(".centre .problem");
+  await assertGerman(page, "too few strokes");
+
+  const worked = await visit(t, ["leak.csv", "--machine", join(machines, "die_cushion.toml")]);
+  await worked.page.goto(`${worked.address}#step=add`);
+  await worked.page.click("text=Einen eigenen Effekt schreiben");
+  await worked.page.fill("input[name=own-expression]", "p_A*sgn(z)");
+  await worked.page.waitForSelector(".own pre.problem:has-text('unbekannte Funktion')");
+  const said = worked.page.locator(".own pre.problem");
+  assert.match(await said.innerText(), /war "sign" gemeint\?[^]*p_A\*sgn\(z\)\n +\^/);
+  assert.equal(await said.locator("[lang=en]").count(), 0);
+
+  run(["users", "--db", "guarded.db", "add", "anna", "--role", "admin"], place.path, "long enough to guess\n");
+  const guarded = await visitServed(await serve([join(machines, "press_live.toml"), "--db", "guarded.db"], place.path), t, { locale: "de-DE" });
+  await guarded.page.goto(`${guarded.address}#view=login`);
+  await guarded.page.fill("input[name=name]", "anna");
+  await guarded.page.fill("input[name=password]", "wrong wrong wrong");
+  await guarded.page.click(".login button.primary");
+  await guarded.page.waitForSelector(".login .problem:has-text('Name oder Passwort ist falsch')");
+  await assertAccessible(guarded.page, "login refused");
 });

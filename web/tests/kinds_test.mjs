@@ -52,7 +52,7 @@ test("a pump goes from its log alone to the workbench, and its file names what w
   await page.goto(address);
   await dropped(page, "pump.csv");
   assert.match(await page.locator("p.verdict").innerText(), /Still missing: D_max .* and \d+ more/);
-  const in_ = { mm: 1e-3, cm2: 1e-4, l: 1e-3, cm3: 1e-6, bar: 1e5 };
+  const in_ = { mm: 1e-3, cm2: 1e-4, l: 1e-3, cm3: 1e-6, "cm³": 1e-6, bar: 1e5 };
   const areas = [];
   for (const { name, value, unit } of sizesOf("pump")) {
     if (unit === "cm2") { areas.push(name); await page.fill(`input[name=${name}-bore]`, String(20 * Math.sqrt(value / Math.PI))); continue; }

@@ -7,7 +7,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { assertAccessible, assertFits, endBrowser, startBrowser, visitServed } from "./browser_fixture.mjs";
+import { assertAccessible, assertFits, endBrowser, startBrowser, press as pressKey, tabTo, visitServed } from "./browser_fixture.mjs";
 import { folder, program, run, serve } from "./program.mjs";
 
 const place = folder();
@@ -82,8 +82,9 @@ test("strokes of a trend go to the workbench, the effect that is missing is adde
   await assertAccessible(page, "promote");
   await assertFits(page, "promote");
   assert.ok(await page.locator(".promote button.primary").isDisabled(), "a promotion has a reason");
-  await page.fill("textarea[name=promote-comment]", "the seal leaks until it is changed");
-  await page.click(".promote button.primary");
+  await tabTo(page, "textarea[name=promote-comment]");
+  await page.keyboard.type("the seal leaks until it is changed");
+  await pressKey(page, ".promote button.primary");
   await page.waitForSelector("[data-done]");
 
   // the service goes by it: strokes that come now are identified with the effect

@@ -36,7 +36,7 @@ test("the overview says what stands and what moved, and never green while nothin
   await page.goto(address);
   await page.waitForSelector(".tile .health-M");
   assert.match(await page.locator(".tile .health").innerText(), /Maintenance required/);
-  const leak = page.locator(".tile tr", { hasText: "internal_leakage" });
+  const leak = page.locator(".tile tr", { hasText: "Internal leakage past the piston seal" });
   assert.match(await leak.innerText(), /Internal leakage past the piston seal[^]*changed/);
   assert.match(await page.locator(".tile .facts-line").innerText(), /15\d strokes · last Mar 1, 2026/);
   // the newest values are those that `trends` prints
@@ -149,9 +149,9 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
   await page.click("[data-alarm='die_cushion/internal_leakage']");
   const detail = page.locator(".detail");
   assert.equal(await detail.locator("h2").innerText(), "More oil lost under pressure");
-  assert.match(await detail.locator("dd", { hasText: "since stroke" }).innerText(), /^since stroke 1\d\d: internal_leakage \+3\.\d/);
+  assert.match(await detail.locator("dd", { hasText: "since stroke" }).innerText(), /^since stroke 1\d\d: “Internal leakage past the piston seal” \+3\.\d/);
   assert.match(await detail.locator("dd strong").innerText(), /^A worn piston seal makes it so/);
-  assert.equal(await detail.locator("div:has(> dt:text-is('Cause')) dd").innerText(), "internal_leakage");
+  assert.equal(await detail.locator("div:has(> dt:text-is('Cause')) dd").innerText(), "Internal leakage past the piston seal");
   assert.ok(await detail.locator("button:has-text('Shelve')").isDisabled(), "a shelf needs a reason");
 
   await page.fill("input[name=who]", "anna");
@@ -179,7 +179,7 @@ test("an alarm is read, leads to its strokes, is acknowledged, shelved and remar
   await page.waitForSelector(".to-workbench .problem:has-text('are not kept')");  // a replay keeps none
   await page.click("button:has-text('in the trend')");
   await page.waitForSelector(".trend-plot canvas");
-  assert.match(await page.locator(".marks").innerText(), /▲ alarm internal_leakage/);
+  assert.match(await page.locator(".marks").innerText(), /▲ alarm Internal leakage past the piston seal/);
 
   const again = await visit(t, own);
   await again.page.goto(`${again.address}#view=alarms&alarm=die_cushion/internal_leakage`);
@@ -190,11 +190,11 @@ test("a German page tells the alarm in German: finding, evidence and what to do,
   const { page, address } = await visit(t, words, { locale: "de-DE" });
   await page.goto(address);
   await page.waitForSelector(".tile .health-M");
-  assert.match(await page.locator(".tile .health").innerText(), /internal_leakage steht an \(Warnung\)/);
+  assert.match(await page.locator(".tile .health").innerText(), /„Innere Leckage an der Kolbendichtung“ steht an \(Warnung\)/);
   await page.goto(`${address}#view=alarms&alarm=die_cushion/internal_leakage`);
   const detail = page.locator(".detail");
   assert.equal(await detail.locator("h2").innerText(), "Mehr Öl geht unter Druck verloren");
-  assert.match(await detail.locator("dd", { hasText: "seit Hub" }).innerText(), /^seit Hub 1\d\d.*: internal_leakage \+3,\d.* l\/min bei 200 bar.*Hübe \d+ bis \d+ gegen \d+ bis \d+: aufgetreten: internal_leakage \(G = /s);
+  assert.match(await detail.locator("dd", { hasText: "seit Hub" }).innerText(), /^seit Hub 1\d\d.*: „Innere Leckage an der Kolbendichtung“ \+3,\d.* l\/min bei 200 bar.*Hübe \d+ bis \d+ gegen \d+ bis \d+: aufgetreten: „Innere Leckage an der Kolbendichtung“ \(G = /s);
   assert.match(await detail.locator("dd strong").innerText(), /^Eine verschlissene Kolbendichtung bewirkt das/);
   assert.equal(await detail.locator("[lang=en]:not(.journal *)").count(), 0, "nothing of the alarm is left in English");
   await page.selectOption("header select >> nth=-1", "en");
@@ -260,7 +260,7 @@ test("healthy strokes are chosen on the trend and learned; those with a leak are
   await page.waitForSelector(".learn .trend-plot canvas");
   await page.click("button[name=look]");
   await page.waitForSelector("[data-refused='1']");
-  assert.match(await page.locator("[data-refused]").innerText(), /internal_leakage/);
+  assert.match(await page.locator("[data-refused]").innerText(), /Internal leakage past the piston seal/);
   assert.ok(await page.locator("button[name=learn]").isDisabled());
   await page.check("input[name=insist]");
   assert.ok(await page.locator("button[name=learn]").isDisabled(), "who insists says why");

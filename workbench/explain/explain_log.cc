@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/counted_words.h"
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "workbench/explain/headline.h"
 
@@ -198,15 +199,13 @@ Result<ExplainResult> ExplainStrokes(LogStrokes strokes, const ExplainOptions& o
   ExplainResult out;
   out.log = std::move(strokes);
   out.strokes = out.log.stretches.size();
-  if (const Told few = TooFewForVerdict(out.strokes); !few.empty()) return BadInput("{}", few.english);
+  if (const Told few = TooFewForVerdict(out.strokes); !few.empty()) return BadInput(few);
   std::shared_ptr<const ModelStructure> model = out.log.model;
   if (const Status fitted = TakeModelAsItIs(model, out); !fitted) return tl::unexpected(fitted.error());
   JudgedModel judged = JudgeAsExplain(out.log, model, out.base, options);
   out.explanation = std::move(judged.explanation);
   out.trust = std::move(judged.trust);
-  if (!out.explanation.base.solved)
-    return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
-                    model->words.vary.english);
+  if (!out.explanation.base.solved) return BadInput(NotExcited(*model));
   out.unmeasured = UnmeasuredEffects(out.log.machine, *model);
   const auto residuals_of = [&](const ExtendedFit& fit) {
     Residuals residuals = ResidualsOf(out.explanation.model, out.log.stretches, out.log.window,
@@ -247,8 +246,9 @@ Result<ExplainResult> ExplainLogs(const std::vector<std::string>& logs, const st
   if (!strokes) return tl::unexpected(strokes.error());
   auto out = ExplainStrokes(std::move(*strokes), options);
   if (!out)
-    return tl::unexpected(
-        Error{out.error().kind, fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text)});
+    return tl::unexpected(Error{out.error().kind,
+                                fmt::format("{}: {}", fmt::join(logs, ", "), out.error().text),
+                                out.error().german});
   out->target = "--machine " + machine_file;
   return out;
 }

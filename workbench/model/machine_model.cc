@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/non_negative.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "diagnosis/nonlinear_scatter.h"
 #include "diagnosis/remainder/residuals.h"
@@ -115,10 +116,12 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
         strokes = StrokesUnder(*structure, log);
       const EffectChoice best = strokes.BestShape(*effect, choices);
       if (best.shape < 0)
-        return BadInput(
-            "these strokes cannot tell effect '{}' of the machine file from the rest of the model: record "
-            "strokes that differ in {}, or take it out with 'hydroscope model remove {}'",
-            id, structure->words.vary.english, id);
+        return BadInput(Tell(
+            "these strokes cannot tell effect '{0}' of the machine file from the rest of the model: record "
+            "strokes that differ in {1}, or take it out with 'hydroscope model remove {0}'",
+            "diese Hübe können den Effekt '{0}' der Maschinendatei nicht vom Rest des Modells unterscheiden: Hübe "
+            "aufzeichnen, die sich darin unterscheiden: {1}; oder ihn herausnehmen ('hydroscope model remove {0}')",
+            id, structure->words.vary));
       choices.push_back(best);
     }
     for (int pass = 0; pass < kPasses; ++pass)
@@ -129,9 +132,7 @@ Result<MachineModel> FitMachineModel(const LogStrokes& log) {
                           choices.empty() ? UsedGrams(log) : GramsOf(structure, log.stretches, log.window),
                           log.window);
   out.fit = strokes.Fit(choices);
-  if (!out.fit.solved)
-    return BadInput("the strokes do not excite all parameters of the model: vary {}, or record longer",
-                    structure->words.vary.english);
+  if (!out.fit.solved) return BadInput(NotExcited(*structure));
   out.trust = JudgeLog(log, out.fit.theta, out.fit.noise_floor);
   WidenByNonlinear(structure, log.stretches, log.window, choices, out.fit);
   strokes.Widen(choices, out.fit);

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/told_error.h"
 #include "host/text_file.h"
 #include "models/find_effect.h"
 #include "models/machine_kind.h"
@@ -82,7 +83,8 @@ std::string WithoutHistory(const std::string& text) {
 
 Result<Machine> WithEffect(const Machine& machine, const std::string& id, int version) {
   if (IsAdded(machine, id))
-    return BadInput("effect '{}' is already part of the model of {}", id, machine.name);
+    return BadInput(Tell("effect '{}' is already part of the model of {}",
+                         "der Effekt '{}' gehört schon zum Modell von {}", id, machine.name));
   Machine next = machine;
   next.added_effects.push_back(id);
   if (KindOf(machine).has_states) {
@@ -102,9 +104,11 @@ Result<Machine> WithEffect(const Machine& machine, const std::string& id, int ve
 
 Result<Machine> WithoutEffect(const Machine& machine, const std::string& id, int version) {
   if (!IsAdded(machine, id))
-    return BadInput(
-        "effect '{}' is not part of the model of {}; its effects: {}", id, machine.name,
-        machine.added_effects.empty() ? "none" : fmt::format("{}", fmt::join(machine.added_effects, ", ")));
+    return BadInput(Tell(
+        "effect '{}' is not part of the model of {}; its effects: {}",
+        "der Effekt '{}' gehört nicht zum Modell von {}; dessen Effekte: {}", id, machine.name,
+        machine.added_effects.empty() ? Told("none", "keine")
+                                      : Told(fmt::format("{}", fmt::join(machine.added_effects, ", ")))));
   Machine next = machine;
   std::erase(next.added_effects, id);
   next.effect_values.erase(id);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/told_error.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "models/find_effect.h"
 #include "workbench/explain/explain_log.h"
@@ -45,8 +46,9 @@ std::string ModelName(const Machine& machine) {
 Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, const std::string& source) {
   strokes.machine = machine;
   if (strokes.stretches.size() < kMinExplainStrokes)
-    return BadInput("{}: {} strokes inside the gate, expected at least {} to judge a model on", source,
-                    strokes.stretches.size(), kMinExplainStrokes);
+    return BadInput(Tell("{}: {} strokes inside the gate, expected at least {} to judge a model on",
+                         "{}: {} Hübe im Gate, erwartet: mindestens {}, um ein Modell daran zu beurteilen",
+                         source, strokes.stretches.size(), kMinExplainStrokes));
   const auto model = FitMachineModel(strokes);
   if (!model) return tl::unexpected(model.error());
   return Evidence(machine, *model, source, static_cast<std::int64_t>(strokes.stretches.size()));

@@ -1,5 +1,6 @@
 #include "workbench/model/promotion.h"
 
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "models/model_structure.h"
 #include "pipeline/added_effects_estimator.h"
@@ -35,7 +36,9 @@ Status FitsLastRun(const Database& database, const Promotion& promotion, const M
   const auto recorded = ParseMachine(last->definition, promotion.machine);
   if (!recorded) return tl::unexpected(recorded.error());
   if (const auto next = WithModelOf(*recorded, model); !next)
-    return BadInput("{} cannot be watched with this model: {}", promotion.machine, next.error().text);
+    return BadInput(Tell("{} cannot be watched with this model: {}",
+                         "{} kann mit diesem Modell nicht überwacht werden: {}", promotion.machine,
+                         ToldOf(next.error())));
   return {};
 }
 

@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { get } from "../api";
+import { failureOf, Problem, type Failure } from "../failure";
 import { useWords } from "../words";
 import { dateText } from "../watch/shown";
 import { useWatch } from "../watch/watch_store";
@@ -31,15 +32,15 @@ export function Audit() {
   const say = useWords();
   const { tick } = useWatch();
   const [rows, setRows] = useState<AuditRow[] | null>(null);
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState<Failure | null>(null);
   useEffect(() => {
-    void get<{ audit: AuditRow[] }>("audit").then(({ audit }) => setRows(audit)).catch((failure) => setProblem((failure as Error).message));
+    void get<{ audit: AuditRow[] }>("audit").then(({ audit }) => setRows(audit)).catch((caught) => setProblem(failureOf(caught)));
   }, [tick]);
   return (
     <section class="audit">
       <h1>{say("view_audit")}</h1>
       <p class="quiet">{say("auditText")}</p>
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
       {rows && (
         <Scroll label={say("view_audit")}>
           <table>

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
-import { ApiError, post } from "../api";
+import { post } from "../api";
+import { failureOf, Problem, type Failure } from "../failure";
 import { refresh, useStore } from "../store";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
@@ -11,19 +12,18 @@ export function Login() {
   const [, setUrl] = useUrl();
   const [name, setName] = useState("");
   const [password, setPassword] = useState("");
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState<Failure | null>(null);
   const [busy, setBusy] = useState(false);
   const login = async (event: Event) => {
     event.preventDefault();
     setBusy(true);
-    setProblem("");
+    setProblem(null);
     try {
       await post("login", { name, password });
       if (!locked) setUrl({ view: "" });
       await refresh();
-    } catch (failure) {
-      const status = failure instanceof ApiError ? failure.status : 0;
-      setProblem(status === 401 ? say("loginWrong") : status === 429 ? say("loginWait") : (failure as Error).message);
+    } catch (caught) {
+      setProblem(failureOf(caught));
       setPassword("");
     }
     setBusy(false);
@@ -36,7 +36,7 @@ export function Login() {
       <label>{say("userName")} <input name="name" autoComplete="username" autoCapitalize="none" spellcheck={false} required maxLength={64} value={name} onInput={(e) => setName(e.currentTarget.value)} /></label>
       <label>{say("password")} <input name="password" type="password" autoComplete="current-password" required maxLength={1024} value={password} onInput={(e) => setPassword(e.currentTarget.value)} /></label>
       <button class="primary" disabled={busy || name === "" || password === ""}>{say("login")}</button>
-      {problem && <p role="alert" class="problem">{problem}</p>}
+      <Problem of={problem} />
     </form>
   );
 }

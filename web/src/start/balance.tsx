@@ -1,5 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Failure } from "../failure";
 import { Formula } from "../formula";
+import { Told } from "../told";
 import type { Balance } from "../types";
 import { useWords } from "../words";
 
@@ -9,7 +11,7 @@ const same = (one: Balance, other: Balance) => one.output === other.output && on
   && one.terms.every((term, k) => term.name === other.terms[k].name && term.expression === other.terms[k].expression);
 
 /** The balance of a machine of one's own: which output is the sum of which terms. */
-export function BalanceEditor({ proposed, signals, problem, set }: { proposed: Balance; signals: string[]; problem: string | null; set: (balance: Balance) => void }) {
+export function BalanceEditor({ proposed, signals, problem, set }: { proposed: Balance; signals: string[]; problem: Failure | null; set: (balance: Balance) => void }) {
   const say = useWords();
   const [balance, setBalance] = useState<Balance>(proposed.terms.length > 0 ? proposed : { output: proposed.output, terms: [{ name: "k_1", expression: "" }] });
   const touched = useRef(false);
@@ -46,7 +48,7 @@ export function BalanceEditor({ proposed, signals, problem, set }: { proposed: B
       </ol>
       <button class="small" onClick={() => change({ ...balance, terms: [...balance.terms, { name: free(), expression: "" }] })}>{say("balanceMore")}</button>
       {whole && <p><Formula law={`${balance.output} = ${balance.terms.map((term) => `${term.name} (${term.expression})`).join(" + ")}`} /></p>}
-      {problem && whole && looked && <pre class="problem" role="status" lang="en">{problem}</pre>}
+      {problem && whole && looked && <pre class="problem" role="status"><Told of={problem} what="error" /></pre>}
     </fieldset>
   );
 }

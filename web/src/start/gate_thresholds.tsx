@@ -1,5 +1,6 @@
-import type { GateBound } from "../types";
-import { inChosen, short } from "../units";
+import { useState } from "preact/hooks";
+import type { GateBound, Pin } from "../types";
+import { inChosen, short, unitName } from "../units";
 import { useWords, type Say } from "../words";
 
 /** In which unit a threshold is written: as people say it. */
@@ -10,40 +11,90 @@ export function boundUnit(bound: GateBound): { factor: number; name: string } {
   return { factor: 1, name: bound.si === "1" || !bound.si ? (rate ? "1/s" : "") : `${bound.si}${rate}` };
 }
 
+const lengths = ["m", "rad"];  // whose rate is a speed
+
 /** "speed of z" */
-export function boundName(bound: GateBound, say: Say): string {
-  return bound.rate ? say("gateRate", { signal: bound.signal }) : bound.magnitude ? say("gateMagnitude", { signal: bound.signal }) : bound.signal;
+export function boundName({ signal, si, rate, magnitude }: GateBound, say: Say): string {
+  const what = !rate ? signal : say(lengths.includes(si ?? "") ? "gateRate" : "gateChange", { signal });
+  return magnitude ? say("gateMagnitude", { signal: what }) : what;
 }
 
-/** The thresholds of the gate as numbers; strokes are counted anew at every change. */
-export function GateThresholds({ bounds, set }: { bounds: GateBound[]; set: (bounds: GateBound[]) => void }) {
+const sides = ["min", "max"] as const;
+type Side = (typeof sides)[number];
+const numberOf = (text: string) => Number(text.replace(",", "."));
+
+function Limit({ bound, side, name, take }: { bound: GateBound; side: Side; name: string; take: (value: number | null) => void }) {
   const say = useWords();
-  const change = (index: number, side: "min" | "max", text: string) => {
-    const { factor } = boundUnit(bounds[index]);
-    const value = text.trim() === "" ? null : Number(text.replace(",", ".")) / factor;
-    if (value !== null && !Number.isFinite(value)) return;
-    set(bounds.map((bound, k) => {
-      const { si: _, ...plain } = bound;
-      return k === index ? { ...plain, [side]: value } : plain;
-    }));
+  const { factor } = boundUnit(bound), word = say(side === "min" ? "gateFrom" : "gateTo");
+  const change = (text: string) => {
+    if (text.trim() === "") return take(null);
+    if (Number.isFinite(numberOf(text))) take(numberOf(text) / factor);
   };
-  if (bounds.length === 0) return null;
+  return (
+    <label>{word} <input inputMode="decimal" aria-label={`${name} ${word}`} value={bound[side] === null ? "" : short(bound[side]! * factor, 4)}
+      onChange={(e) => change(e.currentTarget.value)} /></label>
+  );
+}
+
+interface Props { bounds: GateBound[]; pins: Pin[]; set: (bounds: GateBound[]) => void }
+
+/** The conditions of the gate with their thresholds as numbers; strokes are counted anew at every change. */
+export function GateThresholds({ bounds, pins, set }: Props) {
+  const say = useWords();
+  const plain = bounds.map(({ si: _, ...bound }) => bound);
+  const take = (index: number, side: Side, value: number | null) => {
+    const changed = { ...plain[index], [side]: value };
+    set(changed.min === null && changed.max === null ? plain.filter((_, k) => k !== index) : plain.map((bound, k) => (k === index ? changed : bound)));
+  };
   return (
     <fieldset class="gate">
       <legend>{say("gateThresholds")}</legend>
       {bounds.map((bound, index) => {
-        const { factor, name } = boundUnit(bound), what = boundName(bound, say);
+        const name = boundName(bound, say);
         return (
-          <div key={index}>
-            <span>{what}</span>
-            {(["min", "max"] as const).map((side) => (
-              <label key={side}>{say(side === "min" ? "gateFrom" : "gateTo")} <input inputMode="decimal" aria-label={`${what} ${say(side === "min" ? "gateFrom" : "gateTo")}`}
-                value={bound[side] === null ? "" : short(bound[side]! * factor, 4)} onChange={(e) => change(index, side, e.currentTarget.value)} /></label>
-            ))}
+          <div key={`${index} ${name}`} class="condition">
             <span>{name}</span>
+            {sides.map((side) => <Limit key={side} bound={bound} side={side} name={name} take={(value) => take(index, side, value)} />)}
+            <span>{unitName(boundUnit(bound))}</span>
+            <button class="small" aria-label={`${say("balanceDrop")}: ${name}`} onClick={() => set(plain.filter((_, k) => k !== index))}>×</button>
           </div>
         );
       })}
+      <NewCondition pins={pins} add={(bound) => set([...plain, bound])} />
     </fieldset>
+  );
+}
+
+const looks = { gateValue: [false, false], gateSpeed: [true, false], gateSize: [false, true], gateSpeedSize: [true, true] } as const;  // rate, magnitude
+
+/** One more condition: it counts as soon as one of its thresholds is written. */
+function NewCondition({ pins, add }: { pins: Pin[]; add: (bound: GateBound) => void }) {
+  const say = useWords();
+  const measured = pins.filter((pin) => pin.column && pin.signal !== "time");
+  const [signal, setSignal] = useState("");
+  const [look, setLook] = useState<keyof typeof looks>("gateValue");
+  const pin = measured.find((known) => known.signal === signal);
+  const [rate, magnitude] = looks[look];
+  const bound: GateBound = { signal, rate, magnitude, si: pin?.si, min: null, max: null };
+  const take = (side: Side, value: number | null) => {
+    if (value === null) return;
+    const { si: _, ...plain } = bound;
+    add({ ...plain, [side]: value });
+    setSignal("");
+  };
+  return (
+    <div class="condition new">
+      <select name="gate-signal" aria-label={say("gateMore")} value={pin ? signal : ""} onChange={(e) => setSignal(e.currentTarget.value)}>
+        <option value="">{say("gateMore")}</option>
+        {measured.map((known) => <option key={known.signal} value={known.signal}>{known.signal}</option>)}
+      </select>
+      {pin && <>
+        <select name="gate-look" aria-label={say("gateLook")} value={look} onChange={(e) => setLook(e.currentTarget.value as keyof typeof looks)}>
+          {(Object.keys(looks) as (keyof typeof looks)[]).map((known) => <option key={known} value={known}>{say(known)}</option>)}
+        </select>
+        {sides.map((side) => <Limit key={`${side} ${signal} ${look}`} bound={bound} side={side} name={boundName(bound, say)} take={(value) => take(side, value)} />)}
+        <span>{unitName(boundUnit(bound))}</span>
+      </>}
+    </div>
   );
 }

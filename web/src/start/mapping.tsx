@@ -1,5 +1,6 @@
 import { useCallback, useEffect, useRef, useState } from "preact/hooks";
 import { find, post } from "../api";
+import { failureOf, Problem, type Failure } from "../failure";
 import { LogView } from "../log_view";
 import { refresh, useStore, work } from "../store";
 import type { Balance, GateBound, LogPicture, Pin, Proposal } from "../types";
@@ -46,7 +47,7 @@ export function Mapping() {
   const { session } = useStore();
   const [proposal, setProposal] = useState<Proposal | null>(null);
   const [picture, setPicture] = useState<LogPicture | null>(null);
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState<Failure | null>(null);
   const asked = useRef<Request>({});
   const latest = useRef(0);
 
@@ -57,18 +58,18 @@ export function Mapping() {
       const answer = await post<Proposal>("proposal", asked.current);
       if (turn !== latest.current) return;
       setProposal(answer);
-      setProblem("");
+      setProblem(null);
       if (answer.problem) return setPicture(null);
       await work("picture");
       const drawn = await find<LogPicture>("results", { kind: "picture" });
       if (turn === latest.current) setPicture(drawn);
-    } catch (failure) {
-      if (turn === latest.current) setProblem((failure as Error).message);
+    } catch (caught) {
+      if (turn === latest.current) setProblem(failureOf(caught));
     }
   }, []);
   useEffect(() => void propose({}), [session?.logs.length]);
 
-  if (!proposal) return problem ? <p role="alert" class="problem" lang="en">{problem}</p> : <p class="empty">{say("loading")}</p>;
+  if (!proposal) return problem ? <Problem of={problem} /> : <p class="empty">{say("loading")}</p>;
   const put = (signal: string, column: string, unit = "") => void propose({ model: proposal.model, columns: moved(proposal.pins, signal, column, unit) });
   const takeKind = (model: string) => {
     asked.current = {};  // what was said of another machine
@@ -131,18 +132,18 @@ export function Mapping() {
         <LogView picture={picture} />
         <p class="quiet">{say("gateDrag")}</p>
         <GatePlots picture={picture} bounds={proposal.gate} set={(gate) => void propose({ gate })} />
-        <GateThresholds bounds={proposal.gate} set={(gate) => void propose({ gate })} />
+        <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={(gate) => void propose({ gate })} />
       </>}
       <details><summary>{say("mapDecided")}</summary>
         <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
       <details><summary>{say("mapFileText")}</summary><pre tabIndex={0}>{proposal.text}</pre></details>
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
       <p class={proposal.problem || odd ? "verdict bad" : "verdict good"} role="status">
         {odd ? say("mapOdd", { what: odd.name, from: sizeText(odd, odd.lowest), to: sizeText(odd, odd.highest) })
           : !proposal.problem ? say("mapReady")
           : missing.length > 0 ? say("mapNeeds", { what: missing.slice(0, fewMissing).map((what) => `${what.name} (${tell(what, "meaning").text})`).join(", ") + (missing.length > fewMissing ? say("mapNeedsMore", { count: missing.length - fewMissing }) : "") })
           : proposal.balance?.output === "" ? say("balanceNeeded")
-          : <>{say("mapNotReady", { why: "" })}<span lang="en">{proposal.problem}</span></>}
+          : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
       </p>
       <button class="primary" disabled={proposal.problem !== null || odd !== undefined} onClick={() => void accept()}>{say("mapGo")}</button>
     </section>

@@ -1,5 +1,6 @@
 import { useRef, useState } from "preact/hooks";
 import { upload } from "../api";
+import { failureOf, Problem, type Failure } from "../failure";
 import { refresh, useStore, work } from "../store";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
@@ -11,16 +12,16 @@ export function Start() {
   const chooser = useRef<HTMLInputElement>(null);
   const [over, setOver] = useState(false);
   const [busy, setBusy] = useState("");
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState<Failure | null>(null);
 
   const attempt = async (what: string, act: () => Promise<void>) => {
     setBusy(what);
-    setProblem("");
+    setProblem(null);
     try {
       await act();
       await refresh();
-    } catch (failure) {
-      setProblem((failure as Error).message);
+    } catch (caught) {
+      setProblem(failureOf(caught));
     }
     setBusy("");
   };
@@ -47,7 +48,7 @@ export function Start() {
         <p class="quiet">{say("startMachine")}</p>
       </div>
       {busy && <p role="status" class="busy">{busy}</p>}
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
       {(session?.examples.length ?? 0) > 0 && <h2>{say("startExamples")}</h2>}
       <div class="examples">
         {session?.examples.map((id) => (

@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { get, post } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { useStore } from "../store";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
@@ -24,24 +25,16 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
   const [who, setWho] = useState(localStorage.getItem("who") ?? user);
   const [comment, setComment] = useState("");
   const [seconds, setSeconds] = useState<number>(shelves[0][1]);
-  const [problem, setProblem] = useState("");
-  const [busy, setBusy] = useState(false);
+  const { busy, problem, attempt } = useAttempt();
   useEffect(() => {
     void get<{ journal: JournalRow[] }>("watch/journal", { machine: alarm.machine, alarm: alarm.alarm }).then(({ journal }) => setRows(journal)).catch(() => setRows([]));
   }, [alarm.machine, alarm.alarm, tick]);
-  const act = async (action: string, more: object = {}) => {
-    setBusy(true);
-    setProblem("");
+  const act = (action: string, more: object = {}) => attempt(async () => {
     localStorage.setItem("who", who);
-    try {
-      await post("watch/alarms", { action, machine: alarm.machine, alarm: alarm.alarm, user: who, comment, ...more });
-      setComment("");
-      await refreshWatch(true);
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-    setBusy(false);
-  };
+    await post("watch/alarms", { action, machine: alarm.machine, alarm: alarm.alarm, user: who, comment, ...more });
+    setComment("");
+    await refreshWatch(true);
+  });
   const reason = comment.trim() !== "";
   const has_strokes = alarm.first_stroke >= 0 && alarm.last_stroke >= alarm.first_stroke;
   const toTrend = () => {
@@ -82,7 +75,7 @@ export function AlarmDetail({ alarm, user, close }: { alarm: Alarm; user: string
           <button onClick={() => print()}>{say("printOrder")}</button>
         </div>
         {!reason && alarm.shelved_until_s === null && <small>{say("shelfNeedsReason")}</small>}
-        {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+        <Problem of={problem} />
       </div>}
       <h3>{say("journal")}</h3>
       <ol class="journal">

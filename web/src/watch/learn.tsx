@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { useStore, work } from "../store";
 import { useUrl } from "../url_state";
 import { WholeNumber } from "../whole_number";
@@ -47,7 +48,7 @@ export function Learn({ overview }: { overview: Overview }) {
         <label>{say("learnLast")} <WholeNumber name="learn-last" min={from} max={strokes - 1} value={to - 1} take={(last) => look(from, last + 1)} /></label>
         <button onClick={() => look(0, strokes)} disabled={to - from === strokes}>{say("everything")}</button>
       </div>
-      {problem && <p class="problem" role="alert" lang="en">{problem}</p>}
+      <Problem of={problem} />
       <div class="plots">{trend && <TrendPlot trend={trend} unit={parameter.unit} axis={axis} compensated={false} from={from} to={to} look={look} ahead={ahead} height={260} />}</div>
       <p class="quiet">{trend && isDate(trend.bins.begin_s[0]) && <>{dateText(placeOf(from, trend, "time"))} – {dateText(placeOf(to - 1, trend, "time"))} · </>}{say("trendKeys")}</p>
       {session?.changes ? <LearnForm key={machine.machine} machine={machine.machine} from={from} to={to} asksWho={!session.login} user={overview.user} />
@@ -63,24 +64,16 @@ export function Learn({ overview }: { overview: Overview }) {
 function LearnForm({ machine, from, to, asksWho, user }: { machine: string; from: number; to: number; asksWho: boolean; user: string }) {
   const say = useWords();
   const [looked, setLooked] = useState<Learning | null>(null);
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState("");
+  const { busy, problem, attempt } = useAttempt();
   const [insist, setInsist] = useState(false);
   const [comment, setComment] = useState("");
   const [who, setWho] = useState(localStorage.getItem("who") ?? user);
-  useEffect(() => { setLooked(null); setInsist(false); setProblem(""); }, [from, to]);
-  const ask = async (only_look: boolean) => {
-    setBusy(true);
-    setProblem("");
-    try {
-      await work("learn", { machine, first: from, last: to - 1, only_look, insist, comment, user: who }, "watch/learning");
-      setLooked((await find<{ learning: Learning | null }>("watch/learning", { machine }))?.learning ?? null);
-      if (!only_look) await refreshWatch(true);
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-    setBusy(false);
-  };
+  useEffect(() => { setLooked(null); setInsist(false); }, [from, to]);
+  const ask = (only_look: boolean) => attempt(async () => {
+    await work("learn", { machine, first: from, last: to - 1, only_look, insist, comment, user: who }, "watch/learning");
+    setLooked((await find<{ learning: Learning | null }>("watch/learning", { machine }))?.learning ?? null);
+    if (!only_look) await refreshWatch(true);
+  });
   const here = looked !== null && looked.first === from && looked.last === to - 1 ? looked : null;
   const may = here !== null && here.learned === null && (!here.refused || (insist && comment.trim() !== ""));
   return (
@@ -99,7 +92,7 @@ function LearnForm({ machine, from, to, asksWho, user }: { machine: string; from
         <label>{say("learnWhy")} <textarea name="learn-comment" rows={2} maxLength={2000} value={comment} onInput={(e) => setComment(e.currentTarget.value)} /></label>
         <div class="buttons"><button class="primary" name="learn" disabled={busy || !may} onClick={() => void ask(false)}>{say("learnButton")}</button></div>
       </>}
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
     </div>
   );
 }

@@ -79,18 +79,18 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
       </p>
       {machine.alarms > 0 && <p><button class="link" onClick={() => setUrl({ view: "alarms", axis: machine.machine, alarm: "" })}>{say("alarmsStand", { count: machine.alarms })}</button></p>}
       <Standing machine={machine.machine} />
-      <table>
-        <thead><tr><th scope="col">{say("parameter")}</th><th scope="col">{say("newest")}</th><th scope="col">{say("against")}</th><th scope="col"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
+      <table class="cards" role="table">
+        <thead><tr role="row"><th scope="col" role="columnheader">{say("parameter")}</th><th scope="col" role="columnheader">{say("newest")}</th><th scope="col" role="columnheader">{say("against")}</th><th scope="col" role="columnheader"><span class="unseen">{say("view_trends")}</span></th></tr></thead>
         <tbody>
           {machine.parameters.map((p) => (
-            <tr key={p.parameter}>
-              <th scope="row" title={tell(p.unit, p.unit.sentence ? "sentence" : "meaning").text}>
+            <tr key={p.parameter} role="row">
+              <th scope="row" role="rowheader" class="leads" title={tell(p.unit, p.unit.sentence ? "sentence" : "meaning").text}>
                 {p.trend ? <button class="link" onClick={() => setUrl({ view: "trends", machine: machine.machine, p: p.parameter, from: "", to: "" })}>{symbolOf(p.unit)}</button> : <span>{symbolOf(p.unit)}</span>}
-                {p.unit.meaning && <small><Told of={p.unit} what="meaning" /></small>}
+                {p.unit.meaning && tell(p.unit, "meaning").text !== symbolOf(p.unit) && <small><Told of={p.unit} what="meaning" /></small>}
               </th>
-              <td>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}</td>
-              <td><Against parameter={p} /></td>
-              <td class="spark-cell">{p.spark && <Spark values={p.spark} />}</td>
+              <td role="cell" data-label={say("newest")}>{p.trend ? ofParameter(p.value, p.std, p.unit) : "–"}</td>
+              <td role="cell" data-label={say("against")}><Against parameter={p} /></td>
+              <td role="cell" class="spark-cell">{p.spark && <Spark values={p.spark} />}</td>
             </tr>
           ))}
         </tbody>

@@ -1,6 +1,8 @@
 // Numbers and times of the database as people read them.
 
+import { parameterName } from "../effect_titles";
 import { short, unitName } from "../units";
+import { pageLanguage } from "../words";
 import type { MaybeNumber, WatchedUnit } from "./watch_types";
 
 export function inUnit(value: MaybeNumber | undefined, unit: WatchedUnit): MaybeNumber {
@@ -39,8 +41,9 @@ export function plainSymbol(symbol: string): string {
   return symbol.replace(/[{}]/g, "");
 }
 
+/** What a parameter is called: its symbol, of an effect its title. */
 export function symbolOf(unit: WatchedUnit): string {
-  return plainSymbol(unit.symbol);
+  return plainSymbol(parameterName(unit.symbol, pageLanguage()));
 }
 
 export function download(name: string, content: Blob): void {

@@ -1,5 +1,5 @@
-import { useState } from "preact/hooks";
 import { post } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { refresh, useStore } from "../store";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
@@ -9,26 +9,20 @@ export function ToWorkbench({ machine, first, last }: { machine: string; first: 
   const say = useWords();
   const [, setUrl] = useUrl();
   const { session } = useStore();
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState("");
+  const { busy, problem, attempt } = useAttempt();
   if (!session?.workbench || !session.changes) return null;
   const go = async () => {
     if (session.logs.length > 0 && !confirm(say("startOverSure"))) return;
-    setBusy(true);
-    setProblem("");
-    try {
+    await attempt(async () => {
       await post("strokes", { machine, first, last });
       await refresh();
       setUrl({ view: "workbench", step: "compare", effect: "" });
-    } catch (failure) {
-      setProblem((failure as Error).message);
-      setBusy(false);
-    }
+    });
   };
   return (
-    <span class="to-workbench">
+    <div class="to-workbench">
       <button disabled={busy} onClick={() => void go()}>{say("jumpWorkbench")}</button>
-      {problem && <span role="alert" class="problem" lang="en">{problem}</span>}
-    </span>
+      <Problem of={problem} />
+    </div>
   );
 }

@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { get } from "../api";
+import { failureOf, Problem, type Failure } from "../failure";
 import { pageColor } from "../plot";
 import { useUrl } from "../url_state";
 import { Told } from "../told";
@@ -19,7 +20,7 @@ const binsSeen = 1000;  // about a pixel each; beside them as many more as the m
 /** The trends of what is looked at, with a margin on both sides; the last ones stay until the new ones are there. While one pans, `ahead` asks for what comes. */
 export function useTrends(machine: string, parameters: string[], from: number, to: number, strokes: number, tick: number) {
   const [trends, setTrends] = useState<Trend[]>([]);
-  const [problem, setProblem] = useState("");
+  const [problem, setProblem] = useState<Failure | null>(null);
   const [late, setLate] = useState(false);
   const [moved, setMoved] = useState<{ chosen: string; from: number; to: number } | null>(null);
   const asked = useRef(0), there = useRef(0);
@@ -34,9 +35,9 @@ export function useTrends(machine: string, parameters: string[], from: number, t
         if (number < there.current) return;  // a later answer was faster
         there.current = number;
         setTrends(found);
-        setProblem("");
+        setProblem(null);
       })
-      .catch((failure: Error) => { if (number === asked.current) setProblem(failure.message); })
+      .catch((caught) => { if (number === asked.current) setProblem(failureOf(caught)); })
       .finally(() => { clearTimeout(slow); if (number === asked.current) setLate(false); });
     return () => clearTimeout(slow);
   }, [machine, parameters.join(), view.from, view.to, tick]);
@@ -134,7 +135,7 @@ export function Trends({ overview }: { overview: Overview }) {
       <fieldset class="choose"><legend>{say("parameters")}</legend>
         {known.map((p) => <label key={p.parameter} title={p.unit.meaning}><input type="checkbox" name={`p-${p.parameter}`} checked={parameters.includes(p.parameter)} onChange={(e) => choose(p.parameter, e.currentTarget.checked)} /> {symbolOf(p.unit)}</label>)}
       </fieldset>
-      {problem && <p class="problem" role="alert" lang="en">{problem}</p>}
+      <Problem of={problem} />
       <p class="quiet" role="status">
         {say("strokesOf", { from: from.toLocaleString(), to: (to - 1).toLocaleString(), count: strokes.toLocaleString() })}
         {trends[0] && isDate(trends[0].bins.begin_s[0]) && <> · {dateText(placeOf(from, trends[0], "time"))} – {dateText(placeOf(to - 1, trends[0], "time"))}</>}
@@ -153,7 +154,7 @@ export function Trends({ overview }: { overview: Overview }) {
       {marks.length > 0 && <section class="marks"><h2>{say("marks")}</h2><ul>
         {marks.slice(0, 30).map((mark) => (
           <li key={`${mark.kind}${mark.stroke}${mark.name}`}><span style={{ color: `var(${markColors[mark.kind]})` }}>{say(`mark_${mark.kind}`)}</span>{" "}
-            {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}>{mark.name}</button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
+            {mark.kind === "alarm" ? <button class="link" onClick={() => setUrl({ view: "alarms", alarm: `${machine.machine}/${mark.name}`, show: "all" })}><Told of={mark} what="name" /></button> : mark.kind === "valve_check" ? say(`outcome_${mark.name}` as keyof Words) : mark.name && <Told of={mark} what="name" />}
             {" · "}{say("strokeNumber", { stroke: mark.stroke })}{mark.kind !== "alarm" && mark.text && <small> · <Told of={mark} what="text" /></small>}</li>
         ))}
       </ul></section>}

@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { find, post } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { pageColor } from "../plot";
 import { useStore } from "../store";
 import { nameOf, short, shownNumber } from "../units";
@@ -94,7 +95,7 @@ function AskForSweep({ machine, service }: { machine: string; service: boolean }
   const { session } = useStore();
   const { tick } = useWatch();
   const [told, setTold] = useState("");
-  const [problem, setProblem] = useState("");
+  const { problem, attempt } = useAttempt();
   useEffect(() => {
     if (!service) return;
     let gone = false;
@@ -104,16 +105,14 @@ function AskForSweep({ machine, service }: { machine: string; service: boolean }
     return () => { gone = true; clearInterval(again); };
   }, [service, tick]);
   const ask = async () => {
-    setProblem("");
-    if (!confirm(say("valveSure"))) return;
-    await post("watch/valve_checks", { machine }).catch((failure: Error) => setProblem(failure.message));
+    if (confirm(say("valveSure"))) await attempt(() => post("watch/valve_checks", { machine }));
   };
   return (
-    <p class="ask">
+    <div class="ask">
       {session?.changes && <button name="sweep" disabled={!service} title={service ? "" : say("serviceNone")} onClick={() => void ask()}>{say("valveAsk")}</button>}{" "}
       <span role="status">{!service ? <span class="quiet">{say("valveNoService")}</span> : told && <span lang="en" data-told>{told}</span>}</span>
-      {problem && <span role="alert" class="problem" lang="en"> {problem}</span>}
-    </p>
+      <Problem of={problem} />
+    </div>
   );
 }
 

@@ -1,4 +1,5 @@
 import { useEffect, useMemo } from "preact/hooks";
+import { Problem } from "../failure";
 import { useStore } from "../store";
 import { useUrl } from "../url_state";
 import { inChosen, unitsKey } from "../units";
@@ -54,7 +55,7 @@ export function Watch({ view }: { view: View }) {
   const looked_at = overview.machines?.find((machine) => machine.machine === query.machine) ?? overview.machines?.[0];
   return (
     <CountedIn of={looked_at?.counted}><div class="watch">
-      {overview.problem && <p class="problem" role="alert">{say("watchProblem")} <span lang="en">{overview.problem}</span></p>}
+      <Problem of={overview.problem} before={`${say("watchProblem")} `} />
       {!overview.machines ? null
         : view === "trends" ? <Trends overview={overview} />
         : view === "alarms" ? <Alarms overview={overview} />

@@ -2,6 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { find, get } from "../api";
+import { knowEffects } from "../effect_titles";
 import { hear } from "../store";
 import type { Alarm, Overview } from "./watch_types";
 
@@ -24,6 +25,7 @@ function set(change: Partial<State>) {
 export async function refreshWatch(changed = false): Promise<void> {
   const overview = await find<Overview>("watch/overview");
   if (!overview) return;  // being read: an event tells when it was
+  knowEffects(overview.effects ?? []);
   const { alarms } = await get<{ alarms: Alarm[] }>("watch/alarms");
   if (!changed && JSON.stringify([overview, alarms]) === JSON.stringify([state.overview, state.alarms])) return;
   set({ overview, alarms, tick: state.tick + 1 });

@@ -1,5 +1,8 @@
 // What /api/v1/watch/... answers (docs/page.md). SI units; numbers that are not known are null.
 
+import type { Titled } from "../effect_titles";
+import type { Failure } from "../failure";
+
 export type MaybeNumber = number | null;
 
 export interface WatchedUnit { si: string; factor: number; offset: number; name: string; symbol: string; meaning: string; german?: { meaning: string; sentence?: string }; sentence: string; relative: boolean }
@@ -16,7 +19,9 @@ export interface WatchedMachine {
   model_version: number; effects: string[]; reference_version: number; judged_to: number; alarms: number; parameters: WatchedParameter[];
 }
 export interface Overview {
-  database: string; service: boolean; journal: boolean; user: string; problem: string | null;
+  database: string; service: boolean; journal: boolean; user: string; problem: Failure | null;
+  /** The libraries of all machines. */
+  effects: Titled[];
   machines: WatchedMachine[]; presses: { machine: string; alarms: number }[];
 }
 

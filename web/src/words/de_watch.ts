@@ -165,8 +165,6 @@ export const deWatch: typeof enWatch = {
   loginToRead: "Von anderen Rechnern aus sieht diese Seite nur, wer sich anmeldet.",
   loginToAct: "Zum Ansehen brauchen Sie keine Anmeldung, zum Quittieren und Ändern schon.",
   loginNoUsers: "Noch gibt es niemanden, der sich anmelden könnte. Der erste wird auf dem Rechner des Dienstes angelegt:",
-  loginWrong: "Name oder Passwort ist falsch.",
-  loginWait: "Zu viele Versuche. Versuchen Sie es in einer Viertelstunde wieder.",
   userName: "Name",
   password: "Passwort",
   role_view: "sieht an",

@@ -163,8 +163,6 @@ export const enWatch = {
   loginToRead: "From other computers this page is seen by those only who log in.",
   loginToAct: "To look you need no login. To acknowledge alarms and to change something you do.",
   loginNoUsers: "There is nobody yet who could log in. The first is made on the computer of the service:",
-  loginWrong: "Name or password is wrong.",
-  loginWait: "Too many attempts. Try again in a quarter of an hour.",
   userName: "Name",
   password: "Password",
   role_view: "looks",

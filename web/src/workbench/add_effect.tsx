@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { find } from "../api";
+import { failureOf, Problem, useAttempt, type Failure } from "../failure";
 import { Formula } from "../formula";
 import { work } from "../store";
 import type { CompareResult, Effect, ExplainResult, Preview, Session } from "../types";
@@ -23,19 +24,11 @@ export function AddEffect({ id, session, effects, explain, compare }: Props) {
   const part = machine.effects.includes(id);
   const testable = explain?.ranking.find((ranked) => ranked.effect === id)?.testable ?? true;
   const { preview, problem } = usePreview(id, machine.version, !part && effect !== undefined && testable);
-  const [busy, setBusy] = useState(false);
-  const [failure, setFailure] = useState("");
-  const change = async (kind: "add" | "remove") => {
-    setBusy(true);
-    setFailure("");
-    try {
-      await work(kind, { effect: id });
-      setUrl({ step: "confirm", effect: "" });
-    } catch (error) {
-      setFailure((error as Error).message);
-    }
-    setBusy(false);
-  };
+  const { busy, problem: failure, attempt } = useAttempt();
+  const change = (kind: "add" | "remove") => attempt(async () => {
+    await work(kind, { effect: id });
+    setUrl({ step: "confirm", effect: "" });
+  });
   const choose = (effect: string) => setUrl({ effect });
   const others = <><PartList session={session} effects={effects} choose={choose} /><OwnEffect machine={machine} units={session.units} choose={choose} /></>;
   if (!effect) return <><h1>{say("addTitle")}</h1><p class="empty">{say("addChoose")}</p>{others}</>;
@@ -56,12 +49,12 @@ export function AddEffect({ id, session, effects, explain, compare }: Props) {
         <button disabled={busy} onClick={() => void change("remove")}>{say("removeButton", { title })}</button>
       </> : <>
         {!preview && !problem && testable && <p class="empty" role="status">{say("addWorking")}</p>}
-        {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+        <Problem of={problem} />
         {preview && <Effects preview={preview} session={session} />}
         {preview && compare && explain && <OverAStroke id={id} title={title} session={session} compare={compare} />}
         <button class="primary" data-add={id} disabled={busy || !preview} onClick={() => void change("add")}>{say("addButton", { title })}</button>
       </>}
-      {failure && <p role="alert" class="problem" lang="en">{failure}</p>}
+      <Problem of={failure} />
       {others}
     </>
   );
@@ -111,13 +104,16 @@ function OverAStroke({ id, title, session, compare }: { id: string; title: strin
   );
 }
 
-function usePreview(effect: string, version: number, wanted: boolean): { preview: Preview | null; problem: string } {
-  const [state, setState] = useState<{ preview: Preview | null; problem: string }>({ preview: null, problem: "" });
+interface Previewed { preview: Preview | null; problem: Failure | null }
+const notPreviewed: Previewed = { preview: null, problem: null };
+
+function usePreview(effect: string, version: number, wanted: boolean): Previewed {
+  const [state, setState] = useState(notPreviewed);
   useEffect(() => {
-    setState({ preview: null, problem: "" });
+    setState(notPreviewed);
     if (!wanted) return;
     let current = true;
-    const show = (next: { preview: Preview | null; problem: string }) => current && setState(next);
+    const show = (next: Previewed) => current && setState(next);
     const query = { kind: "preview", about: effect, version };
     const load = async () => {
       let preview = await find<Preview>("results", query);
@@ -125,9 +121,9 @@ function usePreview(effect: string, version: number, wanted: boolean): { preview
         await work("preview", { effect });
         preview = await find<Preview>("results", query);
       }
-      show({ preview, problem: "" });
+      show({ preview, problem: null });
     };
-    load().catch((failure: Error) => show({ preview: null, problem: failure.message }));
+    load().catch((caught) => show({ preview: null, problem: failureOf(caught) }));
     return () => { current = false; };
   }, [effect, version, wanted]);
   return state;

@@ -29,6 +29,7 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
   const picture = usePicture(stroke?.stroke, machine.version, compare), before = usePicture(parent ? stroke?.stroke : undefined, parent, compare);
   if (!compare) return <p class="empty">{say("loading")}</p>;
   const free = query.view === "free" && !machine.states;
+  const log = session.logs.length > 1 ? compare.per_stroke.find((s) => s.stroke === stroke?.stroke)?.log : undefined;
   const go = (to: number) => setUrl({ stroke: String(worst[Math.min(worst.length - 1, Math.max(0, to))].stroke) });
   return (
     <>
@@ -40,7 +41,7 @@ export function Compare({ compare, errors, session, query, setUrl }: Props) {
         <div class="scrubber">
           <button onClick={() => go(place - 1)} disabled={place === 0} aria-label={say("previous")}>‹</button>
           <label>
-            <span>{say("compareStroke")} {stroke.stroke} · {amount(stroke.rms, compare.unit)} · {say("compareOf", { n: place + 1, count: worst.length })} ({say("compareWorst")})</span>
+            <span>{say("compareStroke")} {stroke.stroke}{log && ` · ${log}`} · {amount(stroke.rms, compare.unit)} · {say("compareOf", { n: place + 1, count: worst.length })} ({say("compareWorst")})</span>
             <input type="range" min={0} max={worst.length - 1} value={place} aria-label={say("compareStrokes")} onInput={(e) => go(Number(e.currentTarget.value))} />
           </label>
           <button onClick={() => go(place + 1)} disabled={place === worst.length - 1} aria-label={say("next")}>›</button>

@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { post } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { refresh } from "../store";
 import type { CompareResult, Session, Version } from "../types";
 import { amount } from "../units";
@@ -68,17 +69,12 @@ function Save({ session }: { session: Session }) {
   const say = useWords();
   const [name, setName] = useState(session.machine!.suggested_file);
   const [told, setTold] = useState("");
-  const [problem, setProblem] = useState("");
-  const save = async () => {
-    setProblem("");
-    try {
-      const { path } = await post<{ path: string }>("save", { name });
-      setTold(path);
-      await refresh();
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-  };
+  const { problem, attempt } = useAttempt();
+  const save = () => attempt(async () => {
+    const { path } = await post<{ path: string }>("save", { name });
+    setTold(path);
+    await refresh();
+  });
   const download = async () => {
     const text = await fetch("/api/v1/machine").then((answer) => answer.text());
     const link = document.createElement("a");
@@ -95,7 +91,7 @@ function Save({ session }: { session: Session }) {
       {!session.login && <button class="primary" disabled={!session.unsaved} onClick={() => void save()}>{session.file ? say("saveTo", { file: session.file.split("/").pop()! }) : say("save")}</button>}
       <button class="quiet" onClick={() => void download()}>{say("download")}</button>
       {told && <p role="status" class="saved" data-saved={told}>{say("saved", { path: told })}<br /><code>{say("saveNext", { file: told })}</code></p>}
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
     </section>
   );
 }

@@ -1,5 +1,6 @@
-import { useRef, useState } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import { post, upload } from "../api";
+import { Problem, useAttempt } from "../failure";
 import { refresh } from "../store";
 import type { Session } from "../types";
 import { useWords } from "../words";
@@ -8,16 +9,11 @@ import { useWords } from "../words";
 export function Logs({ session }: { session: Session }) {
   const say = useWords();
   const chooser = useRef<HTMLInputElement>(null);
-  const [problem, setProblem] = useState("");
-  const attempt = async (act: () => Promise<unknown>) => {
-    setProblem("");
-    try {
-      await act();
-      await refresh();
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-  };
+  const { problem, attempt } = useAttempt();
+  const change = (act: () => Promise<unknown>) => void attempt(async () => {
+    await act();
+    await refresh();
+  });
   const held = session.logs.find((log) => log.held_out)?.name ?? "";
   return (
     <section class="logs">
@@ -25,16 +21,16 @@ export function Logs({ session }: { session: Session }) {
       <ul>{session.logs.map((log) => <li key={log.name}>{log.name.split("/").pop()}{log.held_out && <em> · {say("logHeldOut")}</em>}</li>)}</ul>
       <button class="quiet small" onClick={() => chooser.current?.click()}>{say("logAdd")}</button>
       <input ref={chooser} class="more-logs" type="file" multiple hidden aria-label={say("logAdd")} accept=".csv,.gz,.txt,.dat,.mat"
-        onChange={(e) => { for (const file of e.currentTarget.files ?? []) void attempt(() => upload("logs", file)); }} />
+        onChange={(e) => { for (const file of e.currentTarget.files ?? []) change(() => upload("logs", file)); }} />
       {session.logs.length > 1 && (
         <label>{say("logHoldOut")}{" "}
-          <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; void attempt(() => post("hold_out", { log })); }}>
+          <select name="hold-out" value={held} onChange={(e) => { const log = e.currentTarget.value; change(() => post("hold_out", { log })); }}>
             <option value="">{say("mapNone")}</option>
             {session.logs.map((log) => <option key={log.name} value={log.name}>{log.name.split("/").pop()}</option>)}
           </select>
         </label>
       )}
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
     </section>
   );
 }

@@ -1,9 +1,11 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { post } from "../api";
+import { failureOf, type Failure } from "../failure";
 import { refresh } from "../store";
 import type { MachineInfo } from "../types";
 import { Formula } from "../formula";
 import { pageColor, Plot } from "../plot";
+import { Told } from "../told";
 import { unitName, unitOf, type Units } from "../units";
 import { useWords } from "../words";
 
@@ -18,15 +20,15 @@ export function OwnEffect({ machine, units, choose }: { machine: MachineInfo; un
   const [id, setId] = useState("own_effect");
   const [expression, setExpression] = useState("");
   const [notNegative, setNotNegative] = useState(true);
-  const [problem, setProblem] = useState<string | null>(null);
+  const [problem, setProblem] = useState<Failure | "none" | null>(null);  // null: nothing was written
   const [course, setCourse] = useState<Course | null>(null);
   const written = { id, expression, not_negative: notNegative };
   useEffect(() => {
     if (expression.trim() === "") { setCourse(null); return setProblem(null); }
     let wanted = true;
-    const says = (wrong: string, there: Course | null) => { if (wanted) { setProblem(wrong); setCourse(there); } };
+    const says = (wrong: Failure | "none", there: Course | null) => { if (wanted) { setProblem(wrong); setCourse(there); } };
     const timer = setTimeout(() => {
-      post<{ course: Course | null }>("effect", written).then((answer) => says("", answer.course), (failure: Error) => says(failure.message, null));
+      post<{ course: Course | null }>("effect", written).then((answer) => says("none", answer.course), (caught) => says(failureOf(caught), null));
     }, pause);
     return () => { wanted = false; clearTimeout(timer); };
   }, [id, expression, notNegative]);
@@ -36,24 +38,25 @@ export function OwnEffect({ machine, units, choose }: { machine: MachineInfo; un
       await refresh();
       setExpression("");
       choose(id);
-    } catch (failure) {
-      setProblem((failure as Error).message);
+    } catch (caught) {
+      setProblem(failureOf(caught));
     }
   };
   if (machine.states) return null;
+  const wrong = problem === "none" ? null : problem;
   return (
     <details class="own">
       <summary>{say("ownTitle")}</summary>
       <p>{say("ownText")} <code>{machine.signals.join("  ")}  ddt(…)  sign(…)  sqrt(…)  exp(…)  max(…, …)</code></p>
       <label>{say("ownName")} <input name="own-id" value={id} onInput={(e) => setId(e.currentTarget.value)} /></label>
       <label>{say("ownExpression")} <input name="own-expression" class="code" value={expression} spellcheck={false} autocomplete="off"
-        aria-invalid={problem ? "true" : undefined} aria-describedby="own-says" onInput={(e) => setExpression(e.currentTarget.value)} /></label>
+        aria-invalid={wrong ? "true" : undefined} aria-describedby="own-says" onInput={(e) => setExpression(e.currentTarget.value)} /></label>
       <label class="tick-box"><input type="checkbox" checked={notNegative} onChange={(e) => setNotNegative(e.currentTarget.checked)} /> {say("ownNotNegative")}</label>
       <div id="own-says" role="status">
-        {problem ? <pre class="problem" lang="en">{problem}</pre> : problem === "" && <p class="verdict good">{say("ownFine")} <Formula law={`k ${expression}`} /></p>}
+        {wrong ? <pre class="problem"><Told of={wrong} what="error" /></pre> : problem === "none" && <p class="verdict good">{say("ownFine")} <Formula law={`k ${expression}`} /></p>}
       </div>
       {course && <TermPlot course={course} expression={expression} units={units} />}
-      <button class="primary" disabled={problem !== ""} onClick={() => void keep()}>{say("ownTry")}</button>
+      <button class="primary" disabled={problem !== "none"} onClick={() => void keep()}>{say("ownTry")}</button>
     </details>
   );
 }

@@ -1,4 +1,5 @@
 import { useState } from "preact/hooks";
+import { Problem, useAttempt } from "../failure";
 import { work } from "../store";
 import type { Session } from "../types";
 import { amount } from "../units";
@@ -12,24 +13,16 @@ export function Promote({ session }: { session: Session }) {
   const { overview } = useWatch();
   const [comment, setComment] = useState("");
   const [told, setTold] = useState(false);
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState("");
+  const { busy, problem, attempt } = useAttempt();
   const current = session.versions.find((version) => version.current);
   const watched = overview?.machines?.find((machine) => machine.machine === session.strokes?.machine);
   const names = useModelName();
-  const promote = async () => {
-    setBusy(true);
-    setProblem("");
-    try {
-      await work("promote", { comment }, "promote");
-      setComment("");
-      setTold(true);
-      await refreshWatch(true);
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-    setBusy(false);
-  };
+  const promote = () => attempt(async () => {
+    await work("promote", { comment }, "promote");
+    setComment("");
+    setTold(true);
+    await refreshWatch(true);
+  });
   return (
     <section class="promote">
       <h1>{say("promoteTitle")}</h1>
@@ -45,7 +38,7 @@ export function Promote({ session }: { session: Session }) {
           <div class="buttons"><button class="primary" disabled={busy || comment.trim() === "" || !session.unsaved} onClick={() => void promote()}>{say("step_promote")}</button></div>
           {!session.unsaved && !told && <small>{say("promoteSame")}</small>}
           {told && <p role="status" class="verdict good" data-done>{say("promoteDone")}</p>}
-          {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+          <Problem of={problem} />
         </div>}
       </>}
     </section>

@@ -28,14 +28,14 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
       {there && <p class="region" data-ranked-there>{say("rankingThere")}</p>}
       {tried.length === 0 ? <p class="empty">{say("rankingNone")}</p> : (
         <Scroll label={say("rankingTitle")}>
-          <table>
-            <thead><tr><th>{say("rankingEffect")}</th><th class="num">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th>{say("rankingSize")}</th></tr></thead>
+          <table role="table">
+            <thead><tr role="row"><th role="columnheader">{say("rankingEffect")}</th><th role="columnheader">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th role="columnheader">{say("rankingSize")}</th></tr></thead>
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
-                <tr key={ranked.effect} class={ranked.effect === chosen ? "chosen" : ""}>
-                  <th scope="row"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
-                  <td class="num">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
-                  <td>{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
+                <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
+                  <th scope="row" role="rowheader"><button class="link" onClick={() => choose(ranked.effect)}>{title(ranked.effect)}{ranked.significant && " *"}</button></th>
+                  <td role="cell">{short(shownNumber(ranked.rms_holdout, explain.unit))}<Bar share={ranked.rms_holdout! / Math.max(before, noise)} /></td>
+                  <td role="cell">{sizes(ranked, effects.find((effect) => effect.id === ranked.effect)).map(([name, parameter]) => <div key={name}><small>{name}</small> {withInterval(parameter, units)}</div>)}</td>
                 </tr>
               ))}
             </tbody>

@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { Problem, useAttempt } from "../failure";
 import { work } from "../store";
 import type { Session, Version } from "../types";
 import { amount } from "../units";
@@ -14,17 +14,11 @@ function depth(version: Version, versions: Version[]): number {
 /** The error on strokes left out of every version of the model, beside what sensor noise alone would cause. */
 export function Staircase({ session }: { session: Session }) {
   const say = useWords(), modelName = useModelName();
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState("");
+  const { busy, problem, attempt } = useAttempt();
   const judged = session.versions.filter((version) => version.rms_holdout !== null);
   const largest = Math.max(...judged.map((v) => Math.max(v.rms_holdout!, v.noise_floor ?? 0)), 1e-300) * 1.05;
   const noise = judged.length > 0 ? judged[judged.length - 1].noise_floor : null;
-  const goBack = async (version: number) => {
-    setBusy(true);
-    setProblem("");
-    await work("restore", { version }).catch((failure: Error) => setProblem(failure.message));
-    setBusy(false);
-  };
+  const goBack = (version: number) => attempt(() => work("restore", { version }));
   return (
     <div class="staircase">
       <h2>{say("versions")}</h2>
@@ -48,7 +42,7 @@ export function Staircase({ session }: { session: Session }) {
         ))}
       </ol>
       {noise !== null && <p class="noise-key"><b aria-hidden="true" /> {say("noise")}: {amount(noise, judged[0].unit ?? "")}</p>}
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
     </div>
   );
 }

@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { Problem, useAttempt } from "../failure";
 import { work } from "../store";
 import type { Effect, ExplainResult } from "../types";
 import { useTold } from "../told";
@@ -10,27 +10,19 @@ import { useWords } from "../words";
 export function Swap({ swap, unit, effects }: { swap: NonNullable<ExplainResult["swap"]>; unit: string; effects: Effect[] }) {
   const say = useWords(), tell = useTold();
   const [, setUrl] = useUrl();
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState("");
+  const { busy, problem, attempt } = useAttempt();
   const title = (id: string) => { const known = effects.find((effect) => effect.id === id); return known?.title ? tell(known, "title").text : id; };
-  const replace = async () => {
-    setBusy(true);
-    setProblem("");
-    try {
-      await work("remove", { effect: swap.out });
-      for (const effect of swap.in) await work("add", { effect });
-      setUrl({ step: "confirm", effect: "" });
-    } catch (failure) {
-      setProblem((failure as Error).message);
-    }
-    setBusy(false);
-  };
+  const replace = () => attempt(async () => {
+    await work("remove", { effect: swap.out });
+    for (const effect of swap.in) await work("add", { effect });
+    setUrl({ step: "confirm", effect: "" });
+  });
   const values = { out: title(swap.out), in: swap.in.map(title).join(" + "), before: amount(swap.rms_holdout_before, unit), after: amount(swap.rms_holdout_after, unit) };
   return (
     <div class="suspect">
       <p>{say(swap.in.length > 0 ? "swap" : "swapOut", values)}</p>
       <button data-swap={swap.out} disabled={busy} onClick={() => void replace()}>{say(swap.in.length > 0 ? "swapButton" : "swapOutButton")}</button>
-      {problem && <p role="alert" class="problem" lang="en">{problem}</p>}
+      <Problem of={problem} />
     </div>
   );
 }

@@ -1,3 +1,4 @@
+import { Problem, type Failure } from "../failure";
 import { Formula } from "../formula";
 import type { Effect, ExplainResult } from "../types";
 import { Told, ToldList } from "../told";
@@ -9,12 +10,12 @@ import { rangeWords } from "./region";
 import { Remainder } from "./remainder";
 import { Swap } from "./swap";
 
-interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: string; choose: (effect: string) => void }
+interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: Failure; choose: (effect: string) => void }
 
 /** What the model misses, in plain words, and what to do about it. */
 export function Verdict({ explain, effects, units, problem, choose }: Props) {
   const say = useWords();
-  if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p></section>;
+  if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
   const unit = explain.unit;
   const errors = { before: amount(explain.base.rms_holdout, unit), after: amount(explain.final.rms_holdout, unit), noise: amount(explain.noise_floor, unit) };

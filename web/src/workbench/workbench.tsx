@@ -1,3 +1,4 @@
+import { Problem } from "../failure";
 import { useStore } from "../store";
 import type { Session } from "../types";
 import { useUrl } from "../url_state";
@@ -45,7 +46,7 @@ export function Workbench({ session }: { session: Session }) {
       <Stepper step={step} go={(name) => setUrl({ step: name })} />
       <aside class="left"><Staircase session={session} /><Logs session={session} /></aside>
       <section class="centre" aria-live="polite">
-        {problem ? <p role="alert" class="problem">{say("failed", { why: "" })}<span lang="en">{problem}</span></p>
+        {problem ? <Problem of={problem} before={say("failed")} />
           : step === "check" ? <Check check={results.check} picture={results.picture} session={session} />
           : step === "compare" ? <Compare compare={results.compare} errors={errors} session={session} query={query} setUrl={setUrl} />
           : step === "locate" ? <Locate compare={results.compare} errors={errors} query={query} setUrl={setUrl} />
