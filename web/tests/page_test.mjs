@@ -277,9 +277,11 @@ test("a machine that is no cushion goes the same way, with its own effect", asyn
   assert.ok(unseen > 3, `the model errs by ${unseen} N on the log held out`);
   await page.waitForSelector("[data-effect=pressure_friction]");
   assert.match(await page.locator(".centre").innerText(), / N/);
-  const named = new Set();  // the stroke's log stands beside it
-  for (let k = 0; k < 8; ++k, await page.click(".scrubber [aria-label=next]:not([disabled])")) named.add((await page.locator(".scrubber label span").innerText()).match(/ · (seal_[\d.]+\.csv) · /)?.[1]);
-  assert.ok(named.size > 1 && !named.has(undefined) && !named.has("seal_3.5.csv"), `${[...named]}`);
+  const log = async () => (await page.locator(".scrubber label span").innerText()).match(/ · (seal_[\d.]+\.csv) · /)[1];  // the stroke's own
+  const worst = await log();
+  await page.locator(".scrubber input").press("End");
+  await until(page, `!document.querySelector(".scrubber label span").textContent.includes(${JSON.stringify(worst)})`);
+  assert.ok(![worst, await log()].includes("seal_3.5.csv"), "the log held out has no strokes here");
   await page.click("[data-effect=pressure_friction]");
   await page.waitForSelector("[data-preview]");
   await page.click("[data-add=pressure_friction]");

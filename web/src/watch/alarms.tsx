@@ -88,7 +88,7 @@ export function Alarms({ overview }: { overview: Overview }) {
               const key = `${alarm.machine}/${alarm.alarm}`;
               return (
                 <tr key={key} role="row" class={key === query.alarm ? "chosen" : ""}>
-                  <td role="cell"><span class={`state state-${alarm.state}`} title={say(`state_${alarm.state}` as "state_UNACK")}>{alarm.state}</span></td>
+                  <td role="cell"><span class={`state state-${alarm.state}`} title={alarm.state}>{say(`state_${alarm.state}` as "state_UNACK")}</span></td>
                   <td role="cell"><span class={`severity severity-${alarm.severity}`}>{say(`severity_${alarm.severity}`)}</span></td>
                   <td role="cell" data-label={say("alarm_since")}><CountedIn of={countedOf(alarm.machine)}><Since alarm={alarm} /></CountedIn></td>
                   <td role="cell" data-label={say("alarm_axis")}>{alarm.machine}</td>

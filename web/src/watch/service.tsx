@@ -65,7 +65,7 @@ function Status({ overview, service }: { overview: Overview; service: ServiceSta
         <div><dt>{say("serviceQueues")}</dt><dd>{say("serviceWaiting", { batches: inbox.batches, steps: writer.waiting_items, bytes: megabytes(writer.waiting_bytes) })}</dd></div>
         <div><dt>{say("serviceLost")}</dt><dd class={lost > 0 ? "moved" : ""}>{say("serviceLostWhat", { batches: inbox.dropped_batches, rows: writer.dropped_rows, strokes: writer.dropped_strokes })}</dd></div>
         <div><dt>{say("serviceDisk")}</dt><dd>{say("serviceDiskWhat", { free: writer.free_bytes > 0 ? megabytes(writer.free_bytes) : "–", database: writer.database_bytes > 0 ? megabytes(writer.database_bytes) : "–" })}</dd></div>
-        <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {megabytes(service.memory_bytes)}, {service.descriptors} fd</dd></div>
+        <div><dt>{say("serviceProcess")}</dt><dd>{short(service.cpu_s)} s CPU, {megabytes(service.memory_bytes)}, {say("serviceFiles", { count: service.descriptors })}</dd></div>
         {service.valve_check && <div><dt>{say("valveChecks")}</dt><dd lang="en">{service.valve_check}</dd></div>}
         {service.limits && <div><dt>{say("serviceReload")}</dt><dd lang="en">{service.limits}</dd></div>}
       </dl>

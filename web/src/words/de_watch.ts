@@ -220,6 +220,7 @@ export const deWatch: typeof enWatch = {
   serviceLostWhat: "{batches} <Paket/Pakete>, {rows} <Zeile/Zeilen>, {strokes} <Hub/Hübe|Episode/Episoden>",
   serviceDisk: "Platte",
   serviceDiskWhat: "{free} frei, Datenbank {database}",
+  serviceFiles: "{count} offene <Datei/Dateien>",
   serviceProcess: "Prozess",
   serviceReload: "Zuletzt neu gelesen",
   serviceSources: "Quellen",

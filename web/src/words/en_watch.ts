@@ -218,6 +218,7 @@ export const enWatch = {
   serviceLostWhat: "{batches} <batch/batches>, {rows} <row/rows>, {strokes} <stroke/strokes|episode/episodes>",
   serviceDisk: "Disk",
   serviceDiskWhat: "{free} free, database {database}",
+  serviceFiles: "{count} open <file/files>",
   serviceProcess: "Process",
   serviceReload: "Last reload",
   serviceSources: "Sources",

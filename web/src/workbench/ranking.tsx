@@ -29,7 +29,7 @@ export function Ranking({ explain, errors, effects, units, chosen, choose }: Pro
       {tried.length === 0 ? <p class="empty">{say("rankingNone")}</p> : (
         <Scroll label={say("rankingTitle")}>
           <table role="table">
-            <thead><tr role="row"><th role="columnheader">{say("rankingEffect")}</th><th role="columnheader">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th role="columnheader">{say("rankingSize")}</th></tr></thead>
+            <thead><tr role="row"><th role="columnheader"><span class="unseen">{say("rankingEffect")}</span></th><th role="columnheader">{say(there ? "rankingErrorThere" : "rankingError")}{nameOf(explain.unit) && ` (${nameOf(explain.unit)})`}</th><th role="columnheader">{say("rankingSize")}</th></tr></thead>
             <tbody>
               {tried.slice(0, all ? undefined : shownAtFirst).map((ranked) => (
                 <tr key={ranked.effect} role="row" class={ranked.effect === chosen ? "chosen" : ""}>
