@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -46,7 +47,9 @@ struct KnownValue {
 };
 
 /// What a signal does between two rows.
-enum class InputHold { kZero, kLinear };
+enum class InputHold { kZero, kLinear, kSmooth };
+/// As machine files name them.
+inline constexpr std::array<const char*, 3> kInputHoldNames = {"zero", "linear", "smooth"};
 
 /// How a text log is laid out; what is absent is found by looking at the file.
 struct LogFormat {

@@ -148,7 +148,7 @@ Episode AtShaftAngles(const Episode& episode, int speed, const std::vector<int>&
   for (int s = 0; s < episode.signal.cols(); ++s) {
     if (std::find(outputs.begin(), outputs.end(), s) != outputs.end())
       TakeMeans(episode, s, angle, places, out);
-    else if (hold == InputHold::kLinear)
+    else if (hold != InputHold::kZero)
       TakePolygon(episode, s, places, out);
     else
       TakeLevels(episode, s, places, out);

@@ -18,6 +18,7 @@
 #include "workbench/plausibility.h"
 #include "workbench/states/states_log.h"
 #include "workbench/states/states_output.h"
+#include "workbench/states/states_warnings.h"
 
 namespace hydroscope {
 namespace {

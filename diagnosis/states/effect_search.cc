@@ -382,6 +382,13 @@ class EffectSearch {
     for (std::size_t k = 1; k < levels_.size(); ++k)
       out_.steps.emplace_back(levels_[k].front().added.back(),
                               std::sqrt(levels_[k].front().held_out / readings(levels_[k].front())));
+    if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && Coloured(out_.final)) {
+      out_.verdict = Verdict::kUnknown;
+      out_.astray = true;
+      out_.nearest = out_.final.added;
+      out_.partial = !out_.nearest.empty();
+      return;
+    }
     if (out_.final.added.empty()) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;

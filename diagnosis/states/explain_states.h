@@ -48,6 +48,7 @@ struct ExplainStatesOptions {
   double sure_t = 4;  ///< ... and its t there
   double min_removed =
       0.2;  ///< of the energy that functions can predict: what a further effect must take away
+  double hardly_follows = kHardlyFollows;  ///< error over an output's variation that allows no verdict
   double left_share =
       0.02;               ///< of that energy: what a complete explanation may leave; of n effects 1/n^2 of it
   double same_law = 0.1;  ///< terms of two effects that differ by no more than this share are one law
@@ -69,6 +70,7 @@ struct StatesExplanation {
   Verdict verdict = Verdict::kUnknown;
   std::vector<std::string> set;                  ///< best first
   std::vector<std::vector<std::string>> groups;  ///< per hidden effect, those that may be it
+  bool astray = false;                           ///< unknown: the free run hardly follows what was measured
   bool partial = false;  ///< unknown: `nearest` explains part of it; named: a little is left
   std::vector<std::string>
       nearest;             ///< effects that explain a part, but may stand for a law nobody has named

@@ -176,7 +176,7 @@ bool KeepsSpeeds(const StateModel& model, const Episode& moved) {
 }
 
 Episode MovedRecord(const RecordMove& move, const StateModel& model, const Episode& recorded, int most_rows) {
-  const bool linear = model.machine.log.hold == InputHold::kLinear;
+  const bool linear = model.machine.log.hold != InputHold::kZero;
   Episode out;
   out.log = recorded.log;
   const double period = (recorded.time.back() - recorded.time.front()) / std::max(1, recorded.rows() - 1);

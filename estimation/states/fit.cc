@@ -1,31 +1,22 @@
 #include "estimation/states/fit.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <random>
 
 #include "estimation/states/evidence.h"
+#include "estimation/states/fit_task.h"
 #include "estimation/states/growing.h"
 #include "estimation/states/shooting.h"
 
 namespace hydroscope {
 namespace {
 
-shooting::Point PointAt(const shooting::Task& task, const Eigen::VectorXd& parameters) {
-  shooting::Point point;
-  for (std::size_t p = 0; p < task.scale.size(); ++p)
-    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
-  return point;
-}
-
 /// A start fitted with short segments, joints first soft then stiff, then as a whole. Not valid where the model diverges.
 shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, const StateFitOptions& options) {
   constexpr double kSoft = 0.1, kStiff = 0.01;
-  shooting::Point shot = PointAt(task, parameters);
+  shooting::Point shot = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> segments =
       shooting::ShortSegments(task.episodes, options.segment_rows);
   shooting::GuessSegments(task, segments, shot);
@@ -50,7 +41,7 @@ shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& par
                           const StateFitOptions& options) {
   shooting::Point best = Shot(task, parameters, options);
   if (best.valid && best.cost <= enough) return best;
-  shooting::Point alone = PointAt(task, parameters);
+  shooting::Point alone = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   shooting::GuessSegments(task, whole, alone);
   if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, alone) &&
@@ -59,120 +50,16 @@ shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& par
   return best;
 }
 
-/// The first rows of the episodes, `rows` in all; whole episodes where they fit.
-std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows) {
-  std::vector<Episode> out;
-  for (const Episode& e : episodes) {
-    if (rows <= 1) break;
-    const int take = std::min(rows, e.rows());
-    out.push_back(
-        {e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take), e.mean_rows});
-    rows -= take;
-  }
-  return out;
-}
-
-Eigen::VectorXd OutputScale(const StateModel& model, std::span<const Episode> episodes) {
-  Eigen::VectorXd scale(model.output.rows);
-  for (int j = 0; j < model.output.rows; ++j) {
-    double count = 0, sum = 0, squares = 0;
-    for (const Episode& e : episodes)
-      for (int row = 0; row < e.rows(); ++row) {
-        const double y = e.signal(row, model.outputs[static_cast<std::size_t>(j)]);
-        if (!std::isfinite(y)) continue;
-        const double step = y - sum / std::max(count, 1.0);
-        count += 1;
-        sum += y;
-        squares += step * (y - sum / count);
-      }
-    scale[j] = std::max(std::sqrt(squares / std::max(count, 1.0)), 1e-300);
-  }
-  return scale;
-}
-
-/// Largest size of each state, from data, limits and a run of the model.
-Eigen::VectorXd StateScale(const shooting::Task& task, const Eigen::VectorXd& theta) {
-  const int states = task.model->states();
-  StateSimulator simulator(task.model);
-  simulator.SetParameters(theta);
-  StateRun run;
-  shooting::Trial(task, theta, task.episodes.front(), run);
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(states);
-  for (int i = 0; i < states; ++i) {
-    const int output = task.model->measured_by[static_cast<std::size_t>(i)];
-    double largest = 0;
-    if (output >= 0) {
-      for (const Episode& e : task.episodes)
-        for (int row = 0; row < e.rows(); ++row) {
-          const double y = e.signal(row, task.model->outputs[static_cast<std::size_t>(output)]);
-          if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
-        }
-    } else if (!run.diverged) {
-      largest = run.states.col(i).cwiseAbs().maxCoeff();
-    }
-    for (const int limit : {i, states + i})
-      if (largest == 0 && std::isfinite(simulator.limits()[limit]))
-        largest = std::abs(simulator.limits()[limit]);
-    if (largest > 0 && std::isfinite(largest)) scale[i] = largest;
-  }
-  return scale;
-}
-
-shooting::Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes) {
-  constexpr double kFirstNoise = 0.05;  // of an output's variation; found anew once there is a fit
-  shooting::Task task{model, episodes, shooting::ParameterScale(*model), {}, {}, 0};
-  task.noise = kFirstNoise * OutputScale(*model, episodes);
-  Eigen::VectorXd start(model->parameter_count());
-  for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[static_cast<std::size_t>(p)].spec.start;
-  task.state_scale = StateScale(task, start);
-  return task;
-}
-
-/// Starts: that of the machine file, then draws from the ranges; `near`: the first of them close to it, each further away.
-std::vector<Eigen::VectorXd> StartsOf(const shooting::Task& task, const StateFitOptions& options,
-                                      bool near = false) {
-  const auto count = static_cast<Eigen::Index>(task.scale.size());
-  Eigen::VectorXd first(count);
-  for (Eigen::Index p = 0; p < count; ++p)
-    first[p] = task.model->parameters[static_cast<std::size_t>(p)].spec.start;
-  std::vector<Eigen::VectorXd> starts = {first};
-  std::mt19937 random(options.seed);
-  std::uniform_real_distribution<double> uniform;
-  for (int k = 0; k < options.starts && count > 0; ++k) {
-    Eigen::VectorXd drawn = first;
-    for (Eigen::Index p = 0; p < count; ++p) {
-      const auto at = static_cast<std::size_t>(p);
-      const double share = uniform(random), reach = near ? (k + 1.0) / options.starts : 1.0;
-      if (!task.scale.ranged(at)) continue;
-      const double anywhere = task.scale.low(at) + share * (task.scale.high(at) - task.scale.low(at));
-      drawn[p] =
-          task.scale.FromScaled(at, reach * anywhere + (1 - reach) * task.scale.ToScaled(at, first[p]));
-    }
-    starts.push_back(std::move(drawn));
-  }
-  return starts;
-}
-
-/// Where a model that diverges does so.
-std::string DivergedText(const shooting::Task& task, const Eigen::VectorXd& theta) {
-  for (const Episode& episode : task.episodes) {
-    StateRun run;
-    shooting::Trial(task, theta, episode, run);
-    if (!run.diverged) continue;
-    if (run.rows <= 1)
-      return "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
-             "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
-             "second; limit them with max(..., 0), or check start and initial";
-    Eigen::Index worst = 0;
-    run.states.row(run.rows - 1).cwiseAbs().cwiseQuotient(task.state_scale.transpose()).maxCoeff(&worst);
-    return fmt::format(
-        "the model diverges: from the starting values of the machine file {} runs away {:.4g} s after the "
-        "episode's beginning; narrow the ranges in [parameters] or check the signs of its equations",
-        task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
-        episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
-  }
-  return "the model diverges from every start; narrow the ranges in "
-         "[parameters] or check the signs of its equations";
+/// A point of the first rows (FirstRows) taken on to all of a task.
+shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
+                        const StateFitOptions& options) {
+  shooting::Point point = few;
+  shooting::GuessSegments(all, shooting::WholeEpisodes(all.episodes), point);
+  std::copy(few.z.begin(), few.z.end(), point.z.begin());
+  const bool longer = std::any_of(all.episodes.begin(), all.episodes.end(),
+                                  [&](const Episode& e) { return e.rows() > options.start_rows; });
+  if (longer && all.scale.size() > 0) GrowOn(all, options.start_rows, options, point);
+  return point;
 }
 
 /// Runs with sensitivities at a point, residuals, noise.
@@ -220,7 +107,7 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
   constexpr double kSameNoise = 0.02;  // weights that differ by less give the same fit
   StateFit fit;
   fit.model = task.model;
-  fit.scale = OutputScale(*task.model, task.episodes);
+  fit.scale = shooting::OutputScale(*task.model, task.episodes);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   const int rounds = (task.model->output.rows > 1 || task.predicts) && !noise_known && !fixed ? 3 : 1;
   // Many readings: normal equations cost a fraction of a QR decomposition.
@@ -230,7 +117,7 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
         normal ? PolishWhole(task, options, point)
                : shooting::Minimise(task, whole, options.iterations, options.tolerance, fixed, point);
     if (!fine || !TakeRuns(task, point, fit)) {
-      fit.failed = DivergedText(task, shooting::Unscaled(task, point.q));
+      fit.failed = shooting::DivergedText(task, shooting::Unscaled(task, point.q));
       return fit;
     }
     fit.noise = RmsOf(fit.residuals, task.model->output.rows).cwiseMax(kQuiet * fit.scale);
@@ -266,9 +153,9 @@ namespace {
 
 /// Starts one after the other over a growing horizon, until one leaves no more than white noise or ends where the best did.
 StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
-  task.noise = WhiteNoise(*task.model, task.episodes, OutputScale(*task.model, task.episodes));
+  task.noise = WhiteNoise(*task.model, task.episodes, shooting::OutputScale(*task.model, task.episodes));
   // What few outputs see leads astray from far off.
-  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options, !SeesMuch(*task.model));
+  const std::vector<Eigen::VectorXd> starts = shooting::StartsOf(task, options, !SeesMuch(*task.model));
   double readings = 0;
   for (const Episode& e : task.episodes)
     readings += static_cast<double>(e.rows() / e.mean_rows * task.model->output.rows);
@@ -299,7 +186,7 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
   if (!best.valid) {
     StateFit none;
     none.model = task.model;
-    none.failed = DivergedText(task, starts.front());
+    none.failed = shooting::DivergedText(task, starts.front());
     return none;
   }
   std::sort(minima.begin(), minima.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
@@ -316,10 +203,10 @@ StateFit FitStarts(shooting::Task task, const StateFitOptions& options) {
 
 StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                    const StateFitOptions& options) {
-  if (GrowsHorizon(*model)) return FitStarts(TaskOf(model, episodes), options);
-  const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
-  const shooting::Task task = TaskOf(model, few);
-  const std::vector<Eigen::VectorXd> starts = StartsOf(task, options);
+  if (GrowsHorizon(*model)) return FitStarts(shooting::TaskOf(model, episodes), options);
+  const std::vector<Episode> few = shooting::FirstRows(episodes, options.start_rows);
+  const shooting::Task task = shooting::TaskOf(model, few);
+  const std::vector<Eigen::VectorXd> starts = shooting::StartsOf(task, options);
   struct Candidate {
     shooting::Point point;
     int starts = 1;
@@ -348,22 +235,19 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
   if (found.empty()) {
     StateFit none;
     none.model = model;
-    none.failed = DivergedText(task, starts.front());
+    none.failed = shooting::DivergedText(task, starts.front());
     return none;
   }
   std::sort(found.begin(), found.end(),
             [](const auto& a, const auto& b) { return a.point.cost < b.point.cost; });
 
-  shooting::Task all = TaskOf(model, episodes);
+  shooting::Task all = shooting::TaskOf(model, episodes);
   all.noise = task.noise;
   all.state_scale = task.state_scale;
   StateFit best;
   double best_energy = 0;
   for (std::size_t k = 0; k < found.size() && k < static_cast<std::size_t>(options.polished); ++k) {
-    shooting::Point point = found[k].point;
-    const std::vector<std::vector<double>> begin = point.z;
-    shooting::GuessSegments(all, shooting::WholeEpisodes(episodes), point);
-    std::copy(begin.begin(), begin.end(), point.z.begin());
+    shooting::Point point = TakenOn(all, found[k].point, options);
     StateFit fit = Finish(all, std::move(point), false, false, options);
     const double energy = fit.solved() ? fit.noise.cwiseQuotient(fit.scale).squaredNorm() : 0;
     if (fit.solved() && (!best.model || !best.solved() || energy < best_energy)) {
@@ -384,12 +268,12 @@ StateFit FitStates(std::shared_ptr<const StateModel> model, std::span<const Epis
 StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                      std::span<const StateStart> starts, const Eigen::VectorXd& weights,
                      const StateFitOptions& options) {
-  shooting::Task task = TaskOf(model, episodes);
+  shooting::Task task = shooting::TaskOf(model, episodes);
   if (weights.size() > 0) task.noise = weights;
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(episodes);
   shooting::Point best;
   for (const StateStart& start : starts) {
-    shooting::Point point = PointAt(task, start.parameters);
+    shooting::Point point = shooting::PointAt(task, start.parameters);
     shooting::GuessSegments(task, whole, point);
     for (std::size_t e = 0; e < start.initial.size(); ++e)
       point.z[e] = shooting::Scaled(start.initial[e], task.state_scale);
@@ -401,7 +285,7 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
   if (best.z.empty()) {
     StateFit none;
     none.model = model;
-    none.failed = DivergedText(task, starts.front().parameters);
+    none.failed = shooting::DivergedText(task, starts.front().parameters);
     return none;
   }
   return Finish(std::move(task), std::move(best), weights.size() > 0, false, options);
@@ -410,10 +294,13 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
 std::optional<StateStart> ShootStart(std::shared_ptr<const StateModel> model,
                                      std::span<const Episode> episodes, const Eigen::VectorXd& parameters,
                                      const StateFitOptions& options) {
-  const std::vector<Episode> few = FirstRows(episodes, options.start_rows);
-  const shooting::Task task = TaskOf(model, few);
-  const shooting::Point point = Shot(task, parameters, options);
-  if (!point.valid) return std::nullopt;
+  const std::vector<Episode> few = shooting::FirstRows(episodes, options.start_rows);
+  const shooting::Task task = shooting::TaskOf(model, few);
+  const shooting::Point shot = Shot(task, parameters, options);
+  if (!shot.valid) return std::nullopt;
+  shooting::Task all = task;
+  all.episodes = episodes;
+  const shooting::Point point = TakenOn(all, shot, options);
   StateStart start{shooting::Unscaled(task, point.q), {}};
   for (const std::vector<double>& z : point.z)
     start.initial.push_back(Eigen::Map<const Eigen::VectorXd>(z.data(), static_cast<Eigen::Index>(z.size()))
@@ -425,9 +312,9 @@ StateFit PredictStates(const StateFit& free_run, std::span<const Episode> episod
                        const StateFitOptions& options) {
   constexpr double kFirstGain = 0.3;  // of a state that is measured itself
   const StateModel& model = *free_run.model;
-  shooting::Task task = TaskOf(free_run.model, episodes);
+  shooting::Task task = shooting::TaskOf(free_run.model, episodes);
   task.noise = free_run.noise;
-  shooting::Point point = PointAt(task, free_run.parameters);
+  shooting::Point point = shooting::PointAt(task, free_run.parameters);
   shooting::GuessSegments(task, shooting::WholeEpisodes(episodes), point);
   for (std::size_t e = 0; e < free_run.initial.size(); ++e)
     point.z[e] = shooting::Scaled(free_run.initial[e], task.state_scale);
@@ -464,7 +351,7 @@ std::vector<double> BeginningOf(const shooting::Task& of_all, const Episode& epi
     }
     return point;
   };
-  shooting::Point guess = PointAt(task, parameters);
+  shooting::Point guess = shooting::PointAt(task, parameters);
   shooting::GuessSegments(task, {whole}, guess);
   shooting::Point best = followed(guess);
   const int readings = std::min(episode.rows(), options.first_horizon) * task.model->output.rows;
@@ -488,10 +375,10 @@ std::vector<double> BeginningOf(const shooting::Task& of_all, const Episode& epi
 
 StateFit FollowStates(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes,
                       const Eigen::VectorXd& parameters, const Eigen::VectorXd& weights) {
-  shooting::Task task = TaskOf(model, episodes);
+  shooting::Task task = shooting::TaskOf(model, episodes);
   task.noise = weights;
   const StateFitOptions options;
-  shooting::Point point = PointAt(task, parameters);
+  shooting::Point point = shooting::PointAt(task, parameters);
   for (const Episode& episode : episodes) point.z.push_back(BeginningOf(task, episode, parameters, options));
   return Finish(std::move(task), std::move(point), true, true, options);
 }

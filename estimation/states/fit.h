@@ -70,12 +70,18 @@ struct StateFit {
 
   bool solved() const { return failed.empty(); }
   int readings() const;
+  /// Error over the output's variation in the data, of the output that errs most.
+  double ErrorOfVariation() const { return noise.cwiseQuotient(scale).maxCoeff(); }
   /// Energy of the error on pieces left out in turn, outputs over their noise: linearised about the fit. What stands at a limit
   /// of its range stays there.
   double HeldOutEnergy() const;
   /// The same per piece, for comparisons.
   std::vector<double> HeldOutEnergies() const;
 };
+
+/// StateFit::ErrorOfVariation beyond which a free run hardly follows what was measured: what it leaves, unless it is white noise,
+/// tells more of where it lost its way than of the machine.
+inline constexpr double kHardlyFollows = 0.5;
 
 /// Fits by output error: free runs over whole episodes, outputs weighted by their noise, the squares of the errors minimised
 /// by Ceres within the ranges. Each start is first fitted with short segments whose joints are soft (multiple shooting, Bock

@@ -250,6 +250,15 @@ shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& st
   return GrowingFit(task, start, options).Run();
 }
 
+bool GrowOn(const shooting::Task& task, int rows, const StateFitOptions& options, shooting::Point& point) {
+  StateFitOptions from_there = options;
+  from_there.first_horizon = rows;
+  shooting::Point grown = GrowingFit(task, point, from_there).Run();
+  if (!grown.valid) return false;
+  point = std::move(grown);
+  return true;
+}
+
 bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point) {
   return GrowingFit(task, point, options).Polish(point);
 }

@@ -1,16 +1,25 @@
-// Inputs of StateSimulator between rows: held or moving evenly, and delayed.
+// Inputs of StateSimulator between rows, as they are and delayed.
 
 #include <algorithm>
 #include <array>
 
 #include "core/limits.h"
+#include "estimation/states/row_course.h"
 #include "estimation/states/simulation.h"
+#include "estimation/states/steps.h"
 
 namespace hydroscope {
 
 void StateSimulator::InputAt(double fraction) {
-  for (std::size_t i = 0; i < u_.size(); ++i)
-    u_[i] = linear_ ? (1 - fraction) * u0_[i] + fraction * u1_[i] : u0_[i];
+  if (hold_ == InputHold::kZero) {
+    CopyFew(u0_.data(), inputs_, u_.data());
+    return;
+  }
+  const double rest = 1 - fraction;
+  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] = rest * u0_[i] + fraction * u1_[i];
+  if (hold_ != InputHold::kSmooth) return;
+  const double before = rest * (rest * rest - 1), after = fraction * (fraction * fraction - 1);
+  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] += before * bend0_[i] + after * bend1_[i];
 }
 
 /// Whether the inputs begin a row as the step before left them: its last stage is then the first of the next step.
@@ -18,11 +27,15 @@ bool StateSimulator::BeginsAsItEnded() { return ended_u_ == u0_; }
 
 /// Inputs at a row and at the next one; of the last row at it alone. What is delayed: TakeDelayed.
 void StateSimulator::TakeInputs(const Episode& episode, int row) {
-  const int next = std::min(row + 1, episode.rows() - 1);
-  for (std::size_t i = 0; i < model_->inputs.size(); ++i) {
-    u0_[i] = episode.signal(row, model_->inputs[i]);
-    u1_[i] = episode.signal(next, model_->inputs[i]);
-  }
+  for (std::size_t i = 0; i < model_->inputs.size(); ++i)
+    Take(CourseOf(episode, row, model_->inputs[i], hold_), i);
+}
+
+void StateSimulator::Take(const RowCourse& course, std::size_t place) {
+  u0_[place] = course.begin;
+  u1_[place] = course.end;
+  bend0_[place] = course.bend_begin;
+  bend1_[place] = course.bend_end;
 }
 
 /// Shares of the time from a row to the next at which the rows of delayed inputs arrive, with 0 and 1.
@@ -50,35 +63,33 @@ void StateSimulator::Breaks(const Episode& episode, int row) {
 void StateSimulator::TakeDelayed(const Episode& episode, int row, double from, double to) {
   const auto at = static_cast<std::size_t>(row);
   const double period = at + 1 < episode.time.size() ? episode.time[at + 1] - episode.time[at] : 0;
-  const bool jumps = with_slopes_ && !linear_ && !(row == first_ && from == 0);
+  const bool jumps = with_slopes_ && hold_ == InputHold::kZero && !(row == first_ && from == 0);
   std::array<double, kMaxStates> before, after;
   for (std::size_t d = 0; d < model_->delays.size(); ++d) {
     const DelayedInput& delay = model_->delays[d];
     const double seconds = delay.parameter < 0 ? delay.seconds : theta_[delay.parameter];
-    const auto value = [&](double time, std::size_t k) {
-      const double here =
-          episode.signal(static_cast<Eigen::Index>(k), model_->inputs[static_cast<std::size_t>(delay.input)]);
-      if (!linear_ || k + 1 >= episode.time.size()) return std::pair(here, 0.0);
-      const double next = episode.signal(static_cast<Eigen::Index>(k + 1),
-                                         model_->inputs[static_cast<std::size_t>(delay.input)]);
-      const double rate = (next - here) / (episode.time[k + 1] - episode.time[k]);
-      return std::pair(here + rate * (time - episode.time[k]), rate);
-    };
     // The row that holds in the middle of the part holds over all of it.
     const double begin = episode.time[at] + from * period - seconds,
                  end = episode.time[at] + to * period - seconds;
     const auto later = std::upper_bound(episode.time.begin(), episode.time.end(), 0.5 * (begin + end));
     const bool early = later == episode.time.begin();
     const std::size_t k = early ? 0 : static_cast<std::size_t>(later - episode.time.begin()) - 1;
-    const auto [first, rate] = early ? std::pair(value(episode.time[0], 0).first, 0.0) : value(begin, k);
-    const double last = early ? first : value(end, k).first;
+    const int signal = model_->inputs[static_cast<std::size_t>(delay.input)];
+    RowCourse course{episode.signal(0, signal), episode.signal(0, signal)}, rate;
+    if (!early && k + 1 < episode.time.size()) {
+      const double since = episode.time[k], apart = episode.time[k + 1] - since;
+      const RowCourse whole = CourseOf(episode, static_cast<int>(k), signal, hold_);
+      course = whole.Part((begin - since) / apart, (end - since) / apart);
+      rate = whole.Rate(apart).Part((begin - since) / apart, (end - since) / apart);
+    } else if (!early) {
+      course = CourseOf(episode, static_cast<int>(k), signal, hold_);
+    }
     const std::size_t place = model_->inputs.size() + static_cast<std::size_t>(DelayedInput::kRegisters) * d;
-    const bool jump = jumps && delay.parameter >= 0 && first != u0_[place];
+    const bool jump = jumps && delay.parameter >= 0 && course.begin != u0_[place];
     if (jump) Rate(x_.data(), 0, before.data());
-    u0_[place] = first;
-    u1_[place] = last;
-    u0_[place + 1] = u1_[place + 1] = rate;
-    u0_[place + 2] = u1_[place + 2] = seconds;
+    Take(course, place);
+    Take(rate, place + 1);
+    Take({seconds, seconds}, place + 2);
     if (!jump) continue;
     Rate(x_.data(), 0, after.data());
     for (int i = 0; i < states_; ++i)
@@ -98,11 +109,8 @@ bool StateSimulator::Row(const Episode& episode, int row) {
   for (std::size_t b = 0; b + 1 < breaks_.size(); ++b) {
     const double from = breaks_[b], to = breaks_[b + 1];
     TakeInputs(episode, row);
-    for (std::size_t i = 0; linear_ && i < undelayed; ++i) {
-      const double begin = u0_[i], rise = u1_[i] - begin;
-      u0_[i] = begin + from * rise;
-      u1_[i] = begin + to * rise;
-    }
+    for (std::size_t i = 0; i < undelayed; ++i)
+      Take(RowCourse{u0_[i], u1_[i], bend0_[i], bend1_[i]}.Part(from, to), i);
     TakeDelayed(episode, row, from, to);
     next_share_ = std::min(1.0, next_share_ * before / (to - from));
     before = to - from;

@@ -13,7 +13,7 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
       states_(model_->states()),
       inputs_(model_->driving()),
       parameters_(model_->parameter_count()),
-      linear_(model_->machine.log.hold == InputHold::kLinear),
+      hold_(model_->machine.log.hold),
       values_registers_(model_->dynamics.values.Registers()),
       slopes_registers_(model_->dynamics.slopes.Registers()),
       output_registers_(model_->output.values.Registers()),
@@ -22,7 +22,7 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
       held_(static_cast<std::size_t>(states_)) {
   const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
   for (auto* v : {&x_, &next_, &scale_}) v->assign(n, 0.0);
-  for (auto* v : {&u0_, &u1_, &u_, &ended_u_}) v->assign(m, 0.0);
+  for (auto* v : {&u0_, &u1_, &bend0_, &bend1_, &u_, &ended_u_}) v->assign(m, 0.0);
   k_.assign(n * kStateStages, 0.0);
   for (std::size_t e = 0; e < model_->dynamics.entries.size(); ++e) {
     entry_places_.push_back(model_->dynamics.slopes.output(n + e));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "estimation/episode.h"
+#include "estimation/states/row_course.h"
 #include "models/state_model.h"
 
 namespace hydroscope {
@@ -84,6 +85,7 @@ class StateSimulator {
   void HoldAtLimits(const double* x, double* rate);
   void InputAt(double fraction);
   void TakeInputs(const Episode& episode, int row);
+  void Take(const RowCourse& course, std::size_t place);
   bool Row(const Episode& episode, int row);
   void Breaks(const Episode& episode, int row);
   void TakeDelayed(const Episode& episode, int row, double from, double to);
@@ -106,7 +108,7 @@ class StateSimulator {
   SimulationOptions options_;
   int states_, inputs_, parameters_;  ///< inputs: with what is delayed
   int wanted_ = 0, columns_ = 0;      ///< columns of sensitivities, and with what they are padded by
-  bool linear_;
+  InputHold hold_;
   Eigen::VectorXd theta_, limits_;
   RowMatrix gain_;
   RowMatrix limit_slopes_;
@@ -114,7 +116,7 @@ class StateSimulator {
   std::vector<double>
       point_registers_;  ///< of the equations' slopes, the stages of an explicit step side by side
   std::vector<std::size_t> entry_places_, entry_point_places_;  ///< of Equations::entries in these registers
-  std::vector<double> x_, next_, scale_, u0_, u1_, u_, ended_u_, k_, stage_x_;
+  std::vector<double> x_, next_, scale_, u0_, u1_, bend0_, bend1_, u_, ended_u_, k_, stage_x_;
   std::vector<unsigned char> held_;       ///< states at a limit in the stage looked at
   std::vector<double> s_, stage_s_, ks_;  ///< sensitivities, row by row
   std::vector<double> jacobian_, added_values_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "estimation/states/fit.h"
@@ -150,6 +151,41 @@ TEST(StateSimulation, ADelayOfAnInputThatMovesEvenlyHasTheDerivativeOfDifference
   const double dead = 0.177, by = 1e-3;
   const auto at = [&](double seconds) {
     return RunOf(DelayedLag("linear"), episode, Eigen::VectorXd::Constant(1, seconds), 0, &slopes);
+  };
+  const StateRun run = at(dead), more = at(dead + by), less = at(dead - by);
+  for (int row = 5; row < 80; row += 5)
+    EXPECT_NEAR(run.slopes(row, 0), (more.outputs(row, 0) - less.outputs(row, 0)) / (2 * by), 2e-3);
+}
+
+TEST(StateSimulation, AnInputThatMovesSmoothlyIsFollowedBetweenItsRows) {
+  constexpr double kOmega = 2 * std::numbers::pi * 0.2 / 0.05;  // a fifth of the sampling rate
+  Episode episode = Rows(200, 0.05, 0);
+  for (int row = 0; row < 200; ++row)
+    episode.signal(row, 0) = std::sin(kOmega * episode.time[static_cast<std::size_t>(row)]);
+  const auto worst = [&](const std::string& hold, double dead) {
+    const StateRun run = RunOf(DelayedLag(hold), episode, Eigen::VectorXd::Constant(1, dead), 0);
+    double error = 0;
+    for (int row = 150; row < 190; ++row) {  // x' = -2 x + sin(w (t - dead)), long after its beginning
+      const double t = kOmega * (episode.time[static_cast<std::size_t>(row)] - dead);
+      const double x = (2 * std::sin(t) - kOmega * std::cos(t)) / (4 + kOmega * kOmega);
+      error = std::max(error, std::abs(run.outputs(row, 0) - x) * kOmega);
+    }
+    return error;
+  };
+  for (const double dead : {0.0, 0.123}) {
+    EXPECT_LT(worst("smooth", dead), 0.01) << dead;
+    EXPECT_GT(worst("linear", dead), 0.1) << dead;
+  }
+}
+
+TEST(StateSimulation, ADelayOfAnInputThatMovesSmoothlyHasTheDerivativeOfDifferences) {
+  Episode episode = Rows(80, 0.05, 0);
+  for (int row = 0; row < 80; ++row) episode.signal(row, 0) = std::sin(0.01 * row * row);
+  RowMatrix slopes(1, 1);
+  slopes << 0;
+  const double dead = 0.177, by = 1e-3;
+  const auto at = [&](double seconds) {
+    return RunOf(DelayedLag("smooth"), episode, Eigen::VectorXd::Constant(1, seconds), 0, &slopes);
   };
   const StateRun run = at(dead), more = at(dead + by), less = at(dead - by);
   for (int row = 5; row < 80; row += 5)

@@ -222,7 +222,7 @@ void StateSimulator::SlopesAtStages(double fraction, double share) {
   const auto n = static_cast<std::size_t>(states_), m = static_cast<std::size_t>(inputs_);
   for (int p = 0; p < kPoints; ++p) {
     const auto stage = static_cast<std::size_t>(std::min(p, kLast)), at = static_cast<std::size_t>(p);
-    if (linear_ || p == 0) InputAt(fraction + kNodes[stage] * share);
+    if (hold_ != InputHold::kZero || p == 0) InputAt(fraction + kNodes[stage] * share);
     for (std::size_t i = 0; i < n; ++i) point_registers_[i * kPoints + at] = stage_x_[stage * n + i];
     for (std::size_t i = 0; i < m; ++i) point_registers_[(n + i) * kPoints + at] = u_[i];
     if (added_ != nullptr && p <= kLast)

@@ -64,7 +64,8 @@ std::string LogSection(const LogFormat& log, const MachineNotes& notes) {
   if (log.unit_row) pairs.emplace_back("unit_row", Plain(*log.unit_row));
   pairs.emplace_back("time", Inline({{"column", Quoted(log.time_column)}, {"unit", Quoted(log.time_unit)}}));
   if (log.sample_period) pairs.emplace_back("sample_period", Plain(*log.sample_period));
-  if (log.hold == InputHold::kZero) pairs.emplace_back("hold", Quoted("zero"));
+  if (log.hold != InputHold::kLinear)
+    pairs.emplace_back("hold", Quoted(kInputHoldNames[static_cast<std::size_t>(log.hold)]));
   return Section("[log]", "How a log is laid out; what is not said here is found by looking at the file.",
                  pairs, notes, "log");
 }

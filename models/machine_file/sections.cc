@@ -151,8 +151,8 @@ void ReadLogSection(TableReader& file, Machine& machine) {
     if (section.Has("header")) section.Flag("header", log.header.emplace(true));
     if (section.Has("unit_row")) section.Flag("unit_row", log.unit_row.emplace(false));
     section.Number("sample_period", log.sample_period, kSecondsAboveZero);
-    if (const auto hold = section.Choice("hold", {"zero", "linear"}))
-      log.hold = *hold == 0 ? InputHold::kZero : InputHold::kLinear;
+    if (const auto hold = section.Choice("hold", {kInputHoldNames.begin(), kInputHoldNames.end()}))
+      log.hold = static_cast<InputHold>(*hold);
     if (section.Has("time")) ReadTimeColumn(section, *file.Table("log"), log);
     if (log.time_column.empty() && !log.sample_period)
       section.Wrong("time", "a column, or sample_period = <seconds between rows> beside it");

@@ -136,7 +136,8 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   if (!out.fit.solved()) return BadInput("machine '{}': {}", log.machine.name, out.fit.failed);
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
-  if (!out.left.structured && out.error.one_step < kSlowError * out.error.rms) {
+  if (out.left.structured || out.slow()) out.other_hold = FindOtherHold(out.fit, log.episodes);
+  if (out.slow()) {
     StateFit prediction = PredictStates(out.fit, log.episodes);
     if (prediction.solved() &&
         Overall(out.fit, prediction.noise) * out.error.unit.factor < kSlowError * out.error.rms)
@@ -197,6 +198,9 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);
+  if (x.verdict == Verdict::kUnknown || x.partial)
+    if (const auto other = FindOtherHold(x.final.fit, x.runs.empty() ? out.log.episodes : x.runs))
+      out.log.warnings.push_back(OtherHoldText(*other));
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);

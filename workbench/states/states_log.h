@@ -7,6 +7,7 @@
 #include "core/records.h"
 #include "core/units.h"
 #include "diagnosis/states/explain_states.h"
+#include "diagnosis/states/input_hold.h"
 #include "diagnosis/states/missing_sensors.h"
 #include "diagnosis/states/state_experiment.h"
 #include "estimation/linear_form/starts.h"
@@ -38,10 +39,16 @@ inline constexpr double kSlowError = 0.5;
 
 /// A model with states fitted to logs.
 struct StatesFit {
+  /// What is left is no white noise, and no function of states and inputs predicts it.
+  bool slow() const { return !left.structured && error.one_step < kSlowError * error.rms; }
+  /// ... and so much that the run does not follow the machine.
+  bool astray() const { return slow() && fit.ErrorOfVariation() > kHardlyFollows; }
+
   EpisodeLog log;
   StateFit fit;
   std::optional<LinearFit> linear;  ///< where the fit began, of kinds with a linear form
   StateRemainder left;
+  std::optional<OtherHold> other_hold;
   StatesError error;
   /// Where noise acts on the process itself: fitted by one-step prediction, which `parameters` are of then.
   std::optional<StateFit> prediction;

@@ -16,43 +16,10 @@
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 #include "workbench/states/experiment_output.h"
+#include "workbench/states/states_warnings.h"
 
 namespace hydroscope {
 namespace {
-
-/// "k1 up by 1 % with A1 up by 1 %".
-Told UnseenText(const UnseenDirection& unseen) {
-  if (unseen.parts.size() == 1)
-    return Tell("nothing in these data depends on {}", "nichts in diesen Daten hängt von {} ab",
-                unseen.parts.front().first);
-  const double sign = unseen.parts.front().second < 0 ? -1 : 1;
-  Told parts;
-  for (const auto& [name, share] : unseen.parts) {
-    const Told moved = sign * share > 0 ? Tell("up", "mehr") : Tell("down", "weniger");
-    const Told part = Tell("{} {} by {:.2g} %", "{0} um {2:.2g} % {1}", name, moved, std::abs(share));
-    parts = parts.empty() ? part : Tell("{} with {}", "{} mit {}", parts, part);
-  }
-  return Tell("the data do not see {}: nothing that is measured changes",
-              "die Daten sehen nicht: {}; nichts Gemessenes ändert sich", parts);
-}
-
-std::string PerCents(const std::vector<double>& shares) {
-  std::vector<std::string> texts;
-  for (const double share : shares) texts.push_back(fmt::format("{:.2g}", 100 * share));
-  return fmt::format("{} %", fmt::join(texts, ", "));
-}
-
-/// Parameters that only another sensor tells from one another.
-Told ToldTogetherText(const ToldTogether& together) {
-  Told text = Tell("the data tell {} only together, each of them to {} (standard error)",
-                   "die Daten zeigen {} nur zusammen, jeden davon auf {} (Standardfehler)",
-                   fmt::to_string(fmt::join(together.parameters, ", ")), TellNumber(PerCents(together.std)));
-  for (const MissingSensor& sensor : together.sensors)
-    text = Tell("{}; with {} measured too, to 1 % of its variation, {}",
-                "{}; wird auch {} gemessen, auf 1 % seiner Schwankung: {}", text, sensor.signal,
-                TellNumber(PerCents(sensor.std)));
-  return text;
-}
 
 nlohmann::json ToldTogetherJson(const ToldTogether& together) {
   nlohmann::json std = nlohmann::json::object(), sensors = nlohmann::json::array();
@@ -236,8 +203,10 @@ std::string VerdictText(const StatesExplained& e) {
     case Verdict::kUnknown:
       break;
   }
-  text += "An error is there, and no effect of the machine file explains it.\n";
+  text += x.astray ? "The free run hardly follows what was measured: what it leaves tells of no effect.\n"
+                   : "An error is there, and no effect of the machine file explains it.\n";
   if (!x.nearest.empty()) text += fmt::format("Part of it: {}.\n", fmt::join(x.nearest, ", "));
+  if (x.astray) return text;
   return text + fmt::format("What is left can be predicted best by a term in the equation of {}.\n",
                             x.final_left.about.empty() ? x.base_left.about : x.final_left.about);
 }
@@ -264,9 +233,7 @@ double Shown(const StatesExplained& e, double held_out) {
 }
 
 /// What functions of states and inputs do not predict need not be noise as long as they predict something.
-const char* NoiseWords(const StateRemainder& left) {
-  return left.structured ? "noise at most" : "noise alone";
-}
+const char* NoiseWords(bool more_may_be_left) { return more_may_be_left ? "noise at most" : "noise alone"; }
 
 /// What the linear form of the kind tells of the record: sums of parameters that it shows, what it does not.
 std::vector<std::string> BaseParameterTexts(const StatesFit& fit) {
@@ -309,39 +276,6 @@ nlohmann::json LinearJson(const StatesFit& fit) {
 
 }  // namespace
 
-std::vector<Told> FitWarnings(const StatesFit& fit) {
-  std::vector<Told> warnings = fit.log.warnings;
-  for (const UnseenDirection& unseen : fit.fit.unseen) warnings.push_back(UnseenText(unseen));
-  if (!fit.told_together.parameters.empty()) warnings.push_back(ToldTogetherText(fit.told_together));
-  if (!fit.fit.unseen.empty())
-    warnings.push_back(Tell("to see what these data do not, vary {}",
-                            "um zu sehen, was diese Daten nicht zeigen, variieren: {}",
-                            WordsOf(fit.log.machine).vary));
-  for (std::size_t p = 0; p < fit.fit.at_limit.size(); ++p)
-    if (fit.fit.at_limit[p])
-      warnings.push_back(Tell(
-          "{} stands at a limit of its range; widen it in the machine file if physics allows",
-          "{} steht an einer Grenze seines Bereichs; ihn in der Maschinendatei erweitern, wenn die Physik es erlaubt",
-          fit.parameters[p].parameter));
-  if (fit.left.structured)
-    warnings.push_back(Tell(
-        "functions of states and inputs predict {:.0f} % of the error left out, most of it in the "
-        "equation of {}: the model misses something, and its parameters absorb part of it",
-        "Funktionen von Zuständen und Eingängen sagen {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
-        "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
-        100 * fit.left.share, fit.left.about));
-  if (!fit.left.structured && fit.error.one_step < kSlowError * fit.error.rms)
-    warnings.push_back(Tell(
-        "the error is slow, yet no function of states and inputs predicts it: noise acts on the process "
-        "itself (or a disturbance that is not measured){}",
-        "der Fehler ist langsam, doch keine Funktion von Zuständen und Eingängen sagt ihn voraus: Rauschen wirkt auf "
-        "den Prozess selbst (oder eine Störung, die nicht gemessen wird){}",
-        fit.prediction ? Tell("; the parameters are those that predict one row ahead best",
-                              "; die Parameter sind die, die eine Zeile voraus am besten voraussagen")
-                       : Tell(", and the intervals hold it", ", und die Intervalle enthalten es")));
-  return warnings;
-}
-
 std::string FitText(const StatesFit& fit) {
   const Machine& machine = fit.log.machine;
   std::string text = machine.model_version > 1 || !machine.added_effects.empty()
@@ -349,9 +283,9 @@ std::string FitText(const StatesFit& fit) {
                                        ModelName(machine))
                          : "";
   text += ParameterLines(machine, fit.parameters);
-  text +=
-      fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
-                  UnitWords(fit.error), NoiseWords(fit.left), fit.error.noise_floor, UnitWords(fit.error));
+  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
+                      UnitWords(fit.error), NoiseWords(fit.left.structured || fit.astray()),
+                      fit.error.noise_floor, UnitWords(fit.error));
   return text + LinearText(fit) + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) +
          WarningLines(FitWarnings(fit)) + (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
@@ -384,12 +318,13 @@ std::string CompareText(const StatesFit& fit) {
   std::string text =
       fit.left.structured
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
-          : "The model describes these episodes; noise alone is left.\n";
+      : fit.astray() ? "The model hardly follows what was measured.\n"
+                     : "The model describes these episodes; noise alone is left.\n";
   text += fmt::format(
       "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, "
       "{:.3g}\n",
-      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.left), fit.error.noise_floor,
-      fit.error.one_step);
+      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout,
+      NoiseWords(fit.left.structured || fit.astray()), fit.error.noise_floor, fit.error.one_step);
   const auto& outputs = fit.log.machine.states.outputs;
   std::size_t width = 12;
   for (const auto& output : outputs) width = std::max(width, output.signal.size());
@@ -431,10 +366,10 @@ std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
   text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
-                      UnitWords(e.final), NoiseWords(x.final_left), e.final.noise_floor, UnitWords(e.final));
+                      UnitWords(e.final), NoiseWords(x.final_left.structured || x.astray),
+                      e.final.noise_floor, UnitWords(e.final));
   text += RowsText(e.log);
-  std::vector<Told> warnings = e.log.warnings;
-  warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
+  const std::vector<Told> warnings = ExplainWarnings(e);
   text += WarningLines(warnings) + "\nHow the error falls\n";
   for (const auto& [added, relative] : x.steps)
     text += fmt::format("  {:<28} {:.3g} {}\n", added.empty() ? "as it is" : "+ " + added,
@@ -479,8 +414,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
          {"rms_holdout", e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)}});
   const std::optional<Told> record = StatesToRecord(e);
   for (const std::string& id : x.final.added) effects[id] = EffectParametersJson(e.final_parameters, id);
-  std::vector<Told> warnings = e.log.warnings;
-  warnings.insert(warnings.end(), x.warnings.begin(), x.warnings.end());
+  const std::vector<Told> warnings = ExplainWarnings(e);
   return {{"schema", 2},
           {"verdict", VerdictName(x.verdict)},
           {"set", x.set},

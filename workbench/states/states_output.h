@@ -10,8 +10,6 @@ namespace hydroscope {
 /// What `fit`, `compare` and `explain` say of a machine with states: keys as of any machine where they mean the same, a
 /// stroke being an episode (docs/command_line.md).
 std::string FitText(const StatesFit& fit);
-/// What makes the fit doubtful, a sentence each.
-std::vector<Told> FitWarnings(const StatesFit& fit);
 nlohmann::json FitJson(const StatesFit& fit);
 std::string CompareText(const StatesFit& fit);
 nlohmann::json CompareJson(const StatesFit& fit);

@@ -1,0 +1,134 @@
+#include "estimation/states/fit_task.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace hydroscope::shooting {
+
+Point PointAt(const Task& task, const Eigen::VectorXd& parameters) {
+  Point point;
+  for (std::size_t p = 0; p < task.scale.size(); ++p)
+    point.q.push_back(task.scale.ToScaled(p, parameters[static_cast<Eigen::Index>(p)]));
+  return point;
+}
+
+std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows) {
+  std::vector<Episode> out;
+  for (const Episode& e : episodes) {
+    if (rows <= 1) break;
+    const int take = std::min(rows, e.rows());
+    out.push_back(
+        {e.log, e.first_row, {e.time.begin(), e.time.begin() + take}, e.signal.topRows(take), e.mean_rows});
+    rows -= take;
+  }
+  return out;
+}
+
+Eigen::VectorXd OutputScale(const StateModel& model, std::span<const Episode> episodes) {
+  Eigen::VectorXd scale(model.output.rows);
+  for (int j = 0; j < model.output.rows; ++j) {
+    double count = 0, sum = 0, squares = 0;
+    for (const Episode& e : episodes)
+      for (int row = 0; row < e.rows(); ++row) {
+        const double y = e.signal(row, model.outputs[static_cast<std::size_t>(j)]);
+        if (!std::isfinite(y)) continue;
+        const double step = y - sum / std::max(count, 1.0);
+        count += 1;
+        sum += y;
+        squares += step * (y - sum / count);
+      }
+    scale[j] = std::max(std::sqrt(squares / std::max(count, 1.0)), 1e-300);
+  }
+  return scale;
+}
+
+namespace {
+
+/// Largest size of each state, from data, limits and a run of the model.
+Eigen::VectorXd StateScale(const Task& task, const Eigen::VectorXd& theta) {
+  const int states = task.model->states();
+  StateSimulator simulator(task.model);
+  simulator.SetParameters(theta);
+  StateRun run;
+  Trial(task, theta, task.episodes.front(), run);
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(states);
+  for (int i = 0; i < states; ++i) {
+    const int output = task.model->measured_by[static_cast<std::size_t>(i)];
+    double largest = 0;
+    if (output >= 0) {
+      for (const Episode& e : task.episodes)
+        for (int row = 0; row < e.rows(); ++row) {
+          const double y = e.signal(row, task.model->outputs[static_cast<std::size_t>(output)]);
+          if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
+        }
+    } else if (!run.diverged) {
+      largest = run.states.col(i).cwiseAbs().maxCoeff();
+    }
+    for (const int limit : {i, states + i})
+      if (largest == 0 && std::isfinite(simulator.limits()[limit]))
+        largest = std::abs(simulator.limits()[limit]);
+    if (largest > 0 && std::isfinite(largest)) scale[i] = largest;
+  }
+  return scale;
+}
+
+}  // namespace
+
+Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes) {
+  constexpr double kFirstNoise = 0.05;  // of an output's variation; found anew once there is a fit
+  Task task{model, episodes, ParameterScale(*model), {}, {}, 0};
+  task.noise = kFirstNoise * OutputScale(*model, episodes);
+  Eigen::VectorXd start(model->parameter_count());
+  for (int p = 0; p < start.size(); ++p) start[p] = model->parameters[static_cast<std::size_t>(p)].spec.start;
+  task.state_scale = StateScale(task, start);
+  return task;
+}
+
+std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& options, bool near) {
+  const auto count = static_cast<Eigen::Index>(task.scale.size());
+  Eigen::VectorXd first(count);
+  for (Eigen::Index p = 0; p < count; ++p)
+    first[p] = task.model->parameters[static_cast<std::size_t>(p)].spec.start;
+  std::vector<Eigen::VectorXd> starts = {first};
+  std::mt19937 random(options.seed);
+  std::uniform_real_distribution<double> uniform;
+  for (int k = 0; k < options.starts && count > 0; ++k) {
+    Eigen::VectorXd drawn = first;
+    for (Eigen::Index p = 0; p < count; ++p) {
+      const auto at = static_cast<std::size_t>(p);
+      const double share = uniform(random), reach = near ? (k + 1.0) / options.starts : 1.0;
+      if (!task.scale.ranged(at)) continue;
+      const double anywhere = task.scale.low(at) + share * (task.scale.high(at) - task.scale.low(at));
+      drawn[p] =
+          task.scale.FromScaled(at, reach * anywhere + (1 - reach) * task.scale.ToScaled(at, first[p]));
+    }
+    starts.push_back(std::move(drawn));
+  }
+  return starts;
+}
+
+std::string DivergedText(const Task& task, const Eigen::VectorXd& theta) {
+  for (const Episode& episode : task.episodes) {
+    StateRun run;
+    Trial(task, theta, episode, run);
+    if (!run.diverged) continue;
+    if (run.rows <= 1)
+      return "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
+             "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
+             "second; limit them with max(..., 0), or check start and initial";
+    Eigen::Index worst = 0;
+    run.states.row(run.rows - 1).cwiseAbs().cwiseQuotient(task.state_scale.transpose()).maxCoeff(&worst);
+    return fmt::format(
+        "the model diverges: from the starting values of the machine file {} runs away {:.4g} s after the "
+        "episode's beginning; narrow the ranges in [parameters] or check the signs of its equations",
+        task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
+        episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
+  }
+  return "the model diverges from every start; narrow the ranges in "
+         "[parameters] or check the signs of its equations";
+}
+
+}  // namespace hydroscope::shooting

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimation/states/fit.h"
+#include "estimation/states/shooting.h"
+
+/// What a fit of a model with states begins with: the rows, their scales, its starts.
+namespace hydroscope::shooting {
+
+/// Standard deviation of each output in the data.
+Eigen::VectorXd OutputScale(const StateModel& model, std::span<const Episode> episodes);
+
+/// Weights are a share of the outputs' variation until a fit knows their noise.
+Task TaskOf(std::shared_ptr<const StateModel> model, std::span<const Episode> episodes);
+
+/// Parameters, SI, as the optimiser sees them; initial states are not guessed.
+Point PointAt(const Task& task, const Eigen::VectorXd& parameters);
+
+/// The first rows of the episodes, `rows` in all; whole episodes where they fit.
+std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows);
+
+/// Starts: that of the machine file, then draws from the ranges; `near`: the first of them close to it, each further away.
+std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& options, bool near = false);
+
+/// Where a model that diverges does so, a sentence.
+std::string DivergedText(const Task& task, const Eigen::VectorXd& theta);
+
+}  // namespace hydroscope::shooting
