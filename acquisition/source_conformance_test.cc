@@ -49,15 +49,14 @@ std::vector<Kind> Kinds() {
        "",
        {},
        "p_A = { modbus = { ring = 0, stride = 14 }, unit = \"Pa\" }\nz = { modbus = { ring = 6, stride = 14 "
-       "}, unit = "
-       "\"m\" }\ny_v = { modbus = { ring = 8, stride = 14 } }\n"},
+       "}, unit = \"m\" }\ny_v = { modbus = { ring = 8, stride = 14 } }\n"},
       {"ModbusRegisters",
        false,
        "",
        {},
-       "p_A = { modbus = { register = 32 }, unit = \"bar\" }\nz = { modbus = { register = 42, stride = 4, "
-       "type = "
-       "\"uint32\" }, unit = \"m\" }\ny_v = { modbus = { register = 40, stride = 4, type = \"uint16\" } }\n",
+       "p_A = { modbus = { register = 32 }, unit = \"bar\" }\nz = { modbus = { register = 42, "
+       "stride = 4, type = \"uint32\" }, unit = \"m\" }\ny_v = { modbus = { register = 40, "
+       "stride = 4, type = \"uint16\" } }\n",
        false},
   };
 }
@@ -71,9 +70,9 @@ class SourceConformance : public ::testing::TestWithParam<Kind> {
       text += fmt::format("[live.dds]\ndomain = {}\n{}", OwnDomain(), kind.transport);
     else
       text += fmt::format(
-          "[live.modbus]\nport = {}\npoll_period = 0.02\nretry_limit = 0.2\nheartbeat = 15\ntime = 8\nring = "
-          "{{ session = "
-          "2, newest = 4, time = 8, first = 1000, records = 1024, width = 30, poll_period = 0.01 }}\n",
+          "[live.modbus]\nport = {}\npoll_period = 0.02\nretry_limit = 0.2\nheartbeat = "
+          "15\ntime = 8\nring = {{ session = 2, newest = 4, time = 8, first = 1000, records = "
+          "1024, width = 30, poll_period = 0.01 }}\n",
           press_.port());
     text += "[signals]\n" + kind.signals + "[geometry]\nA_A = 0.0125\ndp_nom = 35e5\n";
     auto machine = ParseMachine(text, "press.toml");

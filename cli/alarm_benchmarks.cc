@@ -19,8 +19,7 @@ void AddAlarmKill(CLI::App& benchmark, int& exit_code) {
   command->add_option("--times", o->times, "Kills")->check(CLI::Range(1, 100000));
   command->add_option("--seed", o->seed, "Seed of times and alarms");
   command->footer(
-      "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-kill "
-      "--times 200");
+      "Needs mosquitto, which scripts/setup.sh installs.\nExample:\n  hydroscope benchmark alarm-kill --times 200");
 }
 
 void AddBurstOptions(CLI::App* command, AlarmBurstOptions& o) {

@@ -230,14 +230,13 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   command->fallthrough();
   command->require_subcommand(0, 1);
   command->footer(
-      "States after ISA-18.2: UNACK, ACKED, RTNUN (gone, not acknowledged), LTUNK/LTACK (latched), SHLVD, "
-      "DSUPR, OOSRV.\n"
+      "States after ISA-18.2: UNACK, ACKED, RTNUN (gone, not acknowledged), LTUNK/LTACK "
+      "(latched), SHLVD, DSUPR, OOSRV.\n"
       "Examples:\n"
       "  hydroscope alarms --db press.db list\n"
       "  hydroscope alarms --db press.db ack 1 --comment \"seal ordered\"\n"
       "  hydroscope alarms --db press.db shelve internal_leakage --for 8h\n"
-      "  hydroscope alarms --db press.db out-of-service press/left/no_samples --comment \"sensor being "
-      "changed\"\n"
+      "  hydroscope alarms --db press.db out-of-service press/left/no_samples --comment \"sensor being changed\"\n"
       "  hydroscope alarms --db press.db journal --json -\n"
       "  hydroscope alarms --db press.db metrics\n"
       "  hydroscope alarms --modbus 127.0.0.1:1503 --ack 1");

@@ -119,9 +119,9 @@ Status ExplainFound(const ExplainArguments& a, const Database& database, const H
   if (compared) return {};
   return ExplainWhole(
       a, database, choice,
-      lead + fmt::format("They could not be compared ({}); explained as one, so before and after are "
-                         "mixed:\n\n",
-                         compared.error().text),
+      lead +
+          fmt::format("They could not be compared ({}); explained as one, so before and after are mixed:\n\n",
+                      compared.error().text),
       found, out);
 }
 
@@ -167,8 +167,8 @@ Status RunExplain(const ExplainArguments& a) {
   if (a.history.db.empty() && IsClosedLoop(a.machine)) {
     if (a.logs.size() > 1 || !a.report.empty() || !a.measured.empty())
       return UsageError(
-          "explain of a machine in closed loop takes one LOG, and --since OLD for what changed; no --report, no "
-          "--measured");
+          "explain of a machine in closed loop takes one LOG, and --since OLD for what "
+          "changed; no --report, no --measured");
     return ExplainClosedLoop(a.logs.front(), a.since, a.machine, a.json);
   }
   if (!a.since.empty() && a.history.db.empty()) return UsageError("--since needs --db DATABASE");

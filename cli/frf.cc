@@ -134,8 +134,8 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
                    "sine: s to leave out after each change of frequency (default: found from the response)")
       ->check(CLI::NonNegativeNumber);
   command->footer(
-      "Exit code 4: some frequencies or rows had to be left out, or there are too few for a model; they are "
-      "listed.\n"
+      "Exit code 4: some frequencies or rows had to be left out, or there are too few "
+      "for a model; they are listed.\n"
       "Examples:\n"
       "  hydroscope simulate valve --out sweep.csv\n"
       "  hydroscope frf sweep.csv --machine machines/valve_sweep.toml\n"

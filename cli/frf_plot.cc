@@ -144,8 +144,7 @@ std::string BodePlot(const BodePicture& picture) {
   FitRange(bottom, phase, model_phase, 15);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-      "role=\"img\" "
-      "aria-label=\"{2}\">\n<title>{2}</title>\n",
+      "role=\"img\" aria-label=\"{2}\">\n<title>{2}</title>\n",
       kWidth, kHeight, EscapeText(picture.title));
   svg += kStyle;
   svg += fmt::format(

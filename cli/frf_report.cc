@@ -189,10 +189,9 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
   }
   if (const double worst = WorstDistortion(response.points); worst > kDistortionHint) {
     text += fmt::format(
-        "Hint: up to {:.1f} % harmonics in the response that the command does not have: the valve ran into a "
-        "limit "
-        "(spool speed, stroke) or has play; the model holds for small amplitudes, repeat with less than "
-        "{:.3g} {}\n",
+        "Hint: up to {:.1f} % harmonics in the response that the command does not have: the valve "
+        "ran into a limit (spool speed, stroke) or has play; the model holds for small amplitudes, "
+        "repeat with less than {:.3g} {}\n",
         100 * worst, MedianAmplitude(response) * unit.factor, unit.name);
   }
   return text;

@@ -17,8 +17,7 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
 /// Result of `frf` for scripts, keys as documented in docs/frequency_response.md.
 nlohmann::json FrfJson(const FrequencyResponse& response, const FrfRecord& log, const Machine& machine);
 
-/// Bode plot as a self-contained SVG: points with 95 % bars, model curve; follows the reader's light or dark
-/// theme.
+/// Bode plot as a self-contained SVG: points with 95 % bars, model curve; follows the reader's light or dark theme.
 std::string FrfBodePlot(const FrequencyResponse& response, const std::string& title);
 
 }  // namespace hydroscope

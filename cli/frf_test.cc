@@ -31,8 +31,7 @@ class FrfCommand : public testing::Test {
     text << file.rdbuf();
     return text.str();
   }
-  /// `hydroscope frf log --machine machines/valve_sweep.toml <more>`; exit code, stdout in out_, stderr in
-  /// err_.
+  /// `hydroscope frf log --machine machines/valve_sweep.toml <more>`; exit code, stdout in out_, stderr in err_.
   int Run(const std::string& log, std::vector<std::string> more = {}) {
     std::vector<std::string> words = {"hydroscope", "frf", Path(log), "--machine",
                                       std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/valve_sweep.toml"};

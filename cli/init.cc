@@ -113,8 +113,8 @@ void AddInitCommand(CLI::App& app, int& exit_code) {
   command->add_option("--json", arguments->json, "What was inferred and why, as JSON (- is stdout)");
   command->add_flag("--force", arguments->force, "Replace an existing machine file");
   command->footer(
-      "Columns are recognised by name (English and German) and by the size and motion of their numbers. "
-      "Nothing is\n"
+      "Columns are recognised by name (English and German) and by the size and motion "
+      "of their numbers. Nothing is\n"
       "asked; guesses are marked \"<-- check\", what no log can tell is marked \"<-- FILL IN\".\n"
       "Examples:\n"
       "  hydroscope init press.csv --out press.toml\n"

@@ -129,16 +129,16 @@ void AddLearnCommand(CLI::App& app, int& exit_code) {
   command->add_flag("--force", a->force, "Learn, whatever speaks against it");
   command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
   command->footer(
-      "Needed where the rules file says freeze = \"command\", and after a repair or a change of oil. Every "
-      "reference is\n"
-      "a version of its own in the journal; alarms of the one before are cleared. What is learned from is explained\n"
-      "first: an effect in them, a change, an open alarm or several versions of the model are told, and "
-      "nothing is\n"
+      "Needed where the rules file says freeze = \"command\", and after a repair or a "
+      "change of oil. Every reference is\n"
+      "a version of its own in the journal; alarms of the one before are cleared. What "
+      "is learned from is explained\n"
+      "first: an effect in them, a change, an open alarm or several versions of the "
+      "model are told, and nothing is\n"
       "learned without --force.\n"
       "Examples:\n"
       "  hydroscope learn --db press.db --machine press.toml\n"
-      "  hydroscope learn --db press.db --machine-name press/cushion_2 "
-      "--from 2025-03-01 --comment \"new seal\"");
+      "  hydroscope learn --db press.db --machine-name press/cushion_2 --from 2025-03-01 --comment \"new seal\"");
   command->callback([a, &exit_code] {
     if (a->user.empty())
       if (const char* user = std::getenv("USER"); user != nullptr) a->user = user;

@@ -70,8 +70,7 @@ void AddLiveNetwork(CLI::App& benchmark, int& exit_code) {
   command->add_option("--cut", o->cut, "Length of the long cut, s")->check(CLI::Range(5.0, 3600.0));
   command->add_option("--seed", o->seed, "Seed of press and wire");
   command->footer(
-      "Needs no rights where the kernel lets users make namespaces and /dev/net/tun is open to them, else "
-      "root.\n"
+      "Needs no rights where the kernel lets users make namespaces and /dev/net/tun is open to them, else root.\n"
       "Example:\n  hydroscope benchmark live-network");
 }
 

@@ -108,8 +108,8 @@ std::string LiveCommandHelp() {
          "  pause | run                                          rest at the top, or go on working\n"
          "  freeze | thaw                                        no new samples, or again\n"
          "  dds mute | dds on                                    stop publishing, or go on\n"
-         "  modbus hang | garbage | late=S | on                  no answers, nonsense, late answers, or "
-         "sound ones\n"
+         "  modbus hang | garbage | late=S | on                  no answers, "
+         "nonsense, late answers, or sound ones\n"
          "  clock S                                              the clock of the press jumps by S seconds\n"
          "  quit";
 }

@@ -205,8 +205,8 @@ void AddModelCommand(CLI::App& app, int& exit_code) {
       app.add_subcommand("model", "Effects of the library, and which are part of a machine's model");
   model->require_subcommand(1);
   model->footer(
-      "Examples:\n  hydroscope model effects\n  hydroscope model add internal_leakage press.csv --machine "
-      "press.toml\n"
+      "Examples:\n  hydroscope model effects\n  hydroscope model add internal_leakage "
+      "press.csv --machine press.toml\n"
       "  hydroscope model history --machine press.toml\n"
       "  hydroscope model promote --machine press.toml --db press.db");
   AddEffectsCommand(*model, options, exit_code);

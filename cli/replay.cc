@@ -51,12 +51,10 @@ void AddReplayCommand(CLI::App& app, int& exit_code) {
   command->add_option("--report,-r", o.report, "Write a maintenance report (one HTML page) to this file");
   command->add_option("--json", arguments->json, "Write the result as JSON to this file; - is stdout");
   command->footer(
-      "Each log continues where the machine's log before it ended: thirty logs are one history. A log that "
-      "is\n"
+      "Each log continues where the machine's log before it ended: thirty logs are one history. A log that is\n"
       "in the database already is not stored twice; after a crash, call the same command again. A log that\n"
       "cannot be read does not stop the others: exit code 4, with what was left out.\n"
-      "Of a press whose machine file names axes each log belongs to one of them (--axis, LOG#AXIS), or to "
-      "all\n"
+      "Of a press whose machine file names axes each log belongs to one of them (--axis, LOG#AXIS), or to all\n"
       "(columns with {axis} in their names); what all axes show together is told of the press, in whatever\n"
       "order they are replayed.\n"
       "Examples:\n"

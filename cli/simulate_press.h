@@ -9,8 +9,7 @@
 
 namespace hydroscope {
 
-/// "relief_valve=2e-11,crack=170e5": id, size and further numbers; the size may be left out for a typical
-/// one.
+/// "relief_valve=2e-11,crack=170e5": id, size and further numbers; the size may be left out for a typical one.
 Result<EffectSetting> ParseEffect(const std::string& text);
 
 /// "coloured_noise=0.1,phi=0.8,on=p_A": kind, size, further numbers and channel; the size may be left out for

@@ -40,10 +40,9 @@ Wording ReasonTold(EstimateReason reason) {
       return {"these data cannot tell this parameter from another",
               "diese Daten trennen diesen Parameter nicht von einem anderen"};
     case EstimateReason::kOutsidePhysics:
-      return {
-          "the data ask for a value physics forbids; the model misses an effect or a signal is wrong",
-          "die Daten verlangen einen Wert, den die Physik verbietet; dem Modell fehlt ein Effekt, oder ein Signal "
-          "ist falsch"};
+      return {"the data ask for a value physics forbids; the model misses an effect or a signal is wrong",
+              "die Daten verlangen einen Wert, den die Physik verbietet; dem Modell fehlt ein "
+              "Effekt, oder ein Signal ist falsch"};
     case EstimateReason::kPoorSignal:
       return {"bad signal quality left too little to learn from",
               "schlechte Signalqualität ließ zu wenig, um daraus zu lernen"};

@@ -10,9 +10,8 @@ namespace hydroscope {
 /// How a number lies in 16-bit Modbus registers.
 enum class RegisterType { kFloat32, kFloat64, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64 };
 
-/// Order of the bytes of a 32-bit value on the wire, A being the most significant; 64-bit values likewise by
-/// words. ABCD is what the Modbus specification does within a register, CDAB swaps the words ("little-endian
-/// words").
+/// Order of the bytes of a 32-bit value on the wire, A being the most significant; 64-bit values likewise by words.
+/// ABCD is what the Modbus specification does within a register, CDAB swaps the words ("little-endian words").
 enum class WordOrder { kAbcd, kCdab, kBadc, kDcba };
 
 inline constexpr std::array<std::string_view, 8> kRegisterTypeNames = {

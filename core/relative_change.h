@@ -11,9 +11,8 @@ inline constexpr double kClearOfZero = 4;
 /// nearly nothing, and "+197223 %" says no more than that.
 inline constexpr double kMostRelative = 2;
 
-/// A change as a share of the value `before` (1: 100 %), for every place that prints percentages; nullopt
-/// where a percentage says nothing and the change is to be told in the unit. `before_std`: SI, 0 if not
-/// known.
+/// A change as a share of the value `before` (1: 100 %), for every place that prints percentages; nullopt where a
+/// percentage says nothing and the change is to be told in the unit. `before_std`: SI, 0 if not known.
 inline std::optional<double> RelativeChange(double before, double before_std, double change) {
   const double size = std::abs(before);
   const bool clear = std::isfinite(size) && size > 0 && !(size < kClearOfZero * before_std);

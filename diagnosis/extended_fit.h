@@ -24,9 +24,8 @@ struct EffectChoice {
 /// those on the signals as measured.
 std::vector<int> ShapesFor(const ModelStructure& model, int effect, std::span<const EffectChoice> others);
 
-/// What the signals of effect number `k` of a model are corrected by: the first effect that acts on signals
-/// and is not `k`; of two such effects the second one's by the first. `values` are their nonlinear
-/// parameters.
+/// What the signals of effect number `k` of a model are corrected by: the first effect that acts on signals and is not
+/// `k`; of two such effects the second one's by the first. `values` are their nonlinear parameters.
 std::optional<Correction> CorrectionOf(const ModelStructure& model, std::span<const EffectChoice> choices,
                                        std::span<const std::vector<double>> values, std::size_t k);
 
@@ -92,8 +91,7 @@ class StrokeSet {
   Eigen::MatrixXd Total() const;
   /// The same of the flow form, noise and all.
   Eigen::MatrixXd TotalFlow() const;
-  /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters,
-  /// size).
+  /// An effect of unit size as a combination of the model's columns, linearised at `theta` (base parameters, size).
   Eigen::VectorXd Direction(const EffectChoice& choice, const Eigen::VectorXd& theta) const;
   int strokes() const { return static_cast<int>(clean_.size()); }
   double equations() const { return equations_; }

@@ -8,8 +8,7 @@
 namespace hydroscope {
 namespace {
 
-/// Share of the effect's regressor that the model cannot take over, below which the effect is all but part of
-/// it.
+/// Share of the effect's regressor that the model cannot take over, below which the effect is all but part of it.
 constexpr double kMimicked = 0.05;
 /// Error energy over noise energy that stays unseen: 7 % of the error, half of what `fit` warns of.
 constexpr double kUnseen = 0.15;

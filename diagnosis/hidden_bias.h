@@ -13,8 +13,7 @@ struct HiddenBias {
   int parameter = 0;       ///< index into what ModelStructure::derive gives
   double bias = 0;         ///< SI, of the parameter
   double independent = 0;  ///< share of the effect's regressor that the model cannot take over, 0 ... 1
-  /// Model error energy over noise energy that the effect would leave beside the model: what could be seen of
-  /// it.
+  /// Model error energy over noise energy that the effect would leave beside the model: what could be seen of it.
   double excess_ratio = 0;
 };
 

@@ -39,8 +39,7 @@ class Shifting {
 
   using Shapes = std::vector<std::pair<std::size_t, std::vector<double>>>;
 
-  /// Fit of base and effects with shapes of some at other values, `instead` of theirs and `beside` them
-  /// (last).
+  /// Fit of base and effects with shapes of some at other values, `instead` of theirs and `beside` them (last).
   ExtendedFit Fit(const Shapes& instead, const Shapes& beside) const {
     auto model = std::make_shared<ModelStructure>(*model_);
     std::vector<EffectChoice> choices = choices_;

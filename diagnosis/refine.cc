@@ -102,8 +102,7 @@ class ShapeTrial {
   const std::optional<Correction>& on() const { return on_; }
 
   ExtendedFit Fit(const std::vector<double>& nonlinear) const { return Set(nonlinear).first; }
-  /// Excess ratio on strokes left out, and what is known of the values beforehand weighed as further
-  /// equations.
+  /// Excess ratio on strokes left out, and what is known of the values beforehand weighed as further equations.
   double Error(const std::vector<double>& nonlinear) const {
     const auto [fit, equations] = Set(nonlinear);
     if (!fit.solved) return std::numeric_limits<double>::max();

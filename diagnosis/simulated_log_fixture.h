@@ -10,8 +10,7 @@
 
 namespace hydroscope {
 
-/// For tests: a simulated log of the press as the estimation cuts it into strokes, without the pipeline
-/// above.
+/// For tests: a simulated log of the press as the estimation cuts it into strokes, without the pipeline above.
 struct SimulatedStrokes {
   std::shared_ptr<const ModelStructure> model;
   std::vector<StrokeStretches> strokes;

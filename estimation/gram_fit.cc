@@ -137,8 +137,7 @@ Eigen::VectorXd SolveNormalEquations(const NormalEquations& equations) {
   if (!(diagonal.minCoeff() > 0) || !equations.h.allFinite()) return {};
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
   const SymmetricFactor factor(scale.asDiagonal() * equations.h * scale.asDiagonal());
-  // A pivot is the share of a regressor the others do not explain; its condition passes over pivots of exactly
-  // zero.
+  // A pivot is the share of a regressor the others do not explain; its condition passes over pivots of exactly zero.
   constexpr double kRounding = 1e-13;
   const bool dependent = !(factor.LeastPivot() > kRounding) || factor.ReciprocalCondition() < kRounding;
   if (!factor.sound() || dependent) return {};

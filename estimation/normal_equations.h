@@ -4,8 +4,7 @@
 
 namespace hydroscope {
 
-/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g +
-/// yy.
+/// Normal equations of chosen regressors in one stroke: least squares minimises theta' h theta - 2 theta' g + yy.
 struct NormalEquations {
   Eigen::MatrixXd h;
   Eigen::VectorXd g;

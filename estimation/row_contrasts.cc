@@ -12,9 +12,8 @@ namespace {
 constexpr std::size_t kLeastContrastWindows = 24;
 /// Share of the windows that counts as quiet at least: those in which the signal moves least.
 constexpr double kQuietShare = 1.0 / 3;
-/// Motion over a window, in noise energies, up to which it counts as quiet whatever the others do: noise
-/// alone is beyond it in 0.05 %. Curvature that large adds 1/85 to the energy of pairs of a window of 32
-/// rows.
+/// Motion over a window, in noise energies, up to which it counts as quiet whatever the others do: noise alone is
+/// beyond it in 0.05 %. Curvature that large adds 1/85 to the energy of pairs of a window of 32 rows.
 constexpr double kLittleMotion = 12;
 
 double QuantileOfT(int chunks, double significance) {

@@ -39,8 +39,7 @@ Stretch EveryRow(const Stretch& s, int every) {
   return out;
 }
 
-/// Level of a weighted sum of the base columns and the output at each row: integrals, in the level form
-/// values.
+/// Level of a weighted sum of the base columns and the output at each row: integrals, in the level form values.
 std::vector<double> Levels(const ModelStructure& model, Stretch& stretch, const Eigen::VectorXd& weights) {
   model.derive_channels(stretch);
   std::vector<double> sum(static_cast<std::size_t>(stretch.samples), 0.0), filled(sum.size());

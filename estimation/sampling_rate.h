@@ -27,9 +27,8 @@ struct SamplingRate {
 struct SamplingRateOptions {
   /// Error allowed in the noise floor (energy share floor_excess 0.15: 0.39 of the floor), ...
   double floor_share = 0.39;
-  /// ... but not below and not above these shares of the output, whatever a floor says: what is left of a
-  /// model that is right to 0.5 % misleads nobody, and a floor of motion that was taken for noise excuses
-  /// nothing.
+  /// ... but not below and not above these shares of the output, whatever a floor says: what is left of a model that is
+  /// right to 0.5 % misleads nobody, and a floor of motion that was taken for noise excuses nothing.
   double least_share = 0.005, most_share = 0.02;
   /// Ratio of pairs to single rows whose 95 % band lies within this factor: white, whatever its size.
   double white_ratio = 1.3;

@@ -92,11 +92,10 @@ void DescribeMotion(double period, bool beyond_stated, SignalNoise& noise) {
                 "{} streut von Zeile zu Zeile um {}, angegeben ist ein Rauschen von {}: es bewegt sich innerhalb von "
                 "{}, oder es rauscht mehr als angegeben",
                 noise.name, WithUnit(noise.std, noise.unit), WithUnit(noise.stated, noise.unit), over)
-          : Tell(
-                "{} moves within the {} over which noise is told from motion: its noise cannot be seen",
-                "{} bewegt sich innerhalb der {}, über die Rauschen von Bewegung getrennt wird: sein Rauschen ist "
-                "nicht zu sehen",
-                noise.name, over);
+          : Tell("{} moves within the {} over which noise is told from motion: its noise cannot be seen",
+                 "{} bewegt sich innerhalb der {}, über die Rauschen von Bewegung getrennt wird: "
+                 "sein Rauschen ist nicht zu sehen",
+                 noise.name, over);
 }
 
 void DescribeColour(bool stronger, SignalNoise& noise) {

@@ -167,8 +167,7 @@ std::vector<NormalEquations> Scaled(std::span<const NormalEquations> strokes, Ei
   return out;
 }
 
-/// Logarithm of the variance by groups over that by strokes, groupings x parameters, one column after the
-/// other.
+/// Logarithm of the variance by groups over that by strokes, groupings x parameters, one column after the other.
 class VarianceRatios {
  public:
   VarianceRatios(std::span<const NormalEquations> strokes, const std::vector<StrokeClusters>& candidates)
@@ -220,8 +219,7 @@ std::vector<Eigen::MatrixXd> DrawnRatios(const VarianceRatios& ratios, const Eig
   return out;
 }
 
-/// For every grouping: by how much its largest ratio stands out of the draws, less what 95 % of draws reach
-/// anywhere.
+/// For every grouping: by how much its largest ratio stands out of the draws, less what 95 % of draws reach anywhere.
 Eigen::VectorXd StandsOutBy(const Eigen::MatrixXd& measured, const std::vector<Eigen::MatrixXd>& drawn) {
   const double count = static_cast<double>(drawn.size());
   Eigen::ArrayXXd mean = Eigen::ArrayXXd::Zero(measured.rows(), measured.cols()), square = mean;

@@ -26,8 +26,7 @@ double Degrees(double n, double effective, double p, bool correlation_found) {
   return correlation_found ? std::clamp(effective - p, 2.0, n - p) : n - p;
 }
 
-/// The correlation to use: the one known beforehand unless the one found exceeds it by more than its own
-/// error.
+/// The correlation to use: the one known beforehand unless the one found exceeds it by more than its own error.
 double Settle(double found, double known, std::size_t n) {
   known = std::clamp(known, 0.0, kMostCorrelation);
   const double tolerance = known > 0 ? 2 * std::sqrt((1 - known * known) / static_cast<double>(n)) : 0;
@@ -38,8 +37,7 @@ bool AllPositive(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0; });
 }
 
-/// Weights about 1, from the stated standard deviations; one suspiciously certain value must not rule the
-/// fit.
+/// Weights about 1, from the stated standard deviations; one suspiciously certain value must not rule the fit.
 Eigen::VectorXd RowWeights(const std::vector<double>& std, std::size_t n) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
   if (std.size() != n || !AllPositive(std)) return weights;

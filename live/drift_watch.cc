@@ -175,12 +175,12 @@ Status DriftWatch::LookForSilence(int index, const LiveStatus& live, HostTime no
   condition.limit = kSilence;
   condition.unit = "s";
   condition.severity = AlarmSeverity::kSignalLoss;
-  condition.Say(hydroscope::Tell(
-      "no samples of {}: check the controller and the link to it; "
-      "`hydroscope check --live` shows every channel",
-      "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope check --live` zeigt "
-      "jeden Kanal",
-      fmt::format("{}", fmt::join(silent, ", "))));
+  condition.Say(
+      hydroscope::Tell("no samples of {}: check the controller and the link to it; "
+                       "`hydroscope check --live` shows every channel",
+                       "keine Werte von {}: die Steuerung und die Verbindung zu ihr prüfen; `hydroscope "
+                       "check --live` zeigt jeden Kanal",
+                       fmt::format("{}", fmt::join(silent, ", "))));
   return Tell(index, "no_samples", condition, now);
 }
 

@@ -245,9 +245,8 @@ std::string StatusText(const json& s) {
       fmt::format("disk        {} MB free, database {} MB\n", w.at("free_bytes").get<std::int64_t>() >> 20,
                   w.at("database_bytes").get<std::int64_t>() >> 20);
   text += fmt::format(
-      "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; dropped {} batches, {} "
-      "rows, {} "
-      "{}s\n",
+      "queues      {} batches before the pipeline, {} steps ({} kB) before the disk; "
+      "dropped {} batches, {} rows, {} {}s\n",
       s.at("inbox").at("batches").get<std::int64_t>(), w.at("waiting_items").get<std::int64_t>(),
       w.at("waiting_bytes").get<std::int64_t>() >> 10,
       s.at("inbox").at("dropped_batches").get<std::int64_t>(), w.at("dropped_rows").get<std::int64_t>(),
@@ -273,8 +272,8 @@ std::string StatusText(const json& s) {
   for (const json& stream : s.at("streams"))
     if (stream.at("clock_offset_s").is_number())
       text += fmt::format(
-          "sender of {} channels: clock {:+.3f} ms from ours, drift {:+.1f} ppm, delay {:.1f} ms (worst "
-          "{:.1f} ms)\n",
+          "sender of {} channels: clock {:+.3f} ms from ours, drift {:+.1f} ppm, "
+          "delay {:.1f} ms (worst {:.1f} ms)\n",
           stream.at("channels").get<int>(), -stream.at("clock_offset_s").get<double>() * 1e3,
           -stream.at("drift_ppm").get<double>(), stream.at("delay_s").get<double>() * 1e3,
           stream.at("worst_delay_s").get<double>() * 1e3);
@@ -282,8 +281,7 @@ std::string StatusText(const json& s) {
     if (const auto refused = sender.at("refused_channels").size(); refused > 0)
       text += fmt::format(
           "TWO SENDERS {} (session {}) is not believed: {} of its channels, {} for example, come from "
-          "another "
-          "one; {} rows left out\n",
+          "another one; {} rows left out\n",
           Printable(SenderName(sender)), sender.at("session").get<std::uint64_t>(), refused,
           sender.at("refused_channels").front().get<std::string>(),
           sender.at("refused_rows").get<std::int64_t>());

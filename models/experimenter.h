@@ -43,8 +43,8 @@ struct StrokeSampling {
 
 enum class PlayedNoise { kNone, kAsRecorded };
 
-/// What one machine may be asked to do, and how it does it: within [experiment] of its machine file, else within what was
-/// recorded.
+/// What one machine may be asked to do, and how it does it: within [experiment] of its machine file, else within
+/// what was recorded.
 class Experimenter {
  public:
   virtual ~Experimenter() = default;

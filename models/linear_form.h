@@ -10,9 +10,9 @@ struct Machine;
 
 /// Equations of a machine that are linear in its parameters and read measured signals alone:
 ///   sum of parameter * (d/dt rate + level) = d/dt known_rate + known_level,
-/// texts over signals, [geometry] and `rates`. They need no simulation, so they give a fit by states its start, and tell
-/// which parameters, or sums of them, a record can show. Integrated over windows no signal is differentiated but those of
-/// `rates`.
+/// texts over signals, [geometry] and `rates`. They need no simulation, so they give a fit by states its start, and
+/// tell which parameters, or sums of them, a record can show. Integrated over windows no signal is differentiated but
+/// those of `rates`.
 struct LinearForm {
   struct Term {
     std::string parameter;    ///< "1/K": its reciprocal is the machine's K

@@ -33,8 +33,8 @@ struct ModelRecord {
 /// The records as sections [[model_history]] of a machine file, behind the comment line kModelHistoryComment.
 std::string FormatModelHistory(const std::vector<ModelRecord>& history);
 inline constexpr const char* kModelHistoryComment =
-    "# Versions of the model, written by 'hydroscope model': errors on strokes left out, parameters with "
-    "their std, SI.";
+    "# Versions of the model, written by 'hydroscope model': errors on strokes left out, "
+    "parameters with their std, SI.";
 
 /// Machine::effect_values as an inline table.
 std::string FormatEffectValues(const std::map<std::string, std::map<std::string, double>>& values);

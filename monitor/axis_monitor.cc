@@ -223,8 +223,8 @@ bool AxisMonitor::AnyExplanationIsDue() const {
   return std::any_of(findings.begin(), findings.end(), [&](const auto& f) { return ExplanationIsDue(f); });
 }
 
-/// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them is stored
-/// twice.
+/// True once there are as many as commissioning asks for. They are collected anew after a restart: nothing of them
+/// is stored twice.
 Result<bool> AxisMonitor::CollectForLearning() {
   while (static_cast<int>(collected_.size()) < rules_.commissioning) {
     const auto chunk = Load(collected_to_, kStrokesPerChange);

@@ -55,10 +55,10 @@ Told MovedTold(const std::vector<Told>& moved) {
 Told WhatGoesOn(const ChangeResult& result, const drift::DriftFinding& finding) {
   if (!result.after.each_alone)
     return Tell(
-        "no parameters that stay as they are over these episodes take that away: one is still moving, or an effect is "
-        "missing",
-        "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt sich noch, oder ein Effekt "
-        "fehlt");
+        "no parameters that stay as they are over these episodes take that away: one is still "
+        "moving, or an effect is missing",
+        "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt "
+        "sich noch, oder ein Effekt fehlt");
   std::vector<Told> names;
   for (const drift::FindingPart& part : finding.parts) names.push_back({part.quantity, ""});
   return Tell("parameters of its own describe each of them down to the sensor noise: {} goes on moving",

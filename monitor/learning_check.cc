@@ -81,8 +81,7 @@ std::vector<LearningDoubt> OfVerdict(const Result<ExplainResult>& result) {
       {Kind::kUnexplained,
        Tell(
            "'explain' says UNKNOWN: the model errs in them by more than noise, and no effect explains it",
-           "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt "
-           "es")}};
+           "'explain' sagt UNBEKANNT: das Modell irrt in ihnen um mehr als das Rauschen, und kein Effekt erklärt es")}};
 }
 
 /// Why the rows of a live run are too far apart, judged by those kept of its newest strokes within `part`; "" if they

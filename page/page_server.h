@@ -34,8 +34,8 @@ struct ServicePageOptions {
 /// The page over logs or a database, served until it is destroyed.
 class PageServer {
  public:
-  /// Errors: the machine file is wrong, the database cannot be read, the port is taken, or the program was built without the
-  /// page.
+  /// Errors: the machine file is wrong, the database cannot be read, the port is taken, or the program was built
+  /// without the page.
   static Result<std::unique_ptr<PageServer>> Open(const PageOptions& options);
   /// The workbench is one for all who are logged in. A program that was built without the page serves the rest. Errors as of HttpServer::Open, and other
   /// computers would reach it without TLS.

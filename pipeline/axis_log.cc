@@ -29,8 +29,7 @@ Result<std::vector<std::string>> AxesOf(const std::string& log, const Machine& m
   if (!axis.empty()) return std::vector{axis};
   if (LogHoldsAllAxes(machine)) return machine.live->axes;
   return BadInput(
-      "{}: \"{}\" has the axes {}, and nothing tells whose log this is; write {}#{}, or give --axis {} for "
-      "all logs",
+      "{}: \"{}\" has the axes {}, and nothing tells whose log this is; write {}#{}, or give --axis {} for all logs",
       log, machine.name, fmt::join(machine.live->axes, ", "), log, machine.live->axes.front(),
       machine.live->axes.front());
 }

@@ -116,8 +116,8 @@ namespace {
 Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
   if (ClosedLoopOf(stated) != nullptr)
     return BadInput(
-        "machine '{}': a {} is measured by its frequency response: 'hydroscope frf', or 'hydroscope explain --since' for "
-        "what changed",
+        "machine '{}': a {} is measured by its frequency response: 'hydroscope frf', or 'hydroscope "
+        "explain --since' for what changed",
         stated.name, KindOf(stated).title);
   Machine machine = stated;
   AssumeTolerances(machine);

@@ -170,8 +170,8 @@ bool EpisodeCutter::AtAngles(Episode& episode) {
     if (warnings_.size() < kMostWarnings)
       warnings_.push_back(Tell(
           "{:.3g} rows per revolution of the shaft at {:.6g} s, {} are needed to take its ripple out: it is left in",
-          "{:.3g} Zeilen je Umdrehung der Welle bei {:.6g} s, {} sind nötig, um ihre Welligkeit herauszunehmen: sie bleibt "
-          "darin",
+          "{:.3g} Zeilen je Umdrehung der Welle bei {:.6g} s, {} sind nötig, um ihre Welligkeit "
+          "herauszunehmen: sie bleibt darin",
           rows, episode.time.front(), kLeastRowsPerRevolution));
     return true;
   }

@@ -52,8 +52,7 @@ Result<LogTrust> JudgeRows(LogReader& reader, const Machine& machine);
 /// `believable`, `noise_scale`, `signals`: list of `signal`, `kind`, `unit` (SI), `std`, `stated`, `ratio`,
 /// `ratio_interval95`, `share`.
 nlohmann::json NoiseJson(const FloorTrust& floor);
-/// `fast_enough`, `period_s`, `needed_period_s`, `error`, `allowed` in the display unit of the model's
-/// output.
+/// `fast_enough`, `period_s`, `needed_period_s`, `error`, `allowed` in the display unit of the model's output.
 nlohmann::json SamplingJson(const SamplingRate& rate, const ModelStructure* model);
 
 /// "WARNING: ...\n" for each.

@@ -29,8 +29,7 @@ tl::unexpected<Error> MissingColumn(const LogLayout& layout, const std::string& 
                   question, kind, ListNames(layout.names), advice);
 }
 
-/// The unit a log states must mean the same as the machine file's; a unit the project does not know says
-/// nothing.
+/// The unit a log states must mean the same as the machine file's; a unit the project does not know says nothing.
 Status CheckUnit(const LogLayout& layout, int column, const std::string& unit, const std::string& key,
                  const std::string& origin) {
   const auto index = static_cast<std::size_t>(column);
@@ -84,10 +83,9 @@ Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::str
   plan.time_scale = unit->scale;
   const auto column = layout.Find(format.time_column);
   if (!column)
-    return MissingColumn(
-        layout, format.time_column, "the time", origin,
-        "; set log.time_column to one of them, or to \"\" with log.sample_period in s if the rows are "
-        "equally spaced");
+    return MissingColumn(layout, format.time_column, "the time", origin,
+                         "; set log.time_column to one of them, or to \"\" with log.sample_period in s "
+                         "if the rows are equally spaced");
   plan.time = static_cast<int>(*column);
   return CheckUnit(layout, plan.time, format.time_unit, "log.time_unit", origin);
 }

@@ -28,10 +28,9 @@ struct ColumnPlan {
   double time_scale = 1.0;    ///< s per unit of the time column
 };
 
-/// Maps the machine's signals onto the columns of a log. Errors: a required column is missing (lists the
-/// columns found, suggests the nearest), an unknown unit, a unit row that contradicts the machine file, no
-/// time column and no sample period. Optional columns that are absent and names that occur twice become
-/// findings.
+/// Maps the machine's signals onto the columns of a log. Errors: a required column is missing (lists the columns found,
+/// suggests the nearest), an unknown unit, a unit row that contradicts the machine file, no time column and no sample
+/// period. Optional columns that are absent and names that occur twice become findings.
 Result<ColumnPlan> PlanColumns(const LogLayout& layout, const Machine& machine, const std::string& origin,
                                LogCounters& counters);
 

@@ -29,8 +29,7 @@ void Require(bool condition) {
 
 }  // namespace
 
-/// Any bytes: layout detection and reading end without crash, deliver finite values or values flagged as
-/// missing.
+/// Any bytes: layout detection and reading end without crash, deliver finite values or values flagged as missing.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   const auto layout = hydroscope::DetectLayout(text, {}, "fuzz");

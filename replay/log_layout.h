@@ -33,10 +33,9 @@ struct LogLayout {
 /// Bytes at the beginning of a log that DetectLayout should be given.
 inline constexpr std::size_t kLayoutHead = 64 * 1024;
 
-/// Finds separator, decimal sign, lines to skip, header, unit row and column names from the first bytes of a
-/// text log; what `hints` gives is taken as given. `complete`: `head` is the whole log (its last line counts
-/// though no line end follows). Errors: empty, binary, UTF-16, or no rows of numbers; they begin with "log
-/// 'origin'".
+/// Finds separator, decimal sign, lines to skip, header, unit row and column names from the first bytes of a text log;
+/// what `hints` gives is taken as given. `complete`: `head` is the whole log (its last line counts though no line end
+/// follows). Errors: empty, binary, UTF-16, or no rows of numbers; they begin with "log 'origin'".
 Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, const std::string& origin,
                                bool complete = true);
 

@@ -90,8 +90,7 @@ TEST(LogLayout, ReadsAcquisitionHeaderWithEventsInSomeRows) {
   const LogLayout layout = Detect(
       "Header Size:  7\r\nSampling Interval:  0.001\r\nSample Number, Date/Time, CHANNEL0, Events\r\n"
       "         1,   06/29/2022 04:05:36.674 PM, -0.0209, DAQ Start\r\n"
-      "         2,   06/29/2022 04:05:36.675 PM, -0.0221\r\n         3,   06/29/2022 04:05:36.676 PM, "
-      "-0.0221\r\n");
+      "         2,   06/29/2022 04:05:36.675 PM, -0.0221\r\n         3,   06/29/2022 04:05:36.676 PM, -0.0221\r\n");
   EXPECT_THAT(layout.names, ElementsAre("Sample Number", "Date/Time", "CHANNEL0", "Events"));
   EXPECT_TRUE(layout.ragged);
   EXPECT_EQ(layout.data_line, 4);

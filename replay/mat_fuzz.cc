@@ -1,5 +1,4 @@
-// libFuzzer target: whatever a MAT file holds, its columns read as they were announced, or an error says why
-// not.
+// libFuzzer target: whatever a MAT file holds, its columns read as they were announced, or an error says why not.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -9,8 +9,7 @@
 
 namespace hydroscope {
 
-/// SVG: error on strokes left out, from the model as it is to the extended one, beside what sensor noise
-/// leaves.
+/// SVG: error on strokes left out, from the model as it is to the extended one, beside what sensor noise leaves.
 std::string StaircasePlot(const ExplainResult& result);
 
 /// SVG: for every effect that can be tested, the model error left with it, in % of that of the model as it
@@ -21,12 +20,10 @@ std::string RankingPlot(const ExplainResult& result);
 /// of measured minus modelled in place of the rms.
 std::string ResidualMap(const ExplainResult& result, bool diverging);
 
-/// The stroke of median and the one of largest error, with the model as it is and extended; empty without
-/// samples.
+/// The stroke of median and the one of largest error, with the model as it is and extended; empty without samples.
 std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result);
 
-/// SVG of the versions of a model: error on strokes left out of those that were judged; "" if fewer than two
-/// were.
+/// SVG of the versions of a model: error on strokes left out of those that were judged; "" if fewer than two were.
 std::string HistoryPlot(const std::vector<ModelRecord>& history);
 
 }  // namespace hydroscope

@@ -155,9 +155,9 @@ std::string Ranking(const ExplainResult& result) {
   std::string out =
       "<h2>Every effect, tried alone</h2>\n" +
       Figure(RankingPlot(result),
-             "Model error left when the effect is added, on strokes left out; best first. 0 % is the level "
-             "of sensor noise. Green: the verdict. Grey: not significant. Right: fitted size with its 95 % "
-             "interval.");
+             "Model error left when the effect is added, on strokes left out; best first. 0 % is "
+             "the level of sensor noise. Green: the verdict. Grey: not significant. Right: "
+             "fitted size with its 95 % interval.");
   std::string rows;
   const auto row = [&](const std::string& id, const std::string& why) {
     rows += "<tr><td>" + EscapeText(id) + "</td><td>" + EscapeText(why) + "</td></tr>";
@@ -179,8 +179,7 @@ std::string Parameters(const ExplainResult& result) {
   const bool extended = x.steps.size() > 1;
   const auto after = BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
   std::string out =
-      "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it "
-      "is</th>";
+      "<h2>Parameters</h2><div class=\"sheet ids\"><table><tr><th></th><th class=\"number\">model as it is</th>";
   out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
   for (std::size_t i = 0; i < after.size(); ++i) {
     const Estimate& before = result.base.parameters[i];

@@ -10,9 +10,8 @@
 
 namespace hydroscope {
 
-/// A made-up record for the tests of the report: strokes of a press whose oil warms over consecutive logs,
-/// seen by an estimator with exponential memory and in blocks by themselves. The truth of every parameter is
-/// known.
+/// A made-up record for the tests of the report: strokes of a press whose oil warms over consecutive logs, seen by an
+/// estimator with exponential memory and in blocks by themselves. The truth of every parameter is known.
 struct ReportFixture {
   int runs = 30, strokes_per_run = 10;
   double cold = 26, warm = 32;     ///< °C over the record
@@ -31,8 +30,7 @@ struct ReportFixture {
 
 namespace report_fixture {
 
-/// An estimate that remembers: the filtered sum of independent stroke-wise estimates, its standard deviation
-/// `std`.
+/// An estimate that remembers: the filtered sum of independent stroke-wise estimates, its standard deviation `std`.
 class Remembering {
  public:
   Remembering(std::string parameter, std::string unit, double std)

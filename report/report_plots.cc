@@ -18,8 +18,7 @@
 namespace hydroscope {
 namespace {
 
-/// Range of the estimates with four typical half widths: the first, still wide intervals must not flatten the
-/// rest.
+/// Range of the estimates with four typical half widths: the first, still wide intervals must not flatten the rest.
 AxisRange ValueRange(const std::vector<TrendSample>& samples, const ParameterInfo& info) {
   std::vector<double> half_widths;
   double low = 0, high = 0;

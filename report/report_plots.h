@@ -13,8 +13,7 @@ namespace hydroscope {
 /// file, borders between runs. Estimates that were not updated are crosses.
 std::string TrendPlot(const ReportInput& input, const ParameterAnalysis& analysis, const ParameterInfo& info);
 
-/// SVG of the same estimates over oil temperature, with regression line and its 95 % band; "" without
-/// temperatures.
+/// SVG of the same estimates over oil temperature, with regression line and its 95 % band; "" without temperatures.
 std::string OilPlot(const ReportInput& input, const ParameterAnalysis& analysis, const ParameterInfo& info);
 
 /// Two SVGs of one stroke: measured and modelled flow, and below it the residual with the band that sensor

@@ -20,8 +20,7 @@ AxisTicks NiceTicks(double low, double high, int target, bool whole = false);
 /// "10⁻⁶" for -6.
 std::string PowerOfTen(int exponent);
 
-/// A range that holds [low, high] with a margin of `share` on both sides; a single value gets a range around
-/// it.
+/// A range that holds [low, high] with a margin of `share` on both sides; a single value gets a range around it.
 struct AxisRange {
   double low = 0, high = 1;
 };

@@ -92,8 +92,7 @@ std::string EscapeText(std::string_view text) {
 std::string HtmlSymbol(std::string_view symbol) { return WithSubscripts(symbol, "<sub>", "</sub>"); }
 
 std::string SvgSymbol(std::string_view symbol) {
-  // The text after the subscript has to be raised again; a zero-width space carries the way back when none
-  // follows.
+  // The text after the subscript has to be raised again; a zero-width space carries the way back when none follows.
   return WithSubscripts(symbol, "<tspan dy=\"3\" font-size=\"75%\">",
                         "</tspan><tspan dy=\"-3\">&#8203;</tspan>");
 }

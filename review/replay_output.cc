@@ -81,8 +81,7 @@ std::string Troubles(const ReplayOutcome& outcome) {
     }
     if (r.run.strokes == 0)
       text += fmt::format(
-          "NO {}: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine "
-          "M.toml\n",
+          "NO {}: {}: {} of {} rows inside the gate; look at it with: hydroscope check {} --machine M.toml\n",
           Capitals(CountedWordsOf(outcome.machine).one), r.log, r.summary.gated, r.summary.rows, r.log);
   }
   return text.empty() ? text : "\n" + text;

@@ -80,14 +80,13 @@ struct PressReplay {
   bool Failed() const;
 };
 
-/// Sends logs through the live pipeline into the trend database, one run per log, each starting from the
-/// state the machine's run before left. Deterministic: the same logs into a fresh database give the same
-/// content. A replay that was killed continues: complete runs are skipped, the run under way is computed
-/// again from its starting state, and strokes already stored are not stored twice. A log that cannot be
-/// replayed does not keep the others from it. Then all axes of the press that the database holds are judged
-/// together, as the live service does; in which order their logs were replayed makes no difference to what
-/// stands. Errors: machine file or database cannot be used, nothing tells whose log it is, report cannot be
-/// written.
+/// Sends logs through the live pipeline into the trend database, one run per log, each starting from the state the
+/// machine's run before left. Deterministic: the same logs into a fresh database give the same content. A replay that
+/// was killed continues: complete runs are skipped, the run under way is computed again from its starting state, and
+/// strokes already stored are not stored twice. A log that cannot be replayed does not keep the others from it. Then
+/// all axes of the press that the database holds are judged together, as the live service does; in which order their
+/// logs were replayed makes no difference to what stands. Errors: machine file or database cannot be used, nothing
+/// tells whose log it is, report cannot be written.
 Result<PressReplay> RunReplay(const ReplayOptions& options);
 
 }  // namespace hydroscope

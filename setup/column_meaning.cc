@@ -87,8 +87,7 @@ void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles
       give(*i, Role::kPressureB, Told("a pressure that moves little", "ein Druck, der sich wenig bewegt"));
 }
 
-/// Spool and command run together, within -1.2 ... 1.2 and within +-12; what is left and smooth is the
-/// position.
+/// Spool and command run together, within -1.2 ... 1.2 and within +-12; what is left and smooth is the position.
 void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles) {
   const auto free = [&](std::size_t i) {
     return !Used(roles, i) && head.columns[i].numeric() && head.columns[i].span() > 0 &&

@@ -7,8 +7,7 @@
 
 namespace hydroscope {
 
-/// A signal late by a fixed time: values enter once per step, and come out interpolated linearly between
-/// steps.
+/// A signal late by a fixed time: values enter once per step, and come out interpolated linearly between steps.
 class DelayLine {
  public:
   /// `delay` s >= 0, `step` s; before the first value the line holds that value.

@@ -6,9 +6,8 @@
 
 namespace hydroscope {
 
-/// Seeded random numbers that are the same with every standard library: std::mt19937_64 (whose output the
-/// standard fixes) with own uniform and normal transforms (std::normal_distribution differs between
-/// libraries).
+/// Seeded random numbers that are the same with every standard library: std::mt19937_64 (whose output the standard
+/// fixes) with own uniform and normal transforms (std::normal_distribution differs between libraries).
 class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) : engine_(seed) {}

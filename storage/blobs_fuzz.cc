@@ -1,7 +1,6 @@
 // libFuzzer target: whatever a blob of the database holds - raw rows, their flags, a Gram -
-// it becomes columns of the size asked for, a Gram, or an error with words. Checksums are made to fit, so
-// that what lies behind them is reached. What is packed comes back to the bit. The first byte chooses the
-// kind.
+// it becomes columns of the size asked for, a Gram, or an error with words. Checksums are made to fit, so that what
+// lies behind them is reached. What is packed comes back to the bit. The first byte chooses the kind.
 #include <zlib.h>
 
 #include <algorithm>

@@ -133,10 +133,10 @@ Status UpdateRollups(Connection& connection, const RunRow& run, std::span<const 
     if (!sum) return tl::unexpected(sum.error());
     if (!*sum) return {};
     const auto bytes = EncodeGram((*sum)->gram, NoisePrecision::kDouble);
-    Query(connection,
-          "INSERT INTO gram_rollup(machine, strokes, first_sequence, model_version, gram) VALUES(?, ?, ?, ?, "
-          "?)",
-          machine, group, first, (*sum)->model_version, bytes)
+    Query(
+        connection,
+        "INSERT INTO gram_rollup(machine, strokes, first_sequence, model_version, gram) VALUES(?, ?, ?, ?, ?)",
+        machine, group, first, (*sum)->model_version, bytes)
         .Run();
     smaller = group;
   }

@@ -31,8 +31,7 @@ class ColumnPacker {
   std::unique_ptr<Deflater> deflater_;
 };
 
-/// `columns` x `rows` values back, also of what version 1 packed; the error tells what is wrong with the
-/// bytes.
+/// `columns` x `rows` values back, also of what version 1 packed; the error tells what is wrong with the bytes.
 Result<std::vector<std::vector<double>>> UnpackColumns(std::span<const std::uint8_t> bytes,
                                                        std::size_t columns, std::size_t rows);
 Result<std::vector<std::vector<Quality>>> UnpackFlags(std::span<const std::uint8_t> bytes,

@@ -69,8 +69,7 @@ Result<RunInfo> Database::BeginRun(std::int64_t machine, int model_version, cons
     if (known && known->abandoned)
       return BadInput(
           "{}: the replay of {} stopped after {} strokes and another log of the machine was replayed since; "
-          "its "
-          "remaining strokes would come out of order. Replay the logs in order into a new database",
+          "its remaining strokes would come out of order. Replay the logs in order into a new database",
           impl_->path, known->source, known->strokes);
     if (known) return *known;
     CloseOpenRuns(*impl_, machine);
@@ -114,11 +113,10 @@ Result<std::optional<std::vector<std::uint8_t>>> Database::PipelineStateBefore(s
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<State> {
     const auto row = impl_->FindRun(run);
     if (!row) return tl::unexpected(row.error());
-    Query query(
-        *impl_,
-        "SELECT pipeline_state FROM run WHERE machine = ? AND id < ? AND state = 'complete' ORDER BY id DESC "
-        "LIMIT 1",
-        row->machine, run);
+    Query query(*impl_,
+                "SELECT pipeline_state FROM run WHERE machine = ? AND id < ? AND state = "
+                "'complete' ORDER BY id DESC LIMIT 1",
+                row->machine, run);
     if (!query.Step()) return State();
     const auto bytes = query.Blob(0);
     return State(std::vector<std::uint8_t>(bytes.begin(), bytes.end()));

@@ -333,8 +333,7 @@ void WriteDetails(const std::string& path, const std::vector<Case>& cases) {
       nonlinear += fmt::format("{:.4g} ",
                                fmt::join(x.model->effect_shapes[choice.effect][choice.shape].nonlinear, ","));
     file << fmt::format(
-        "{}\t{}\t{:.3f}\t{:.3f}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{:.0f}\t{}\t{:.0f}\t{}\t{}\t{}\t{:."
-        "3f}\t{}\n",
+        "{}\t{}\t{:.3f}\t{:.3f}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{:.0f}\t{}\t{:.0f}\t{}\t{}\t{}\t{:.3f}\t{}\n",
         kKindNames[c.kind], truth, c.excess, x.base.excess_ratio, x.final.excess_ratio,
         VerdictName(x.verdict), set, Top(x.ranking, 5), Top(x.second, 3), x.partial ? "partial" : "",
         x.final.fit_excess_ratio, x.final.excess.size(), x.remainder, x.remainder_law, x.margin, x.margin_law,

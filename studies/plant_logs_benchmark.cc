@@ -218,8 +218,7 @@ int RunPlantLogsBenchmark(const PlantLogsOptions& o) {
   const PlantTally& t = result->all;
   std::cout << fmt::format(
       "\nwrong {:.1f} %, wrong but flagged {:.1f} %, unknown or missed {:.1f} % of those identifiable, a "
-      "second name "
-      "without cause {:.1f} %, fit off without a word {:.1f} %\n",
+      "second name without cause {:.1f} %, fit off without a word {:.1f} %\n",
       100 * ShareOf(t.wrong, t.cases), 100 * ShareOf(t.flagged, t.cases),
       100 * ShareOf(t.identifiable_unknown, t.identifiable), 100 * ShareOf(t.extra, t.cases),
       100 * ShareOf(t.fit_off, t.fits));

@@ -47,8 +47,7 @@ PressOptions OptionsFor(const EffectInfo& effect, double seconds, std::uint64_t 
   return options;
 }
 
-/// Numbers of the simulated law beside those that the model's law has for its shape, which come first in
-/// both.
+/// Numbers of the simulated law beside those that the model's law has for its shape, which come first in both.
 std::vector<RecoveredValue> RecoveredShapes(const EffectInfo& info, const EffectSetting& truth,
                                             const Effect& effect, const EffectEstimate& found,
                                             const std::vector<double>& nonlinear) {
@@ -194,8 +193,7 @@ int RunRecovery(const RecoveryOptions& o) {
   const auto sizes = tally.of_kind[RecoveredKind::kSize], shapes = tally.of_kind[RecoveredKind::kShape];
   std::cout << fmt::format(
       "\n95 % intervals that hold the truth: sizes {} of {}, shapes {} of {}, all parameters {} of {}; "
-      "beyond "
-      "3 standard deviations: {}\n",
+      "beyond 3 standard deviations: {}\n",
       sizes.first, sizes.second, shapes.first, shapes.second, tally.inside, tally.values, tally.far);
   const bool reached = o.seeds == 1
                            ? tally.far == 0

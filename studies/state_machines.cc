@@ -66,8 +66,7 @@ pump = { start = 0.2, min = 0.005, max = 1 }
 )toml",
       {{"overflow",
         "adds = { h_1 = \"-c*max(h_1 - brim, 0)\" }\n"
-        "parameters = { brim = { start = 20, min = 1, max = 100 }, c = { start = 1, min = 0.1, max = 10 } "
-        "}\n"},
+        "parameters = { brim = { start = 20, min = 1, max = 100 }, c = { start = 1, min = 0.1, max = 10 } }\n"},
        {"spill",
         "adds = { h_1 = \"-c*max(h_1 - brim, 0)\", h_2 = \"part*c*max(h_1 - brim, 0)\" }\n"
         "parameters = { brim = { start = 20, min = 1, max = 100 }, c = { start = 1, min = 0.1, max = 10 }, "

@@ -284,8 +284,8 @@ void WhatIsNotInTheModel(const TestCylinderBenchmarkOptions& o) {
 
 int RunTestCylinderBenchmark(const TestCylinderBenchmarkOptions& o) {
   std::cout << fmt::format(
-      "Servo-hydraulic test cylinder, {} simulated records of 60 s per valve, 8.9 mA, noise 2 um, disturbance 0.5 mA, seeds from "
-      "{}\n\n",
+      "Servo-hydraulic test cylinder, {} simulated records of 60 s per valve, 8.9 mA, noise 2 um, "
+      "disturbance 0.5 mA, seeds from {}\n\n",
       o.seeds, o.seed);
   bool kept = PublishedValves(o);
   kept = LengthAskedFor(o) && kept;

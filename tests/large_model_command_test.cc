@@ -81,8 +81,7 @@ TEST_F(LargeModel, OfAllSizesIsFittedExplainedAndReplayed) {
 /// Effects count as well: as many as fit are followed, one more is refused.
 TEST_F(LargeModel, WithAddedEffectsUpToTheLimit) {
   const std::string effect =
-      "[[effect]]\nid = \"square\"\ndescription = \"Square\"\nterms = { s = \"x0^2\" }\nunit = \"V\"\nmin = "
-      "-10\n";
+      "[[effect]]\nid = \"square\"\ndescription = \"Square\"\nterms = { s = \"x0^2\" }\nunit = \"V\"\nmin = -10\n";
   const std::string added = "effects = [\"square\"]\n";
   const std::string log = Log(kMaxParameters);
   for (const int terms : {16, kMaxParameters - 1}) {

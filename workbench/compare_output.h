@@ -7,8 +7,7 @@
 
 namespace hydroscope {
 
-/// What `hydroscope compare` tells a person: error beside the noise, per stroke, whiteness, what the residual
-/// follows.
+/// What `hydroscope compare` tells a person: error beside the noise, per stroke, whiteness, what the residual follows.
 std::string CompareText(const CompareResult& result);
 /// The JSON of docs/command_line.md; flows in l/min.
 nlohmann::json CompareJson(const CompareResult& result);

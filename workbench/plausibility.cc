@@ -12,8 +12,7 @@
 namespace hydroscope {
 namespace {
 
-/// What a quantity on a hydraulic machine looks like; `measure` of a signal lies between `low` and `high`,
-/// SI.
+/// What a quantity on a hydraulic machine looks like; `measure` of a signal lies between `low` and `high`, SI.
 struct Expectation {
   const char* si;
   enum { kLargest, kTravel, kMean } measure;

@@ -6,9 +6,8 @@
 
 namespace hydroscope {
 
-/// Looks whether the lengths that a damaged message states can be true, before the generated code takes
-/// memory for them (a length of 2^32 strings would ask for 1 TB). Offsets are those of CDR for
-/// hydroscope_live.idl.
+/// Looks whether the lengths that a damaged message states can be true, before the generated code takes memory for them
+/// (a length of 2^32 strings would ask for 1 TB). Offsets are those of CDR for hydroscope_live.idl.
 class PayloadLengths {
  public:
   explicit PayloadLengths(std::span<const std::uint8_t> payload) : payload_(payload) {}

@@ -21,8 +21,7 @@ class IllController : public ::testing::Test {
     press_.Live(std::nullopt, 10);
     const auto machine = ParseMachine(
         fmt::format(
-            "[live]\naxes = [\"left\", \"right\"]\n[live.modbus]\nport = {}\npoll_period = 0.02\ntimeout = "
-            "0.1\n"
+            "[live]\naxes = [\"left\", \"right\"]\n[live.modbus]\nport = {}\npoll_period = 0.02\ntimeout = 0.1\n"
             "retry_first = 0.05\nretry_limit = 0.1\nheartbeat = 15\nsweep = {{ coil = 0, status = 20, axis = "
             "21, amplitude = 22 }}\n[signals]\nx = {{ modbus = {{ register = 32 }} }}\n"
             "[balance]\noutput = \"x\"\nterms = {{ k = \"1\" }}\n",

@@ -31,9 +31,8 @@ class ValveRequest {
   /// `spec.sweep` must be set.
   explicit ValveRequest(const ModbusSpec& spec);
 
-  /// Asks for a sweep of `axis` (from 0) with `amplitude`, a share of full scale. Success means asked, not
-  /// granted: look at Poll until it is decided. Errors: no [live.modbus] sweep, amplitude outside 0 ... 1, no
-  /// connection.
+  /// Asks for a sweep of `axis` (from 0) with `amplitude`, a share of full scale. Success means asked, not granted:
+  /// look at Poll until it is decided. Errors: no [live.modbus] sweep, amplitude outside 0 ... 1, no connection.
   Status Ask(int axis, double amplitude);
   /// Errors: no connection, or a status the protocol does not know. The next call connects again.
   Result<SweepStatus> Poll();

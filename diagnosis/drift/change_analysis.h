@@ -57,8 +57,7 @@ ChangeTime FindChangeTime(const std::deque<JudgedStroke>& strokes, int quantity)
 ChangeExplanation ExplainChange(const std::deque<JudgedStroke>& strokes, std::int64_t last_before,
                                 const std::vector<DriftSize>& sizes, const Eigen::VectorXd& curve_doubt);
 
-/// Sizes of `moved` quantities fitted together to the sums of scores and information; std in SI without
-/// doubt.
+/// Sizes of `moved` quantities fitted together to the sums of scores and information; std in SI without doubt.
 std::vector<Moved> FitTogether(const Eigen::VectorXd& score, const Eigen::MatrixXd& information,
                                const std::vector<int>& moved);
 

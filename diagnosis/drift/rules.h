@@ -63,16 +63,14 @@ struct RuleBook {
   const Rule* Match(const std::map<std::string, int>& moved, int axes = 1) const;
 };
 
-/// One section of a rules file with the keys it may hold; docs/drift.md describes every one (a test
-/// compares).
+/// One section of a rules file with the keys it may hold; docs/drift.md describes every one (a test compares).
 struct RuleSection {
   std::string name;
   std::vector<std::string> keys;
 };
 const std::vector<RuleSection>& RuleFileSections();
 
-/// Reads a rules file. Errors name file, line, key, value and what was expected; an unknown key suggests the
-/// nearest.
+/// Reads a rules file. Errors name file, line, key, value and what was expected; an unknown key suggests the nearest.
 Result<RuleBook> LoadRules(const std::string& path);
 Result<RuleBook> ParseRules(const std::string& text, const std::string& origin);
 /// The rules of machines/die_cushion_rules.toml as they were when the program was built.

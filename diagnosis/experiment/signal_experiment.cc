@@ -355,9 +355,9 @@ Told SignalExperimentText(const SignalExperiment& e) {
     text = Tell(
         "Nothing that [experiment] allows can be used: it is of no signal that the effects in question or "
         "the terms read, or outside the gate, or narrower than what the signal does within a stroke. ",
-        "Nichts, was [experiment] erlaubt, lässt sich nutzen: es ist von keinem Signal, das die fraglichen Effekte "
-        "oder die Terme lesen, oder liegt außerhalb des Gates, oder ist enger als das, was das Signal in einem Hub "
-        "tut. ");
+        "Nichts, was [experiment] erlaubt, lässt sich nutzen: es ist von keinem Signal, das die "
+        "fraglichen Effekte oder die Terme lesen, oder liegt außerhalb des Gates, oder ist enger als das, "
+        "was das Signal in einem Hub tut. ");
   if (e.strokes == 0)
     return Joined(
         {text,

@@ -11,8 +11,8 @@
 
 namespace hydroscope {
 
-/// Thresholds of the predictability test, validated by `hydroscope benchmark hidden-effects` and `plant-logs`
-/// (docs/workbench.md).
+/// Thresholds of the predictability test, validated by `hydroscope benchmark hidden-effects`
+/// and `plant-logs` (docs/workbench.md).
 struct PredictabilityOptions {
   double max_p = 0.01;      ///< p-value from which on what is left counts as structure
   double min_share = 0.03;  ///< ... if it is this share of the error's energy
@@ -35,8 +35,7 @@ struct Predictability {
   double energy = 0;      ///< of the error on groups left out, mean per equation, output unit squared
   double correlation =
       1;  ///< by how much scores of features scatter more between groups than white noise would let them
-  /// Whether a law is missing, on top of a model of which `before` (energy of the same equations) was
-  /// predictable.
+  /// Whether a law is missing, on top of a model of which `before` (energy of the same equations) was predictable.
   bool IsStructured(const PredictabilityOptions& options, double predictable_before = 0) const {
     return tested && p_value <= options.max_p && share >= options.min_share &&
            share * energy >= options.of_base * predictable_before;

@@ -41,8 +41,7 @@ struct SignalCorrelation {
   double lagged = 0;    ///< correlation there
   double lagged_p = 1;  ///< of no correlation at any of the lags (Bonferroni)
 };
-/// Lags up to `most` windows either way; a pair of windows with a gap between them counts as if there were
-/// none.
+/// Lags up to `most` windows either way; a pair of windows with a gap between them counts as if there were none.
 std::vector<SignalCorrelation> CorrelationsOf(const Residuals& residuals, int most = 5);
 
 }  // namespace hydroscope

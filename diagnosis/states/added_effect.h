@@ -6,8 +6,8 @@
 
 namespace hydroscope {
 
-/// What effects add to the equations at some values of their parameters: equations of the model with them, less those
-/// without.
+/// What effects add to the equations at some values of their parameters: equations of the model with them,
+/// less those without.
 class AddedEffect {
  public:
   /// `near`, with parameters `own`, lacks effects that `with` has. Both must outlive this.

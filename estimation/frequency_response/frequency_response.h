@@ -134,9 +134,8 @@ struct FrequencyResponse {
 /// Marks points outside the range of frequencies asked for.
 void LeaveOutOfRange(std::vector<FrequencyPoint>& points, const FrequencyResponseOptions& options);
 
-/// Response and model. Bad input (too short, constant input, no steady frequency, no coherence, everything
-/// clipped) is an error that says what was found and what to do; too few points for a model is not: see
-/// `model_reason`.
+/// Response and model. Bad input (too short, constant input, no steady frequency, no coherence, everything clipped) is
+/// an error that says what was found and what to do; too few points for a model is not: see `model_reason`.
 Result<FrequencyResponse> MeasureFrequencyResponse(const FrequencyRecord& record,
                                                    const FrequencyResponseOptions& options = {});
 

@@ -62,8 +62,7 @@ Coverage CoverageOver(const Sweep& sweep, int seeds, const char* name) {
     c.worst_f0 = std::max(c.worst_f0, std::abs(m.natural_frequency.value - sweep.f0));
   }
   std::printf(
-      "%s: inside 95 %% intervals of %d: f0 %d, D %d, K_v %d, T_dead %d, -3 dB %d, -90 deg %d; worst f0 %.3g "
-      "Hz\n",
+      "%s: inside 95 %% intervals of %d: f0 %d, D %d, K_v %d, T_dead %d, -3 dB %d, -90 deg %d; worst f0 %.3g Hz\n",
       name, seeds, c.f0, c.damping, c.gain, c.dead_time, c.bandwidth, c.phase_90, c.worst_f0);
   return c;
 }

@@ -23,8 +23,8 @@ struct FollowedParameter {
 struct FirstFit {
   Eigen::VectorXd parameters;  ///< SI
   Eigen::VectorXd size;        ///< SI, above 0: of each parameter, as far as it is known before anything is
-  /// SI, what all following episodes are measured against: the noise of each output, or the parameters that they are linearised
-  /// about.
+  /// SI, what all following episodes are measured against: the noise of each output, or the parameters that they
+  /// are linearised about.
   Eigen::VectorXd basis;
   double shown_noise = 0;  ///< of the errors as they are shown
 };

@@ -14,19 +14,17 @@ namespace hydroscope {
 /// and which a factor of P cannot take in one piece. A direction that a stroke does not move adds nothing but
 /// a noise of zero mean.
 ///
-/// Directional forgetting for a set of equations at once (SIFt-RLS, Lai and Bernstein 2024, arXiv
-/// 2404.10844): the subspace spanned by A, the directions the stroke excites, loses the share 1 - mu of its
-/// information,
+/// Directional forgetting for a set of equations at once (SIFt-RLS, Lai and Bernstein 2024, arXiv 2404.10844): the
+/// subspace spanned by A, the directions the stroke excites, loses the share 1 - mu of its information,
 ///   R <- R - (1 - mu) R A (A' R A)^-1 A' R,  and s with it; all other directions keep theirs.
 ///
 /// Bounded covariance: no eigenvalue of P exceeds `max_covariance`. A direction whose information would fall
 /// below 1 / max_covariance, by forgetting or by a noise share that chance made larger than the Gram, is held
 /// there, and the parameters with it. R is therefore positive definite whatever happens.
 ///
-/// Condition: the filter remembers under which condition (a scalar, here the oil temperature) it learned,
-/// with the very weights the data have in theta: M <- M + (S - N) c, forgotten like s. If parameter i follows
-/// the condition linearly, its estimate is the parameter at condition(i) = (R^-1 M)_ii, not at the present
-/// one.
+/// Condition: the filter remembers under which condition (a scalar, here the oil temperature) it learned, with the very
+/// weights the data have in theta: M <- M + (S - N) c, forgotten like s. If parameter i follows the condition linearly,
+/// its estimate is the parameter at condition(i) = (R^-1 M)_ii, not at the present one.
 class InformationFilter {
  public:
   static constexpr int kMost = kMaxParameters + 1;  ///< with the output beside them

@@ -77,8 +77,7 @@ TEST(InformationFilter, DirectionalForgettingLeavesTheOtherDirectionsTheirInform
   const Vector theta = filter.Theta();
   const Matrix excited = kAll.leftCols(1);
   filter.Forget(excited, 0.6);
-  // Along the excited direction the share 0.6 is left; what is known of the rest once that is free is
-  // untouched.
+  // Along the excited direction the share 0.6 is left; what is known of the rest once that is free is untouched.
   EXPECT_NEAR(filter.information()(0, 0), 0.6 * before(0, 0), 1e-9 * before(0, 0));
   const auto rest = [](const Matrix& r) {
     return Eigen::MatrixXd(r.bottomRightCorner(2, 2) -

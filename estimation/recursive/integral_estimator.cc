@@ -244,8 +244,7 @@ std::vector<Estimate> IntegralEstimator::EndStroke(const StrokeSummary& stroke, 
 double IntegralEstimator::OwnStd(const DerivedParameter& parameter, int own_regressor,
                                  const Recent& stroke) const {
   const double equations = std::max(stroke.raw.equations, 1.0);
-  // Share of the regressor's energy that is signal; the noise share itself is only known to sqrt(2 /
-  // equations).
+  // Share of the regressor's energy that is signal; the noise share itself is only known to sqrt(2 / equations).
   const double noise_share = stroke.noise.h(own_regressor, own_regressor) /
                              std::max(stroke.raw.h(own_regressor, own_regressor), 1e-300);
   const double signal_share = 1.0 - noise_share - 3.0 * std::sqrt(2.0 / equations);

@@ -84,8 +84,7 @@ void RecursiveLeastSquares::Forget(const double* u) {
     for (int i = 0; i < N; ++i) d_[i] *= inverse;
     return;
   }
-  // a = U^-1 u; information of the direction u' R u = sum a_j^2 / d_j. What does not depend on a is divided
-  // beforehand.
+  // a = U^-1 u; information of the direction u' R u = sum a_j^2 / d_j. What does not depend on a is divided beforehand.
   std::array<double, N> a, inverse_d, information;  // information: of entries j and above
   for (int j = 0; j < N; ++j) inverse_d[j] = 1.0 / d_[j];
   const double kept = lambda / (1.0 - lambda);

@@ -30,8 +30,8 @@ constexpr std::array<double, kStages> kError = {71.0 / 57600,      0,          -
 /// Step times fastest rate up to which the method is stable on the real axis.
 constexpr double kStable = 3.3;
 
-/// SDIRK method of order 4 with five stages, L-stable, with an embedded method of order 3 (Hairer and Wanner 1996, table
-/// IV.6.5).
+/// SDIRK method of order 4 with five stages, L-stable, with an embedded method of order 3 (Hairer and Wanner
+/// 1996, table IV.6.5).
 constexpr int kImplicitStages = 5;
 constexpr double kGamma = 0.25;
 constexpr std::array<double, kImplicitStages> kImplicitNodes = {1.0 / 4, 3.0 / 4, 11.0 / 20, 1.0 / 2, 1};

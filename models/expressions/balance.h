@@ -5,8 +5,7 @@
 
 namespace hydroscope {
 
-/// What an expression under `derived` may name: the parameters of the balance and the constants of the
-/// machine.
+/// What an expression under `derived` may name: the parameters of the balance and the constants of the machine.
 ExpressionNames NamesForDerived(const Machine& machine);
 
 /// The balance of a machine file's own [balance]: output = sum of parameter * expression, in SI. Where a rate

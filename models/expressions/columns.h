@@ -10,9 +10,8 @@
 
 namespace hydroscope {
 
-/// One part of an expression as a Stieltjes integral: weight d(level), or weight dt without a level. No
-/// weight is 1. Neither contains ddt: where a rate is needed as a value, it is the name of a channel of
-/// rates.
+/// One part of an expression as a Stieltjes integral: weight d(level), or weight dt without a level. No weight is 1.
+/// Neither contains ddt: where a rate is needed as a value, it is the name of a channel of rates.
 struct ExpressionPart {
   Expression weight, level;
 };
@@ -20,8 +19,7 @@ struct ExpressionPart {
 /// Channels of a model that expressions read: measured signals and the windowed rates ddt(...) they ask for.
 class ExpressionChannels {
  public:
-  /// Adds to `model.channel_names`; `half_width` in s is the window of ddt. `model` must outlive this
-  /// builder.
+  /// Adds to `model.channel_names`; `half_width` in s is the window of ddt. `model` must outlive this builder.
   ExpressionChannels(ModelStructure& model, double half_width) : model_(model), half_width_(half_width) {}
 
   /// The expression with every ddt(...) replaced by the name of its channel, which is added if new.
@@ -31,8 +29,7 @@ class ExpressionChannels {
   std::vector<ExpressionPart> Parts(const Expression& expression);
   /// Channel of each name, for evaluators.
   std::map<std::string, int> Indices() const;
-  /// Fills the channels of rates, in the order in which they depend on each other. Valid when the builder is
-  /// gone.
+  /// Fills the channels of rates, in the order in which they depend on each other. Valid when the builder is gone.
   std::function<void(Stretch&)> Derivation() const;
 
  private:

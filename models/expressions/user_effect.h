@@ -25,8 +25,7 @@ Status AddUserEffects(const Machine& machine, double sign, ModelStructure& model
 /// Description of the effect alone, without columns: what lists and messages show.
 Effect DescribeUserEffect(const Machine& machine, const UserEffectSpec& spec, const std::string& output_unit);
 
-/// Unit of the parameter of a term: as given, else the output's over the expression's if that is exact, else
-/// "".
+/// Unit of the parameter of a term: as given, else the output's over the expression's if that is exact, else "".
 std::string ParameterUnit(const TermSpec& term, const ExpressionUnit& expression,
                           const std::string& output_unit);
 

@@ -117,8 +117,7 @@ TEST(MachineFilePage, ShowsExamplesThatLoad) {
       text += "[signals]\np_A = { column = 2, unit = \"Pa\" }\nz = { column = 3, unit = \"m\" }\ny_v = 4\n";
     else if (!own && example.find("[signals]") == std::string::npos)
       text +=
-          "[signals]\np_A = { column = \"p\", unit = \"Pa\" }\nz = { column = \"z\", unit = \"m\" }\ny_v = "
-          "\"y\"\n"
+          "[signals]\np_A = { column = \"p\", unit = \"Pa\" }\nz = { column = \"z\", unit = \"m\" }\ny_v = \"y\"\n"
           "U_v = { column = \"U\", unit = \"V\" }\n";
     else if (!own && example.find("y_v = ") == std::string::npos)
       text += "z = { column = \"z\", unit = \"m\" }\ny_v = \"y\"\n";

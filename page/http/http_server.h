@@ -27,8 +27,8 @@ struct HttpListen {
 class HttpServer {
  public:
   struct Hooks {
-    /// Of the port, before a body is read: the refusal, or nothing; finds out who asks. What comes by the socket comes from the
-    /// owner.
+    /// Of the port, before a body is read: the refusal, or nothing; finds out who asks. What comes by the socket comes
+    /// from the owner.
     std::function<std::optional<HttpReply>(HttpRequest&)> refuse;
     /// Where the body of this request is to be written; "" = into HttpRequest::body.
     std::function<std::string(const HttpRequest&)> body_file;

@@ -203,8 +203,8 @@ std::string ScalingOf(const std::string& si) {
                      unit.offset == 0 ? "" : fmt::format(" {:+.6g}", unit.offset), unit.name);
 }
 
-/// What the feeds of the machine would tell of these axes. The feeds a machine file does not ask for are shown with their
-/// defaults.
+/// What the feeds of the machine would tell of these axes. The feeds a machine file does not ask for are shown
+/// with their defaults.
 nlohmann::json TagsJson(const std::vector<AxisPicture>& axes, const Machine& machine,
                         const AlarmJournal* journal, double wall) {
   const auto alarms = journal == nullptr ? Result<std::vector<std::pair<std::string, std::string>>>()

@@ -17,8 +17,8 @@ struct OwnEffect {
 /// Of {"id", "expression", "unit", "not_negative", "keep"}. Errors as ParseWorkRequest.
 Result<OwnEffect> ParseOwnEffect(const std::string& body);
 
-/// The text of a machine file with the effect in its library. Error: what is wrong with the expression, with a mark under the
-/// place.
+/// The text of a machine file with the effect in its library. Error: what is wrong with the expression, with a mark
+/// under the place.
 Result<std::string> WithOwnEffect(const std::string& machine_text, const OwnEffect& effect);
 
 }  // namespace hydroscope

@@ -71,8 +71,7 @@ double LeakageFlow(const PressEffectSizes& e, double p_A, double p_B, double z);
 /// V (p_pre/p)^(1/n).
 double ChamberCapacity(const PressEffectSizes& e, double bulk_modulus, double volume, double p_A);
 
-/// Position of the metering edge when the spool is at `spool` and the edge was at `edge`: play of the given
-/// width.
+/// Position of the metering edge when the spool is at `spool` and the edge was at `edge`: play of the given width.
 double EdgeWithPlay(const PressEffectSizes& e, double spool, double edge);
 
 /// Opening that meters, from the opening y_v - y_0: overlap, then curvature, then other gain of the edge y <

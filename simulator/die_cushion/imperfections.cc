@@ -240,8 +240,8 @@ std::vector<ImperfectionInfo> SignalKinds() {
        0.1,
        0,
        100,
-       "AR(1) noise of size times the white variance, correlated by phi after 2 ms, beside `white` times the "
-       "white variance",
+       "AR(1) noise of size times the white variance, correlated by phi after 2 ms, beside "
+       "`white` times the white variance",
        {{"phi", 0.8, "1"}, {"white", 0, "1"}},
        "all"},
       {kHeavyTails,

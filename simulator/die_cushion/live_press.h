@@ -23,9 +23,8 @@ enum class SweepState : std::uint16_t {
   kBroken = 6,   ///< broken off because the press began to work
 };
 
-/// A press that runs for as long as it is asked for rows: any number of cushions under one ram, effects and
-/// sensor faults that come while it runs, pauses at the upper rest, valve sweeps in the pauses. Knows no
-/// clock.
+/// A press that runs for as long as it is asked for rows: any number of cushions under one ram, effects and sensor
+/// faults that come while it runs, pauses at the upper rest, valve sweeps in the pauses. Knows no clock.
 class LivePress {
  public:
   static constexpr int kMostAxes = 256;

@@ -27,8 +27,7 @@ PressOptions RandomMachine(std::uint64_t seed) {
   const double conductance = m.Q_vn / std::sqrt(m.dp_nom);
   w.set_point_min = random.Uniform(30e5, 60e5);
   w.set_point_max = random.Uniform(150e5, 210e5);
-  // Speeds at which 70 % opening is enough at the middle pressure; the set point generator raises lower
-  // levels.
+  // Speeds at which 70 % opening is enough at the middle pressure; the set point generator raises lower levels.
   const double middle = (w.set_point_min + w.set_point_max) / 2;
   const double fastest = 0.7 * conductance * std::sqrt(middle) / m.A_A;
   w.speed_max = std::min(random.Uniform(0.080, 0.150), fastest);

@@ -10,9 +10,8 @@ namespace hydroscope {
 
 enum class PressPhase { kDraw, kRestBottom, kReturn, kRestTop };
 
-/// The cushion's prescribed way: drawn down by the ram at a constant speed of its own per stroke, rest,
-/// return, rest. Speeds rise and fall as a raised cosine. Ask for times that do not decrease by more than one
-/// phase.
+/// The cushion's prescribed way: drawn down by the ram at a constant speed of its own per stroke, rest, return, rest.
+/// Speeds rise and fall as a raised cosine. Ask for times that do not decrease by more than one phase.
 class RamMotion {
  public:
   RamMotion(const PressMotion& motion, std::uint64_t seed);

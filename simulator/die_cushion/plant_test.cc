@@ -42,8 +42,7 @@ TEST(PressPlant, SettlesWhereTheValvePassesTheDisplacedOil) {
 }
 
 TEST(PressPlant, KeepsTheMassOfTheOil) {
-  // Ram moving down sinusoidally, valve opening and closing over both edges; mass = rho V with rho ~
-  // exp(p/K).
+  // Ram moving down sinusoidally, valve opening and closing over both edges; mass = rho V with rho ~ exp(p/K).
   const PressMachine m;
   PressPlant plant(m, {}, kStep);
   plant.Reset(60e5);

@@ -21,8 +21,7 @@ inline constexpr int kAxisFirst = 40, kAxisStride = 4;  ///< state (uint16), 0, 
 inline constexpr int kRing = 1000;                      ///< first register of the ring
 inline constexpr int kRegisters = 65536;
 inline constexpr int kSweepCoil = 0, kCoils = 8;
-/// A record: sequence number (uint32), then p_A, p_B, p_0 (Pa), z (m), y_v (1), U_v (V), T_oil (degC) of each
-/// axis.
+/// A record: sequence number (uint32), then p_A, p_B, p_0 (Pa), z (m), y_v (1), U_v (V), T_oil (degC) of each axis.
 inline constexpr int kRecordHead = 2, kAxisValues = 14, kMostRingAxes = 8, kMostRecords = 1024;
 }  // namespace press_map
 

@@ -122,8 +122,7 @@ struct PressOptions {
   std::vector<SensorFault> faults;
 };
 
-/// Checks ranges, effect ids, imperfections, their extras and channels; the message names value, limit and
-/// remedy.
+/// Checks ranges, effect ids, imperfections, their extras and channels; the message names value, limit and remedy.
 Status Validate(const PressOptions& options);
 
 }  // namespace hydroscope

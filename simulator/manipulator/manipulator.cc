@@ -19,13 +19,13 @@ std::vector<ManipulatorEffectInfo> ListedEffects() {
   std::vector<ManipulatorEffectInfo> list = {{"payload", "kg", 80, "a mass more at the tip"}};
   for (int i = 1; i <= kJoints; ++i) {
     list.push_back({fmt::format("stribeck_friction_{}", i), "N", 3000,
-                    fmt::format("friction of cylinder {} is larger by this near standstill, gone beyond some "
-                                "10 mm/s",
+                    fmt::format("friction of cylinder {} is larger by this near "
+                                "standstill, gone beyond some 10 mm/s",
                                 i)});
     for (const char* edge : kEdgeNames)
       list.push_back({fmt::format("worn_edge_{}_{}", edge, i), "1", 0.03,
-                      fmt::format("edge {} of valve {} is rounded by this share of full opening: it leaks "
-                                  "about the null",
+                      fmt::format("edge {} of valve {} is rounded by this share of full "
+                                  "opening: it leaks about the null",
                                   edge, i)});
     list.push_back({fmt::format("joint_play_{}", i), "m", 0.002,
                     fmt::format("clearance between cylinder {} and its joint", i)});

@@ -13,8 +13,8 @@ enum class Excitation {
   kSteps,          ///< levels held over random times
 };
 
-/// About zero, its rms about 1, with little above `highest` (cycles per row). A longer one of the same seed begins with the
-/// shorter.
+/// About zero, its rms about 1, with little above `highest` (cycles per row). A longer one of the same seed begins
+/// with the shorter.
 std::vector<double> ExcitationOf(Excitation kind, int rows, double highest, std::uint64_t seed);
 
 }  // namespace hydroscope

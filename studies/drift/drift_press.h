@@ -26,8 +26,7 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< 
 /// Whether a person would hear of it.
 bool WasTold(const drift::DriftFinding& finding);
 
-/// A product's strokes, fully simulated once: their information and how their equations scatter about the
-/// truth.
+/// A product's strokes, fully simulated once: their information and how their equations scatter about the truth.
 struct ProductStrokes {
   std::vector<drift::StrokeEvidence> strokes;
   Eigen::VectorXd mean;   ///< of the scores at the truth, each over the root of its own information
@@ -50,8 +49,7 @@ class StrokePress {
   void Start(std::uint64_t seed);
   /// Next stroke at this oil temperature (K) with product and fault given.
   drift::StrokeEvidence Next(double oil_temperature, int product, const PressFault& fault);
-  /// Oil temperature of the day's stroke: 20 degC in the morning, up to some 65 degC, wandering with the
-  /// load.
+  /// Oil temperature of the day's stroke: 20 degC in the morning, up to some 65 degC, wandering with the load.
   double OilTemperature(std::int64_t stroke);
   /// Product of this stroke: changed every 150 ... 500 strokes.
   int Product();

@@ -99,8 +99,7 @@ Result<RunResult> RunFrom(const Database& database, std::int64_t machine_id, con
   return result;
 }
 
-/// Slope of `value` over `oil`, per K; the temperature is centred, which keeps the regression well
-/// conditioned.
+/// Slope of `value` over `oil`, per K; the temperature is centred, which keeps the regression well conditioned.
 TestedValue SlopeOf(const std::vector<double>& oil, const std::vector<double>& value,
                     double least_correlation) {
   std::vector<double> ones(oil.size(), 1.0), centred = oil, std(oil.size(), 0.0);
@@ -273,9 +272,8 @@ bool PrintReports(const std::vector<Slopes>& all, const ThirtyRunsOptions& o) {
   const int seeds = static_cast<int>(all.size());
   if (o.viscosity != 0) std::cout << fmt::format("Q_vn follows the oil in {} of {}\n", found, seeds);
   std::cout << fmt::format(
-      "said to follow the oil, to move or to have changed, though it does not: in {} of {} ({:.1f} %, at "
-      "most "
-      "5 %), a hint in {}\n",
+      "said to follow the oil, to move or to have changed, though it does not: in {} of {} ({:.1f} "
+      "%, at most 5 %), a hint in {}\n",
       wrong, seeds, 100.0 * wrong / seeds, hints);
   return 20 * wrong <= seeds && (o.viscosity == 0 || found == seeds);
 }
@@ -329,9 +327,8 @@ int RunThirtyRuns(const ThirtyRunsOptions& o) {
     reached = PrintSlopes("slope over the oil temperature, each run fitted by itself, 95 % interval",
                           study->slopes.by_itself, o);
     const std::string title = fmt::format(
-        "slope of the recorded trend over the oil temperature it stands for (successive runs correlated by "
-        "{:.2f} "
-        "or more)",
+        "slope of the recorded trend over the oil temperature it stands for (successive "
+        "runs correlated by {:.2f} or more)",
         study->slopes.memory);
     reached = PrintSlopes(title.c_str(), study->slopes.trend, o) && reached;
     reached = PrintReport(study->slopes, o) && reached;

@@ -26,16 +26,14 @@ std::string MachineText(const RigOptions& o, int domain, int port, const std::st
   for (int a = 1; a <= o.axes; ++a) axes += fmt::format("{}\"cushion_{}\"", a > 1 ? ", " : "", a);
   std::string text = fmt::format(
       "[machine]\nname = \"press\"\nmodel = \"die_cushion\"\n\n[live]\ngrid_period = {}\naxes = [{}]\n\n"
-      "[live.modbus]\nhost = \"{}\"\nport = {}\nunit = 1\npoll_period = 0.1\ntimeout = 0.3\nheartbeat "
-      "= 15\n"
+      "[live.modbus]\nhost = \"{}\"\nport = {}\nunit = 1\npoll_period = 0.1\ntimeout = 0.3\nheartbeat = 15\n"
       "time = 8\nsweep = {{ coil = 0, status = 20, axis = 21, amplitude = 22 }}\n",
       1 / o.rate, axes, o.press_address, port);
   if (o.modbus_ring) {
     const int width = 2 + 14 * o.axes;
     text += fmt::format(
-        "ring = {{ session = 2, newest = 4, time = 8, first = 1000, records = {}, width = {}, period = {}, "
-        "poll_period = "
-        "0.01 }}\n",
+        "ring = {{ session = 2, newest = 4, time = 8, first = 1000, records = {}, width = {}, "
+        "period = {}, poll_period = 0.01 }}\n",
         std::min(1024, (65536 - 1000) / width), width, 1 / o.rate);
   } else {
     text += fmt::format(
@@ -59,10 +57,10 @@ std::string MachineText(const RigOptions& o, int domain, int port, const std::st
                                       : fmt::format("dds = \"{{axis}}/{}\"", s.name),
                         s.unit, s.limits, s.required);
   return text +
-         "p_0 = { modbus = { register = 32, type = \"float32\" }, unit = \"bar\", stuck_time = 0, required = "
-         "false }\n"
-         "T_oil = { modbus = { register = 30, type = \"float32\" }, unit = \"degC\", stuck_time = 0, "
-         "required = false }\n\n"
+         "p_0 = { modbus = { register = 32, type = \"float32\" }, unit = \"bar\", "
+         "stuck_time = 0, required = false }\n"
+         "T_oil = { modbus = { register = 30, type = \"float32\" }, unit = \"degC\", "
+         "stuck_time = 0, required = false }\n\n"
          "[geometry]\nA_A = 0.0125\ndp_nom = { value = 35, unit = \"bar\" }\np_t = 0\n\n"
          "[gate]\nconditions = { y_v = { min = 0.04 }, \"ddt(z)\" = { max = -0.004, unit = \"m/s\" } }\n"
          "stroke_gap = 0.25\nmin_stroke = 0.3\n";

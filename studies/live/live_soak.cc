@@ -43,8 +43,7 @@ int RunLiveSoak(const LiveSoakOptions& o) {
   const double growth = late.memory - early.memory;
   const int more = late.descriptors - early.descriptors;
   fmt::print(
-      "after the first third: memory {:+.1f} MB (required below +10 MB), descriptors {:+d} (required at most "
-      "+2)\n",
+      "after the first third: memory {:+.1f} MB (required below +10 MB), descriptors {:+d} (required at most +2)\n",
       growth, more);
   return growth < 10 && more <= 2 && ended == 0 ? 0 : 1;
 }

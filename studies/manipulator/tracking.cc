@@ -61,8 +61,8 @@ bool PrintTracking(const ManipulatorBenchmarkOptions& options) {
       Identify(PublishedManipulator(), DrawnMotion(options.seed), options.seconds, options.seed).model;
   const ControllerGains gains = GainsOf(model, {});
   fmt::print(
-      "gains from the identified values: k_p {:g} 1/s, k_v {:.3g}, {:.3g} N m s, k_f {:.3g}, {:.3g} m2/(s N), "
-      "k_x {:g} m\n",
+      "gains from the identified values: k_p {:g} 1/s, k_v {:.3g}, {:.3g} N m s, k_f "
+      "{:.3g}, {:.3g} m2/(s N), k_x {:g} m\n",
       gains.k_p, gains.k_v[0], gains.k_v[1], gains.k_f[0], gains.k_f[1], gains.k_x);
   return halved;
 }

@@ -30,8 +30,7 @@ struct ChangeResult {
   std::vector<ValueChange> parameters;  ///< of the base model; free in both sets
   std::vector<ValueChange> effects;     ///< that were in the model before, free in both sets, in one shape
   std::vector<std::string> appeared;    ///< effects that only the strokes after need, best first
-  /// Newest strokes after that `after` speaks of; 0 = all. Fewer where what appeared went on changing: wear
-  /// grows.
+  /// Newest strokes after that `after` speaks of; 0 = all. Fewer where what appeared went on changing: wear grows.
   std::int64_t newest = 0;
 };
 

@@ -5,9 +5,8 @@
 
 namespace hydroscope {
 
-/// Options for so many equations: evidence that the model's own small errors, which no number of strokes
-/// averages out, give to a wrong effect grows with the number of equations, so the evidence asked for grows
-/// alike.
+/// Options for so many equations: evidence that the model's own small errors, which no number of strokes averages out,
+/// give to a wrong effect grows with the number of equations, so the evidence asked for grows alike.
 ExplainOptions OptionsForEquations(ExplainOptions options, double equations);
 
 /// Finds what the model in force misses on stored strokes. Nonlinear parameters come from the grid of the

@@ -68,10 +68,9 @@ struct JudgedModel {
 /// Whether the floor of the verdict is another than that of noise which is white from row to row.
 bool HasFloorOfItsOwn(const LogTrust& trust, const Explanation& explanation);
 
-/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and
-/// `figures` MachineModel::figures: these come back without the strokes that differ from the rest, and with
-/// the noise floor that the verdict rests on. `base.solved` is false if the strokes cannot separate its
-/// parameters.
+/// The chain of ExplainSamples on the model of the machine file, `model` being MachineModel::structure and `figures`
+/// MachineModel::figures: these come back without the strokes that differ from the rest, and with the noise floor that
+/// the verdict rests on. `base.solved` is false if the strokes cannot separate its parameters.
 JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStructure> model,
                            GramFit& figures, const ExplainOptions& options = {});
 

@@ -65,8 +65,7 @@ std::string NamedText(const ExplainResult& result) {
 
 std::string AmbiguousText(const ExplainResult& result) {
   std::string text =
-      "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it "
-      "is.\n";
+      "AMBIGUOUS: the model misses something, and these strokes cannot tell which of several effects it is.\n";
   for (const auto& group : result.explanation.groups) {
     text += group.size() > 1 ? "One of these, best first:\n" : "Certain:\n";
     for (const std::string& id : group) text += Described(result, id);
@@ -268,9 +267,8 @@ std::string RankingText(const ExplainResult& result) {
                         SizeText(result.effect(ranked.effect), ranked.fit.effects.back(), ranked.nonlinear));
   }
   return text + fmt::format(
-                    "  error in {}; evidence: error energy removed on strokes left out, in noise variances; "
-                    "* stands "
-                    "out\n",
+                    "  error in {}; evidence: error energy removed on strokes left out, in "
+                    "noise variances; * stands out\n",
                     unit.name);
 }
 
@@ -328,8 +326,7 @@ std::string NextText(const ExplainResult& result) {
   text += SwapText(result);
   if (!x.odd_strokes.empty())
     return text +
-           "  See what the odd strokes have in common: product, speed, oil temperature, time since the "
-           "start.\n";
+           "  See what the odd strokes have in common: product, speed, oil temperature, time since the start.\n";
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       text += fmt::format("  Make it part of the model: hydroscope model add {} {}\n", id, result.target);
@@ -337,8 +334,7 @@ std::string NextText(const ExplainResult& result) {
     text += "  Nothing to do: watch the parameters with 'hydroscope replay'.\n";
   if (x.verdict == Verdict::kUnknown)
     text +=
-        "  Look at where the error lies with 'hydroscope compare', and check the signals with 'hydroscope "
-        "check'.\n";
+        "  Look at where the error lies with 'hydroscope compare', and check the signals with 'hydroscope check'.\n";
   return text;
 }
 
@@ -348,8 +344,7 @@ std::string NotFiniteText(const StrokeCounters& totals) {
   if (rows == 0) return "";
   return fmt::format(
       "{} rows left out: an expression of the machine file is no finite number there (division by zero, root "
-      "of a "
-      "negative value); 'hydroscope check' says where.\n",
+      "of a negative value); 'hydroscope check' says where.\n",
       rows);
 }
 

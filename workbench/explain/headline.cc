@@ -39,8 +39,8 @@ Told ImpossibleFigures(const GramFit& f) {
   if (f.noise_floor >= f.rms_measured)
     return Tell(
         "sensor noise alone would be {:.0f} % of the measured output: longer blocks ([window]), or a better sensor",
-        "Sensorrauschen allein wäre {:.0f} % des gemessenen Ausgangs: längere Blöcke ([window]) oder ein besserer "
-        "Sensor",
+        "Sensorrauschen allein wäre {:.0f} % des gemessenen Ausgangs: längere Blöcke "
+        "([window]) oder ein besserer Sensor",
         100 * f.noise_floor / f.rms_measured);
   if (f.rms_residual > f.rms_measured)
     return Tell(

@@ -121,9 +121,8 @@ std::string VerdictText(const ChangeResult& result) {
     case Verdict::kNamed:
       return "NAMED: this appeared or changed.\n" + EffectsText(result);
     case Verdict::kAmbiguous:
-      return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell which of these it is, "
-             "best "
-             "first.\n" +
+      return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell "
+             "which of these it is, best first.\n" +
              EffectsText(result);
     case Verdict::kUnknown:
       if (KindOf(result.after.log.machine).has_states) return EpisodesText(result);

@@ -70,8 +70,7 @@ std::vector<BlockSeries> SeriesOfParameters(const std::vector<BlockEstimates>& b
   return all;
 }
 
-/// The change may lie in the blocks at either side of the place found; these are left out where enough
-/// remain.
+/// The change may lie in the blocks at either side of the place found; these are left out where enough remain.
 StoredChange ChangeAt(const BlockSeries& series, const LevelChange& change, const CountedWords& counted) {
   const std::size_t n = series.blocks.size();
   const std::size_t last_before = change.at > kFewestOfALevel ? change.at - 1 : change.at;
@@ -169,10 +168,10 @@ std::optional<StoredChange> FindStoredChange(const Database& database, const His
 
 Told WarningOfBothSides(const StoredChange& change, const CountedWords& counted) {
   return Tell(
-      "these {} hold a change {}: one model for both sides of it errs on either; look at each with --to {} and "
-      "--from {}",
-      "in diesen {} liegt eine Änderung {}: ein Modell für beide Seiten irrt auf jeder; jede für sich zeigen --to {} "
-      "und --from {}",
+      "these {} hold a change {}: one model for both sides of it errs on either; look at "
+      "each with --to {} and --from {}",
+      "in diesen {} liegt eine Änderung {}: ein Modell für beide Seiten irrt auf jeder; jede für "
+      "sich zeigen --to {} und --from {}",
       counted.SeveralDative(), change.text, change.before_end, change.since);
 }
 

@@ -53,9 +53,8 @@ struct StrokeHistory {
 Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::string& path,
                                                 const std::vector<std::string>& names);
 
-/// A place in a machine's history as people write it: "1234" (stroke number), "run:3" (where a log begins),
-/// "81.5s" (time of the logs), "2025-03-01" or "2025-03-01T06:30" (local time, where the logs' time counts from
-/// 1970).
+/// A place in a machine's history as people write it: "1234" (stroke number), "run:3" (where a log begins), "81.5s"
+/// (time of the logs), "2025-03-01" or "2025-03-01T06:30" (local time, where the logs' time counts from 1970).
 Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, const std::string& text);
 
 /// Narrows a part to the strokes from `from` up to, not including, `to`; "" leaves that end as it is.

@@ -26,8 +26,7 @@ StrokeSet StrokesUnder(const ModelStructure& structure, const LogStrokes& log) {
   return {model, GramsOf(model, log.stretches, log.window), log.window};
 }
 
-/// Searches what the model with `choices` leaves for the shape of an effect that no grid holds; true if it is
-/// there.
+/// Searches what the model with `choices` leaves for the shape of an effect that no grid holds; true if it is there.
 bool SearchShape(const LogStrokes& log, const StrokeSet& strokes, const std::vector<EffectChoice>& choices,
                  ModelStructure& structure) {
   const ExtendedFit fit = strokes.Fit(choices);

@@ -15,8 +15,7 @@ struct ModelEvidence {
   std::map<std::string, std::map<std::string, double>> effect_values;
 };
 
-/// Judges the model of `machine` (base and added effects) on the strokes of a log. Errors: as
-/// FitMachineModel.
+/// Judges the model of `machine` (base and added effects) on the strokes of a log. Errors: as FitMachineModel.
 Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, const std::string& source);
 
 /// The same on stored strokes; nonlinear parameters come from the grid of the library, interpolated.

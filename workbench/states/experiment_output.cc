@@ -29,8 +29,8 @@ Told SeparationText(const StatesExplained& e) {
         x.tried.empty() ? x.now.separation : x.tried.front().separation, kExperiment.worthwhile);
   const TriedRecord& best = x.tried.front();
   return Tell(
-      "Record {} ({:.3g} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain this log and that one "
-      "together.{}",
+      "Record {} ({:.3g} s; expected separation {:.0f}, now {:.0f}, {:.0f} settles it); then explain "
+      "this log and that one together.{}",
       "Aufzeichnen: {} ({:.3g} s; erwartete Trennung {:.0f}, jetzt {:.0f}, {:.0f} klärt es); dann diese und jene "
       "Aufzeichnung zusammen erklären lassen.{}",
       Moved(e, best), best.seconds, best.separation, x.now.separation, kExperiment.settled,

@@ -321,8 +321,7 @@ std::string CompareText(const StatesFit& fit) {
       : fit.astray() ? "The model hardly follows what was measured.\n"
                      : "The model describes these episodes; noise alone is left.\n";
   text += fmt::format(
-      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, "
-      "{:.3g}\n",
+      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}\n",
       fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout,
       NoiseWords(fit.left.structured || fit.astray()), fit.error.noise_floor, fit.error.one_step);
   const auto& outputs = fit.log.machine.states.outputs;

@@ -159,8 +159,8 @@ class Publication {
   DataWriter* findings_ = nullptr;
 };
 
-/// Journal rows on <topic>/alarms and the present state of every alarm on <topic>/findings, by DDS
-/// (docs/live_protocol.md).
+/// Journal rows on <topic>/alarms and the present state of every alarm on <topic>/findings,
+/// by DDS (docs/live_protocol.md).
 class DdsFeed : public Feed {
  public:
   DdsFeed(DdsFeedSpec spec, FeedReader reader, Clock clock)

@@ -26,8 +26,7 @@ Effect OrificeLeakage(const CushionGeometry&) {
   e.german = {
       "Blendenartige Leckage von A nach B",
       "Öl strömt durch eine scharfkantige Öffnung, nicht durch einen Spalt; zu suchen: ein gebrochener "
-      "Dichtring, eine Riefe in der Bohrung, ein Rückschlagventil, das nicht schließt, ein offener "
-      "Bypass."};
+      "Dichtring, eine Riefe in der Bohrung, ein Rückschlagventil, das nicht schließt, ein offener Bypass."};
   e.shown_by = kPressureSteps;
   e.separations = {{"relief_valve", kPressureSteps}, {"pressure_offset", kRelieved}};
   e.channels = {kPressureB};

@@ -32,8 +32,7 @@ Effect PositionSignalLag(const CushionGeometry&) {
       "Wegsignal hinkt nach (Filter erster Ordnung)",
       "Der Weg wird geglättet, bevor er aufgezeichnet wird; zu suchen: ein Filter in der Schnittstelle "
       "des Gebers oder in der Steuerung.",
-      "die Filtereinstellung des Wegeingangs, oder ein Anfahren des Stößels, mit einem zweiten Sensor "
-      "aufgezeichnet"};
+      "die Filtereinstellung des Wegeingangs, oder ein Anfahren des Stößels, mit einem zweiten Sensor aufgezeichnet"};
   e.told_apart_by = "the filter setting of the position input, or a ram start recorded with a second sensor";
   e.measured_by = {
       "the time constant of the filter in the position input, as set there or from a step recorded at rest",

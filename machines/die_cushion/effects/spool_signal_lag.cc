@@ -24,8 +24,8 @@ Effect SpoolSignalLag(const CushionGeometry&) {
   e.german = {"Schiebersignal hinkt nach (Filter erster Ordnung)",
               "Die Schieberstellung wird geglättet, bevor sie aufgezeichnet wird; zu suchen: ein Filter im "
               "Aufnehmer, im Verstärker oder in der Steuerung.",
-              "die Filtereinstellung des Schiebereingangs, oder ein Sprung des Ventilsignals, im Stillstand "
-              "aufgezeichnet"};
+              "die Filtereinstellung des Schiebereingangs, oder ein Sprung des "
+              "Ventilsignals, im Stillstand aufgezeichnet"};
   e.told_apart_by = "the filter setting of the spool input, or a step of the valve command recorded at rest";
   e.measured_by = {
       "the time constant of the filter in the spool input, as set there or from a step recorded at rest",

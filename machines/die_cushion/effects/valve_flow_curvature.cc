@@ -38,9 +38,9 @@ Effect ValveFlowCurvature(const CushionGeometry&) {
       "The valve's flow does not grow in proportion to its opening; look for: worn or eroded control edges, "
       "a spool with another notch shape than the data sheet says.";
   e.german = {"Gekrümmte Durchflusskennlinie der Steuerkante",
-              "Der Durchfluss des Ventils wächst nicht im Verhältnis zu seiner Öffnung; zu suchen: "
-              "verschlissene oder ausgewaschene Steuerkanten, ein Schieber mit anderer Kerbenform als im "
-              "Datenblatt."};
+              "Der Durchfluss des Ventils wächst nicht im Verhältnis zu seiner Öffnung; zu "
+              "suchen: verschlissene oder ausgewaschene Steuerkanten, ein Schieber mit "
+              "anderer Kerbenform als im Datenblatt."};
   e.shown_by = kOpenings;
   e.walks = true;
   e.variant = [](const std::vector<double>& nonlinear) {

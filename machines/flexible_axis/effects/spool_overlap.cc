@@ -13,8 +13,8 @@ Effect SpoolOverlap() {
   e.source = "valve opening over spool position, Merritt 1967, 5.2";
   e.plain = "Small commands give no flow: a valve with overlap, or dirt that keeps it closed.";
   e.german = {"Überdeckung des Schiebers",
-              "Kleine Signale geben keinen Durchfluss: ein Ventil mit Überdeckung, oder Schmutz hält es "
-              "geschlossen."};
+              "Kleine Signale geben keinen Durchfluss: ein Ventil mit Überdeckung, "
+              "oder Schmutz hält es geschlossen."};
   e.adds = {{"p_1", fmt::format("{}*({} - {})", Stiffness(1), Flow(1, spool), Flow(1, "x_s"))},
             {"p_2", fmt::format("{}*({} - {})", Stiffness(2), Flow(2, spool), Flow(2, "x_s"))}};
   e.parameters = {{.name = "overlap", .start = 0.05, .min = 0, .max = 2, .unit = "V"}};
