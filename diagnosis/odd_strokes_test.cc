@@ -43,7 +43,7 @@ TEST(OddStrokes, UnderColouredNoiseTheirGainsCountAsThoseOfTheWholeLog) {
   const SimulatedStrokes log = LogWith(
       {{"intermittent_leakage", 12e-12, {{"share", 0.3}}, {}}, {"coloured_noise", 0.5, {{"phi", 0.9}}, {}}});
   ExplainOptions options;
-  options.floor_believable = false;
+  options.floor_believable = options.noise_is_white = false;
   const Explanation x = ExplainSamples(log.model, log.strokes, log.window, options);
   ASSERT_THAT(x.odd_strokes, Not(IsEmpty()));
   EXPECT_GT(x.evidence_scale, 1.1);

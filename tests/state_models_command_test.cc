@@ -66,7 +66,9 @@ TEST_F(StateModels, CompareSaysWhereTheModelErrs) {
   ASSERT_EQ(Run({"model", "add", "cubic", File("log.csv"), "-m", File("machine.toml")}).exit_code, 0);
   const nlohmann::json after = compared();
   EXPECT_TRUE(after["located"].empty()) << after["located"].dump(1);
-  EXPECT_FALSE(after["maps"].empty());
+  ASSERT_FALSE(after["maps"].empty());
+  for (const nlohmann::json& map : after["maps"])
+    EXPECT_LE(map["explained"].get<double>(), 1) << map["signals"];
 }
 
 /// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.

@@ -130,7 +130,8 @@ std::string StrokesText(const CompareResult& result) {
 std::string WhitenessText(const CompareResult& result) {
   const Whiteness& w = result.whiteness;
   if (w.autocorrelation.empty()) return "";
-  const char* pattern = result.model.trust.floor.believable
+  const FloorTrust& floor = result.model.trust.floor;
+  const char* pattern = floor.believable || floor.only_moves
                             ? "NOT WHITE: the rest has a pattern in time"
                             : "not white, but nor is the noise of these sensors: no proof of a model error";
   return fmt::format(

@@ -9,6 +9,9 @@
 namespace hydroscope {
 namespace {
 
+/// Of the noise energy: less excess than this is none.
+constexpr double kRounding = 1e-9;
+
 /// Sums of one stroke in one cell.
 struct CellSums {
   double windows = 0;
@@ -108,7 +111,7 @@ Binned Bin(const Residuals& residuals, std::vector<int> signals, int bins) {
   return out;
 }
 
-/// Energy that cell means predict on strokes left out, per the whole excess energy.
+/// Energy that cell means predict on strokes left out, per the whole excess energy; 0 if there is none.
 double ExplainedShare(const Binned& binned, double total_excess) {
   double removed = 0;
   for (const StrokeCells& cell : binned.cells) {
@@ -123,7 +126,7 @@ double ExplainedShare(const Binned& binned, double total_excess) {
       removed += mean * (2 * s.residual - mean * s.windows);
     }
   }
-  return total_excess > 0 ? removed / total_excess : 0.0;
+  return total_excess > 0 ? std::min(1.0, removed / total_excess) : 0.0;
 }
 
 /// Whether sensor noise alone leaves as much in one of `tests` cells with chance p_floor: the sum of n
@@ -233,16 +236,18 @@ std::vector<Located> LocatedOn(const Residuals& residuals, const Binned& binned,
 ErrorLocation Locate(const Residuals& residuals, const LocateOptions& options) {
   ErrorLocation out;
   StrokeCells whole;
-  double total_excess = 0;
+  double total_excess = 0, total_noise = 0;
   for (const StrokeResiduals& stroke : residuals.strokes) {
     CellSums sums;
     for (int w = 0; w < stroke.windows(); ++w) {
       sums.windows += 1;
       sums.excess += Squared(stroke.measured[w] - stroke.modelled[w]) - stroke.noise_variance[w];
     }
+    for (const double variance : stroke.noise_variance) total_noise += variance;
     total_excess += sums.excess;
     whole.push_back(sums);
   }
+  if (total_excess < kRounding * total_noise) total_excess = 0;
   const Ratio excess = ClusteredRatio(whole, [](const CellSums& s) { return s.excess; });
   out.excess = excess.value;
   out.excess_std = excess.std;

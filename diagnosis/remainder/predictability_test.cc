@@ -62,7 +62,7 @@ TEST(ExplainSamples, WithoutABelievableFloorNamesTheEffectUnderColouredNoise) {
   PressOptions options = Press(7);
   options.imperfections = {ColouredNoise(0.8)};
   ExplainOptions explain;
-  explain.floor_believable = false;
+  explain.floor_believable = explain.noise_is_white = false;
   const SimulatedStrokes healthy = StrokesOfPress(options);
   const Explanation nothing = ExplainSamples(healthy.model, healthy.strokes, healthy.window, explain);
   EXPECT_EQ(nothing.verdict, Verdict::kAdequate);
