@@ -50,7 +50,8 @@ shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& par
   return best;
 }
 
-/// A point of the first rows (FirstRows) taken on to all of a task.
+/// A point of the first rows (shooting::FirstRows) taken on to all of a task, step by step: a free run that is right over them may
+/// go astray over the whole record. Where the model diverges on the way the point stays.
 shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
                         const StateFitOptions& options) {
   shooting::Point point = few;
@@ -58,8 +59,9 @@ shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
   std::copy(few.z.begin(), few.z.end(), point.z.begin());
   const bool longer = std::any_of(all.episodes.begin(), all.episodes.end(),
                                   [&](const Episode& e) { return e.rows() > options.start_rows; });
-  if (longer && all.scale.size() > 0) GrowOn(all, options.start_rows, options, point);
-  return point;
+  if (!longer || all.scale.size() == 0) return point;
+  shooting::Point grown = GrowFrom(all, point, options.start_rows, options);
+  return grown.valid ? grown : point;
 }
 
 /// Runs with sensitivities at a point, residuals, noise.

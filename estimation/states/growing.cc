@@ -48,16 +48,16 @@ class GrowingFit {
     return point.valid;
   }
 
-  shooting::Point Run() {
+  /// Over the first `rows` rows, then more and more of them. Not valid where the model diverges.
+  shooting::Point Run(int rows) {
     constexpr double kAstray = 3;   // the cost of a reading grew by so much: the longer run lost its way
     constexpr double kLeast = 1.1;  // growth from which on that is the model's fault
     constexpr double kGrowth = 2;
     constexpr int kRest = 10;  // of the rows reached: fewer than that are taken along at once
     const int longest = Longest();
-    int mean_rows = 1;
-    for (const Episode& e : task_.episodes) mean_rows = std::max(mean_rows, e.mean_rows);
     shooting::Point before = point_;
-    int reached = std::min(options_.first_horizon * mean_rows, longest), rows = reached;
+    rows = std::min(rows, longest);
+    int reached = rows;
     double least = std::numeric_limits<double>::infinity(), growth = kGrowth;
     while (true) {
       const bool last = rows >= longest;
@@ -247,16 +247,14 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
 
 shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
                            const StateFitOptions& options) {
-  return GrowingFit(task, start, options).Run();
+  int mean_rows = 1;
+  for (const Episode& e : task.episodes) mean_rows = std::max(mean_rows, e.mean_rows);
+  return GrowingFit(task, start, options).Run(options.first_horizon * mean_rows);
 }
 
-bool GrowOn(const shooting::Task& task, int rows, const StateFitOptions& options, shooting::Point& point) {
-  StateFitOptions from_there = options;
-  from_there.first_horizon = rows;
-  shooting::Point grown = GrowingFit(task, point, from_there).Run();
-  if (!grown.valid) return false;
-  point = std::move(grown);
-  return true;
+shooting::Point GrowFrom(const shooting::Task& task, const shooting::Point& few, int rows,
+                         const StateFitOptions& options) {
+  return GrowingFit(task, few, options).Run(rows);
 }
 
 bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point) {

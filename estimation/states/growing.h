@@ -23,11 +23,11 @@ Eigen::VectorXd WhiteNoise(const StateModel& model, std::span<const Episode> epi
 shooting::Point FitGrowing(const shooting::Task& task, const Eigen::VectorXd& start,
                            const StateFitOptions& options);
 
-/// A point that was fitted to the first `rows` rows taken on to all of them in the same way: a free run that is right over them
-/// may go astray over many more. False, and the point stays, if the model diverges.
-bool GrowOn(const shooting::Task& task, int rows, const StateFitOptions& options, shooting::Point& point);
+/// The same from a point that was fitted to the first `rows` rows of each episode.
+shooting::Point GrowFrom(const shooting::Task& task, const shooting::Point& few, int rows,
+                         const StateFitOptions& options);
 
-/// The same over all rows at once from a point near the minimum, to less than a tenth of a standard deviation where outputs are
+/// By the same method over all rows at once from a point near the minimum, to less than a tenth of a standard deviation where outputs are
 /// weighted by their noise. False if the model diverges there.
 bool PolishWhole(const shooting::Task& task, const StateFitOptions& options, shooting::Point& point);
 

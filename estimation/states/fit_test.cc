@@ -1,0 +1,67 @@
+#include "estimation/states/fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "models/machine.h"
+
+namespace hydroscope {
+namespace {
+
+/// A pendulum that swings undamped for a hundred turns and more: x'' = -w^2 x + u.
+constexpr const char* kPendulum = R"toml([signals]
+u = { column = "u", unit = "rad/s2" }
+y = { column = "y", unit = "rad" }
+[states]
+x = { ddt = "v", initial = "estimate" }
+v = { ddt = "-w^2*x + u", initial = "estimate" }
+[outputs]
+y = "x"
+[parameters]
+w = { start = 2.4, min = 2, max = 3, unit = "rad/s" }
+)toml";
+constexpr double kPendulumRate = 2.5;  // rad/s
+
+/// The first `start_rows` of its rows tell its rate to 0.03 rad/s: over all of them a turn and more.
+class FitOfALongRecord : public testing::TestWithParam<unsigned> {
+ protected:
+  void SetUp() override {
+    constexpr int kRows = 5000;
+    constexpr double kPeriod = 0.05, kSensor = 0.3;
+    std::mt19937 random(GetParam());
+    std::normal_distribution<double> normal;
+    episode_.signal = RowMatrix::Zero(kRows, 2);
+    for (int row = 0; row < kRows; ++row) {
+      episode_.time.push_back(kPeriod * row);
+      episode_.signal(row, 1) = std::cos(kPendulumRate * kPeriod * row) + kSensor * normal(random);
+    }
+    const auto machine = ParseMachine(kPendulum, "pendulum");
+    ASSERT_TRUE(machine) << machine.error().text;
+    model_ = BuildStateModel(*machine, {}).value();
+    options_.start_rows = 100;
+    options_.starts = 2;
+  }
+
+  Episode episode_;
+  std::shared_ptr<const StateModel> model_;
+  StateFitOptions options_;
+};
+
+TEST_P(FitOfALongRecord, IsTakenOnFromTheFirstRowsStepByStep) {
+  const StateFit fit = FitStates(model_, std::span(&episode_, 1), options_);
+  ASSERT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_NEAR(fit.parameters[0], kPendulumRate, 5e-4);
+}
+
+TEST_P(FitOfALongRecord, BeginsWhereShortSegmentsAreTakenOnStepByStep) {
+  const auto start = ShootStart(model_, std::span(&episode_, 1), Eigen::VectorXd::Constant(1, 2.4), options_);
+  ASSERT_TRUE(start);
+  EXPECT_NEAR(start->parameters[0], kPendulumRate, 5e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, FitOfALongRecord, testing::Values(1, 2, 3));
+
+}  // namespace
+}  // namespace hydroscope
