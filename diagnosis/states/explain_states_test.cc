@@ -1,5 +1,6 @@
 #include "diagnosis/states/explain_states.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,16 +13,20 @@
 namespace hydroscope {
 namespace {
 
-/// A cylinder moves as its valve opens; what else pushes it is not measured.
-constexpr const char* kPushedCylinder = R"toml([signals]
+/// A cylinder moves as its valve opens, back by itself with the rate `back`; what else pushes it is not measured.
+constexpr const char* kPushedCylinder = R"toml([log]
+hold = "zero"
+[signals]
 u = { column = "u", unit = "1" }
 y = { column = "y", unit = "m" }
 [states]
-x = { ddt = "k*u", initial = "estimate", unit = "m" }
+x = { ddt = "k*u - back*x", initial = "estimate", unit = "m" }
 [outputs]
 y = "x"
 [parameters]
 k = { start = 1, min = 0.1, max = 10, unit = "m/s" }
+[geometry]
+back = { value = BACK, unit = "1/s" }
 [[effect]]
 id = "bent_valve"
 adds = { x = "c*u*abs(u)" }
@@ -38,10 +43,16 @@ double Bent(double u) { return 0.3 * u * std::abs(u); }
 double Even(double) { return 0; }
 double Wavy(double u) { return 0.2 * std::sin(9 * u); }
 
-/// Rows of 10 ms under a valve that opens at several frequencies; `push`: m per row, at random.
-Episode PushedLog(ValveLaw law, double push) {
+struct Pushed {
+  double push = 0;       ///< m per row, at random
+  double back = 0;       ///< 1/s
+  double sensor = 2e-4;  ///< m, noise of the sensor
+};
+
+/// Rows of 10 ms under a valve that opens at several frequencies.
+Episode PushedLog(ValveLaw law, const Pushed& pushed) {
   constexpr int kRows = 3000;
-  constexpr double kPeriod = 0.01, kSensor = 2e-4;
+  constexpr double kPeriod = 0.01;
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   Episode episode;
@@ -53,40 +64,45 @@ Episode PushedLog(ValveLaw law, double push) {
     for (const double hertz : {0.7, 1.9, 3.1}) u += 0.4 * std::sin(2 * std::numbers::pi * hertz * t + hertz);
     episode.time.push_back(t);
     episode.signal(row, 0) = u;
-    episode.signal(row, 1) = x + kSensor * normal(random);
-    x += kPeriod * (u + law(u)) + push * normal(random);
+    episode.signal(row, 1) = x + pushed.sensor * normal(random);
+    x += kPeriod * (u + law(u) - pushed.back * x) + pushed.push * normal(random);
   }
   return episode;
 }
 
-StatesExplanation ExplainPushed(ValveLaw law, double push) {
-  const auto machine = ParseMachine(std::string("[log]\nhold = \"zero\"\n") + kPushedCylinder, "cylinder");
+Machine PushedMachine(std::string text, double back) {
+  text.replace(text.find("BACK"), 4, fmt::to_string(back));
+  const auto machine = ParseMachine(text, "cylinder");
   EXPECT_TRUE(machine) << machine.error().text;
-  const Episode episode = PushedLog(law, push);
-  return ExplainStates(*machine, std::span(&episode, 1));
+  return *machine;
+}
+
+StatesExplanation ExplainPushed(ValveLaw law, const Pushed& pushed) {
+  const Episode episode = PushedLog(law, pushed);
+  return ExplainStates(PushedMachine(kPushedCylinder, pushed.back), std::span(&episode, 1));
 }
 
 TEST(ExplainStates, NamesWhatNoiseOfTheProcessCoversOverAWholeEpisode) {
-  const StatesExplanation x = ExplainPushed(Bent, 1e-3);
+  const StatesExplanation x = ExplainPushed(Bent, {.push = 1e-3});
   EXPECT_EQ(x.verdict, Verdict::kNamed);
   EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
   EXPECT_FALSE(x.runs.empty());
 }
 
 TEST(ExplainStates, FindsNothingInNoiseOfTheProcessAlone) {
-  const StatesExplanation x = ExplainPushed(Even, 1e-3);
+  const StatesExplanation x = ExplainPushed(Even, {.push = 1e-3});
   EXPECT_EQ(x.verdict, Verdict::kAdequate);
   EXPECT_FALSE(x.runs.empty());
 }
 
 TEST(ExplainStates, CallsALawThatIsNotInTheFileUnknownInShortRunsToo) {
-  const StatesExplanation x = ExplainPushed(Wavy, 1e-3);
+  const StatesExplanation x = ExplainPushed(Wavy, {.push = 1e-3});
   EXPECT_EQ(x.verdict, Verdict::kUnknown);
   EXPECT_FALSE(x.runs.empty());
 }
 
 TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
-  const StatesExplanation x = ExplainPushed(Bent, 0);
+  const StatesExplanation x = ExplainPushed(Bent, {});
   EXPECT_EQ(x.set, std::vector<std::string>{"bent_valve"});
   EXPECT_TRUE(x.runs.empty());
 }
@@ -94,10 +110,9 @@ TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.
 TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
   const std::string_view all = kPushedCylinder;
-  const auto machine = ParseMachine(
-      "[log]\nhold = \"zero\"\n" + std::string(all.substr(0, all.find("[[effect]]"))), "cylinder");
-  const Episode episode = PushedLog(Bent, 0);
-  const StatesExplanation x = ExplainStates(*machine, std::span(&episode, 1));
+  const Machine machine = PushedMachine(std::string(all.substr(0, all.find("[[effect]]"))), 0);
+  const Episode episode = PushedLog(Bent, {});
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
   ASSERT_EQ(x.verdict, Verdict::kUnknown);
   ASSERT_EQ(x.final_left.about, "x");
   const auto law = FindMissingLaw(x.final.fit, std::span(&episode, 1), x.final_left.about);
@@ -117,9 +132,26 @@ TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
   truth -= line * line.colPivHouseholderQr().solve(truth);
   EXPECT_LT((curve - truth).norm(), 0.3 * truth.norm()) << curve.transpose() << "\n" << truth.transpose();
   // Of the right law nothing is left to be shown.
-  const Episode even = PushedLog(Even, 0);
-  const StatesExplanation healthy = ExplainStates(*machine, std::span(&even, 1));
+  const Episode even = PushedLog(Even, {});
+  const StatesExplanation healthy = ExplainStates(machine, std::span(&even, 1));
   EXPECT_FALSE(FindMissingLaw(healthy.final.fit, std::span(&even, 1), "x"));
+}
+
+/// What pushes the cylinder is forgotten within ten rows, and no run is so short that it does not cover what the valve does.
+constexpr double kBackFast = 10;
+
+TEST(ExplainStates, GivesNoVerdictOfAFreeRunThatHardlyFollows) {
+  const StatesExplanation x = ExplainPushed(Even, {.push = 0.1, .back = kBackFast});
+  EXPECT_GT(x.final.fit.ErrorOfVariation(), kHardlyFollows);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(x.astray);
+}
+
+TEST(ExplainStates, AFreeRunUnderMuchWhiteNoiseFollowsNonetheless) {
+  const StatesExplanation x = ExplainPushed(Even, {.back = kBackFast, .sensor = 0.1});
+  EXPECT_GT(x.final.fit.ErrorOfVariation(), kHardlyFollows);
+  EXPECT_EQ(x.verdict, Verdict::kAdequate);
+  EXPECT_FALSE(x.astray);
 }
 
 }  // namespace

@@ -1,0 +1,87 @@
+#include "diagnosis/states/input_hold.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "models/machine.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr double kLagPeriod = 0.05, kLagRate = 4;  // s, 1/s
+constexpr int kLagSubsteps = 50;                   // from a row to the next
+
+/// Of an input at a time, s.
+using LagInput = double (*)(double time);
+/// Beside the lag's own rate, 1/s.
+using LagLaw = double (*)(double x);
+
+double Filtered(double time) {
+  double u = 0;
+  for (const double hertz : {0.9, 2.3, 3.9}) u += std::sin(2 * std::numbers::pi * hertz * time + hertz);
+  return u;
+}
+double Stepped(double time) { return Filtered(kLagPeriod * std::floor(time / kLagPeriod + 1e-6)); }
+double Proportional(double) { return 0; }
+double Hardening(double x) { return -400 * x * x * x; }
+
+/// What is found of a lag, x' = -k x + u, whose input moves in one way, where the machine file says another.
+std::optional<OtherHold> FoundOf(LagInput input, const std::string& stated, LagLaw law = Proportional) {
+  const auto machine = ParseMachine("[log]\nhold = \"" + stated + R"toml("
+[signals]
+u = { column = "u", unit = "V" }
+y = { column = "y", unit = "V" }
+[states]
+x = { ddt = "-k*x + u", initial = "estimate" }
+[outputs]
+y = "x"
+[parameters]
+k = { start = 3, min = 0.1, max = 30, unit = "1/s" }
+)toml",
+                                    "lag");
+  EXPECT_TRUE(machine) << machine.error().text;
+  constexpr int kRows = 600;
+  constexpr double kSensor = 1e-3;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Episode episode;
+  episode.signal.resize(kRows, 2);
+  double x = 0;
+  for (int row = 0; row < kRows; ++row) {
+    const double t = kLagPeriod * row, step = kLagPeriod / kLagSubsteps;
+    episode.time.push_back(t);
+    episode.signal(row, 0) = input(t);
+    episode.signal(row, 1) = x + kSensor * normal(random);
+    for (int k = 0; k < kLagSubsteps; ++k)
+      x += step * (input(t + (k + 0.5) * step) - kLagRate * x + law(x)) / (1 + step * kLagRate / 2);
+  }
+  const StateFit fit = FitStates(BuildStateModel(*machine, {}).value(), std::span(&episode, 1));
+  EXPECT_TRUE(fit.solved()) << fit.failed;
+  return FindOtherHold(fit, std::span(&episode, 1));
+}
+
+TEST(InputHold, AnotherWayThatInputsMoveInIsFound) {
+  const auto filtered = FoundOf(Filtered, "linear"), stepped = FoundOf(Stepped, "linear");
+  ASSERT_TRUE(filtered);
+  EXPECT_EQ(filtered->hold, InputHold::kSmooth);
+  EXPECT_LT(filtered->error, 0.3);
+  ASSERT_TRUE(stepped);
+  EXPECT_EQ(stepped->hold, InputHold::kZero);
+  EXPECT_LT(stepped->error, 0.3);
+}
+
+TEST(InputHold, NoOtherIsToldOfWhereTheFileIsRight) {
+  EXPECT_FALSE(FoundOf(Filtered, "smooth"));
+  EXPECT_FALSE(FoundOf(Stepped, "zero"));
+}
+
+TEST(InputHold, ALawThatIsMissingIsNotTakenForAnotherHold) {
+  EXPECT_FALSE(FoundOf(Filtered, "smooth", Hardening));
+  EXPECT_FALSE(FoundOf(Stepped, "zero", Hardening));
+}
+
+}  // namespace
+}  // namespace hydroscope
