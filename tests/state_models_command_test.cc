@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "models/machine_file/format.h"
@@ -69,6 +70,65 @@ TEST_F(StateModels, CompareSaysWhereTheModelErrs) {
   ASSERT_FALSE(after["maps"].empty());
   for (const nlohmann::json& map : after["maps"])
     EXPECT_LE(map["explained"].get<double>(), 1) << map["signals"];
+}
+
+/// A lag under an input that is held from row to row; `push`: on the process, per row at random.
+std::string LagLog(double push) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise;
+  std::string log = "t,u,y\n";
+  double x = 0;
+  for (int row = 0; row < 1000; ++row) {
+    const double u = std::sin(0.3 * row) + std::sin(0.9 * row);
+    log += fmt::format("{:.2f},{:.5f},{:.5f}\n", 0.05 * row, u, x + 1e-3 * noise(random));
+    x = 0.8 * x + 0.2 * u + push * noise(random);
+  }
+  return log;
+}
+
+std::string LagMachine(const std::string& hold) {
+  return fmt::format(R"toml([machine]
+name = "lag"
+[log]
+hold = "{}"
+time = {{ column = "t", unit = "s" }}
+[signals]
+u = {{ column = "u", unit = "V" }}
+y = {{ column = "y", unit = "V" }}
+[states]
+x = {{ ddt = "k*(u - x)" }}
+[outputs]
+y = "x"
+[parameters]
+k = {{ start = 3, min = 0.1, max = 30, unit = "1/s" }}
+)toml",
+                     hold);
+}
+
+TEST_F(CommandLine, InputsThatSeemToMoveInAnotherWayAreToldOf) {
+  WriteText(File("lag.csv"), LagLog(0));
+  WriteText(File("linear.toml"), LagMachine("linear"));
+  WriteText(File("zero.toml"), LagMachine("zero"));
+  for (const std::string command : {"fit", "compare", "explain"}) {
+    EXPECT_THAT(Run({command, File("lag.csv"), "-m", File("linear.toml")}).out,
+                HasSubstr("with hold = \"zero\" in [log] the error is"))
+        << command;
+    EXPECT_THAT(Run({command, File("lag.csv"), "-m", File("zero.toml")}).out, Not(HasSubstr("hold =")))
+        << command;
+  }
+}
+
+TEST_F(CommandLine, AFreeRunThatHardlyFollowsIsNoModelThatDescribes) {
+  WriteText(File("pushed.csv"), LagLog(1));
+  WriteText(File("zero.toml"), LagMachine("zero"));
+  const auto of = [&](const std::string& command) {
+    return Run({command, File("pushed.csv"), "-m", File("zero.toml")}).out;
+  };
+  EXPECT_THAT(of("fit"), HasSubstr("the free run errs by"));
+  EXPECT_THAT(of("compare"), HasSubstr("The model hardly follows what was measured"));
+  EXPECT_THAT(of("explain"), HasSubstr("The free run hardly follows what was measured"));
+  for (const std::string command : {"fit", "compare", "explain"})
+    EXPECT_THAT(of(command), Not(HasSubstr("noise alone"))) << command;
 }
 
 /// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.

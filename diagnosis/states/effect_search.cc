@@ -416,13 +416,13 @@ class EffectSearch {
     out_.partial = out_.final_left.structured;
     if (out_.partial)
       out_.warnings.push_back(Tell(
-          "functions of states and inputs still predict {:.0f} % of the error, most of it in the equation of {}: "
+          "functions of states and inputs still predict at least {:.0f} % of the error, most of it in the equation of {}: "
           "{:.2g} % of what they could predict before; a small law more is missing, or one of "
           "these differs a little",
-          "Funktionen von Zuständen und Eingängen sagen noch {:.0f} % des Fehlers voraus, das meiste davon in der Gleichung "
+          "Funktionen von Zuständen und Eingängen sagen noch mindestens {:.0f} % des Fehlers voraus, das meiste davon in der Gleichung "
           "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, "
           "oder eines von diesen ist etwas anders",
-          100 * out_.final_left.share, out_.final_left.about, 100 * out_.unexplained));
+          100 * out_.final_left.least_share, out_.final_left.about, 100 * out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {
       out_.verdict = Verdict::kUnknown;

@@ -89,7 +89,7 @@ InputCourse Within(const InputCourse& course, const GateBound* bound) {
 }
 
 /// Value of a recorded input some seconds after its beginning; after its end it begins again.
-double Recorded(const Episode& recorded, int signal, double since, bool linear) {
+double Recorded(const Episode& recorded, int signal, double since, bool held) {
   const double duration = recorded.time.back() - recorded.time.front();
   if (duration <= 0) return recorded.signal(0, signal);
   const double at = recorded.time.front() + std::fmod(since, duration);
@@ -97,7 +97,7 @@ double Recorded(const Episode& recorded, int signal, double since, bool linear) 
   const auto row = std::max<std::ptrdiff_t>(0, after - recorded.time.begin() - 1);
   const auto next = std::min<std::ptrdiff_t>(row + 1, recorded.rows() - 1);
   const double value = recorded.signal(row, signal);
-  if (!linear || next == row) return value;
+  if (held || next == row) return value;
   const double begin = recorded.time[static_cast<std::size_t>(row)],
                end = recorded.time[static_cast<std::size_t>(next)];
   return value + (recorded.signal(next, signal) - value) * (at - begin) / (end - begin);
@@ -176,7 +176,7 @@ bool KeepsSpeeds(const StateModel& model, const Episode& moved) {
 }
 
 Episode MovedRecord(const RecordMove& move, const StateModel& model, const Episode& recorded, int most_rows) {
-  const bool linear = model.machine.log.hold != InputHold::kZero;
+  const bool held = model.machine.log.hold == InputHold::kZero;
   Episode out;
   out.log = recorded.log;
   const double period = (recorded.time.back() - recorded.time.front()) / std::max(1, recorded.rows() - 1);
@@ -192,7 +192,7 @@ Episode MovedRecord(const RecordMove& move, const StateModel& model, const Episo
       out.signal(row, signal) =
           move.course
               ? recorded.signal.col(signal).mean()
-              : Recorded(recorded, signal, move.speed * out.time[static_cast<std::size_t>(row)], linear);
+              : Recorded(recorded, signal, move.speed * out.time[static_cast<std::size_t>(row)], held);
   for (const RecordMove::Levels& levels : move.inputs) {
     const double low = recorded.signal.col(levels.signal).minCoeff(),
                  high = recorded.signal.col(levels.signal).maxCoeff();

@@ -179,6 +179,13 @@ std::string MostIn(const StateFit& fit, const RemainderColumns& columns) {
   return about;
 }
 
+/// Energy of the error on the pieces of a fit left out in turn, of that of its error.
+double LeftOutOf(const StateFit& fit) {
+  double error = 0;
+  for (const StatePiece& piece : fit.pieces) error += piece.energy;
+  return std::max(1.0, fit.HeldOutEnergy() / std::max(error, 1e-300));
+}
+
 }  // namespace
 
 StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episodes,
@@ -191,7 +198,12 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   const std::vector<LeftOutForms> forms = FormsOf(columns);
   Eigen::VectorXd signs = Eigen::VectorXd::Ones(columns.pieces());
   out.share = ShareOf(forms, signs);
-  for (const LeftOutForms& form : forms) out.energy = std::min(out.energy, form.Energy(signs));
+  const double error = columns.energy.sum();
+  if (!(error > 0)) return out;
+  double energy = error;
+  for (const LeftOutForms& form : forms) energy = std::min(energy, form.Energy(signs));
+  out.energy = energy / error;
+  out.least_share = std::clamp(1 - out.energy / LeftOutOf(fit), 0.0, out.share);
   std::mt19937 random(options.seed);
   std::vector<double> null;
   for (int k = 0; k < options.flips; ++k) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,9 +19,12 @@ struct StateRemainderOptions {
 
 /// What functions of states and inputs could predict of what a fit leaves, on pieces of the log left out.
 struct StateRemainder {
-  double share = 0;  ///< of the error's energy on pieces left out
-  /// Of the error on pieces left out with the functions, outputs over their noise: noise has no more.
-  double energy = std::numeric_limits<double>::infinity();
+  double share =
+      0;  ///< of the error's energy on groups of pieces left out, with the parameters fitted to the others
+  double energy = 1;  ///< of the error on groups left out with the functions, of the fit's: noise has no more
+  /// Of the error's energy on single pieces left out (StateFit::HeldOutEnergy), what the functions predict at least. `share` is more
+  /// where one group alone tells of parameters: without it they run away, which functions undo and is no error of the fit.
+  double least_share = 0;
   double null_share = 0;  ///< that chance reaches in one of twenty
   double p_value = 1;
   bool structured = false;  ///< a law is missing

@@ -119,7 +119,7 @@ StatesError ErrorOf(const StateFit& fit, const StateRemainder& left) {
   double energy = 0;
   for (const StatePiece& piece : fit.pieces) energy += piece.energy;
   out.rms_holdout = out.rms * std::sqrt(fit.HeldOutEnergy() / std::max(energy, 1e-300 * readings));
-  out.noise_floor = out.rms * (left.structured ? std::sqrt(std::min(1.0, left.energy / energy)) : 1.0);
+  out.noise_floor = out.rms * (left.structured ? std::sqrt(left.energy) : 1.0);
   Eigen::VectorXd steps(fit.noise.size());
   for (int j = 0; j < steps.size(); ++j) steps[j] = OneStepError(fit, j);
   out.one_step = Overall(fit, steps) * out.unit.factor;

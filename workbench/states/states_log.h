@@ -36,13 +36,19 @@ struct StatesError {
 /// Error of one step over that of the free run, below which a log that no function of states and inputs explains any better
 /// is taken for one whose process itself is noisy.
 inline constexpr double kSlowError = 0.5;
+/// ... and below which it is no white noise: of that, scatter leaves more than 0.98 from 1000 readings on.
+inline constexpr double kColouredError = 0.8;
 
 /// A model with states fitted to logs.
 struct StatesFit {
-  /// What is left is no white noise, and no function of states and inputs predicts it.
+  /// Errors last over many rows, and no function of states and inputs predicts them.
   bool slow() const { return !left.structured && error.one_step < kSlowError * error.rms; }
-  /// ... and so much that the run does not follow the machine.
-  bool astray() const { return slow() && fit.ErrorOfVariation() > kHardlyFollows; }
+  /// What is left is no white noise, no function predicts it, and it is so much that the run hardly follows the machine.
+  bool astray() const {
+    return !left.structured && error.one_step < kColouredError * error.rms &&
+           fit.ErrorOfVariation() > kHardlyFollows;
+  }
+  bool noise_alone() const { return !left.structured && !astray(); }
 
   EpisodeLog log;
   StateFit fit;

@@ -123,11 +123,8 @@ nlohmann::json MinimaJson(const StateFit& fit) {
 }
 
 nlohmann::json LeftJson(const StateRemainder& left) {
-  return {{"share", left.share},
-          {"p_value", left.p_value},
-          {"null_share", left.null_share},
-          {"functions", left.functions},
-          {"about", left.about}};
+  return {{"share", left.share},           {"least_share", left.least_share}, {"p_value", left.p_value},
+          {"null_share", left.null_share}, {"functions", left.functions},     {"about", left.about}};
 }
 
 nlohmann::json InitialJson(const StatesFit& fit) {
@@ -233,7 +230,7 @@ double Shown(const StatesExplained& e, double held_out) {
 }
 
 /// What functions of states and inputs do not predict need not be noise as long as they predict something.
-const char* NoiseWords(bool more_may_be_left) { return more_may_be_left ? "noise at most" : "noise alone"; }
+const char* NoiseWords(bool alone) { return alone ? "noise alone" : "noise at most"; }
 
 /// What the linear form of the kind tells of the record: sums of parameters that it shows, what it does not.
 std::vector<std::string> BaseParameterTexts(const StatesFit& fit) {
@@ -284,8 +281,8 @@ std::string FitText(const StatesFit& fit) {
                          : "";
   text += ParameterLines(machine, fit.parameters);
   text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
-                      UnitWords(fit.error), NoiseWords(fit.left.structured || fit.astray()),
-                      fit.error.noise_floor, UnitWords(fit.error));
+                      UnitWords(fit.error), NoiseWords(fit.noise_alone()), fit.error.noise_floor,
+                      UnitWords(fit.error));
   return text + LinearText(fit) + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) +
          WarningLines(FitWarnings(fit)) + (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
@@ -321,9 +318,11 @@ std::string CompareText(const StatesFit& fit) {
       : fit.astray() ? "The model hardly follows what was measured.\n"
                      : "The model describes these episodes; noise alone is left.\n";
   text += fmt::format(
-      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}\n",
-      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout,
-      NoiseWords(fit.left.structured || fit.astray()), fit.error.noise_floor, fit.error.one_step);
+      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}
+      ",
+      fit.error.rms,
+      UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.noise_alone()), fit.error.noise_floor,
+      fit.error.one_step);
   const auto& outputs = fit.log.machine.states.outputs;
   std::size_t width = 12;
   for (const auto& output : outputs) width = std::max(width, output.signal.size());
@@ -365,7 +364,7 @@ std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
   text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
-                      UnitWords(e.final), NoiseWords(x.final_left.structured || x.astray),
+                      UnitWords(e.final), NoiseWords(!x.final_left.structured && !x.astray),
                       e.final.noise_floor, UnitWords(e.final));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);

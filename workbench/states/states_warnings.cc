@@ -13,10 +13,10 @@ namespace {
 /// Of a free run that hardly follows what was measured.
 Told AstrayText(const StateFit& fit) {
   return Tell(
-      "the free run errs by {:.0f} % of the variation of what was measured, though the next row is foreseen far better: it "
+      "the free run errs by {:.0f} % of the variation of what was measured, though the next row is foreseen better: it "
       "stands in a wrong minimum, loses its way over so long an episode, or noise acts on the process itself. Narrow the "
       "ranges in [parameters], or cut the log with [episodes] seconds",
-      "der freie Lauf weicht um {:.0f} % der gemessenen Schwankung ab, obwohl die nächste Zeile viel besser vorausgesagt "
+      "der freie Lauf weicht um {:.0f} % der gemessenen Schwankung ab, obwohl die nächste Zeile besser vorausgesagt "
       "wird: er steht in einem falschen Minimum, verliert sich über so lange Episoden, oder Rauschen wirkt auf den Prozess "
       "selbst. Die Bereiche in [parameters] enger fassen oder die Aufzeichnung mit [episodes] seconds teilen",
       100 * fit.ErrorOfVariation());
@@ -74,11 +74,11 @@ std::vector<Told> FitWarnings(const StatesFit& fit) {
           fit.parameters[p].parameter));
   if (fit.left.structured)
     warnings.push_back(Tell(
-        "functions of states and inputs predict {:.0f} % of the error left out, most of it in the "
+        "functions of states and inputs predict at least {:.0f} % of the error left out, most of it in the "
         "equation of {}: the model misses something, and its parameters absorb part of it",
-        "Funktionen von Zuständen und Eingängen sagen {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
+        "Funktionen von Zuständen und Eingängen sagen mindestens {:.0f} % des ausgelassenen Fehlers voraus, das meiste davon in der "
         "Gleichung von {}: dem Modell fehlt etwas, und seine Parameter nehmen einen Teil davon auf",
-        100 * fit.left.share, fit.left.about));
+        100 * fit.left.least_share, fit.left.about));
   if (fit.other_hold) warnings.push_back(OtherHoldText(*fit.other_hold));
   if (fit.astray())
     warnings.push_back(AstrayText(fit.fit));
