@@ -52,10 +52,9 @@ std::vector<double> RunSignalsAt(const StateFit& fit, std::span<const Episode> e
 
 Residuals ResidualsOf(const StateFit& fit, std::span<const Episode> episodes, int output,
                       const StateRemainder& left) {
-  double energy = 0;
   int readings = 0;
-  for (const StatePiece& piece : fit.pieces) energy += piece.energy, readings += piece.readings;
-  const double noise_share = left.structured && energy > 0 ? std::min(1.0, left.energy / energy) : 1.0;
+  for (const StatePiece& piece : fit.pieces) readings += piece.readings;
+  const double noise_share = left.structured ? std::min(1.0, left.energy) : 1.0;
   const double noise_variance = fit.noise[output] * fit.noise[output] * noise_share;
   const int every = 1 + readings / fit.model->output.rows / kMostReadings;
   Residuals out;

@@ -318,11 +318,9 @@ std::string CompareText(const StatesFit& fit) {
       : fit.astray() ? "The model hardly follows what was measured.\n"
                      : "The model describes these episodes; noise alone is left.\n";
   text += fmt::format(
-      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}
-      ",
-      fit.error.rms,
-      UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.noise_alone()), fit.error.noise_floor,
-      fit.error.one_step);
+      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}\n",
+      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.noise_alone()),
+      fit.error.noise_floor, fit.error.one_step);
   const auto& outputs = fit.log.machine.states.outputs;
   std::size_t width = 12;
   for (const auto& output : outputs) width = std::max(width, output.signal.size());
