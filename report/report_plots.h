@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "models/counted_words.h"
+#include "report/report.h"
 #include "report/report_parameters.h"
 #include "workbench/history/trend_analysis.h"
 

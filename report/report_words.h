@@ -5,6 +5,7 @@
 
 #include "core/alarm_records.h"
 #include "models/counted_words.h"
+#include "report/report.h"
 #include "report/report_parameters.h"
 #include "workbench/history/trend_analysis.h"
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "estimation/stroke_segmenter.h"
 #include "page/first_run/gate_course.h"

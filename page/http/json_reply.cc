@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "host/output.h"
 
 namespace hydroscope {

@@ -10,6 +10,7 @@
 #include "alarms/alarm_machine.h"
 #include "alarms/feeds/modbus/tags.h"
 #include "alarms/feeds/sparkplug/tags.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "host/real_clock.h"
 #include "models/counted_words.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "host/progress_listener.h"
 #include "page/http/json_reply.h"
 

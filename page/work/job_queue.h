@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/result.h"
+#include "core/told.h"
 #include "page/http/event_feed.h"
 
 namespace hydroscope {

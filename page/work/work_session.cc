@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "core/told_error.h"
 #include "host/real_clock.h"
 #include "host/text_file.h"
 #include "models/counted_words.h"
