@@ -99,6 +99,49 @@ void TakeLinesOut(Eigen::MatrixXd& curves) {
   curves -= x * (x.transpose() * curves / x.squaredNorm()).eval();
 }
 
+/// Where the curve is drawn: evenly between the lowest and the highest value seen, but for the outermost.
+Eigen::VectorXd PointsOver(const std::vector<double>& seen, const MissingLawOptions& options) {
+  const auto at = [&](double share) {
+    return seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))];
+  };
+  return Eigen::VectorXd::LinSpaced(options.points, at((1 - options.inner_share) / 2),
+                                    at((1 + options.inner_share) / 2));
+}
+
+/// Points x functions of one variable, straight lines taken out.
+Eigen::MatrixXd CurvesOf(const StateModel& model, const FunctionBank& bank, int variable,
+                         const std::vector<int>& functions, const Eigen::VectorXd& points) {
+  std::vector<double> state(static_cast<std::size_t>(model.states())), input(model.inputs.size()),
+      values(static_cast<std::size_t>(bank.count()));
+  double& moved = variable < model.states() ? state[static_cast<std::size_t>(variable)]
+                                            : input[static_cast<std::size_t>(variable - model.states())];
+  Eigen::MatrixXd curves(points.size(), static_cast<Eigen::Index>(functions.size()));
+  for (Eigen::Index k = 0; k < points.size(); ++k) {
+    moved = points[k];
+    bank.Values(state.data(), input.data(), values.data());
+    for (Eigen::Index f = 0; f < curves.cols(); ++f)
+      curves(k, f) = values[static_cast<std::size_t>(functions[static_cast<std::size_t>(f)])];
+  }
+  TakeLinesOut(curves);
+  return curves;
+}
+
+/// The curve with its scatter where groups are left out in turn (jackknife).
+std::vector<MissingLaw::Point> Drawn(const LawRegression& regression, const Columns& columns,
+                                     const Eigen::VectorXd& points, const Eigen::MatrixXd& curves) {
+  const auto without = [&](int group) -> Eigen::VectorXd {
+    return curves * regression.Weights(columns, group).tail(curves.cols());
+  };
+  const Eigen::VectorXd curve = without(-1);
+  Eigen::VectorXd spread = Eigen::VectorXd::Zero(curve.size());
+  for (int g = 0; g < regression.groups(); ++g) spread += (without(g) - curve).cwiseAbs2();
+  const double groups = regression.groups();
+  std::vector<MissingLaw::Point> out;
+  for (Eigen::Index k = 0; k < points.size(); ++k)
+    out.push_back({points[k], curve[k], std::sqrt(spread[k] * (groups - 1) / groups)});
+  return out;
+}
+
 }  // namespace
 
 std::optional<MissingLaw> FindMissingLaw(const StateFit& fit, std::span<const Episode> episodes,
@@ -111,66 +154,43 @@ std::optional<MissingLaw> FindMissingLaw(const StateFit& fit, std::span<const Ep
       GroupProducts(PieceProducts(fit, episodes, added, {&fit.residuals}), options.groups);
   if (groups.size() < 2) return std::nullopt;
   const LawRegression regression(groups, model.parameter_count(), options.ridge);
-  std::map<std::pair<int, int>, Columns> laws;  // by equation and variable
-  for (std::size_t k = 0; k < equation.size(); ++k)
-    if (const auto variable = bank.Variable(static_cast<int>(k) % bank.count());
-        variable && EquationName(model, equation[k]) == about)
-      laws[{equation[k], *variable}].push_back(model.parameter_count() + static_cast<Eigen::Index>(k));
+  struct Law {
+    std::vector<int> functions;
+    Columns columns;
+  };
+  std::map<int, Law> laws;  // by variable
+  for (std::size_t k = 0; k < equation.size(); ++k) {
+    const int function = static_cast<int>(k) % bank.count();
+    const auto variable = bank.Variable(function);
+    if (!variable || EquationName(model, equation[k]) != about) continue;
+    laws[*variable].functions.push_back(function);
+    laws[*variable].columns.push_back(model.parameter_count() + static_cast<Eigen::Index>(k));
+  }
   const double before = regression.LeftOut({});
   double least = (1 - options.min_share) * before;
-  std::optional<std::pair<int, int>> best;
-  for (const auto& [place, functions] : laws) {
-    const double left = regression.LeftOut(functions);
+  std::optional<int> best;
+  for (const auto& [variable, law] : laws) {
+    const double left = regression.LeftOut(law.columns);
     if (!(left < least)) continue;
     least = left;
-    best = place;
+    best = variable;
   }
   if (!best) return std::nullopt;
 
-  const auto [row, variable] = *best;
-  MissingLaw law;
-  law.of_state = row < model.states();
-  law.equation = EquationName(model, row);
-  law.of_input = variable >= model.states();
-  law.variable = bank.VariableName(variable);
-  law.share = 1 - least / before;
-  const Columns& functions = laws[*best];
-  std::vector<Eigen::VectorXd> weights;  // of all, then without each group
-  for (int g = -1; g < regression.groups(); ++g)
-    weights.push_back(regression.Weights(functions, g).tail(static_cast<Eigen::Index>(functions.size())));
-  const std::vector<double> seen = ValuesOf(fit, episodes, variable);
-  const auto at = [&](double share) {
-    return seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))];
-  };
-  const double low = at((1 - options.inner_share) / 2), high = at((1 + options.inner_share) / 2);
-  std::vector<double> state(static_cast<std::size_t>(model.states())), input(model.inputs.size()),
-      values(static_cast<std::size_t>(bank.count()));
-  const auto count = static_cast<Eigen::Index>(functions.size());
-  Eigen::MatrixXd curves(options.points, count);  // of each function
-  for (int k = 0; k < options.points; ++k) {
-    law.points.push_back({low + (high - low) * k / (options.points - 1), 0, 0});
-    (law.of_input ? input[static_cast<std::size_t>(variable - model.states())]
-                  : state[static_cast<std::size_t>(variable)]) = law.points.back().x;
-    bank.Values(state.data(), input.data(), values.data());
-    for (Eigen::Index f = 0; f < count; ++f) {
-      const auto column = static_cast<int>(functions[static_cast<std::size_t>(f)]) - model.parameter_count();
-      curves(k, f) = values[static_cast<std::size_t>(column % bank.count())];
-    }
-  }
-  TakeLinesOut(curves);
-  const Eigen::VectorXd curve = curves * weights.front();
-  Eigen::VectorXd spread = Eigen::VectorXd::Zero(curve.size());
-  for (std::size_t g = 1; g < weights.size(); ++g) spread += (curves * weights[g] - curve).cwiseAbs2();
-  const double groups_left = regression.groups();
-  for (int k = 0; k < options.points; ++k) {
-    law.points[static_cast<std::size_t>(k)].value = curve[k];
-    law.points[static_cast<std::size_t>(k)].std = std::sqrt(spread[k] * (groups_left - 1) / groups_left);
-  }
-  if (std::none_of(law.points.begin(), law.points.end(), [](const MissingLaw::Point& point) {
-        return std::abs(point.value) > kNormal95 * point.std;
-      }))
-    return std::nullopt;
-  return law;
+  const auto& states = model.machine.states.states;
+  MissingLaw out;
+  out.equation = about;
+  out.of_state =
+      std::any_of(states.begin(), states.end(), [&](const StateSpec& state) { return state.name == about; });
+  out.variable = bank.VariableName(*best);
+  out.share = 1 - least / before;
+  const Eigen::VectorXd points = PointsOver(ValuesOf(fit, episodes, *best), options);
+  out.points = Drawn(regression, laws[*best].columns, points,
+                     CurvesOf(model, bank, *best, laws[*best].functions, points));
+  const bool clear = std::any_of(out.points.begin(), out.points.end(), [](const MissingLaw::Point& point) {
+    return std::abs(point.value) > kNormal95 * point.std;
+  });
+  return clear ? std::optional(std::move(out)) : std::nullopt;
 }
 
 }  // namespace hydroscope

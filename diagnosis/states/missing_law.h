@@ -22,8 +22,7 @@ struct MissingLaw {
   std::string equation;  ///< state or output to whose equation it adds
   bool of_state = true;
   std::string variable;  ///< state or input
-  bool of_input = false;
-  double share = 0;  ///< of the error's energy on pieces left out
+  double share = 0;      ///< of the error's energy on pieces left out
   struct Point {
     double x = 0, value = 0, std = 0;  ///< std: from leaving out groups of pieces
   };
