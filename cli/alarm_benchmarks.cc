@@ -39,16 +39,15 @@ void AddAlarmBurst(CLI::App& benchmark, int& exit_code) {
 
 /// The process the others start; not shown.
 void AddAlarmLoad(CLI::App& benchmark, int& exit_code) {
-  auto o = std::make_shared<AlarmLoadOptions>();
-  CLI::App* command =
-      benchmark.add_subcommand("alarm-load", "The process that the alarm campaigns watch")->group("");
+  const auto [command, o] = AddStudy(benchmark, "alarm-load", "The process that the alarm campaigns watch",
+                                     RunAlarmLoad, exit_code);
+  command->group("");
   command->add_option("--db", o->database)->required();
   command->add_option("--broker", o->broker)->required();
   command->add_option("--mode", o->mode)->check(CLI::IsMember({"load", "burst", "drain"}));
   command->add_option("--seed", o->seed);
   command->add_option("--domain", o->domain);
   AddBurstOptions(command, o->burst);
-  command->callback([o, &exit_code] { exit_code = RunAlarmLoad(*o); });
 }
 
 }  // namespace

@@ -42,9 +42,9 @@ struct CorrelatedFit {
 /// with weights 1/std^2 (all 1 if any std is not positive) and errors e_k = phi e_(k-1) + white (Prais, Winsten 1954).
 /// phi is found from the residuals of ordinary least squares, about the one step that fits best, with the small-sample
 /// correction of Kendall (1954) extended to p regressors, and is at least `least_correlation`, which the caller knows
-/// from how the values came about (0 for values that share no data). Degrees of freedom count effective values n (1 -
-/// phi)/(1 + phi), at least 2, because phi itself is only estimated. Empty coefficients if there are fewer than columns
-/// + 3 values or the columns are not independent.
+/// from how the values came about (0 for values that share no data). Degrees of freedom count effective values
+/// n (1 - phi)/(1 + phi), at least 2, because phi itself is only estimated. Empty coefficients if the columns are not
+/// independent, or if there are fewer values than columns and three more.
 CorrelatedFit FitCorrelated(const std::vector<std::vector<double>>& x, const std::vector<double>& y,
                             const std::vector<double>& std, double least_correlation);
 

@@ -18,4 +18,15 @@ DisplayUnit OutputUnit(const Machine& machine) {
   return unit;
 }
 
+std::string_view SiOf(const Machine& machine, std::string_view name) {
+  std::string_view unit;
+  for (const SignalSpec& signal : machine.signals)
+    if (signal.name == name) unit = signal.unit;
+  for (const StateSpec& state : machine.states.states)
+    if (state.name == name) unit = state.unit;
+  if (unit.empty()) return "1";
+  const auto known = FindUnit(unit);
+  return known ? known->si : unit;
+}
+
 }  // namespace hydroscope

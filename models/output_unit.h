@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "core/units.h"
 #include "models/machine.h"
 #include "models/model_structure.h"
@@ -11,5 +13,7 @@ namespace hydroscope {
 DisplayUnit OutputUnit(const ModelStructure* model);
 /// The same of the model that a machine file describes.
 DisplayUnit OutputUnit(const Machine& machine);
+/// SI unit of a signal or a state of a machine, which must outlive it; "1" where its file states none.
+std::string_view SiOf(const Machine& machine, std::string_view name);
 
 }  // namespace hydroscope

@@ -98,8 +98,8 @@ Told SlowRowsKept(const Database& database, const std::string& path, const Histo
   return trust && !trust->rate.fast_enough ? trust->rate.sentence : Told{};
 }
 
-/// Where the model errs, a parameter that moved, and not with the oil, is a machine that changed, too slowly for a place of
-/// the change.
+/// Where the model errs, a parameter that moved, and not with the oil, is a machine that changed, too slowly to say
+/// where.
 std::vector<LearningDoubt> OfTrends(const Database& database, const HistoryPart& part,
                                     const Machine& machine) {
   auto strokes = database.SummariesOf(part.id, part.first, part.last, kMostSummaries);

@@ -129,6 +129,9 @@ TEST_F(CommandLine, AFreeRunThatHardlyFollowsIsNoModelThatDescribes) {
   EXPECT_THAT(of("explain"), HasSubstr("The free run hardly follows what was measured"));
   for (const std::string command : {"fit", "compare", "explain"})
     EXPECT_THAT(of(command), Not(HasSubstr("noise alone"))) << command;
+  const nlohmann::json compare =
+      Run({"compare", File("pushed.csv"), "-m", File("zero.toml"), "--json", "-"}).Json();
+  EXPECT_TRUE(compare["model_error_seen"].is_null());
 }
 
 /// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.

@@ -18,19 +18,24 @@ constexpr int kMostPaired = 5;  ///< variables; of more, products would be too m
 
 }  // namespace
 
+std::vector<double> ValuesOf(const StateFit& fit, std::span<const Episode> episodes, int variable) {
+  const int states = fit.model->states();
+  std::vector<double> values;
+  for (std::size_t e = 0; e < episodes.size(); ++e)
+    for (int row = 0; row < episodes[e].rows(); ++row)
+      values.push_back(
+          variable < states
+              ? fit.runs[e].states(row, variable)
+              : episodes[e].signal(row, fit.model->inputs[static_cast<std::size_t>(variable - states)]));
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
 FunctionBank::FunctionBank(const StateFit& fit, std::span<const Episode> episodes, int fourier,
                            std::uint32_t seed)
     : model_(*fit.model), states_(fit.model->states()) {
-  const auto inputs = model_.inputs.size();
-  for (int v = 0; v < states_ + static_cast<int>(inputs); ++v) {
-    std::vector<double> values;
-    for (std::size_t e = 0; e < episodes.size(); ++e)
-      for (int row = 0; row < episodes[e].rows(); ++row)
-        values.push_back(v < states_
-                             ? fit.runs[e].states(row, v)
-                             : episodes[e].signal(row, model_.inputs[static_cast<std::size_t>(v - states_)]));
-    AddVariable(std::move(values));
-  }
+  for (int v = 0; v < states_ + static_cast<int>(model_.inputs.size()); ++v)
+    AddVariable(ValuesOf(fit, episodes, v));
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> phase(0, 2 * std::numbers::pi);
@@ -44,8 +49,7 @@ FunctionBank::FunctionBank(const StateFit& fit, std::span<const Episode> episode
       1 + variables * kOfOne + (pairs_ ? variables * (variables - 1) : 0) + static_cast<int>(phase_.size());
 }
 
-void FunctionBank::AddVariable(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
+void FunctionBank::AddVariable(const std::vector<double>& values) {
   const auto at = [&](double share) {
     return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
   };

@@ -29,7 +29,7 @@ class FunctionBank {
   AddedTerms Terms(std::vector<int>& equation) const;
 
  private:
-  void AddVariable(std::vector<double> values);
+  void AddVariable(const std::vector<double>& values);
 
   const StateModel& model_;
   int states_ = 0, count_ = 0;
@@ -37,6 +37,9 @@ class FunctionBank {
   std::vector<double> middle_, spread_, zero_, frequency_, phase_;
   std::vector<std::vector<double>> knots_;
 };
+
+/// Values of a variable (FunctionBank::Variable) in the runs of a fit, ascending.
+std::vector<double> ValuesOf(const StateFit& fit, std::span<const Episode> episodes, int variable);
 
 /// Name of the state or output whose equation this is: states first, then states + output.
 std::string EquationName(const StateModel& model, int equation);

@@ -77,20 +77,6 @@ class LawRegression {
   Eigen::MatrixXd total_;
 };
 
-/// Values of a state (below the number of states) or input in the runs, ascending.
-std::vector<double> ValuesOf(const StateFit& fit, std::span<const Episode> episodes, int variable) {
-  const int states = fit.model->states();
-  std::vector<double> values;
-  for (std::size_t e = 0; e < episodes.size(); ++e)
-    for (int row = 0; row < episodes[e].rows(); ++row)
-      values.push_back(
-          variable < states
-              ? fit.runs[e].states(row, variable)
-              : episodes[e].signal(row, fit.model->inputs[static_cast<std::size_t>(variable - states)]));
-  std::sort(values.begin(), values.end());
-  return values;
-}
-
 /// Takes the straight line out of each column that fits it best over the points, which are evenly apart: nearly every equation
 /// has a term that is linear in its variable, and takes a line over.
 void TakeLinesOut(Eigen::MatrixXd& curves) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/units.h"
+#include "models/output_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -12,10 +13,10 @@ namespace {
 constexpr int kMostReadings = 20'000;
 constexpr std::size_t kFewestCycles = 3;
 
-ResidualSignal Shown(const std::string& name, const std::string& unit) {
-  const auto known = FindUnit(unit);
-  const DisplayUnit shown = DisplayUnitFor(known ? known->si : unit);
-  return {name, -1, shown.factor, shown.offset, std::string(shown.name)};
+/// A signal or a state, as shown.
+ResidualSignal Shown(const Machine& machine, const std::string& name) {
+  const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
+  return {name, -1, unit.factor, unit.offset, std::string(unit.name)};
 }
 
 }  // namespace
@@ -24,14 +25,12 @@ std::vector<ResidualSignal> RunSignals(const StateFit& fit) {
   const StateModel& model = *fit.model;
   const Machine& machine = model.machine;
   std::vector<ResidualSignal> out;
-  const auto add_signal = [&](int s) {
-    const SignalSpec& spec = machine.signals[static_cast<std::size_t>(s)];
-    out.push_back(Shown(spec.name, spec.unit));
+  const auto add_signal = [&](int signal) {
+    out.push_back(Shown(machine, machine.signals[static_cast<std::size_t>(signal)].name));
   };
   for (const int input : model.inputs) add_signal(input);
   for (std::size_t i = 0; i < machine.states.states.size(); ++i)
-    if (model.measured_by[i] < 0)
-      out.push_back(Shown(machine.states.states[i].name, machine.states.states[i].unit));
+    if (model.measured_by[i] < 0) out.push_back(Shown(machine, machine.states.states[i].name));
   for (const int output : model.outputs) add_signal(output);
   if (fit.runs.size() >= kFewestCycles) out.push_back({"phase", -1, 100, 0, "%"});
   return out;
@@ -77,12 +76,6 @@ Residuals ResidualsOf(const StateFit& fit, std::span<const Episode> episodes, in
     out.strokes.push_back(std::move(stroke));
   }
   return out;
-}
-
-LocateOptions StateLocateOptions() {
-  LocateOptions options;
-  options.overlap = 1;
-  return options;
 }
 
 }  // namespace hydroscope

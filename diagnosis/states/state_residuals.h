@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "diagnosis/remainder/locate.h"
+#include "diagnosis/remainder/residuals.h"
 #include "diagnosis/states/remainder.h"
 
 namespace hydroscope {
@@ -15,12 +15,10 @@ std::vector<ResidualSignal> RunSignals(const StateFit& fit);
 std::vector<double> RunSignalsAt(const StateFit& fit, std::span<const Episode> episodes, std::size_t episode,
                                  int row);
 
-/// What the free run of a fit leaves at the readings of one output, over RunSignals, for Locate. A stroke of it is a piece of the log (StateFit::pieces), a window a reading; of many readings every
-/// so many. Noise is the share of the error that no function predicts (`left`), even over the readings.
+/// What the free run of a fit leaves at the readings of one output, over RunSignals, for Locate. A stroke of it is a piece of the
+/// log (StateFit::pieces), a window a reading; of many readings every so many. Noise is the share of the error that no function
+/// predicts (`left`), even over the readings.
 Residuals ResidualsOf(const StateFit& fit, std::span<const Episode> episodes, int output,
                       const StateRemainder& left);
-
-/// Readings of a free run share no noise, and what is read off a map is read off pieces, of which few are many.
-LocateOptions StateLocateOptions();
 
 }  // namespace hydroscope

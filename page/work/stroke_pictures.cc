@@ -68,13 +68,6 @@ namespace {
 
 constexpr int kMostRows = 3000;  ///< of an episode's picture
 
-DisplayUnit UnitOfSignal(const Machine& machine, const std::string& name) {
-  const int signal = machine.SignalIndex(name);
-  const auto unit =
-      signal < 0 ? std::nullopt : FindUnit(machine.signals[static_cast<std::size_t>(signal)].unit);
-  return DisplayUnitFor(unit ? unit->si : "1");
-}
-
 /// Of every `step`-th row.
 nlohmann::json RunSignalsJson(const StatesFit& fit, std::size_t episode, int step) {
   const std::vector<ResidualSignal> signals = RunSignals(fit.fit);
@@ -108,7 +101,7 @@ nlohmann::json EpisodeJson(const StatesFit& fit, std::size_t index) {
   nlohmann::json outputs = nlohmann::json::array();
   for (int j = 0; j < model.output.rows; ++j) {
     const std::string& name = model.machine.states.outputs[static_cast<std::size_t>(j)].signal;
-    const DisplayUnit unit = UnitOfSignal(model.machine, name);
+    const DisplayUnit unit = DisplayUnitFor(SiOf(model.machine, name));
     const int signal = model.outputs[static_cast<std::size_t>(j)];
     outputs.push_back(
         {{"name", name},

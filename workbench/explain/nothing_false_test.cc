@@ -54,8 +54,8 @@ TEST(NothingFalse, AnErrorThatGoesOnFromBlockToBlockIsNoNoiseThoughTheFloorWould
   EXPECT_THAT(x.doubt.english, HasSubstr("goes on from block to block"));
 }
 
-/// A ram that trembles hides the noise of its position, but what noise there is, is white. Means of blocks of 20 ms see nothing of
-/// 50 Hz.
+/// A ram that trembles hides the noise of its position, but what noise there is, is white. Means of blocks of 20 ms see
+/// nothing of 50 Hz.
 Explanation OfTremblingRam(double cyclic_error) {
   const PressOptions options = ASeenPress(5);
   SimulatedLog log = SimulatePress(options);

@@ -3,39 +3,16 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "diagnosis/states/state_residuals.h"
+#include "models/output_unit.h"
 #include "workbench/explain/located_output.h"
 
 namespace hydroscope {
 namespace {
 
-DisplayUnit UnitOf(const StateModel& model, int output) {
-  const int signal = model.outputs[static_cast<std::size_t>(output)];
-  const auto unit = FindUnit(model.machine.signals[static_cast<std::size_t>(signal)].unit);
-  return DisplayUnitFor(unit ? unit->si : "1");
-}
-
-/// Error energy beside noise, over that of noise.
-double Standing(const OutputErrors& errors) {
-  for (const StrokeResiduals& piece : errors.residuals.strokes)
-    if (!piece.noise_variance.empty())
-      return errors.location.excess / std::max(piece.noise_variance.front(), 1e-300);
-  return 0;
-}
-
-/// SI unit of a state or input; "1" where the file states none.
-std::string UnitInSi(const Machine& machine, const std::string& name) {
-  std::string unit;
-  for (const StateSpec& state : machine.states.states)
-    if (state.name == name) unit = state.unit;
-  for (const SignalSpec& signal : machine.signals)
-    if (signal.name == name) unit = signal.unit;
-  const auto known = FindUnit(unit);
-  return known ? std::string(known->si) : "1";
-}
-
-nlohmann::json Of(const OutputErrors& errors, nlohmann::json json) {
+nlohmann::json WithOutput(const OutputErrors& errors, nlohmann::json json) {
   json["output"] = errors.output;
   json["error_unit"] = errors.unit.name;
   return json;
@@ -45,26 +22,26 @@ nlohmann::json Of(const OutputErrors& errors, nlohmann::json json) {
 
 std::vector<OutputErrors> LocateErrors(const StateFit& fit, std::span<const Episode> episodes,
                                        const StateRemainder& left) {
-  LocateOptions options = StateLocateOptions();
+  LocateOptions options;
+  options.overlap = 1;  // readings share no noise
   if (!left.structured) options.floor_excess = std::numeric_limits<double>::infinity();
+  std::vector<int> worst_first(static_cast<std::size_t>(fit.model->output.rows));
+  std::iota(worst_first.begin(), worst_first.end(), 0);
+  std::stable_sort(worst_first.begin(), worst_first.end(),
+                   [&](int a, int b) { return fit.noise[a] / fit.scale[a] > fit.noise[b] / fit.scale[b]; });
+  const Machine& machine = fit.model->machine;
   std::vector<OutputErrors> out;
-  for (int j = 0; j < fit.model->output.rows; ++j) {
-    OutputErrors errors{fit.model->machine.states.outputs[static_cast<std::size_t>(j)].signal,
-                        UnitOf(*fit.model, j),
-                        ResidualsOf(fit, episodes, j, left),
-                        {}};
-    errors.location = Locate(errors.residuals, options);
-    out.push_back(std::move(errors));
+  for (const int j : worst_first) {
+    const std::string& name = machine.states.outputs[static_cast<std::size_t>(j)].signal;
+    out.push_back({name, DisplayUnitFor(SiOf(machine, name)), ResidualsOf(fit, episodes, j, left), {}});
+    out.back().location = Locate(out.back().residuals, options);
   }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const OutputErrors& a, const OutputErrors& b) { return Standing(a) > Standing(b); });
   return out;
 }
 
 ShownLaw Shown(const MissingLaw& law, const StateModel& model) {
-  const std::string output = UnitInSi(model.machine, law.equation);
-  const std::string variable = UnitInSi(model.machine, law.variable);
-  const DisplayUnit unit = DisplayUnitFor(variable);
+  const std::string output(SiOf(model.machine, law.equation));
+  const DisplayUnit unit = DisplayUnitFor(SiOf(model.machine, law.variable));
   ShownLaw out;
   out.equation = law.equation;
   out.unit = EffectUnitFor(law.of_state ? output + "/s" : output);
@@ -86,7 +63,7 @@ nlohmann::json LocatedJson(const std::vector<OutputErrors>& errors) {
   nlohmann::json out = nlohmann::json::array();
   for (const OutputErrors& of : errors)
     for (nlohmann::json& located : LocatedJson(of.location.located, of.unit.factor))
-      out.push_back(Of(of, std::move(located)));
+      out.push_back(WithOutput(of, std::move(located)));
   return out;
 }
 
@@ -95,7 +72,7 @@ nlohmann::json MapsJson(const std::vector<OutputErrors>& errors) {
   if (errors.empty()) return out;
   const OutputErrors& of = errors.front();
   for (nlohmann::json& map : MapsJson(of.location, of.residuals.signals, of.unit.factor))
-    out.push_back(Of(of, std::move(map)));
+    out.push_back(WithOutput(of, std::move(map)));
   return out;
 }
 

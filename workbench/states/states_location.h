@@ -21,7 +21,7 @@ struct OutputErrors {
   ErrorLocation location;  ///< nothing stands out of a fit that leaves noise alone
 };
 
-/// All outputs, the one first that errs most beside noise. `left`: of this fit.
+/// All outputs, the one first that errs by the largest share of its variation. `left`: of this fit.
 std::vector<OutputErrors> LocateErrors(const StateFit& fit, std::span<const Episode> episodes,
                                        const StateRemainder& left);
 

@@ -198,14 +198,14 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;
   if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);
+  const std::span<const Episode> fitted =
+      x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   if (x.verdict == Verdict::kUnknown || x.partial)
-    if (const auto other = FindOtherHold(x.final.fit, x.runs.empty() ? out.log.episodes : x.runs))
+    if (const auto other = FindOtherHold(x.final.fit, fitted))
       out.log.warnings.push_back(OtherHoldText(*other));
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);
-  const std::span<const Episode> fitted =
-      x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   out.located = LocateErrors(x.base.fit, fitted, x.base_left);
   if (x.verdict == Verdict::kUnknown && x.final_left.structured)
     if (const auto law = FindMissingLaw(x.final.fit, fitted, x.final_left.about))

@@ -339,7 +339,7 @@ nlohmann::json CompareJson(const StatesFit& fit) {
   out["rms_residual"] = fit.error.rms;
   out["free_run"] = fit.error.rms;
   out["one_step"] = fit.error.one_step;
-  out["model_error_seen"] = fit.left.structured;
+  out["model_error_seen"] = fit.astray() ? nlohmann::json() : nlohmann::json(fit.left.structured);
   out["per_stroke"] = EpisodesJson(fit);
   out["located"] = LocatedJson(fit.located);
   out["maps"] = MapsJson(fit.located);
