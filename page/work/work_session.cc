@@ -25,9 +25,6 @@ using Kind = WorkRequest::Kind;
 const Told kNoLog = {"there is no log yet", "es gibt noch kein Log"};
 const Told kNoMachineFile = {"there is no machine file yet", "es gibt noch keine Maschinendatei"};
 
-/// "" where it cannot be read.
-std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or(""); }
-
 std::string KeyOf(const std::string& kind, const std::string& about) {
   return about.empty() ? kind : kind + " " + about;
 }
@@ -36,7 +33,11 @@ std::string KeyOf(const std::string& kind, const std::string& about) {
 
 WorkSession::WorkSession(std::vector<ExampleLog> examples, EventFeed& feed,
                          std::unique_ptr<ScratchFolder> folder, int niceness)
-    : examples_(std::move(examples)), feed_(feed), folder_(std::move(folder)), jobs_(feed, niceness) {}
+    : examples_(std::move(examples)),
+      feed_(feed),
+      folder_(std::move(folder)),
+      machine_(folder_->path() + "/machine"),
+      jobs_(feed, niceness) {}
 
 Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::string>& logs,
                                                          const std::string& machine_file,
@@ -51,11 +52,11 @@ Result<std::unique_ptr<WorkSession>> WorkSession::Create(const std::vector<std::
   for (const std::string& log : logs) session->logs_.push_back({log, log});
   if (machine_file.empty()) return session;
   if (const auto machine = LoadMachine(machine_file); !machine) return tl::unexpected(machine.error());
-  const Status used = session->UseMachine(std::filesystem::path(machine_file).filename().string(),
-                                          TextIn(machine_file), machine_file);
+  const Status used = session->machine_.Take(std::filesystem::path(machine_file).filename().string(),
+                                             ReadTextFile(machine_file).value_or(""), machine_file);
   if (!used) return tl::unexpected(used.error());
   for (const KeptVersion& kept : KeptVersions(machine_file))  // so that earlier versions can be gone back to
-    std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_file_).parent_path() /
+    std::filesystem::copy_file(kept.path, std::filesystem::path(session->machine_.file()).parent_path() /
                                               std::filesystem::path(kept.path).filename());
   return session;
 }
@@ -82,22 +83,6 @@ std::string WorkSession::WithoutFolder(std::string text) const {
     }
   }
   return text;
-}
-
-Status WorkSession::UseMachine(const std::string& name, const std::string& text, const std::string& target) {
-  const auto machine = ParseMachine(text, name);
-  if (!machine) return tl::unexpected(machine.error());
-  const std::lock_guard lock(mutex_);
-  const std::string folder = fmt::format("{}/machine/{}", folder_->path(), generation_);
-  std::filesystem::create_directory(folder);
-  std::string plain = PlainFileName(name);
-  if (!plain.ends_with(".toml")) plain += ".toml";
-  if (const Status written = WriteTextFile(folder + "/" + plain, text); !written) return written;
-  machine_file_ = folder + "/" + plain;
-  target_ = target;
-  saved_text_ = target.empty() ? "" : text;
-  ForgetResults();
-  return {};
 }
 
 std::string WorkSession::UploadFile() {
@@ -127,9 +112,11 @@ Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
 }
 
 Status WorkSession::TakeMachine(const std::string& name, const std::string& text) {
-  const Status used = UseMachine(name, text, "");
-  if (used) Changed();
-  return used;
+  const std::lock_guard lock(mutex_);
+  if (const Status taken = machine_.Take(name, text, ""); !taken) return taken;
+  ForgetResults();
+  Changed();
+  return {};
 }
 
 Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
@@ -166,11 +153,11 @@ Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
   if (!kept) return tl::unexpected(kept.error());
   StartOver();
   const std::string axis = stretch.machine.substr(stretch.machine.rfind('/') + 1);
-  if (const Status used = UseMachine(axis + ".toml", kept->definition, ""); !used) return used;
   const std::lock_guard lock(mutex_);
+  if (const Status taken = machine_.Take(axis + ".toml", kept->definition, ""); !taken) return taken;
   for (const KeptStrokes::Piece& piece : kept->pieces)
     logs_.push_back({fmt::format("{} {}–{}", axis, piece.first, piece.last), piece.log});
-  saved_text_ = kept->definition;  // the database has it
+  machine_.MarkSaved(kept->definition);  // the database has it
   strokes_of_ = {stretch.machine, kept->pieces.front().first, kept->pieces.back().last};
   ForgetResults();
   Changed();
@@ -184,11 +171,11 @@ Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, con
     return BadInput(
         Told("these strokes are of no database: take those of an alarm or of a trend",
              "diese Hübe sind aus keiner Datenbank: die eines Alarms oder eines Verlaufs nehmen"));
-  const Promotion promotion{strokes_of_.machine, 0, TextIn(machine_file_), 0, user, comment, WallSeconds()};
+  const Promotion promotion{strokes_of_.machine, 0, machine_.Text(), 0, user, comment, WallSeconds()};
   return jobs_.Add("promote", "", [this, promotion]() -> Status {
     if (const Status promoted = PromoteWorkedOn(database_, promotion); !promoted) return promoted;
     const std::lock_guard lock(mutex_);
-    saved_text_ = promotion.text;  // what was added since is not
+    machine_.MarkSaved(promotion.text);  // what was added since is not
     Changed();
     return {};
   });
@@ -199,9 +186,7 @@ void WorkSession::StartOver() {
   logs_.clear();
   strokes_of_ = {};
   hold_out_.clear();
-  machine_file_.clear();
-  target_.clear();
-  saved_text_.clear();
+  machine_.Forget();
   draft_.clear();
   columns_.reset();
   ForgetResults();
@@ -250,7 +235,7 @@ Result<WorkSession::Subject> WorkSession::TakeSubject() const {
     const std::lock_guard lock(mutex_);
     for (const LogFile& log : logs_) subject.input.logs.push_back(log.path);
     subject.input.hold_out = hold_out_;
-    subject.input.machine_file = machine_file_;
+    subject.input.machine_file = machine_.file();
     subject.generation = generation_;
   }
   if (subject.input.logs.empty()) return BadInput(kNoLog);
@@ -347,7 +332,7 @@ Result<Machine> WorkSession::MachineOrDraft() const {
   std::string file, draft;
   {
     const std::lock_guard lock(mutex_);
-    file = machine_file_;
+    file = machine_.file();
     draft = draft_;
   }
   return file.empty() ? ParseMachine(draft, "proposal") : LoadMachine(file);
@@ -355,7 +340,7 @@ Result<Machine> WorkSession::MachineOrDraft() const {
 
 int WorkSession::VersionOr(int version) const {
   if (version != 0) return version;
-  const auto machine = LoadMachine(machine_file_);
+  const auto machine = LoadMachine(machine_.file());
   return machine ? machine->model_version : 0;
 }
 
@@ -392,7 +377,7 @@ Result<nlohmann::json> WorkSession::ErrorsIn(const Region& region, int version) 
 
 /// The versions of the machine file; of those that no change has judged, what `compare` found.
 nlohmann::json WorkSession::VersionsWithErrors() const {
-  auto versions = VersionsJson(machine_file_);
+  auto versions = VersionsJson(machine_.file());
   if (!versions) return nlohmann::json::array();
   for (nlohmann::json& version : *versions) {
     const auto results = results_.find(version["version"].get<int>());
@@ -408,16 +393,17 @@ nlohmann::json WorkSession::VersionsWithErrors() const {
 nlohmann::json WorkSession::Json() const {
   nlohmann::json jobs = jobs_.Json();
   const std::lock_guard lock(mutex_);
-  nlohmann::json out = {{"logs", nlohmann::json::array()},
-                        {"machine", nullptr},
-                        {"versions", nlohmann::json::array()},
-                        {"units", nlohmann::json::object()},
-                        {"results", nlohmann::json::array()},
-                        {"jobs", std::move(jobs)},
-                        {"examples", nlohmann::json::array()},
-                        {"unsaved", false},
-                        {"strokes", nullptr},
-                        {"file", target_.empty() ? nlohmann::json() : nlohmann::json(target_)}};
+  nlohmann::json out = {
+      {"logs", nlohmann::json::array()},
+      {"machine", nullptr},
+      {"versions", nlohmann::json::array()},
+      {"units", nlohmann::json::object()},
+      {"results", nlohmann::json::array()},
+      {"jobs", std::move(jobs)},
+      {"examples", nlohmann::json::array()},
+      {"unsaved", false},
+      {"strokes", nullptr},
+      {"file", machine_.target().empty() ? nlohmann::json() : nlohmann::json(machine_.target())}};
   for (const ExampleLog& example : examples_) out["examples"].push_back(example.id);
   for (const LogFile& log : logs_) {
     std::error_code gone;
@@ -429,14 +415,14 @@ nlohmann::json WorkSession::Json() const {
   if (!strokes_of_.machine.empty())
     out["strokes"] = {
         {"machine", strokes_of_.machine}, {"first", strokes_of_.first}, {"last", strokes_of_.last}};
-  const auto machine = LoadMachine(machine_file_);
-  if (machine_file_.empty() || !machine) return out;
+  const auto machine = LoadMachine(machine_.file());
+  if (machine_.empty() || !machine) return out;
   out["machine"] = ModelJson(*machine);
   out["machine"].update(MachineInfoJson(*machine));
-  out["machine"]["suggested_file"] = std::filesystem::path(machine_file_).filename().string();
+  out["machine"]["suggested_file"] = std::filesystem::path(machine_.file()).filename().string();
   out["versions"] = VersionsWithErrors();
   out["units"] = UnitsJson(*machine);
-  out["unsaved"] = TextIn(machine_file_) != saved_text_;
+  out["unsaved"] = machine_.Unsaved();
   if (const auto results = results_.find(machine->model_version); results != results_.end())
     for (const auto& [key, result] : results->second) out["results"].push_back(key);
   return out;
@@ -444,7 +430,7 @@ nlohmann::json WorkSession::Json() const {
 
 std::string WorkSession::MachineText() const {
   const std::lock_guard lock(mutex_);
-  return machine_file_.empty() ? "" : TextIn(machine_file_);
+  return machine_.Text();
 }
 
 nlohmann::json WorkSession::Effects() const {
@@ -454,8 +440,8 @@ nlohmann::json WorkSession::Effects() const {
 
 Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   const std::lock_guard lock(mutex_);
-  if (machine_file_.empty()) return BadInput(kNoMachineFile);
-  const auto text = WithOwnEffect(TextIn(machine_file_), effect);
+  if (machine_.empty()) return BadInput(kNoMachineFile);
+  const auto text = WithOwnEffect(machine_.Text(), effect);
   if (!text) return tl::unexpected(text.error());
   if (!effect.keep) {
     const auto tried = ParseMachine(*text, "machine file");
@@ -463,10 +449,9 @@ Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
     if (strokes == strokes_.end() || strokes->second.term == nullptr) return nlohmann::json();
     return strokes->second.term->Course(*tried, tried->user_effects.back());
   }
-  if (const Status written = WriteTextFile(machine_file_, *text); !written)
-    return tl::unexpected(written.error());
+  if (const Status written = machine_.Write(*text); !written) return tl::unexpected(written.error());
   ++generation_;  // what is being worked out knows another library
-  const auto machine = LoadMachine(machine_file_);
+  const auto machine = LoadMachine(machine_.file());
   if (machine) results_[machine->model_version].erase("explain");
   Changed();
   return nlohmann::json();
@@ -474,35 +459,10 @@ Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
 
 Result<std::string> WorkSession::Save(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  if (machine_file_.empty()) return BadInput(kNoMachineFile);
-  std::string target = target_;
-  const std::string text = TextIn(machine_file_);
-  if (target.empty()) {
-    target = PlainFileName(name);
-    if (target.empty() || !target.ends_with(".toml"))
-      return BadInput(Tell("name: found '{}', expected the name of a machine file, such as press.toml",
-                           "Name: gefunden '{}', erwartet: der Name einer Maschinendatei, etwa presse.toml",
-                           name));
-    if (std::filesystem::exists(target))
-      return BadInput(Tell("{} is there already; choose another name",
-                           "{} gibt es schon; bitte einen anderen Namen wählen",
-                           std::filesystem::absolute(target).string()));
-    if (const Status written = WriteTextFile(target, text); !written) return tl::unexpected(written.error());
-  } else if (text != saved_text_) {
-    if (TextIn(target) != saved_text_)
-      return BadInput(Tell(
-          "{} was changed by somebody else meanwhile; download the machine file instead",
-          "{} wurde inzwischen von jemand anderem geändert; stattdessen die Maschinendatei herunterladen",
-          target));
-    const auto before = LoadMachine(target);
-    if (!before) return tl::unexpected(before.error());
-    if (const Status kept = PutVersion(target, before->model_version, machine_file_); !kept)
-      return tl::unexpected(kept.error());
-  }
-  target_ = target;
-  saved_text_ = text;
-  Changed();
-  return std::filesystem::absolute(target).string();
+  if (machine_.empty()) return BadInput(kNoMachineFile);
+  auto saved = machine_.Save(name);
+  if (saved) Changed();
+  return saved;
 }
 
 }  // namespace hydroscope

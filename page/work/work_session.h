@@ -12,6 +12,7 @@
 #include "page/api_arguments.h"
 #include "page/http/event_feed.h"
 #include "page/work/job_queue.h"
+#include "page/work/machine_copy.h"
 #include "page/work/own_effect.h"
 #include "page/work/scratch_folder.h"
 #include "page/work/stored_strokes.h"
@@ -26,9 +27,8 @@ struct ExampleLog {
   std::function<Status(const std::string& path)> write;  ///< CSV
 };
 
-/// One person's work on logs: which logs, the machine file being worked on, and what was worked out about them. The machine
-/// file worked on is a copy; what the person has is changed by Save alone. Safe to call from any thread; what takes
-/// long goes through the job queue.
+/// One person's work on logs: which logs, the machine file being worked on, and what was worked out about them. Safe to call
+/// from any thread; what takes long goes through the job queue.
 class WorkSession {
  public:
   /// `machine_file` "" = to be made on the page; `niceness` of what takes long.
@@ -87,8 +87,7 @@ class WorkSession {
   /// Looks at an effect a person writes: its term over a stroke (TermStroke::Course; null where nothing was compared yet). One that
   /// is to be kept joins the library of the machine file worked on. Error: what is wrong with it.
   Result<nlohmann::json> TakeEffect(const OwnEffect& effect);
-  /// Writes it to the file it came from, whose version before is kept beside, or, of one that was made on the page, to `name`
-  /// in the folder where the program was started. Returns the path. Error: another file of that name is there.
+  /// MachineCopy::Save
   Result<std::string> Save(const std::string& name);
 
  private:
@@ -103,7 +102,6 @@ class WorkSession {
 
   WorkSession(std::vector<ExampleLog> examples, EventFeed& feed, std::unique_ptr<ScratchFolder> folder,
               int niceness);
-  Status UseMachine(const std::string& name, const std::string& text, const std::string& target);
   Result<Subject> TakeSubject() const;
   Status Work(const WorkRequest& request);
   Status DrawLog(const std::string& log);
@@ -126,9 +124,7 @@ class WorkSession {
   std::string hold_out_;  ///< path of one of them; "" = none
   std::string database_;
   StrokeStretch strokes_of_;  ///< strokes of the database that are worked on; no machine: none
-  std::string machine_file_;  ///< the copy; "" = none yet
-  std::string target_;        ///< where Save writes; "" = has to be named
-  std::string saved_text_;    ///< of `target_` when it was read or written last
+  MachineCopy machine_;
   std::shared_ptr<const LogColumns> columns_;
   std::string draft_, draft_name_;  ///< text of the last proposal
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped

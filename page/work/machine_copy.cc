@@ -1,0 +1,75 @@
+#include "page/work/machine_copy.h"
+
+#include "core/told_error.h"
+#include "host/text_file.h"
+#include "models/machine_kind.h"
+#include "page/api_arguments.h"
+#include "page/work/machine_versions.h"
+
+namespace hydroscope {
+namespace {
+
+std::string TextIn(const std::string& path) { return ReadTextFile(path).value_or(""); }
+
+}  // namespace
+
+Status MachineCopy::Take(const std::string& name, const std::string& text, const std::string& target) {
+  if (const auto machine = ParseMachine(text, name); !machine) return tl::unexpected(machine.error());
+  const std::filesystem::path folder = folder_ / std::to_string(++taken_);
+  std::filesystem::create_directory(folder);
+  std::string plain = PlainFileName(name);
+  if (!plain.ends_with(".toml")) plain += ".toml";
+  if (const Status written = WriteTextFile((folder / plain).string(), text); !written) return written;
+  file_ = (folder / plain).string();
+  target_ = target;
+  saved_text_ = target.empty() ? "" : text;
+  return {};
+}
+
+void MachineCopy::Forget() {
+  file_.clear();
+  target_.clear();
+  saved_text_.clear();
+}
+
+std::string MachineCopy::Text() const { return empty() ? "" : TextIn(file_); }
+
+Status MachineCopy::Write(const std::string& text) { return WriteTextFile(file_, text); }
+
+Result<std::string> MachineCopy::Save(const std::string& name) {
+  const std::string text = Text();
+  if (target_.empty()) {
+    if (const Status saved = SaveAs(name, text); !saved) return tl::unexpected(saved.error());
+    target_ = PlainFileName(name);
+  } else if (text != saved_text_) {
+    if (const Status saved = SaveBack(); !saved) return tl::unexpected(saved.error());
+  }
+  saved_text_ = text;
+  return std::filesystem::absolute(target_).string();
+}
+
+Status MachineCopy::SaveAs(const std::string& name, const std::string& text) {
+  const std::string target = PlainFileName(name);
+  if (target.empty() || !target.ends_with(".toml"))
+    return BadInput(Tell("name: found '{}', expected the name of a machine file, such as press.toml",
+                         "Name: gefunden '{}', erwartet: der Name einer Maschinendatei, etwa presse.toml",
+                         name));
+  if (std::filesystem::exists(target))
+    return BadInput(Tell("{} is there already; choose another name",
+                         "{} gibt es schon; bitte einen anderen Namen wählen",
+                         std::filesystem::absolute(target).string()));
+  return WriteTextFile(target, text);
+}
+
+Status MachineCopy::SaveBack() const {
+  if (TextIn(target_) != saved_text_)
+    return BadInput(
+        Tell("{} was changed by somebody else meanwhile; download the machine file instead",
+             "{} wurde inzwischen von jemand anderem geändert; stattdessen die Maschinendatei herunterladen",
+             target_));
+  const auto before = LoadMachine(target_);
+  if (!before) return tl::unexpected(before.error());
+  return PutVersion(target_, before->model_version, file_);
+}
+
+}  // namespace hydroscope
