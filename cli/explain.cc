@@ -8,9 +8,9 @@
 #include "models/counted_words.h"
 #include "report/explain_report.h"
 #include "workbench/explain/explain_output.h"
+#include "workbench/explain/explain_stored.h"
 #include "workbench/history/history_options.h"
 #include "workbench/history/history_output.h"
-#include "workbench/history/stored_change.h"
 #include "workbench/model/measured_sizes.h"
 #include "workbench/states/states_output.h"
 
@@ -58,71 +58,81 @@ Result<Explained> ExplainOneLog(const ExplainArguments& a) {
   return out;
 }
 
-/// All strokes chosen as one; `note` is what should be known of them, `found` the same as JSON.
+nlohmann::json FoundJson(const std::optional<StoredChange>& change) {
+  if (!change) return nullptr;
+  return {{"since", change->since},
+          {"before_end", change->before_end},
+          {"by", change->by},
+          {"text", change->text.english}};
+}
+
+void AddWhole(const std::string& note, const StrokeHistory& history,
+              const std::optional<StoredChange>& change, ExplainResult result, Explained& out) {
+  const std::string text = note + ExplainText(result);
+  nlohmann::json json = HistoryJson(history, result);
+  json["change_found"] = FoundJson(change);
+  Add(out, text, std::move(json), std::move(result));
+}
+
+/// The strokes before against those after.
+void AddSides(const std::string& note, const StrokeHistory& before, const StrokeHistory& after,
+              const std::optional<StoredChange>& change, ChangeResult result, Explained& out) {
+  const std::string text = note + ChangeText(result);
+  nlohmann::json json = ChangeJson(before, after, result);
+  json["change_found"] = FoundJson(change);
+  Add(out, text, std::move(json), std::move(result.after));
+}
+
+/// All strokes chosen as one.
 Status ExplainWhole(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
-                    const std::string& note, const nlohmann::json& found, Explained& out) {
+                    Explained& out) {
   const auto history = LoadHistory(database, a.history.db, choice.parts, choice.machine);
   if (!history) return tl::unexpected(history.error());
   auto result = ExplainHistory(*history);
   if (!result) return tl::unexpected(result.error());
   result->described = HistoryLine(*history);
   result->target = choice.target;
-  if (const HistoryPart& part = choice.parts.front(); a.whole && choice.parts.size() == 1)
+  if (const HistoryPart& part = choice.parts.front(); choice.parts.size() == 1)
     if (const auto change =
             FindStoredChange(database, part, choice.machine, AlarmsBeside(a.history.db, part.machine)))
       result->explanation.warnings.push_back(WarningOfBothSides(*change, CountedWordsOf(choice.machine)));
-  const std::string text = note + ExplainText(*result);
-  nlohmann::json json = HistoryJson(*history, *result);
-  json["change_found"] = found;
-  Add(out, text, std::move(json), std::move(*result));
+  AddWhole("", *history, std::nullopt, std::move(*result), out);
   return {};
 }
 
-/// The strokes before against those after.
-Status ExplainSides(const HistoryChoice& choice, const StrokeHistory& before, const StrokeHistory& after,
-                    const std::string& note, const nlohmann::json& found, Explained& out) {
-  auto result = ExplainChange(before, after);
+/// Strokes on either side of a place that somebody names.
+Status ExplainSince(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
+                    Explained& out) {
+  const auto sides = Split(database, a.history.db, choice, a.since);
+  if (!sides) return tl::unexpected(sides.error());
+  auto result = ExplainChange(sides->first, sides->second);
   if (!result) return tl::unexpected(result.error());
-  result->before.described = HistoryLine(before);
-  result->after.described = HistoryLine(after);
+  result->before.described = HistoryLine(sides->first);
+  result->after.described = HistoryLine(sides->second);
   result->after.target = choice.target;
-  const std::string text = note + ChangeText(*result);
-  nlohmann::json json = ChangeJson(before, after, *result);
-  json["change_found"] = found;
-  Add(out, text, std::move(json), std::move(result->after));
+  AddSides("", sides->first, sides->second, std::nullopt, std::move(*result), out);
   return {};
 }
 
-/// Strokes on either side of a change that nobody asked for.
-Status ExplainFound(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
-                    const StoredChange& change, Explained& out) {
-  const nlohmann::json found = {{"since", change.since},
-                                {"before_end", change.before_end},
-                                {"by", change.by},
-                                {"text", change.text.english}};
-  const std::string lead =
-      fmt::format("These {} hold a change {}.\n", CountedWordsOf(choice.machine).many, change.text.english);
-  std::vector<HistoryPart> before = choice.parts, after = choice.parts;
-  before.front().last = change.before_end;
-  after.front().first = change.since;
-  const auto then = LoadHistory(database, a.history.db, before, choice.machine);
-  const auto now = LoadHistory(database, a.history.db, after, choice.machine);
-  const Status compared =
-      !then  ? tl::unexpected(then.error())
-      : !now ? tl::unexpected(now.error())
-             : ExplainSides(
-                   choice, *then, *now,
-                   lead + fmt::format("What changed there, as --since {} tells it (--whole explains all "
-                                      "{} as one):\n\n",
-                                      change.since, CountedWordsOf(choice.machine).many),
-                   found, out);
-  if (compared) return {};
-  return ExplainWhole(
-      a, database, choice,
-      lead +
-          fmt::format("They could not be compared ({}); explained as one, so before and after are mixed:\n\n",
-                      compared.error().text),
-      found, out);
+/// Strokes of one machine, on either side of a change if they hold one.
+Status ExplainPart(const ExplainArguments& a, const Database& database, const HistoryChoice& choice,
+                   Explained& out) {
+  const HistoryPart& part = choice.parts.front();
+  auto stored =
+      ExplainStored(database, a.history.db, part, choice.machine, AlarmsBeside(a.history.db, part.machine));
+  if (!stored) return tl::unexpected(stored.error());
+  stored->now().target = choice.target;
+  const CountedWords counted = CountedWordsOf(choice.machine);
+  std::string note = ChangeSentence(*stored, counted);
+  if (stored->sides)
+    note += fmt::format("\nWhat changed there, as --since {} tells it (--whole explains all {} as one):",
+                        stored->change->since, counted.many);
+  if (!note.empty()) note += "\n\n";
+  if (stored->sides)
+    AddSides(note, stored->before, stored->after, stored->change, std::move(*stored->sides), out);
+  else
+    AddWhole(note, stored->after, stored->change, std::move(*stored->whole), out);
+  return {};
 }
 
 Result<Explained> ExplainDatabase(const ExplainArguments& a) {
@@ -130,21 +140,11 @@ Result<Explained> ExplainDatabase(const ExplainArguments& a) {
   if (!chosen) return tl::unexpected(chosen.error());
   Explained out;
   for (const HistoryChoice& choice : chosen->choices) {
-    Status done;
-    if (!a.since.empty()) {
-      const auto sides = Split(chosen->database, a.history.db, choice, a.since);
-      done = sides ? ExplainSides(choice, sides->first, sides->second, "", nullptr, out)
-                   : Status(tl::unexpected(sides.error()));
-    } else {
-      const HistoryPart& part = choice.parts.front();
-      const auto change = a.whole || choice.parts.size() > 1
-                              ? std::nullopt
-                              : FindStoredChange(chosen->database, part, choice.machine,
-                                                 AlarmsBeside(a.history.db, part.machine));
-      done = change ? ExplainFound(a, chosen->database, choice, *change, out)
-                    : ExplainWhole(a, chosen->database, choice, "", nullptr, out);
-    }
-    if (!done) return tl::unexpected(done.error());
+    const auto explain = !a.since.empty()                     ? ExplainSince
+                         : a.whole || choice.parts.size() > 1 ? ExplainWhole
+                                                              : ExplainPart;
+    if (const Status done = explain(a, chosen->database, choice, out); !done)
+      return tl::unexpected(done.error());
   }
   if (out.results.size() > 1) out.json = {{"machines", std::move(out.json)}};
   return out;

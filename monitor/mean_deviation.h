@@ -16,4 +16,9 @@ struct MeanDeviation {
 };
 MeanDeviation MeanDeviationOf(std::span<const AxisMonitor::JudgedValue> strokes, int quantity);
 
+/// The same of the strokes since a change that `monitor` found and that stands, fitted together with what changed: a leak bends
+/// every parameter that is looked at alone. Without a finding, or a stroke since, as MeanDeviationOf.
+MeanDeviation MeanDeviationBesideFindings(std::span<const AxisMonitor::JudgedValue> strokes, int quantity,
+                                          const drift::DriftMonitor& monitor);
+
 }  // namespace hydroscope

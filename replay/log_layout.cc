@@ -323,9 +323,9 @@ Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, co
   const HeadLines found = HeadFinder(lines, hints, dialect, shape).Find();
   if (found.data < 0)
     return BadInput(Tell(
-        "log '{}': no rows of numbers found in the first {} lines; expected a header row with column names "
+        "log '{}': no rows of numbers found (lines looked at: {}); expected a header row with column names "
         "and rows of numbers separated by ',', ';', tab or blanks",
-        "Log '{}': in den ersten {} Zeilen stehen keine Zahlenreihen; erwartet: eine Kopfzeile mit den Namen der Spalten "
+        "Log '{}': keine Zahlenreihen gefunden (angesehene Zeilen: {}); erwartet: eine Kopfzeile mit den Namen der Spalten "
         "und Zeilen mit Zahlen, getrennt durch ',', ';', Tabulator oder Leerzeichen",
         origin, lines.size()));
 

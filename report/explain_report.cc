@@ -217,6 +217,16 @@ std::string History(const ExplainResult& result) {
                                    "what sensor noise alone would leave.");
 }
 
+/// The verdict in a box, to lead a page; `lead` = sentence before it.
+std::string VerdictBox(const ExplainResult& result, const std::string& lead = "") {
+  std::vector<std::string> sentences = Sentences(result);
+  if (!lead.empty()) sentences.insert(sentences.begin(), EscapeText(lead));
+  std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>",
+                                ToneOf(result.explanation.verdict), Headline(result));
+  for (const std::string& sentence : sentences) out += "<li>" + sentence + "</li>";
+  return out + "</ul></section>\n";
+}
+
 std::string VerdictBoxText(const ExplainResult& result) {
   if (!result.described.empty()) return EscapeText(result.described);
   return fmt::format("{} strokes, {} of {} rows used", FormatCount(static_cast<std::int64_t>(result.strokes)),
@@ -225,11 +235,12 @@ std::string VerdictBoxText(const ExplainResult& result) {
 
 }  // namespace
 
-std::string ExplainVerdictBox(const ExplainResult& result) {
-  std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>",
-                                ToneOf(result.explanation.verdict), Headline(result));
-  for (const std::string& sentence : Sentences(result)) out += "<li>" + sentence + "</li>";
-  return out + "</ul></section>\n";
+void AddExplanation(const ExplainResult& result, const std::string& lead, ReportInput& report) {
+  const bool adequate = result.explanation.verdict == Verdict::kAdequate;
+  report.explanation_verdict = VerdictBox(result, lead);
+  if (result.explanation.no_verdict.empty()) report.misses = !adequate;
+  report.explanation_leads = !adequate;
+  report.explanation = ExplainSections(result, false);
 }
 
 std::string ExplainSections(const ExplainResult& result, bool overlays) {
@@ -243,7 +254,7 @@ Status WriteExplainReport(const std::string& path, const std::vector<ExplainResu
     body += fmt::format(
         "<header><div><h1>What the model misses: {}</h1><p class=\"soft\">{}</p></div></header>\n",
         EscapeText(result.log.machine.name), VerdictBoxText(result));
-    body += ExplainVerdictBox(result) + ExplainSections(result);
+    body += VerdictBox(result) + ExplainSections(result);
   }
   std::ofstream file(path, std::ios::binary);
   file << HtmlPage("Hydroscope: what the model misses", body);

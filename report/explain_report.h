@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "report/report.h"
 #include "workbench/explain/explain_log.h"
 
 namespace hydroscope {
@@ -13,8 +14,8 @@ namespace hydroscope {
 /// Without `overlays` the model is not shown against the measurement.
 std::string ExplainSections(const ExplainResult& result, bool overlays = true);
 
-/// The verdict box alone, to lead a page.
-std::string ExplainVerdictBox(const ExplainResult& result);
+/// Makes it part of a maintenance report, which it leads if the model misses something. `lead`: what the strokes are, "" = all.
+void AddExplanation(const ExplainResult& result, const std::string& lead, ReportInput& report);
 
 /// Writes one self-contained HTML page (inline SVG and CSS, light and dark, prints on A4). Fails if the file
 /// cannot be written.

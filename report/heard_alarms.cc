@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "report/svg_text.h"
 #include "workbench/history/stored_change.h"
@@ -20,22 +21,38 @@ bool SpeaksOf(const AlarmState& alarm, const std::string& parameter) {
   return TellsOfParameters(alarm) && std::find(told.begin(), told.end(), parameter) != told.end();
 }
 
+/// What the estimates did since an alarm says that something else changed; "" = nothing that stands out.
+std::string MovedWith(const AlarmState& alarm, const ParameterAnalysis& analysis, const ParameterInfo& info,
+                      const CountedWords& counted) {
+  if (alarm.out_of_service || !TellsAChange(alarm)) return "";
+  const TestedValue change = ChangeSince(analysis.samples, alarm.first_stroke);
+  if (SignificanceOf(change) != Significance::kClear) return "";
+  return fmt::format(
+      "Since {} {}, when <b>{}</b> began, the estimate has moved by {}{}. A change that the model does not know bends its "
+      "parameters: it need not be one of this parameter. ",
+      counted.one, FormatCount(alarm.first_stroke), EscapeText(alarm.id),
+      FormatWithUncertainty(change.value * info.factor, change.HalfWidth() * std::abs(info.factor)),
+      info.unit.empty() ? "" : " " + EscapeText(info.unit));
+}
+
 }  // namespace
 
-void HearAlarms(const std::vector<AlarmState>& alarms, const std::string& parameter,
-                const CountedWords& counted, ParameterWords& words) {
+void HearAlarms(const std::vector<AlarmState>& alarms, const ParameterAnalysis& analysis,
+                const ParameterInfo& info, const CountedWords& counted, ParameterWords& words) {
   if (words.standing >= Standing::kChanged) return;
-  std::string told;
+  std::string told, moved;
   for (const AlarmState& alarm : alarms)
-    if (SpeaksOf(alarm, parameter))
+    if (SpeaksOf(alarm, analysis.parameter))
       told += fmt::format("The alarm <b>{}</b> tells a change since {} {}. ", EscapeText(alarm.id),
                           counted.one, FormatCount(alarm.first_stroke));
-  if (told.empty()) return;
-  words.reading =
-      told + (words.standing == Standing::kSteady ? "Over the record as a whole it does not stand out."
-                                                  : words.reading);
+    else
+      moved += MovedWith(alarm, analysis, info, counted);
+  if (told.empty() && moved.empty()) return;
+  words.reading = told + moved +
+                  (words.standing == Standing::kSteady ? "Over the record as a whole it does not stand out."
+                                                       : words.reading);
   words.standing = Standing::kChanged;
-  words.pill = "alarm stands";
+  words.pill = told.empty() ? "moved with the alarm" : "alarm stands";
   words.by_alarm = true;
 }
 

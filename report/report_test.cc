@@ -90,6 +90,27 @@ TEST(FormatReport, ShowsNoGreenCardBesideAnAlarmOfItsParameter) {
   EXPECT_TRUE(Has(FormatReport(input), "No change stands out in <b>K′</b>"));
 }
 
+TEST(FormatReport, ShowsNoGreenCardOfAParameterThatMovedWithAnAlarm) {
+  ReportFixture fixture;
+  fixture.warm = 26.5;
+  ReportInput input = fixture.Make();
+  AlarmState alarm;
+  alarm.id = "internal_leakage";
+  alarm.active = true;
+  alarm.first_stroke = 295;
+  alarm.quantities = {"internal_leakage"};
+  input.alarms = {alarm};
+  EXPECT_FALSE(Has(FormatReport(input), "moved with the alarm"));
+  for (TrendPoint& point : input.trends)
+    if (point.estimate.parameter == "y_0" && point.sequence >= 295)
+      point.estimate.value += 12 * point.estimate.std;
+  const std::string page = FormatReport(input);
+  ExpectSound(page);
+  EXPECT_TRUE(Has(page, "moved with the alarm"));
+  EXPECT_TRUE(Has(page, "Since stroke 295, when <b>internal_leakage</b> began, the estimate has moved by"));
+  EXPECT_FALSE(Has(VerdictText(page), "y0."));
+}
+
 TEST(FormatReport, NamesTheChangedParameterButNoCause) {
   ReportFixture fixture;
   fixture.wear = 0.06;

@@ -416,7 +416,7 @@ ParameterWords DescribeParameter(const ParameterAnalysis& analysis, const Parame
                            info);
   words.reading = Reading(words.standing, analysis, info, counted);
   words.limits = LimitText(analysis.limits, info, counted);
-  HearAlarms(alarms, analysis.parameter, counted, words);
+  HearAlarms(alarms, analysis, info, counted, words);
   if (analysis.updated == 0) return words;
   words.change = ChangeText(analysis, info, counted);
   words.oil = OilText(analysis.oil, info, counted);

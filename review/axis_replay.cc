@@ -15,6 +15,8 @@
 #include "report/explain_report.h"
 #include "report/stroke_overlays.h"
 #include "review/replay_report.h"
+#include "review/stored_explanation.h"
+#include "workbench/history/stored_change.h"
 #include "workbench/model/model_record.h"
 
 namespace hydroscope {
@@ -275,6 +277,18 @@ Status AxisReplay::CollectOverlays(const ReplayOutcome& outcome) {
   return {};
 }
 
+/// What changed within the log shown, whose strokes explained as one would mix before and after. False: nothing did.
+bool AxisReplay::AddChange(const ReplayOutcome& outcome, ReportInput& input) const {
+  for (const RunInfo& run : outcome.runs) {
+    if (run.id != overlay_run_) continue;
+    const HistoryPart part{machine_.name, machine_id_, run.first_sequence, run.first_sequence + run.strokes};
+    if (!FindStoredChange(database_, part, machine_, input.alarms)) return false;
+    AddStoredExplanation(database_, options_.database, part, machine_, input);
+    return true;
+  }
+  return false;
+}
+
 Status AxisReplay::Report(ReplayOutcome& outcome) {
   if (report_.empty() || outcome.runs.empty()) return {};
   if (const Status collected = CollectOverlays(outcome); !collected) return collected;
@@ -283,14 +297,10 @@ Status AxisReplay::Report(ReplayOutcome& outcome) {
   input->alarms = outcome.watch.alarms;
   input->drift_verdict = outcome.watch.verdict_html;
   input->drift = outcome.watch.section_html;
-  if (strokes_)
-    if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained) {
-      input->explanation_verdict = ExplainVerdictBox(*explained);
-      if (explained->explanation.no_verdict.empty())
-        input->misses = explained->explanation.verdict != Verdict::kAdequate;
-      input->explanation_leads = explained->explanation.verdict != Verdict::kAdequate;
-      input->explanation = ExplainSections(*explained, false);
-    }
+  if (strokes_ && !AddChange(outcome, *input)) {
+    if (const auto explained = ExplainStrokes(std::move(*strokes_)); explained)
+      AddExplanation(*explained, "", *input);
+  }
   outcome.report = report_;
   return WriteReport(report_, *input);
 }

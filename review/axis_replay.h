@@ -44,6 +44,7 @@ class AxisReplay {
   Result<RunFingerprint> Recognise(const std::string& log, LogReplay& replay) const;
   bool ShowsStretches() const;
   Status CollectOverlays(const ReplayOutcome& outcome);
+  bool AddChange(const ReplayOutcome& outcome, ReportInput& input) const;
   void Take(ReportCollector& collector, const RunInfo& run);
 
   const ReplayOptions& options_;

@@ -7,11 +7,9 @@
 #include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "report/drift_report.h"
-#include "report/explain_report.h"
 #include "report/report.h"
 #include "review/replay_report.h"
-#include "workbench/explain/explain_history.h"
-#include "workbench/history/history_output.h"
+#include "review/stored_explanation.h"
 #include "workbench/history/stored_change.h"
 #include "workbench/history/stroke_history.h"
 
@@ -27,21 +25,6 @@ Result<HistoryPart> Chosen(Database& database, const std::string& path, const st
   std::string names;
   for (const HistoryPart& part : *parts) names += (names.empty() ? "" : ", ") + part.machine;
   return UsageError("{} holds {} machines: {}. Choose one with --machine NAME", path, parts->size(), names);
-}
-
-void AddExplanation(const Database& database, const std::string& path, const HistoryPart& part,
-                    const Machine& machine, ReportInput& input) {
-  const auto history = LoadHistory(database, path, {part}, machine);
-  if (!history) return;
-  auto explained = ExplainHistory(*history);
-  if (!explained) return;
-  explained->described = HistoryLine(*history);
-  explained->target = fmt::format("--db {}", path);
-  const bool adequate = explained->explanation.verdict == Verdict::kAdequate;
-  input.explanation_verdict = ExplainVerdictBox(*explained);
-  if (explained->explanation.no_verdict.empty()) input.misses = !adequate;
-  input.explanation_leads = !adequate;
-  input.explanation = ExplainSections(*explained, false);
 }
 
 }  // namespace
@@ -68,7 +51,7 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   input->alarms = alarms;
   input->drift_verdict = AlarmsBox({}, alarms, CountedWordsOf(outcome.machine));
   if (!InEpisodes(KindOf(outcome.machine)))  // whose effects are tried on logs alone
-    AddExplanation(*database, path, *part, outcome.machine, *input);
+    AddStoredExplanation(*database, path, *part, outcome.machine, *input);
   if (const Status written = WriteReport(page, *input); !written) return tl::unexpected(written.error());
   const auto standing =
       std::count_if(alarms.begin(), alarms.end(), [](const AlarmState& a) { return a.active; });

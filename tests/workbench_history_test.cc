@@ -168,6 +168,12 @@ TEST_F(WorkbenchHistory, StrokesThatHoldAChangeAreNotExplainedAsOneUnasked) {
   EXPECT_THAT(found["change"]["appeared"], Contains("internal_leakage"));
   const std::string text = Good({"explain", "--db", Db()}).out;
   EXPECT_THAT(text, AllOf(HasSubstr("These strokes hold a change"), HasSubstr("--whole")));
+  Good({"report", "--db", Db(), "--out", File("page.html")});
+  EXPECT_THAT(
+      ReadText(File("page.html")),
+      AllOf(HasSubstr("These strokes hold a change"),
+            HasSubstr("The machine shows what the model lacks: Internal leakage past the piston seal"),
+            Not(HasSubstr("no effect of the library explains"))));
 
   const nlohmann::json after = Good({"explain", "--db", Db(), "--from", "run:3", "--json", "-"}).Json();
   EXPECT_TRUE(after["change_found"].is_null()) << "all of them leak";

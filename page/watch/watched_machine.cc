@@ -177,13 +177,13 @@ Status WatchedMachine::DescribeParameters(const std::vector<TrendPoint>& latest)
   return {};
 }
 
-/// The newest judged strokes together against the reference; null where there is none.
+/// The newest judged strokes together against the reference, beside what was found; null where there is none.
 nlohmann::json WatchedMachine::ReferenceJson(const std::string& parameter,
                                              const std::vector<AxisMonitor::JudgedValue>& judged) const {
   const drift::DriftMonitor* monitor = monitor_ ? monitor_->monitor() : nullptr;
   const int quantity = monitor == nullptr ? -1 : QuantityIndex(*monitor, parameter);
   if (quantity < 0) return {};
-  const MeanDeviation mean = MeanDeviationOf(judged, quantity);
+  const MeanDeviation mean = MeanDeviationBesideFindings(judged, quantity, *monitor);
   if (mean.strokes == 0) return {};
   const double std = std::hypot(mean.std, mean.doubt);
   nlohmann::json json = {{"value", JsonNumber(mean.reference)},

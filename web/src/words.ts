@@ -18,7 +18,7 @@ export function firstLanguage(): Language {
 export const pageLanguage = (): Language => (document.documentElement.lang === "de" ? "de" : "en");
 
 /** What a machine repeats and is judged by. Words that depend on it are written "<stroke|episode>"; those that also depend on the
- * number before them "{count} <stroke/strokes|episode/episodes>" or "{rows} <row/rows>". */
+ * number before them "{count} <stroke/strokes|episode/episodes>" or "{count} open <file/files>". */
 export type Counted = "stroke" | "episode";
 
 export function sayIn(language: Language, counted: Counted = "stroke"): Say {
@@ -28,9 +28,9 @@ export function sayIn(language: Language, counted: Counted = "stroke"): Say {
     return counted === "episode" ? episode : stroke;
   };
   return (key, values = {}) => (words[key] ?? String(key).replace(/^[a-z]+_/, "").replace(/_/g, " "))
-    .replace(/\{(\w+)\} <([^>]*\/[^>]*)>/g, (_, name: string, written: string) => {
+    .replace(/\{(\w+)\}( [^{}<>]*)<([^>]*\/[^>]*)>/g, (_, name: string, between: string, written: string) => {
       const [one, many] = chosen(written).split("/");
-      return `${values[name] ?? ""} ${String(values[name]) === "1" ? one : many}`;
+      return `${values[name] ?? ""}${between}${String(values[name]) === "1" ? one : many}`;
     })
     .replace(/<([^|>]*\|[^>]*)>/g, (_, written: string) => chosen(written))
     .replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));

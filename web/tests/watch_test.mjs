@@ -44,6 +44,10 @@ test("the overview says what stands and what moved, and never green while nothin
   const shown = parseFloat(await page.locator(".tile tr", { hasText: "bulk modulus" }).locator("td").first().innerText());
   const factor = 1e-5;  // bar, as `fit` prints it
   assert.ok(Math.abs(shown - summary.value * factor) < 0.01 * shown, `${shown} is ${summary.value} Pa`);
+  // beside the leak the others are as they were
+  const { machines: [{ parameters }] } = await (await fetch(`${address}api/v1/watch/overview`)).json();
+  for (const { parameter, reference } of parameters)
+    if (!reference.moved) assert.ok(Math.abs(reference.deviation) < 4 * reference.std, `${parameter} deviates by ${reference.deviation}, std ${reference.std}`);
 
   const learning = await visit(t, ["--db", "learning.db", "--machine", "press.toml"]);
   await learning.page.goto(learning.address);
@@ -344,6 +348,7 @@ test("a service shows its database, and still answers its tools", async (t) => {
   await page.goto(`${address}#view=service`);
   await page.waitForSelector(".service[data-state] table");
   assert.match(await page.locator(".service").innerText(), /Queues.*Disk\n(–|[\d.]+ MB) free.*Sources.*Channels/s);
+  assert.match(await page.locator(".service").innerText(), /\d+ open files/);
   await assertAccessible(page, "service");
   await assertFits(page, "service");
   const post = (path, headers) => fetch(`${address}${path}`, { method: "POST", headers, body: "{}" }).then((answer) => answer.status);

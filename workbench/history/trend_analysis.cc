@@ -295,11 +295,11 @@ double Duration(const RecordedHistory& history) {
   return duration;
 }
 
-/// Weighted mean of a third, with the std of a typical one of its estimates.
+/// Weighted mean of estimates, with the std of a typical one of them.
 struct CautiousMean {
   double value = 0, std = 0;
 };
-CautiousMean MeanOfThird(const TrendSample* first, std::size_t count) {
+CautiousMean CautiousMeanOf(const TrendSample* first, std::size_t count) {
   double weights = 0, sum = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const double weight = 1 / (first[k].std * first[k].std);
@@ -318,13 +318,28 @@ ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples) {
   ThirdsComparison result;
   if (updated.size() < kFewestEstimates) return result;
   result.count = updated.size() / 3;
-  const CautiousMean early = MeanOfThird(updated.data(), result.count);
-  const CautiousMean late = MeanOfThird(updated.data() + updated.size() - result.count, result.count);
+  const CautiousMean early = CautiousMeanOf(updated.data(), result.count);
+  const CautiousMean late = CautiousMeanOf(updated.data() + updated.size() - result.count, result.count);
   result.first = early.value;
   result.last = late.value;
   result.first_std = early.std;
   result.change = TestedValue(late.value - early.value, std::hypot(early.std, late.std), kManyDegrees);
   return result;
+}
+
+TestedValue ChangeSince(const std::vector<TrendSample>& samples, std::int64_t since) {
+  std::vector<TrendSample> before;
+  const TrendSample* latest = nullptr;
+  for (const TrendSample& sample : samples) {
+    if (!sample.updated || !std::isfinite(sample.value) || !(sample.std > 0)) continue;
+    if (sample.sequence < since)
+      before.push_back(sample);
+    else
+      latest = &sample;
+  }
+  if (latest == nullptr || before.size() < kFewestEstimates) return {};
+  const CautiousMean mean = CautiousMeanOf(before.data(), before.size());
+  return {latest->value - mean.value, std::hypot(mean.std, latest->std), kManyDegrees};
 }
 
 void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& parameters) {

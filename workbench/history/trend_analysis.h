@@ -117,6 +117,10 @@ void AddSample(const TrendPoint& point, std::vector<ParameterAnalysis>& paramete
 /// Cautious on purpose. Unknown below 6 updated estimates.
 ThirdsComparison CompareEstimates(const std::vector<TrendSample>& samples);
 
+/// The latest updated estimate less the mean of those before stroke `since`, whose std is that of a typical one. Unknown without
+/// an estimate from there on, or with fewer than 6 before.
+TestedValue ChangeSince(const std::vector<TrendSample>& samples, std::int64_t since);
+
 /// Every p of the result (but that of the model error) is family-wise over all parameters and questions: of a
 /// dozen questions one that shows something by chance alone is the rule, not the exception.
 TrendAnalysis AnalyseTrends(const RecordedHistory& history);

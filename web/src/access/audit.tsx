@@ -4,7 +4,7 @@ import { failureOf, Problem, type Failure } from "../failure";
 import { useWords } from "../words";
 import { dateText } from "../watch/shown";
 import { useWatch } from "../watch/watch_store";
-import { Scroll } from "../workbench/parts";
+import { CardTable } from "../workbench/parts";
 
 interface AuditRow { sequence: number; wall_s: number; user: string; role: string; address: string; what: string; detail: string; outcome: string }
 
@@ -42,21 +42,16 @@ export function Audit() {
       <p class="quiet">{say("auditText")}</p>
       <Problem of={problem} />
       {rows && (
-        <Scroll label={say("view_audit")}>
-          <table>
-            <thead><tr>{(["auditWhen", "who", "auditFrom", "auditWhat", "auditDetail", "outcome"] as const).map((key) => <th key={key} scope="col">{say(key)}</th>)}</tr></thead>
-            <tbody>{rows.map((row) => (
-              <tr key={row.sequence}>
-                <td><time>{dateText(row.wall_s)}</time></td>
-                <td>{row.user || "–"}{row.role && row.role !== "nobody" && <small> {say(`role_${row.role as "view"}`)}</small>}</td>
-                <td>{row.address || say("auditHere")}</td>
-                <td lang="en">{row.what}</td>
-                <td lang="en" class="detail-cell">{asked(row.detail)}</td>
-                <td lang="en">{row.outcome ? <span class="moved">{reason(row.outcome)}</span> : "✓"}</td>
-              </tr>
-            ))}</tbody>
-          </table>
-        </Scroll>
+        <CardTable label={say("view_audit")} keys={rows.map((row) => String(row.sequence))}
+          heads={[say("auditWhen"), say("who"), say("auditFrom"), say("auditWhat"), say("auditDetail"), say("outcome")]}
+          rows={rows.map((row) => [
+            <time>{dateText(row.wall_s)}</time>,
+            <>{row.user || "–"}{row.role && row.role !== "nobody" && <small> {say(`role_${row.role as "view"}`)}</small>}</>,
+            row.address || say("auditHere"),
+            <span lang="en">{row.what}</span>,
+            <span lang="en" class="detail-cell">{asked(row.detail)}</span>,
+            <span lang="en">{row.outcome ? <span class="moved">{reason(row.outcome)}</span> : "✓"}</span>,
+          ])} />
       )}
     </section>
   );

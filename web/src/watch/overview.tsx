@@ -95,7 +95,7 @@ function Tile({ machine, signals }: { machine: WatchedMachine; signals: boolean 
           ))}
         </tbody>
       </table>
-      {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("eachAlone")}</small></p>}
+      {machine.parameters.some((p) => p.reference?.moved) && <p class="quiet"><small>{say("besideFound")}</small></p>}
       <StrokePicture machine={machine.machine} stroke={machine.strokes - 1} title={say("lastSignals")} begin={signals} />
     </article>
   );

@@ -2,7 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import { find } from "../api";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
-import { Scroll } from "../workbench/parts";
+import { CardTable, Scroll } from "../workbench/parts";
 import { download } from "./shown";
 import type { FeedLink, Tag } from "./watch_types";
 import { useWatch } from "./watch_store";
@@ -42,10 +42,8 @@ export function Scada() {
     <section class="scada">
       <h1>{say("view_scada")}</h1>
       {found.links.length === 0 ? <p class="quiet">{say("linksNone")}</p> : (
-        <Scroll label={say("links")}><table>
-          <thead><tr><th scope="col">{say("links")}</th><th scope="col">{say("alarm_state")}</th><th scope="col">{say("clients")}</th><th scope="col">{say("behind")}</th></tr></thead>
-          <tbody>{found.links.map((link) => <tr key={link.name}><td>{link.name}</td><td lang="en" class={link.connected ? "" : "moved"}>{link.connected ? "✓ " : "✗ "}{link.state}</td><td>{link.clients}</td><td>{link.behind}</td></tr>)}</tbody>
-        </table></Scroll>
+        <CardTable label={say("links")} heads={[say("links"), say("alarm_state"), say("clients"), say("behind")]}
+          rows={found.links.map((link) => [link.name, <span lang="en" class={link.connected ? "" : "moved"}>{link.connected ? "✓ " : "✗ "}{link.state}</span>, link.clients, link.behind])} />
       )}
       <div class="filters">
         {choice("feed", say("feed"), [...new Set(found.tags.map((t) => t.feed))])}

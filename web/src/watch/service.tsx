@@ -4,7 +4,7 @@ import { find } from "../api";
 import { amount, short } from "../units";
 import { CountedIn, useWords } from "../words";
 import type { Words } from "../words/en";
-import { Scroll } from "../workbench/parts";
+import { CardTable, Scroll } from "../workbench/parts";
 import { dateText } from "./shown";
 import type { Overview, ServiceStatus } from "./watch_types";
 
@@ -30,14 +30,7 @@ const si: Record<string, [number, number, string]> = { Pa: [1e-5, 0, "bar"], m: 
 const value = (number: number | null, unit: string) => { const [factor, offset, name] = si[unit] ?? [1, 0, unit]; return amount(number === null ? null : number * factor + offset, name, 4); };
 
 function Table({ title, heads, rows }: { title: string; heads: string[]; rows: ComponentChildren[][] }) {
-  if (rows.length === 0) return null;
-  return (
-    <section><h2>{title}</h2>
-      <Scroll label={title}><table>
-        <thead><tr>{heads.map((head) => <th key={head} scope="col">{head}</th>)}</tr></thead>
-        <tbody>{rows.map((row, k) => <tr key={k}>{row.map((cell, c) => (c === 0 ? <th key={c} scope="row">{cell}</th> : <td key={c}>{cell}</td>))}</tr>)}</tbody>
-      </table></Scroll></section>
-  );
+  return rows.length === 0 ? null : <section><h2>{title}</h2><CardTable label={title} heads={heads} rows={rows} /></section>;
 }
 
 /** Sources, rates, queues, disk and log of the service that writes the database. */

@@ -8,7 +8,7 @@ import { nameOf, short, shownNumber } from "../units";
 import { useUrl } from "../url_state";
 import { useWords } from "../words";
 import type { Words } from "../words/en";
-import { Scroll } from "../workbench/parts";
+import { CardTable } from "../workbench/parts";
 import { dateText, interval, isDate } from "./shown";
 import { tickTexts } from "./trend_axis";
 import type { Figure, MaybeNumber, Overview, ValveCheck } from "./watch_types";
@@ -131,6 +131,7 @@ export function Valve({ overview }: { overview: Overview }) {
     return () => { gone = true; };
   }, [machine?.machine, tick]);
   if (!machine) return <p class="empty">{say("noMachines")}</p>;
+  const newest = [...(checks ?? [])].reverse();
   const measured = (checks ?? []).filter((c) => c.outcome === "measured" && c.f0_hz.value !== null && c.damping.value !== null && c.time_s !== null);
   const cell = (figure: Figure, factor = 1) => interval(figure.value === null ? null : figure.value * factor, figure.std === null ? null : figure.std * factor);
   return (
@@ -144,16 +145,14 @@ export function Valve({ overview }: { overview: Overview }) {
         {measured.length > 1 && <div class="plots"><h2>{say("bandwidth")}</h2><Bandwidth checks={measured} /></div>}
         {measured.length > 0 && <div class="plots bode"><h2>{say("bode")}</h2><Bode checks={measured} /></div>}
         <h2>{say("valveChecks")}</h2>
-        <Scroll label={say("valveChecks")}><table>
-          <thead><tr><th scope="col">{say("alarm_since")}</th><th scope="col">{say("outcome")}</th><th scope="col">{say("bandwidth")} (Hz)</th><th scope="col">f₀ (Hz)</th><th scope="col">D</th><th scope="col">{say("gain")}</th><th scope="col">{say("deadTime")} (ms)</th><th scope="col">{say("oil")} ({nameOf("°C")})</th></tr></thead>
-          <tbody>{[...checks].reverse().map((check) => (
-            <tr key={check.time_s}>
-              <td>{isDate(check.time_s) ? dateText(check.time_s) : `${short(check.time_s, 6)} s`}</td>
-              <td title={check.detail}>{say(`outcome_${check.outcome}` as keyof Words)}{check.outcome !== "measured" && <small lang="en"> {check.detail}</small>}</td>
-              <td>{cell(check.bandwidth_hz)}</td><td>{cell(check.f0_hz)}</td><td>{cell(check.damping)}</td><td>{cell(check.gain)}</td><td>{cell(check.dead_time_s, 1e3)}</td>
-              <td>{short(check.oil_temperature_K === null ? null : shownNumber(check.oil_temperature_K - 273.15, "°C"))}</td>
-            </tr>))}</tbody>
-        </table></Scroll>
+        <CardTable label={say("valveChecks")} keys={newest.map((check) => String(check.time_s))}
+          heads={[say("valveWhen"), say("outcome"), `${say("bandwidth")} (Hz)`, "f₀ (Hz)", "D", say("gain"), `${say("deadTime")} (ms)`, `${say("oil")} (${nameOf("°C")})`]}
+          rows={newest.map((check) => [
+            isDate(check.time_s) ? dateText(check.time_s) : `${short(check.time_s, 6)} s`,
+            <span title={check.detail}>{say(`outcome_${check.outcome}` as keyof Words)}{check.outcome !== "measured" && <small lang="en"> {check.detail}</small>}</span>,
+            cell(check.bandwidth_hz), cell(check.f0_hz), cell(check.damping), cell(check.gain), cell(check.dead_time_s, 1e3),
+            short(check.oil_temperature_K === null ? null : shownNumber(check.oil_temperature_K - 273.15, "°C")),
+          ])} />
       </>}
     </section>
   );

@@ -137,7 +137,8 @@ export const deWatch: typeof enWatch = {
   bodeGain: "Verstärkung",
   bodePhase: "Phase",
   frequency: "Frequenz",
-  outcome: "Ausgang",
+  outcome: "Ergebnis",
+  valveWhen: "Zeitpunkt",
   gain: "Verstärkung",
   deadTime: "Totzeit",
 
@@ -178,7 +179,7 @@ export const deWatch: typeof enWatch = {
   auditWhat: "Was",
   auditDetail: "Verlangt",
   auditHere: "Kommandozeile",
-  eachAlone: "Jeder Wert steht für sich: Eine Veränderung zeigt sich in mehreren. Was sich nach allen zusammen verändert hat, ist mit ▲ bezeichnet.",
+  besideFound: "▲: was sich nach allen Werten zusammen verändert hat. Die übrigen sind, was daneben von ihnen bleibt, seit es sich verändert hat.",
 
   view_learn: "Lernen",
   view_service: "Dienst",

@@ -136,6 +136,7 @@ export const enWatch = {
   bodePhase: "Phase",
   frequency: "Frequency",
   outcome: "Outcome",
+  valveWhen: "Time",
   gain: "Gain",
   deadTime: "Dead time",
 
@@ -176,7 +177,7 @@ export const enWatch = {
   auditWhat: "What",
   auditDetail: "Asked for",
   auditHere: "command line",
-  eachAlone: "Each value stands alone: one change shows in several of them. What changed, by all of them together, is marked ▲.",
+  besideFound: "▲: what changed, by all values together. The others are what is left of them beside it, since it changed.",
 
   view_learn: "Learn",
   view_service: "Service",

@@ -9,6 +9,19 @@ export function Scroll({ label, children }: { label: string; children: Component
   return <div class="scroll" role="region" aria-label={label} tabIndex={0}>{children}</div>;
 }
 
+/** A table whose rows become cards where the window is narrow. A row begins with what it is about. */
+export function CardTable({ label, heads, rows, keys }: { label: string; heads: string[]; rows: ComponentChildren[][]; keys?: string[] }) {
+  return (
+    <Scroll label={label}><table class="cards labelled" role="table">
+      <thead><tr role="row">{heads.map((head) => <th key={head} scope="col" role="columnheader">{head}</th>)}</tr></thead>
+      <tbody>{rows.map((row, k) => (
+        <tr key={keys?.[k] ?? k} role="row">{row.map((cell, c) => (c === 0
+          ? <th key={c} scope="row" role="rowheader" class="leads">{cell}</th>
+          : <td key={c} role="cell" data-label={heads[c]}>{cell}</td>))}</tr>))}</tbody>
+    </table></Scroll>
+  );
+}
+
 /** What an effect is called; its id if it is not in the library. */
 export function TitleOf({ id, effects }: { id: string; effects: Effect[] }) {
   const effect = effects.find((e) => e.id === id);

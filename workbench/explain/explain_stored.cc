@@ -1,0 +1,61 @@
+#include "workbench/explain/explain_stored.h"
+
+#include <fmt/format.h>
+
+#include "workbench/history/history_output.h"
+
+namespace hydroscope {
+namespace {
+
+Status Compare(const Database& database, const std::string& path, const HistoryPart& part,
+               const Machine& machine, StoredExplanation& out) {
+  HistoryPart before = part, after = part;
+  before.last = out.change->before_end;
+  after.first = out.change->since;
+  auto then = LoadHistory(database, path, {before}, machine);
+  if (!then) return tl::unexpected(then.error());
+  auto now = LoadHistory(database, path, {after}, machine);
+  if (!now) return tl::unexpected(now.error());
+  auto sides = ExplainChange(*then, *now);
+  if (!sides) return tl::unexpected(sides.error());
+  sides->before.described = HistoryLine(*then);
+  sides->after.described = HistoryLine(*now);
+  out.before = std::move(*then);
+  out.after = std::move(*now);
+  out.sides = std::move(*sides);
+  return {};
+}
+
+}  // namespace
+
+Result<StoredExplanation> ExplainStored(const Database& database, const std::string& path,
+                                        const HistoryPart& part, const Machine& machine,
+                                        const std::vector<AlarmState>& alarms) {
+  StoredExplanation out;
+  out.change = FindStoredChange(database, part, machine, alarms);
+  if (out.change) {
+    const Status compared = Compare(database, path, part, machine, out);
+    if (compared) return out;
+    out.not_compared = compared.error().text;
+  }
+  auto history = LoadHistory(database, path, {part}, machine);
+  if (!history) return tl::unexpected(history.error());
+  auto result = ExplainHistory(*history);
+  if (!result) return tl::unexpected(result.error());
+  result->described = HistoryLine(*history);
+  out.after = std::move(*history);
+  out.whole = std::move(*result);
+  return out;
+}
+
+std::string ChangeSentence(const StoredExplanation& explanation, const CountedWords& counted) {
+  if (!explanation.change) return "";
+  const std::string sentence =
+      fmt::format("These {} hold a change {}.", counted.many, explanation.change->text.english);
+  if (explanation.sides) return sentence;
+  return sentence +
+         fmt::format(" They could not be compared ({}); explained as one, so before and after are mixed.",
+                     explanation.not_compared);
+}
+
+}  // namespace hydroscope
