@@ -15,6 +15,21 @@ Wording MeaningOf(const MachineKind& kind, const std::string& signal) {
   return "";
 }
 
+/// Of the parameters that the kind knows: name, meaning, and the unit they are shown in where the usual one does not do.
+nlohmann::json ParametersJson(const MachineKind& kind) {
+  nlohmann::json parameters = nlohmann::json::object();
+  for (const MachineParameter& known : kind.parameters) {
+    nlohmann::json& json = parameters[std::string(known.name)];
+    json = {{"symbol", known.symbol.empty() ? known.name : known.symbol},
+            {"meaning", known.meaning.english},
+            {"shown", nullptr},
+            {"german", {{"meaning", known.meaning.german}}}};
+    if (!known.shown.empty())
+      json["shown"] = {{"name", known.shown}, {"factor", known.factor}, {"offset", 0}};
+  }
+  return parameters;
+}
+
 }  // namespace
 
 nlohmann::json PictureJson(const Machine& machine) {
@@ -53,6 +68,7 @@ nlohmann::json MachineInfoJson(const Machine& machine) {
             {"stroke", words.stroke.InGerman()},
             {"sign", words.sign.german}}},
           {"picture", PictureJson(machine)},
+          {"parameters", ParametersJson(kind)},
           {"counted", CountedWordsOf(machine).one},
           {"states", kind.has_states}};
 }

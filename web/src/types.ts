@@ -19,6 +19,7 @@ export interface MachineInfo {
   name: string; title: string; version: number; effects: string[]; output: string; stroke: string; counted: "stroke" | "episode"; sign: string;
   states: boolean; suggested_file: string; signals: string[]; own_effects: string[];
   german: { title: string; output: string; stroke: string; sign: string }; picture: Picture;
+  parameters: Record<string, { symbol: string; meaning: string; shown: Unit | null; german: { meaning: string } }>;
 }
 
 export interface Job { job: number; kind: string; state: "waiting" | "running" | "done" | "failed"; what?: string; share?: number; error?: string; german?: { error: string } }

@@ -50,7 +50,7 @@ export function AddEffect({ id, session, effects, explain, compare }: Props) {
       </> : <>
         {!preview && !problem && testable && <p class="empty" role="status">{say("addWorking")}</p>}
         <Problem of={problem} />
-        {preview && <Effects preview={preview} session={session} />}
+        {preview && <Effects preview={preview} />}
         {preview && compare && explain && <OverAStroke id={id} title={title} session={session} compare={compare} />}
         <button class="primary" data-add={id} disabled={busy || !preview} onClick={() => void change("add")}>{say("addButton", { title })}</button>
       </>}
@@ -67,7 +67,7 @@ function PartList({ session, effects, choose }: { session: Session; effects: Eff
   return <p class="quiet">{say("addPart")} {parts.map((id) => <button key={id} class="link" onClick={() => choose(id)}><TitleOf id={id} effects={effects} /></button>)}</p>;
 }
 
-function Effects({ preview, session }: { preview: Preview; session: Session }) {
+function Effects({ preview }: { preview: Preview }) {
   const say = useWords();
   const error = preview.error;
   const most = error ? Math.max(error.before, error.after, error.noise_floor) : 1;
@@ -83,7 +83,7 @@ function Effects({ preview, session }: { preview: Preview; session: Session }) {
       </>}
       {preview.held_out && <p>{say("addHeldOut", { log: preview.held_out.log.split("/").pop()!, before: amount(preview.held_out.before, preview.held_out.unit), after: amount(preview.held_out.after, preview.held_out.unit) })}</p>}
       {preview.warnings.length > 0 && <div class="verdict bad"><strong>{say("addAgainst")}</strong><ul><ToldList of={preview.warnings} german={preview.german?.warnings} /></ul></div>}
-      <ParameterTable left={preview.parameters_before} right={preview.parameters_after} names={[say("now"), say("withIt")]} units={session.units} />
+      <ParameterTable left={preview.parameters_before} right={preview.parameters_after} names={[say("now"), say("withIt")]} />
     </div>
   );
 }

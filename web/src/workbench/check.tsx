@@ -1,13 +1,12 @@
-import { useContext } from "preact/hooks";
-import { parameterName } from "../effect_titles";
 import { LogView } from "../log_view";
 import { MachinePicture } from "../start/machine_picture";
 import { duration } from "../start/mapping";
 import type { CheckResult, LogPicture, Session } from "../types";
-import { short, unitName, unitOf, withInterval } from "../units";
+import { short, unitName, unitOf } from "../units";
 import { Told, ToldList } from "../told";
-import { LanguageContext, useWords } from "../words";
+import { useWords } from "../words";
 import type { Words } from "../words/en";
+import { useParameters } from "./parameters";
 import { AsPrinted, Scroll } from "./parts";
 
 /** Why a parameter is not known well, and what to do about it. */
@@ -18,7 +17,7 @@ function Reason({ of }: { of: CheckResult["parameters"][string] }) {
 
 /** Whether the log can be believed, and what can be learned from it. */
 export function Check({ check, picture, session }: { check?: CheckResult; picture?: LogPicture; session: Session }) {
-  const say = useWords(), language = useContext(LanguageContext);
+  const say = useWords(), { nameOf, meaningOf, valueOf } = useParameters();
   if (!check) return <p class="empty">{say("loading")}</p>;
   return (
     <>
@@ -55,7 +54,7 @@ export function Check({ check, picture, session }: { check?: CheckResult; pictur
           <thead><tr role="row"><th role="columnheader">{say("checkParameter")}</th><th role="columnheader">{say("checkValue")}</th><th role="columnheader">{say("checkCan")}</th><th role="columnheader">{say("mapDecided")}</th></tr></thead>
           <tbody>
             {Object.entries(check.parameters).map(([name, parameter]) => (
-              <tr key={name} role="row"><th scope="row" role="rowheader">{parameterName(name, language)}</th><td role="cell">{withInterval(parameter, session.units)}</td>
+              <tr key={name} role="row"><th scope="row" role="rowheader">{nameOf(name)} <small>{meaningOf(name)}</small></th><td role="cell">{valueOf(name, parameter)}</td>
                 <td role="cell" data-label={say("checkCan")}>{say(`verdict_${parameter.verdict ?? "not"}`)}</td><td role="cell"><Reason of={parameter} /></td></tr>
             ))}
           </tbody>

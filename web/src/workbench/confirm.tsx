@@ -36,7 +36,7 @@ export function Confirm({ compare, session, query, setUrl }: Props) {
             </select>
           ))}
         </div>
-        <ParameterTable left={left.parameters} right={right.parameters} names={[name(left), name(right)]} units={session.units} />
+        <ParameterTable left={left.parameters} right={right.parameters} names={[name(left), name(right)]} />
         {compare && left !== right && <StrokePair compare={compare} left={left} right={right} session={session} query={query} setUrl={setUrl} />}
       </>}
       <Save session={session} />
