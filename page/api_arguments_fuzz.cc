@@ -5,6 +5,7 @@
 #include "page/watch/alarm_request.h"
 #include "page/watch/learn_request.h"
 #include "page/watch/trend_question.h"
+#include "page/work/measured_effect.h"
 #include "page/work/own_effect.h"
 #include "page/work/region.h"
 
@@ -16,6 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)ParseText(body, "name");
   (void)ParseStrokeStretch(body);
   (void)ParseOwnEffect(body);
+  (void)ParseMeasuredEffect(body);
   (void)ParseAlarmRequest(body);
   (void)ParseLearnRequest(body);
   (void)ParseRegion(body);

@@ -107,6 +107,11 @@ HttpReply PostEffect(WorkSession& session, const HttpRequest& request) {
   return course ? JsonReply({{"course", std::move(*course)}}) : FailureReply(course.error());
 }
 
+HttpReply PostMeasured(WorkSession& session, const HttpRequest& request) {
+  const auto measured = ParseMeasuredEffect(request.body);
+  return measured ? DoneReply(session.TakeMeasured(*measured)) : FailureReply(measured.error());
+}
+
 HttpReply PostStrokes(WorkSession& session, const HttpRequest& request) {
   const auto stretch = ParseStrokeStretch(request.body);
   return stretch ? DoneReply(session.TakeStrokes(*stretch)) : FailureReply(stretch.error());
@@ -139,6 +144,7 @@ constexpr WorkRoute kWorkRoutes[] = {
     {{"POST", "accept", kWork},
      [](WorkSession& s, const HttpRequest&) { return DoneReply(s.AcceptProposal()); }},
     {{"POST", "effect", kWork}, PostEffect},
+    {{"POST", "measured", kWork}, PostMeasured},
     {{"POST", "work", kWork}, PostWork},
     {{"POST", "save", UserRole::kAdmin}, PostSave},
     {{"POST", "strokes", kWork}, PostStrokes},

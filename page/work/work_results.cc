@@ -68,7 +68,9 @@ Result<nlohmann::json> WorkOut(WorkRequest::Kind kind, const WorkInput& input, S
     return WithText(FitJson(*fit), FitText(*fit));
   }
   if (kind == WorkRequest::Kind::kExplain) {
-    const auto explained = ExplainLogs(FittedLogs(input), input.machine_file);
+    ExplainOptions options;
+    options.measured = input.measured;
+    const auto explained = ExplainLogs(FittedLogs(input), input.machine_file, options);
     if (!explained) return tl::unexpected(explained.error());
     strokes.errors.Take(*explained);
     return WithText(ExplainJson(*explained), ExplainText(*explained));

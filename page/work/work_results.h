@@ -1,11 +1,13 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
+#include "diagnosis/explain.h"
 #include "page/api_arguments.h"
 #include "page/work/region_errors.h"
 #include "page/work/term_course.h"
@@ -13,10 +15,12 @@
 
 namespace hydroscope {
 
-/// What work is done on: paths of logs, the one of them that models are not fitted to ("" = none), and a machine file.
+/// What work is done on: paths of logs, the one of them that models are not fitted to ("" = none), a machine file, and what tests
+/// off the logs said of effects.
 struct WorkInput {
   std::vector<std::string> logs;
   std::string hold_out, machine_file;
+  std::map<std::string, MeasuredSize> measured = {};
 };
 
 /// What `compare` and `explain` found stroke by stroke.

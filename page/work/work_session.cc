@@ -187,6 +187,7 @@ void WorkSession::StartOver() {
   strokes_of_ = {};
   hold_out_.clear();
   machine_.Forget();
+  measured_.clear();
   draft_.clear();
   columns_.reset();
   ForgetResults();
@@ -236,6 +237,7 @@ Result<WorkSession::Subject> WorkSession::TakeSubject() const {
     for (const LogFile& log : logs_) subject.input.logs.push_back(log.path);
     subject.input.hold_out = hold_out_;
     subject.input.machine_file = machine_.file();
+    subject.input.measured = measured_;
     subject.generation = generation_;
   }
   if (subject.input.logs.empty()) return BadInput(kNoLog);
@@ -403,8 +405,11 @@ nlohmann::json WorkSession::Json() const {
       {"examples", nlohmann::json::array()},
       {"unsaved", false},
       {"strokes", nullptr},
+      {"measured", nlohmann::json::array()},
       {"file", machine_.target().empty() ? nlohmann::json() : nlohmann::json(machine_.target())}};
   for (const ExampleLog& example : examples_) out["examples"].push_back(example.id);
+  for (const auto& [effect, known] : measured_)
+    out["measured"].push_back({{"effect", effect}, {"size", known.size}, {"std", known.std}});
   for (const LogFile& log : logs_) {
     std::error_code gone;
     const auto bytes = std::filesystem::file_size(log.path, gone);
@@ -455,6 +460,22 @@ Result<nlohmann::json> WorkSession::TakeEffect(const OwnEffect& effect) {
   if (machine) results_[machine->model_version].erase("explain");
   Changed();
   return nlohmann::json();
+}
+
+Status WorkSession::TakeMeasured(const MeasuredEffect& measured) {
+  const std::lock_guard lock(mutex_);
+  if (machine_.empty()) return BadInput(kNoMachineFile);
+  const auto machine = LoadMachine(machine_.file());
+  if (!machine) return tl::unexpected(machine.error());
+  if (const Status known = CheckInLibrary(measured, *machine); !known) return known;
+  if (measured.size)
+    measured_[measured.effect] = *measured.size;
+  else
+    measured_.erase(measured.effect);
+  ++generation_;  // what is being worked out does not know it
+  for (auto& [version, results] : results_) results.erase("explain");
+  Changed();
+  return {};
 }
 
 Result<std::string> WorkSession::Save(const std::string& name) {

@@ -13,6 +13,7 @@
 #include "page/http/event_feed.h"
 #include "page/work/job_queue.h"
 #include "page/work/machine_copy.h"
+#include "page/work/measured_effect.h"
 #include "page/work/own_effect.h"
 #include "page/work/scratch_folder.h"
 #include "page/work/stored_strokes.h"
@@ -39,7 +40,7 @@ class WorkSession {
                                                      int niceness = 0);
 
   /// `logs` (`name`, `bytes`, `held_out`), `machine` (or null), `versions`, `units`, `results` (kinds that are there), `jobs`,
-  /// `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null).
+  /// `examples`, `unsaved`, `strokes` (`machine`, `first`, `last`; or null), `measured` (`effect`, `size`, `std`).
   nlohmann::json Json() const;
 
   /// What takes long.
@@ -87,6 +88,8 @@ class WorkSession {
   /// Looks at an effect a person writes: its term over a stroke (TermStroke::Course; null where nothing was compared yet). One that
   /// is to be kept joins the library of the machine file worked on. Error: what is wrong with it.
   Result<nlohmann::json> TakeEffect(const OwnEffect& effect);
+  /// Takes what a test off the logs said of an effect into what is explained. Error: the library does not hold it.
+  Status TakeMeasured(const MeasuredEffect& measured);
   /// MachineCopy::Save
   Result<std::string> Save(const std::string& name);
 
@@ -125,6 +128,7 @@ class WorkSession {
   std::string database_;
   StrokeStretch strokes_of_;  ///< strokes of the database that are worked on; no machine: none
   MachineCopy machine_;
+  std::map<std::string, MeasuredSize> measured_;  ///< by effect
   std::shared_ptr<const LogColumns> columns_;
   std::string draft_, draft_name_;  ///< text of the last proposal
   int generation_ = 0;              ///< of logs and machine: results of older ones are dropped

@@ -71,7 +71,7 @@ async function workOut(kind: Kind, version: number) {
   }
 }
 
-let shown = "";  // logs and version that the results belong to
+let shown = "";  // what the results belong to: logs, version, library, what was measured
 
 export async function refresh(): Promise<void> {
   const session = await get<Session>("session");
@@ -80,7 +80,7 @@ export async function refresh(): Promise<void> {
   set({ locked, anyUsers: session.login?.users ?? true });
   if (locked) return;
   const now = session.machine && session.logs.length > 0
-    ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects]) : "";
+    ? JSON.stringify([session.logs, session.machine.name, session.machine.version, session.machine.own_effects, session.measured]) : "";
   if (now === shown) return set({ session });
   shown = now;
   set({ session, results: {}, failed: {} });

@@ -34,6 +34,8 @@ export interface Session {
   examples: string[];
   unsaved: boolean;
   file: string | null;
+  /** What tests off the logs said of effects, SI. */
+  measured: { effect: string; size: number; std: number }[];
   /** Strokes of the database that are worked on. */
   strokes: { machine: string; first: number; last: number } | null;
   /** A database is watched beside the logs. */
@@ -99,7 +101,7 @@ export interface ExplainResult {
 
 export interface Effect {
   id: string; title: string; law: string; source: string; parameter: string; unit: string; plain: string; hidden_in: string;
-  told_apart_by: string; measured_by: string; german?: { title: string; plain: string; told_apart_by: string } | null; nonlinear: { name: string; unit: string }[];
+  told_apart_by: string; measured_by: string; german?: { title: string; plain: string; told_apart_by: string; measured_by: string } | null; nonlinear: { name: string; unit: string }[];
 }
 
 export interface Preview {

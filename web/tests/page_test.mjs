@@ -203,6 +203,28 @@ test("a threshold of the gate is dragged, and the strokes are counted anew", asy
   await until(page, `document.querySelector(".log-view [role=status]").textContent !== ${JSON.stringify(counted)}`);
 });
 
+test("what a test off the log gave tells rivals apart, and can be forgotten", async (t) => {
+  run(["simulate", "press", "--out", "rivals.csv", "--seconds", "60", "--seed", "2", "--effect", "pressure_offset"], place.path);
+  const { page, address } = await visit(t, ["rivals.csv", "--machine", cushion]);
+  await page.goto(`${address}#step=compare`);
+  await page.waitForSelector("[data-verdict=ambiguous]");
+  await page.click(".measured summary");
+  await page.selectOption("select[name=measured-effect]", "tank_pressure");
+  await page.fill("input[name=measured-size]", "0");
+  await page.fill("input[name=measured-std]", "0");
+  await page.click(".measured button:has-text('Take it into account')");
+  await page.waitForSelector(".measured .problem:has-text('above 0')");
+  await page.fill("input[name=measured-std]", "0,1");
+  await page.click(".measured button:has-text('Take it into account')");
+  await page.waitForSelector("[data-verdict=named]");
+  await page.waitForSelector(".suspect [data-effect=pressure_offset]");
+  assert.equal(await page.locator(".suspect").count(), 1);
+  assert.match(await page.locator(".measured li").innerText(), /Tank line.*: 0 ± 0\.1 bar/);
+  await assertAccessible(page, "measured");
+  await page.click(".measured button:has-text('Forget')");
+  await page.waitForSelector("[data-verdict=ambiguous]");
+});
+
 test("units are those that the reader chose, everywhere, and are remembered", async (t) => {
   const { page, address } = await visit(t, ["hidden.csv", "--machine", cushion]);
   await page.goto(`${address}#step=locate`);

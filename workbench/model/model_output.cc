@@ -74,9 +74,13 @@ std::string EffectText(const MachineKind& kind, const Effect& e) {
 }
 
 /// null of an effect of users' own.
-nlohmann::json GermanJson(const Effect::German& german) {
+nlohmann::json GermanJson(const Effect& effect) {
+  const Effect::German& german = effect.german;
   if (german.title.empty()) return {};
-  return {{"title", german.title}, {"plain", german.plain}, {"told_apart_by", german.told_apart_by}};
+  return {{"title", german.title},
+          {"plain", german.plain},
+          {"told_apart_by", german.told_apart_by},
+          {"measured_by", effect.measured_by.InGerman()}};
 }
 
 nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
@@ -97,7 +101,7 @@ nlohmann::json EffectJson(const MachineKind& kind, const Effect& e) {
           {"hidden_in", e.hidden_in},
           {"plain", e.plain},
           {"told_apart_by", e.told_apart_by},
-          {"german", GermanJson(e.german)},
+          {"german", GermanJson(e)},
           {"measured_by", e.measured_by.english},
           {"signals", NeededSignals(kind, e)}};
 }

@@ -216,6 +216,13 @@ export const de: Words = {
   ruledOut: "Passte nur mit Vorzeichen oder Größe, die die Physik verbietet",
 
   experimentTitle: "Was als Nächstes aufzuzeichnen ist",
+  measuredTitle: "Eintragen, was eine Prüfung ohne Log ergab",
+  measuredEffect: "Geprüft",
+  measuredBy: "Die Prüfung:",
+  measuredSize: "Ergebnis",
+  measuredStd: "Standardfehler",
+  measuredTake: "Berücksichtigen",
+  measuredForget: "Vergessen",
   experimentStep: "Einstellung",
   experimentValue: "Wert",
   experimentStrokes: "Hübe",

@@ -215,6 +215,13 @@ export const en = {
   ruledOut: "Would fit only with a sign or size that physics forbids",
 
   experimentTitle: "What to record next",
+  measuredTitle: "Enter what a test off the log gave",
+  measuredEffect: "Tested",
+  measuredBy: "The test:",
+  measuredSize: "Result",
+  measuredStd: "standard error",
+  measuredTake: "Take it into account",
+  measuredForget: "Forget",
   experimentStep: "Setting",
   experimentValue: "Value",
   experimentStrokes: "Strokes",

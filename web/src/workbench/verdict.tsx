@@ -1,19 +1,20 @@
 import { Problem, type Failure } from "../failure";
 import { Formula } from "../formula";
-import type { Effect, ExplainResult } from "../types";
+import type { Effect, ExplainResult, Session } from "../types";
 import { Told, ToldList } from "../told";
-import { amount, type Units } from "../units";
+import { amount } from "../units";
 import { useWords } from "../words";
 import { Experiment } from "./experiment";
+import { Measured } from "./measured";
 import { AsPrinted, TitleOf } from "./parts";
 import { rangeWords } from "./region";
 import { Remainder } from "./remainder";
 import { Swap } from "./swap";
 
-interface Props { explain?: ExplainResult; effects: Effect[]; units: Units; problem?: Failure; choose: (effect: string) => void }
+interface Props { explain?: ExplainResult; effects: Effect[]; session: Session; problem?: Failure; choose: (effect: string) => void }
 
 /** What the model misses, in plain words, and what to do about it. */
-export function Verdict({ explain, effects, units, problem, choose }: Props) {
+export function Verdict({ explain, effects, session, problem, choose }: Props) {
   const say = useWords();
   if (problem) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><Problem of={problem} before={say("failed")} /></section>;
   if (!explain) return <section class="verdict-panel"><h2>{say("verdictTitle")}</h2><p class="empty">{say("loading")}</p></section>;
@@ -33,7 +34,8 @@ export function Verdict({ explain, effects, units, problem, choose }: Props) {
       {explain.swap && <Swap swap={explain.swap} unit={unit} effects={effects} />}
       {explain.warnings.length > 0 && <details><summary>{say("warnings")}</summary><ul><ToldList of={explain.warnings} german={explain.german?.warnings} /></ul></details>}
       {explain.remainder && <Remainder remainder={explain.remainder} unit={unit} />}
-      <Experiment explain={explain} units={units} />
+      <Experiment explain={explain} units={session.units} />
+      <Measured session={session} effects={effects} suspects={explain.set} />
       <AsPrinted text={explain.text} />
     </section>
   );

@@ -55,7 +55,7 @@ export function Workbench({ session }: { session: Session }) {
           : <Promote session={session} />}
       </section>
       <aside class="right">
-        <Verdict explain={results.explain} effects={effects} units={session.units} problem={failed.explain} choose={choose} />
+        <Verdict explain={results.explain} effects={effects} session={session} problem={failed.explain} choose={choose} />
         {results.explain && <Ranking explain={results.explain} errors={errors} effects={effects} units={session.units} chosen={query.effect ?? ""} choose={choose} />}
       </aside>
     </div>

@@ -1,0 +1,35 @@
+#include "page/work/measured_effect.h"
+
+#include "core/told_error.h"
+#include "models/machine_kind.h"
+#include "page/http/json_arguments.h"
+
+namespace hydroscope {
+
+Result<MeasuredEffect> ParseMeasuredEffect(const std::string& body) {
+  const auto json = ParseObject(body);
+  if (!json) return tl::unexpected(json.error());
+  const auto effect = TextOf(*json, "effect");
+  if (!effect) return tl::unexpected(effect.error());
+  const auto size = NumberOf(*json, "size"), std = NumberOf(*json, "std");
+  for (const auto* number : {&size, &std})
+    if (!*number) return tl::unexpected(number->error());
+  if (effect->empty()) return BadInput("effect: expected the id of an effect");
+  MeasuredEffect measured{*effect, std::nullopt};
+  if (!*size) return measured;
+  if (!*std || !(**std > 0))
+    return BadInput(Told("the standard error of a measurement is above 0",
+                         "der Standardfehler einer Messung ist größer als 0"));
+  measured.size = MeasuredSize{**size, **std};
+  return measured;
+}
+
+Status CheckInLibrary(const MeasuredEffect& measured, const Machine& machine) {
+  const MachineKind& kind = KindOf(machine);
+  if (kind.effects != nullptr)
+    for (const auto& effect : kind.effects(machine))
+      if (effect->id == measured.effect) return {};
+  return BadInput("effect: the library of '{}' holds no effect '{}'", machine.name, measured.effect);
+}
+
+}  // namespace hydroscope
