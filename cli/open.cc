@@ -49,14 +49,22 @@ std::vector<ExampleLog> Examples() {
           example("press_healthy", "", 0)};
 }
 
-/// Until SIGINT or SIGTERM, which `signals` blocks.
+/// Those that end it: a terminal that is closed too, unless it was begun with nohup.
+sigset_t EndingSignals() {
+  struct sigaction hang_up = {};
+  sigaction(SIGHUP, nullptr, &hang_up);
+  return hang_up.sa_handler == SIG_IGN ? LeaveToSignalWait({SIGINT, SIGTERM})
+                                       : LeaveToSignalWait({SIGINT, SIGTERM, SIGHUP});
+}
+
+/// Until one of `signals`, which are blocked.
 void Wait(PageServer& page, const sigset_t& signals) {
   constexpr timespec kPatience{5, 0};
   while (sigtimedwait(&signals, nullptr, &kPatience) < 0) page.KeepAlive();
 }
 
 Status RunOpen(PageOptions options) {
-  const sigset_t signals = LeaveToSignalWait({SIGINT, SIGTERM});
+  const sigset_t signals = EndingSignals();
   options.examples = Examples();
   options.watch.user = UserName();
   if (!options.watch.database.empty()) {

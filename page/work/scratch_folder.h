@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,29 +7,21 @@
 
 namespace hydroscope {
 
-/// A folder that only this user can read, removed with all it holds at the end.
+/// A folder that only this user can read, removed with all it holds at the end. What programs that were killed left behind is
+/// removed by the next one of the same user.
 class ScratchFolder {
  public:
   /// In the system's folder for temporary files. Error: it cannot be made there.
-  static Result<std::unique_ptr<ScratchFolder>> Make() {
-    std::error_code failure;
-    std::string name = std::filesystem::temp_directory_path(failure) / "hydroscope_page_XXXXXX";
-    if (failure || mkdtemp(name.data()) == nullptr)
-      return InternalError("no temporary folder can be made ({}); set TMPDIR to one that can be written",
-                           name);
-    return std::unique_ptr<ScratchFolder>(new ScratchFolder(name));
-  }
-  ~ScratchFolder() {
-    std::error_code failure;
-    std::filesystem::remove_all(path_, failure);
-  }
+  static Result<std::unique_ptr<ScratchFolder>> Make();
+  ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   const std::string& path() const { return path_; }
 
  private:
-  explicit ScratchFolder(std::string path) : path_(std::move(path)) {}
+  ScratchFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
   const std::string path_;
+  const int lock_;  ///< file in the folder, locked as long as the folder is in use
 };
 
 }  // namespace hydroscope
