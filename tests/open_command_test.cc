@@ -1,0 +1,30 @@
+#include <csignal>
+#include <thread>
+
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+
+class OpenCommand : public CommandLine {};
+
+TEST_F(OpenCommand, EndsCleanlyWhenItsTerminalIsClosed) {
+  const std::string scratch = File("scratch");
+  std::filesystem::create_directory(scratch);
+  setenv("TMPDIR", scratch.c_str(), 1);
+  const pid_t program = Start({"open"});
+  unsetenv("TMPDIR");
+  for (int k = 0; k < 500 && ReadText(File("stdout")).empty(); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  ASSERT_FALSE(std::filesystem::is_empty(scratch)) << ReadText(File("stderr"));
+  kill(program, SIGHUP);
+  int state = 0;
+  waitpid(program, &state, 0);
+  EXPECT_TRUE(WIFEXITED(state) && WEXITSTATUS(state) == 0);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
+}
+
+}  // namespace
+}  // namespace hydroscope
