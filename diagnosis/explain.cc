@@ -66,6 +66,7 @@ class Explainer {
   std::optional<std::pair<std::string, std::string>> Relatives(const Groups& groups) const;
   double LeastShare(const Explanation& found) const;
   Told ValueAtItsLimit(const Explanation& found) const;
+  std::string MeasuredAndLeftOut(const ExtendedFit& fit) const;
   void Judge(Explanation& out) const;
 
   const StrokeSet& strokes_;
@@ -295,6 +296,16 @@ Told Explainer::ValueAtItsLimit(const Explanation& found) const {
   return {};
 }
 
+/// An effect that a test off the log says is there, and that is not in the model; "" if there is none.
+std::string Explainer::MeasuredAndLeftOut(const ExtendedFit& fit) const {
+  const auto& effects = strokes_.model().effects;
+  for (int e = 0; e < static_cast<int>(effects.size()); ++e)
+    if (ranking_.IsConfirmed(e) && std::none_of(fit.effects.begin(), fit.effects.end(),
+                                                [&](const auto& in) { return in.choice.effect == e; }))
+      return effects[static_cast<std::size_t>(e)]->id;
+  return "";
+}
+
 void Explainer::Judge(Explanation& out) const {
   const double gain = ranking_.Gain(start_.fit, out.final);
   const double more = out.groups.size() > 1 ? options_.interplay : 1.0;
@@ -304,7 +315,12 @@ void Explainer::Judge(Explanation& out) const {
     out.groups.clear();
     return;
   }
-  if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
+  if (const std::string known = MeasuredAndLeftOut(out.final); !known.empty()) {
+    out.doubt = Tell(
+        "the test off the log says that {} is there, which is not in this model: it may be part of the size found",
+        "die Prüfung ohne Log sagt, dass {} da ist, was in diesem Modell fehlt: die gefundene Größe kann es enthalten",
+        known);
+  } else if (!AtFloor(out.final) || out.remainder > options_.doubt_remainder + options_.doubt_share * gain) {
     out.doubt = Tell("it leaves something that another law would explain ({})",
                      "es bleibt etwas, das ein anderes Gesetz erklären würde ({})", out.remainder_law);
   } else if (out.final.excess_ratio > options_.doubt_excess) {

@@ -193,6 +193,9 @@ TEST(PlantEffects, AVentedSensorTellsItsZeroFromTheTankLine) {
   EXPECT_THAT(explained("pressure_zero", 5e5).set, ElementsAre("pressure_offset"));
   EXPECT_THAT(explained("tank_pressure", 0).set, Not(Contains("pressure_offset")));
   EXPECT_THAT(explained("tank_pressure", 0).set, Contains("tank_pressure"));
+  const Explanation half = explained("pressure_zero", 2.5e5);
+  EXPECT_TRUE(half.partial) << "the tank line is named with what the sensor owes";
+  EXPECT_THAT(half.doubt.english, HasSubstr("pressure_offset is there"));
 }
 
 TEST(PlantEffects, AFilterThatIsNotThereLeavesTheDelay) {
