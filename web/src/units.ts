@@ -107,7 +107,7 @@ const germanParts: [RegExp, string][] = [[/% of stroke/, "% des Wegs"], [/ per /
 
 /** Powers and roots as they are printed: "cm²", "l/min per √bar". */
 export const printedUnit = (name: string) =>
-  name.replace(/sqrt\((\w+)\)/g, "√$1").replace(/(?<=[A-Za-z])\^?2(?!\d)/g, "²").replace(/(?<=[A-Za-z])\^?3(?!\d)/g, "³");
+  name.replace(/sqrt\((\w+)\)/g, "√$1").replace(/(?<=[A-Za-z)])\^?2(?!\d)/g, "²").replace(/(?<=[A-Za-z)])\^?3(?!\d)/g, "³");
 
 export function unitName(unit: { name: string }): string {
   if (unit.name === "1" || unit.name === "-") return "";

@@ -33,7 +33,7 @@ export function OilPlot({ trend, unit, height }: { trend: Trend; unit: WatchedUn
         { ...look, size: 62, label: `${symbolOf(unit)}${unit.name ? ` (${unit.name})` : ""}`, labelSize: 20, values: (_, ticks) => ticks.map((t) => short(t, 5)) }],
       series: [{}, { paths: () => null, points: { show: true, size: 5, fill: pageColor("--line-a"), stroke: pageColor("--line-a") } },
         { stroke: "transparent", spanGaps: true, points: { show: false } }, { stroke: "transparent", spanGaps: true, points: { show: false } },
-        { stroke: pageColor("--good"), width: 1.8, spanGaps: true, points: { show: false } }],
+        { stroke: pageColor("--good"), width: 1.8, dash: [6, 4], spanGaps: true, points: { show: false } }],
       bands: [{ series: [3, 2], fill: pageColor("--stroke-shade") }],
       legend: { show: false }, cursor: { drag: { x: false, y: false } },
     }, data as uPlot.AlignedData, place);
