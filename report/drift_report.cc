@@ -139,6 +139,24 @@ std::string QuantityPlots(const drift::DriftMonitor& monitor, int q,
          CurvePlot(monitor.reference().curves()[static_cast<std::size_t>(q)], blocks, info) + "</div>\n";
 }
 
+/// Finding, evidence, cause and action apart, as far as the alarm has them apart.
+std::string InWords(const AlarmState& alarm, const CountedWords& counted) {
+  const bool apart = !alarm.words.finding.empty() && !alarm.words.evidence.empty();
+  const std::string id = EscapeText(alarm.id);
+  std::string out = fmt::format(
+      "<li>{}, {}{}{}: ",
+      apart ? "<b>" + EscapeText(alarm.words.finding.english) + "</b> (" + id + ")" : "<b>" + id + "</b>",
+      SeverityName(alarm.severity),
+      alarm.raised_stroke > 0 ? fmt::format(", raised at {} {}", counted.one, alarm.raised_stroke) : "",
+      alarm.acknowledged ? ", acknowledged" : "");
+  if (!apart) return out + EscapeText(alarm.text) + "</li>";
+  out += EscapeText(alarm.words.evidence.english);
+  if (const std::string cause = CauseText(alarm.cause); !cause.empty())
+    out += "<br><b>Cause:</b> " + EscapeText(cause);
+  if (!alarm.words.action.empty()) out += "<br><b>What to do:</b> " + EscapeText(alarm.words.action.english);
+  return out + "</li>";
+}
+
 }  // namespace
 
 std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<AlarmState>& axis,
@@ -151,10 +169,7 @@ std::string AlarmsBox(const std::vector<AlarmState>& press, const std::vector<Al
       if (!alarm.active || alarm.suppressed != 0 || alarm.out_of_service) continue;
       worst = std::max(worst, alarm.severity);
       changed = changed || TellsAChange(alarm);
-      sentences += fmt::format(
-          "<li><b>{}</b>, {}{}{}: {}</li>", EscapeText(alarm.id), SeverityName(alarm.severity),
-          alarm.raised_stroke > 0 ? fmt::format(", raised at {} {}", counted.one, alarm.raised_stroke) : "",
-          alarm.acknowledged ? ", acknowledged" : "", EscapeText(alarm.text));
+      sentences += InWords(alarm, counted);
     }
   if (sentences.empty()) return "";
   const bool alarmed = worst >= AlarmSeverity::kAlarm;

@@ -30,7 +30,7 @@ ParameterInfo InfoFor(const MachineKind& kind, const std::string& parameter, std
 /// The same for a quantity of the drift watch: sizes of effects in the unit people read them in.
 ParameterInfo InfoForQuantity(const MachineKind& kind, const drift::Quantity& quantity, double typical);
 
-/// "Bulk modulus K (GPa)", as the axis of a plot says it.
+/// "Bulk modulus K (bar)", as the axis of a plot says it.
 std::string AxisLabel(const ParameterInfo& info);
 
 }  // namespace hydroscope

@@ -19,7 +19,7 @@ enum class Standing { kSteady, kOil, kUnknown, kHint, kChanged, kWarned, kAlarme
 struct ParameterWords {
   Standing standing = Standing::kUnknown;
   std::string pill;       ///< two or three words for `standing`
-  std::string value;      ///< "1.412 ± 0.021 GPa" or "not identified"
+  std::string value;      ///< "14120 ± 210 bar" or "not identified"
   std::string reading;    ///< one or two sentences, the verdict
   std::string change;     ///< over the record
   std::string oil;        ///< dependence on oil temperature
