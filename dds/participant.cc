@@ -27,6 +27,7 @@
 
 #include "core/secret_file.h"
 #include "dds/shared_memory.h"
+#include "dds/steady_waits.h"
 
 namespace hydroscope {
 namespace {
@@ -124,6 +125,11 @@ Status AddTransports(const DdsNetwork& network, DomainParticipantQos& qos, std::
   if (!network.shared_memory) return {};
   if (!room) {
     without = fmt::format("/dev/shm has only {} kB free", FreeSharedMemory() >> 10);
+    return {};
+  }
+  if (network.udp && !TimedWaitsAreSteady()) {
+    without =
+        "another library replaces the timed waits of this program, so that a step of the clock could lose rows";
     return {};
   }
   RemoveDeadSharedMemory();

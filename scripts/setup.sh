@@ -14,11 +14,11 @@ packages=(
   libfastrtps-dev libfastcdr-dev fastddsgen libmodbus-dev libssl-dev
   libmicrohttpd-dev libsodium-dev libspdlog-dev libsystemd-dev
   libpaho-mqttpp-dev libpaho-mqtt-dev libprotobuf-dev protobuf-compiler
-  libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs openssl
+  libgtest-dev libgmock-dev mosquitto mosquitto-clients nodejs openssl faketime
 )
 for option in "$@"; do
   case "$option" in
-    --bench) packages+=(libbenchmark-dev faketime libdlib-dev libblas-dev libpagmo-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
+    --bench) packages+=(libbenchmark-dev libdlib-dev libblas-dev libpagmo-dev python3-numpy python3-pandas python3-sklearn python3-scipy) ;;
     --style) packages+=(clang-format) ;;
     --clang) packages+=(clang libclang-rt-14-dev) ;;
     *) echo "setup.sh: unknown option '$option', expected --bench, --clang or --style" >&2; exit 2 ;;
