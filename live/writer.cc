@@ -121,12 +121,8 @@ void LiveWriter::Run() {
   while (WaitForWork(lock)) {
     lock.unlock();
     const Status file = LookAtFile();
-    const Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
-    if (done && !HasCurrent() && CheckpointIsDue()) {
-      static_cast<void>(
-          database_->Checkpoint());  // what is in the way of it is in the way of the next step as well
-      not_checkpointed_ = 0;
-    }
+    Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
+    if (done && !HasCurrent() && CheckpointIsDue()) done = Checkpoint();
     written_ = LastWritten(path_);
     lock.lock();
     if (!done && IsDamage(done.error(), path_)) damage_ = done.error().text;
@@ -137,6 +133,14 @@ void LiveWriter::Run() {
     Fail(done.error());
     changed_.wait_for(lock, kRetry, [this] { return give_up_; });
   }
+}
+
+/// Waits for the database as a step does, so that who is in its way is told from here on.
+Status LiveWriter::Checkpoint() {
+  const Status done = database_->Checkpoint();
+  if (!done && MayPass(done.error())) return done;
+  not_checkpointed_ = 0;
+  return {};
 }
 
 bool LiveWriter::CheckpointIsDue() const {

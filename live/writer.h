@@ -93,6 +93,7 @@ class LiveWriter {
   Status BeginRun(Axis& axis, const char* ending);
   void LookForDamage();
   bool CheckpointIsDue() const;
+  Status Checkpoint();
   void Settle(const Status& done);
   bool HasCurrent() const { return !current_.empty() || current_check_.has_value(); }
   void Trim();
