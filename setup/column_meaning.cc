@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/units.h"
+#include "setup/unit_guess.h"
 
 namespace hydroscope {
 namespace {
@@ -23,7 +23,7 @@ void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
     const LogColumn& column = head.columns[i];
     if (!column.numeric() || !head.layout.header) continue;
     const auto role = RoleByName(column.name);
-    if (!role || Taken(roles, *role)) continue;
+    if (!role || Taken(roles, *role) || !MayBe(*role, column)) continue;
     roles.push_back({i, *role, Tell("name \"{}\"", "Name „{}“", column.name), true});
   }
   // A log with one pressure only: it is the one the model needs.
@@ -66,7 +66,7 @@ void PressuresByBehaviour(const LogColumns& head, std::vector<ColumnRole>& roles
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < head.columns.size(); ++i)
     if (!Used(roles, i) && head.columns[i].numeric() && head.columns[i].high > 5e5 &&
-        head.columns[i].low > -2e6)
+        head.columns[i].low > -2e6 && MayBe(Role::kPressure, head.columns[i]))
       found.push_back(i);
   std::sort(found.begin(), found.end(),
             [&](std::size_t a, std::size_t b) { return head.columns[a].span() > head.columns[b].span(); });
@@ -96,7 +96,9 @@ void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>
   for (std::size_t i = 0; i < head.columns.size() && !Taken(roles, Role::kSpool); ++i)
     for (std::size_t k = 0; k < head.columns.size(); ++k) {
       const LogColumn &spool = head.columns[i], &command = head.columns[k];
-      if (i == k || !free(i) || !free(k) || Taken(roles, Role::kValveCommand)) continue;
+      if (i == k || !free(i) || !free(k) || Taken(roles, Role::kValveCommand) ||
+          !MayBe(Role::kSpool, spool) || !MayBe(Role::kValveCommand, command))
+        continue;
       const bool sizes = std::abs(spool.high) < 1.2 && std::abs(spool.low) < 1.2 &&
                          std::abs(command.high) < 12 && std::abs(command.low) < 12 &&
                          command.span() > 3 * spool.span();
@@ -110,14 +112,16 @@ void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>
     }
   for (std::size_t i = 0; i < head.columns.size() && !Taken(roles, Role::kOilTemperature); ++i)
     if (free(i) && head.columns[i].low > 12 && head.columns[i].high < 95 && head.columns[i].span() < 15 &&
-        Taken(roles, Role::kPressureA) && Taken(roles, Role::kSpool))
+        Taken(roles, Role::kPressureA) && Taken(roles, Role::kSpool) &&
+        MayBe(Role::kOilTemperature, head.columns[i]))
       roles.push_back({i, Role::kOilTemperature,
                        Told("hardly changes, within 12 ... 95", "ändert sich kaum, innerhalb 12 ... 95"),
                        false});
   if (Taken(roles, Role::kPosition) || !Taken(roles, Role::kPressureA)) return;
   std::optional<std::size_t> smoothest;
   for (std::size_t i = 0; i < head.columns.size(); ++i)
-    if (free(i) && (!smoothest || head.columns[i].roughness < head.columns[*smoothest].roughness))
+    if (free(i) && MayBe(Role::kPosition, head.columns[i]) &&
+        (!smoothest || head.columns[i].roughness < head.columns[*smoothest].roughness))
       smoothest = i;
   if (smoothest && head.columns[*smoothest].roughness < 0.1)
     roles.push_back({*smoothest, Role::kPosition,
@@ -164,9 +168,9 @@ class Anonymous {
   static constexpr std::size_t kLag = 5;  ///< rows each way over which a motion is taken
   static constexpr double kSmooth = 0.12, kGoesWith = 0.35, kRunsWith = 0.9;
 
-  bool Free(std::size_t i) const {
+  bool Free(std::size_t i, Role role) const {
     const LogColumn& c = head_.columns[i];
-    return !Used(roles_, i) && c.numeric() && c.span() > 0 && !c.rising && !c.date;
+    return !Used(roles_, i) && c.numeric() && c.span() > 0 && !c.rising && !c.date && MayBe(role, c);
   }
   void Give(std::size_t column, Role role, const Told& why) {
     if (!Taken(roles_, role))
@@ -191,7 +195,8 @@ class Anonymous {
     for (const ColumnRole& role : roles_)
       if (role.role == Role::kPosition) best = role.column;
     for (std::size_t i = 0; !Taken(roles_, Role::kPosition) && i < head_.columns.size(); ++i)
-      if (Free(i) && head_.columns[i].roughness < kSmooth && GoesToAndFro(head_.columns[i]) &&
+      if (Free(i, Role::kPosition) && head_.columns[i].roughness < kSmooth &&
+          GoesToAndFro(head_.columns[i]) &&
           (!best || head_.columns[i].roughness < head_.columns[*best].roughness))
         best = i;
     if (!best) return false;
@@ -207,7 +212,7 @@ class Anonymous {
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
       const bool both_signs = c.low < -0.02 * c.span() && c.high > 0.02 * c.span();
-      const double with = Free(i) && both_signs ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+      const double with = Free(i, Role::kSpool) && both_signs ? std::abs(CorrelationOf(c.value, speed_)) : 0;
       if (with <= most) continue;
       most = with;
       best = i;
@@ -216,7 +221,8 @@ class Anonymous {
     std::size_t spool = *best;
     // Spool and command run together; the command is in volts, ten times the spool's numbers.
     for (std::size_t k = 0; k < head_.columns.size(); ++k) {
-      if (k == *best || !Free(k) || std::abs(Correlation(head_.columns[*best], head_.columns[k])) < kRunsWith)
+      if (k == *best || !Free(k, Role::kValveCommand) ||
+          std::abs(Correlation(head_.columns[*best], head_.columns[k])) < kRunsWith)
         continue;
       const bool larger = head_.columns[k].span() > head_.columns[*best].span();
       spool = larger ? *best : k;
@@ -234,7 +240,8 @@ class Anonymous {
     double most = kGoesWith;
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       const LogColumn& c = head_.columns[i];
-      const double with = Free(i) && c.low > -0.05 * c.high ? std::abs(CorrelationOf(c.value, speed_)) : 0;
+      const double with =
+          Free(i, Role::kPressureA) && c.low > -0.05 * c.high ? std::abs(CorrelationOf(c.value, speed_)) : 0;
       if (with <= most) continue;
       most = with;
       best = i;
@@ -248,14 +255,13 @@ class Anonymous {
     if (!Taken(roles_, Role::kPressureA)) return;
     std::optional<std::size_t> highest, other;
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
-      if (!Free(i)) continue;
       const LogColumn& c = head_.columns[i];
-      if (c.roughness < 0.5 && c.low > 12 && c.high < 95 && c.span() < 25) {
+      if (Free(i, Role::kOilTemperature) && c.roughness < 0.5 && c.low > 12 && c.high < 95 && c.span() < 25) {
         Give(i, Role::kOilTemperature,
              Told("drifts slowly within 12 ... 95", "wandert langsam innerhalb 12 ... 95"));
         continue;
       }
-      if (c.low <= 0) continue;
+      if (!Free(i, Role::kPressure) || c.low <= 0) continue;
       if (!highest || c.low > head_.columns[*highest].low) {
         other = highest ? highest : other;
         highest = i;

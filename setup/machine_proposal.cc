@@ -237,11 +237,10 @@ class Proposer {
       const LogColumn& column = head_.columns[i];
       const bool row_counter = column.rising && column.step == 1;
       if (!column.numeric() || column.date || row_counter || IsUsed(i)) continue;
-      const bool known = FindUnit(column.unit).has_value();
-      const UnitGuess guess{known ? column.unit : "1", 1, 0,
-                            known ? Told("unit in the header", "Einheit in der Kopfzeile")
-                                  : Told("unit unknown", "Einheit unbekannt"),
-                            known};
+      const std::string written = WrittenUnit(column);
+      const bool known = !written.empty();
+      const UnitGuess guess = known ? AsWritten(written, column.unit.empty())
+                                    : UnitGuess{"1", 1, 0, Told("unit unknown", "Einheit unbekannt"), false};
       AddSignal(FreeName(column.name), column, guess, guess.why, known);
       others_.push_back(i);
     }

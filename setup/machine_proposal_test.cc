@@ -364,6 +364,22 @@ TEST(ColumnNames, AreUnderstoodInEnglishAndGerman) {
 }
 
 /// Folder of the measured and simulated logs that come with the development data.
+TEST(MachineProposal, NoColumnIsASignalWhoseUnitItDoesNotHave) {
+  std::string text = "Zeit;Drehzahl [U/min];dp [bar];P [kW];M [kNm]\n";
+  for (int k = 0; k < 4000; ++k) {
+    const double t = 0.01 * k, speed = 900 * std::sin(2 * t), dp = 150 * std::sin(0.7 * t);
+    text += fmt::format("{:.2f};{:.2f};{:.3f};{:.4f};{:.4f}\n", t, speed, dp, dp * speed * 1e-4, dp * 2e-3);
+  }
+  const Machine m = Propose(text).machine;
+  EXPECT_EQ(m.model, "expressions");
+  ExpectColumns(m, {{"p_A", "none"},
+                    {"z", "none"},
+                    {"Drehzahl", "Drehzahl [U/min] rpm"},
+                    {"dp", "dp [bar] bar"},
+                    {"P", "P [kW] kW"},
+                    {"M", "M [kNm] kNm"}});
+}
+
 std::filesystem::path DataFolder() {
   const char* named = std::getenv("HYDROSCOPE_DATA");
   return named != nullptr ? std::filesystem::path(named)

@@ -42,9 +42,14 @@ std::string KnownSpelling(const std::string& unit) {
   if (FindUnit(unit)) return unit;
   std::string lower = unit;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (lower == "c" || lower == "deg c" || lower == "grad c" || lower == "celsius") return "degC";
-  if (lower == "sec" || lower == "sek") return "s";
-  if (lower == "-" || lower == "pu") return "1";
+  static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
+      {"c", "degC"},      {"deg c", "degC"},   {"grad c", "degC"}, {"celsius", "degC"}, {"sec", "s"},
+      {"sek", "s"},       {"-", "1"},          {"pu", "1"},        {"u/min", "rpm"},    {"rev/min", "rpm"},
+      {"min-1", "1/min"}, {"min^-1", "1/min"}, {"n m", "Nm"},      {"n*m", "Nm"},       {"n·m", "Nm"},
+      {"m/s²", "m/s2"},   {"m/s^2", "m/s2"},   {"cm³", "cm3"},     {"cm²", "cm2"},      {"mm²", "mm2"},
+      {"µm", "um"},       {"μm", "um"},        {"°", "deg"},       {"grad", "deg"},     {"lpm", "l/min"}};
+  for (const auto& [spelling, name] : kSpellings)
+    if (lower == spelling) return std::string(name);
   for (const std::string& name : UnitNames()) {
     std::string candidate = name;
     for (char& c : candidate) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -174,18 +179,6 @@ UnitGuess CurrentLoop(const char* unit, double range, const Told& seen) {
           false};
 }
 
-/// The unit that the column's name or header states, as the machine file writes it; "" if none.
-std::string WrittenUnit(const LogColumn& column) {
-  const std::string in_name = UnitInName(column.name);
-  return column.unit.empty() && !in_name.empty() ? in_name : KnownSpelling(column.unit);
-}
-
-UnitGuess AsWritten(const std::string& unit, bool in_name) {
-  return {unit, 1, 0,
-          in_name ? Told("unit in the name", "Einheit im Namen")
-                  : Told("unit in the header", "Einheit in der Kopfzeile")};
-}
-
 /// Units that logs are written in, and how large the signals of machines are at most and at least, SI.
 struct UsualUnits {
   std::string_view si;
@@ -217,6 +210,24 @@ UnitGuess PositionBySize(const LogColumn& column) {
 }
 
 }  // namespace
+
+std::string WrittenUnit(const LogColumn& column) {
+  const std::string in_name = UnitInName(column.name);
+  return column.unit.empty() && !in_name.empty() ? in_name : KnownSpelling(column.unit);
+}
+
+UnitGuess AsWritten(const std::string& unit, bool in_name) {
+  return {unit, 1, 0,
+          in_name ? Told("unit in the name", "Einheit im Namen")
+                  : Told("unit in the header", "Einheit in der Kopfzeile")};
+}
+
+bool MayBe(Role role, const LogColumn& column) {
+  const auto unit = FindUnit(WrittenUnit(column));
+  if (!unit || unit->si == SiOf(role)) return true;
+  const bool travels = role == Role::kSpool;  // of a valve, in mm as well
+  return unit->si == "1" || unit->si == "V" || unit->si == "A" || (travels && unit->si == "m");
+}
 
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes) {
   const bool named = column.unit.empty() && !UnitInName(column.name).empty();

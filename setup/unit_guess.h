@@ -24,6 +24,16 @@ struct SharedSizes {
   bool current_loop = false;    ///< all pressures lie within 4 ... 20: mA of transmitters, not pressures
   double rows_per_cycle = 0;    ///< of the machine's strokes, by the pressure or the position; 0 = not seen
 };
+/// The unit that the column's name or header states, as the machine file writes it; "" if none.
+std::string WrittenUnit(const LogColumn& column);
+
+/// A unit taken as it is written in the name, or else in the header.
+UnitGuess AsWritten(const std::string& unit, bool in_name);
+
+/// Whether what the column states as its unit can be that of a sensor in this role: of the role's own quantity, of a sensor's
+/// signal (V, mA, %), or nothing. Revolutions per minute are no position, kW no pressure.
+bool MayBe(Role role, const LogColumn& column);
+
 /// Unit of a column in its role, from the header or by the size of its numbers.
 UnitGuess GuessUnit(Role role, const LogColumn& column, const SharedSizes& sizes);
 
