@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "cli/commands.h"
+#include "cli/help_formatter.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -74,6 +75,7 @@ int RunCommandLine(int argc, const char* const* argv) {
       "Hydroscope: condition monitoring and diagnosis of servo-hydraulic "
       "machines by continuous identification."};
   app.name("hydroscope");
+  app.formatter(std::make_shared<HelpFormatter>());  // of its commands too
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of all commands");
   app.set_version_flag("--version", "hydroscope " HYDROSCOPE_VERSION, "Print the version and exit");

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "core/printable.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 #include "setup/kind_columns.h"
@@ -93,7 +92,7 @@ int RunInit(const InitArguments& arguments) {
     if (const Status written = WriteJson(arguments.json, ToJson(proposal)); !written)
       return ReportError(written.error());
   const bool stdout_is_taken = arguments.out.empty() || arguments.json == "-";
-  (stdout_is_taken ? std::cerr : std::cout) << PrintableLines(ReportText(arguments, proposal));
+  (stdout_is_taken ? SayBeside : Say)(ReportText(arguments, proposal));
   return kDone;
 }
 

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -42,8 +41,8 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
   std::string refused;
   for (const LearningCandidate& c : candidates) {
     for (const LearningDoubt& doubt : c.doubts)
-      std::cerr << fmt::format("{} {} {} to {}: {}\n", c.part.machine, CountedWordsOf(c.machine).many,
-                               c.part.first, c.part.last - 1, doubt.text.english);
+      SayBeside(fmt::format("{} {} {} to {}: {}\n", c.part.machine, CountedWordsOf(c.machine).many,
+                            c.part.first, c.part.last - 1, doubt.text.english));
     if (c.Refused()) refused += (refused.empty() ? "" : ", ") + c.part.machine;
   }
   if (refused.empty() || a.force) return {};
@@ -81,7 +80,7 @@ int RunLearn(const LearnArguments& a) {
   std::string note;
   auto journal = OpenJournalOf(a.history.db, WallSeconds(), note);
   if (!journal) return ReportError(journal.error());
-  if (!note.empty()) std::cerr << "note: " << note << "\n";
+  if (!note.empty()) SayBeside("note: " + note + "\n");
   const auto candidates = Candidates(a, *history, *journal);
   if (!candidates) return ReportError(candidates.error());
   nlohmann::json document = {{"learned", nlohmann::json::array()}, {"refused", nlohmann::json::array()}};

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "cli/commands.h"
+#include "cli/help_formatter.h"
 
 namespace hydroscope {
 namespace {
@@ -57,6 +58,7 @@ std::string PathsOf(const CLI::App& app) {
   return paths + "|";
 }
 
+constexpr std::size_t kManualWidth = 72;  // characters, beside the margin of a manual page
 constexpr const char* kBash =
     R"sh(# bash completion for hydroscope: eval "$(hydroscope completion bash)"
 _hydroscope() {
@@ -135,7 +137,8 @@ std::string Manual(const CLI::App& app, const std::string& version) {
                 : ".SH HYDROSCOPE " + Roff(PathOf(command)) + "\n" + Roff(command.get_description()) + "\n";
     for (const CLI::Option* option : command.get_options())
       if (!option->get_group().empty()) text += OptionRoff(*option);
-    if (!command.get_footer().empty()) text += ".PP\n.nf\n" + Roff(command.get_footer()) + "\n.fi\n";
+    if (!command.get_footer().empty())
+      text += ".PP\n.nf\n" + Roff(FilledFooter(command.get_footer(), kManualWidth)) + "\n.fi\n";
   });
   return text +
          ".SH EXIT STATUS\n0 done, 1 a fault of the program, 2 wrong use, 3 bad input, 4 partly done\n";

@@ -27,16 +27,6 @@ ProgressListener& Listener() {
   return listener;
 }
 
-std::size_t LineWidth() {
-  winsize window{};
-  int width = kUsualWidth;
-  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
-    width = window.ws_col;
-  else if (const char* columns = std::getenv("COLUMNS"); columns != nullptr && std::atoi(columns) > 0)
-    width = std::atoi(columns);
-  return static_cast<std::size_t>(std::max(width, kLeastWidth));
-}
-
 }  // namespace
 
 int ReportError(const Error& error) {
@@ -70,6 +60,16 @@ Status WriteJson(const std::string& path, nlohmann::json document) {
   return {};
 }
 
+std::size_t LineWidth() {
+  winsize window{};
+  int width = kUsualWidth;
+  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
+    width = window.ws_col;
+  else if (const char* columns = std::getenv("COLUMNS"); columns != nullptr && std::atoi(columns) > 0)
+    width = std::atoi(columns);
+  return static_cast<std::size_t>(std::max(width, kLeastWidth));
+}
+
 void BeQuiet() { quiet = true; }
 
 void ListenToProgress(ProgressListener listener) { Listener() = std::move(listener); }
@@ -77,6 +77,8 @@ void ListenToProgress(ProgressListener listener) { Listener() = std::move(listen
 void Say(const std::string& text) {
   if (!quiet) std::cout << WrappedText(PrintableLines(text), LineWidth()) << std::flush;
 }
+
+void SayBeside(const std::string& text) { std::cerr << WrappedText(PrintableLines(text), LineWidth()); }
 
 ProgressBar::ProgressBar(std::string what, std::string unit)
     : what_(std::move(what)),

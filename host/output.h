@@ -21,9 +21,12 @@ inline constexpr int kJsonSchema = 1;
 /// Writes `document` to `path` ("-" is stdout), indented, with a final newline. Objects without a "schema" get kJsonSchema.
 Status WriteJson(const std::string& path, nlohmann::json document);
 
-/// The text for people, on stdout; lines too long for the terminal (elsewhere: for COLUMNS of the environment, else for
-/// 80 characters) are broken at blanks. Silent after BeQuiet.
+/// Characters in a line for people: of the terminal, elsewhere COLUMNS of the environment, else 80.
+std::size_t LineWidth();
+/// The text for people, on stdout; longer lines are broken at blanks. Silent after BeQuiet.
 void Say(const std::string& text);
+/// The same on stderr, for what is said beside a result, and never silent.
+void SayBeside(const std::string& text);
 /// From now on Say and ProgressBar are silent; errors still go to stderr.
 void BeQuiet();
 

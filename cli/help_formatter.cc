@@ -1,0 +1,59 @@
+#include "cli/help_formatter.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "host/output.h"
+#include "host/wrapped_text.h"
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kLeastDescription = 24;  // characters, on a terminal narrower than the column of names
+
+bool IsHeading(const std::string& line) { return !line.empty() && line.back() == ':'; }
+
+}  // namespace
+
+std::string FilledFooter(const std::string& text, std::size_t width) {
+  std::istringstream lines(text);
+  std::string filled, before;
+  for (std::string line; std::getline(lines, line); before = line) {
+    const bool prose = !line.empty() && line.front() != ' ' && !IsHeading(line);
+    const bool goes_on = prose && !before.empty() && before.front() != ' ' && !IsHeading(before);
+    if (goes_on) filled.back() = ' ';
+    filled += line + "\n";
+  }
+  if (!filled.empty()) filled.pop_back();
+  return WrappedText(filled, width);
+}
+
+std::string HelpFormatter::Described(const std::string& text) const {
+  const std::size_t width = LineWidth();
+  std::string lines = WrappedText(
+      text, width > column_width_ + kLeastDescription ? width - column_width_ : kLeastDescription);
+  constexpr char kContinued[] = "\n    ";  // of WrappedText; here the column tells that
+  for (std::size_t at = 0; (at = lines.find(kContinued, at)) != std::string::npos; ++at)
+    lines.replace(at, sizeof(kContinued) - 1, "\n");
+  return lines;
+}
+
+std::string HelpFormatter::make_description(const CLI::App* app) const {
+  return WrappedText(CLI::Formatter::make_description(app), LineWidth());
+}
+
+std::string HelpFormatter::make_footer(const CLI::App* app) const {
+  return FilledFooter(CLI::Formatter::make_footer(app), LineWidth());
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  std::ostringstream out;
+  CLI::detail::format_help(out, command->get_name(), Described(command->get_description()), column_width_);
+  return out.str();
+}
+
+std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
+  return Described(CLI::Formatter::make_option_desc(option));
+}
+
+}  // namespace hydroscope
