@@ -36,7 +36,9 @@ std::string WithInterval(double value, double half_width) {
   const double leading = std::max(std::abs(half_width), 1e-3 * std::abs(value));
   const int decimals =
       leading > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(leading))), 0, 9) : 0;
-  return fmt::format("{} ± {}", Fixed(value, decimals), Fixed(half_width, decimals));
+  const std::string half = Fixed(half_width, decimals);
+  const bool vanishes = half_width != 0 && half.find_first_of("123456789") == std::string::npos;
+  return fmt::format("{} ± {}", Fixed(value, decimals), vanishes ? fmt::format("{:.0e}", half_width) : half);
 }
 
 std::string ShownWithInterval(double value, double std, const std::string& si_unit) {

@@ -16,6 +16,11 @@ TEST(WithInterval, ShowsTwoDigitsOfTheHalfWidth) {
   EXPECT_EQ(WithInterval(NAN, 11), "nan ± 11");
 }
 
+TEST(WithInterval, AnIntervalThatIsThereNeverReadsAsZero) {
+  EXPECT_EQ(WithInterval(0.012, 2.7e-7), "0.012000 ± 3e-07");
+  EXPECT_EQ(WithInterval(12202, 0.001), "12202 ± 1e-03");
+}
+
 TEST(WithInterval, SmallAndLargeValuesCarryAnExponent) {
   EXPECT_EQ(WithInterval(4.512e-12, 3.1e-14), "(4.512 ± 0.031)e-12");
   EXPECT_EQ(WithInterval(-2e-7, 5e-7), "(-2.0 ± 5.0)e-7");

@@ -12,7 +12,7 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 66> kUnits = {{
+constexpr std::array<Named, 68> kUnits = {{
     {"1", {1, 0, "1"}},           {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},           {"ms", {1e-3, 0, "s"}},
     {"us", {1e-6, 0, "s"}},       {"ns", {1e-9, 0, "s"}},
@@ -46,6 +46,7 @@ constexpr std::array<Named, 66> kUnits = {{
     {"N/m", {1, 0, "N/m"}},       {"N/mm", {1e3, 0, "N/m"}},
     {"N s/m", {1, 0, "N s/m"}},   {"1/V", {1, 0, "1/V"}},
     {"m3/s2", {1, 0, "m3/s2"}},   {"m3/(s A)", {1, 0, "m3/(s A)"}},
+    {"kNm", {1e3, 0, "N m"}},     {"MN", {1e6, 0, "N"}},
 }};
 
 /// The SI unit of `si` per second.
@@ -96,6 +97,7 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
   if (si == "m3/s") return {6e4, 0, "l/min"};
   if (si == "m3/(s Pa)") return {6e9, 0, "l/min/bar"};
   if (si == "N m") return {1, 0, "Nm"};
+  if (si == "N m s") return {1, 0, "Nm s"};
   if (si == "K") return {1, -273.15, "°C"};
   return {1, 0, si};
 }

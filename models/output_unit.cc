@@ -18,12 +18,29 @@ DisplayUnit OutputUnit(const Machine& machine) {
   return unit;
 }
 
-std::string_view SiOf(const Machine& machine, std::string_view name) {
+namespace {
+
+/// As the machine file states it; "" where it states none.
+std::string_view StatedUnit(const Machine& machine, std::string_view name) {
   std::string_view unit;
   for (const SignalSpec& signal : machine.signals)
     if (signal.name == name) unit = signal.unit;
   for (const StateSpec& state : machine.states.states)
     if (state.name == name) unit = state.unit;
+  return unit;
+}
+
+}  // namespace
+
+DisplayUnit ShownUnit(const Machine& machine, std::string_view name) {
+  const std::string_view stated = StatedUnit(machine, name);
+  const auto known = FindUnit(stated);
+  if (!known || known->scale == 1) return DisplayUnitFor(SiOf(machine, name));
+  return {1 / known->scale, -known->offset / known->scale, stated};
+}
+
+std::string_view SiOf(const Machine& machine, std::string_view name) {
+  const std::string_view unit = StatedUnit(machine, name);
   if (unit.empty()) return "1";
   const auto known = FindUnit(unit);
   return known ? known->si : unit;

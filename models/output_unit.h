@@ -13,6 +13,9 @@ namespace hydroscope {
 DisplayUnit OutputUnit(const ModelStructure* model);
 /// The same of the model that a machine file describes.
 DisplayUnit OutputUnit(const Machine& machine);
+/// The unit in which people read a signal or a state: the one that its file states, where that is no plain SI unit (rpm, kW, %),
+/// else the usual one. The machine must outlive its name.
+DisplayUnit ShownUnit(const Machine& machine, std::string_view name);
 /// SI unit of a signal or a state of a machine, which must outlive it; "1" where its file states none.
 std::string_view SiOf(const Machine& machine, std::string_view name);
 

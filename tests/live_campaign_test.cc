@@ -38,8 +38,9 @@ TEST_F(CommandLine, AnOperatorSeesEveryFaultInEveryPlace) {
         << ran.err;
   EXPECT_THAT(ran.out, ContainsRegex("16 idle Modbus clients and one more +[0-9.]+ s +reached"));
   EXPECT_THAT(ran.out, ContainsRegex("service killed .kill -9., started again +[0-9.]+ s +reached"));
-  if (ran.out.find("libfaketime is not installed") == std::string::npos)
+  if (ran.out.find("libfaketime is not installed") == std::string::npos) {
     EXPECT_THAT(ran.out, ContainsRegex("clock of the computer of both -2h +[0-9.]+ s +reached: no row lost"));
+  }
 }
 
 TEST_F(CommandLine, StatusWithoutAServiceSaysWhatToStart) {

@@ -21,11 +21,6 @@ namespace {
 
 constexpr double kLeastJitter = 1e-7;  // s; less is rounding of the time stamps
 
-DisplayUnit UnitOf(const SignalSpec& spec) {
-  const auto unit = FindUnit(spec.unit);
-  return DisplayUnitFor(unit ? unit->si : std::string_view("1"));
-}
-
 std::string Dash(std::string_view unit) { return unit == "1" || unit.empty() ? "-" : std::string(unit); }
 
 /// Flags of the time stamp are the same in every signal; they are told once.
@@ -80,7 +75,7 @@ std::string Signals(const CheckResult& check) {
       fmt::format("\n{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", "signal", name, "column", column,
                   "lowest", "highest", "noise std", "unit", "good", "flagged");
   for (const CheckedSignal& s : check.signals) {
-    const DisplayUnit unit = UnitOf(s.spec);
+    const DisplayUnit unit = ShownUnit(check.machine, s.spec.name);
     const auto number = [&](double si, double offset) {
       return std::isfinite(si) ? fmt::format("{:.4g}", si * unit.factor + offset) : std::string("-");
     };

@@ -105,10 +105,9 @@ std::string StrokesText(const CompareResult& result) {
   const CountedWords counted = CountedWordsOf(result.log.machine);
   const bool runs = std::any_of(result.per_stroke.begin(), result.per_stroke.end(),
                                 [](const StrokeComparison& s) { return s.free_run.has_value(); });
-  const bool states = KindOf(result.log.machine).has_states && !runs;  // whose free run is all there is
   std::string text = fmt::format(
       "\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n", counted.one,
-      unit.name, states ? "" : "; free run in bar", counted.one, states ? "" : "  free run");
+      unit.name, runs ? "; free run in bar" : "", counted.one, runs ? "  free run" : "");
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
@@ -116,9 +115,9 @@ std::string StrokesText(const CompareResult& result) {
                         std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
                         s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
                         s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
-                        states ? std::string()
-                               : fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar)
-                                                                  : std::string("-")),
+                        runs ? fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar)
+                                                                : std::string("-"))
+                             : std::string(),
                         k == worst ? " worst" : "");
   }
   if (result.per_stroke.size() > kShown)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/constants.h"
@@ -38,6 +39,14 @@ std::vector<std::string> Warnings(const FitResult& result) {
   return impossible.empty() ? std::vector<std::string>{} : std::vector<std::string>{impossible};
 }
 
+/// As many that two of the interval's half width are among them.
+int DigitsShown(const Estimate& e) {
+  constexpr int kFewest = 5, kMost = 9;
+  const double orders = std::log10(std::abs(e.value) / (kNormal95 * e.std));
+  return std::isfinite(orders) ? std::clamp(static_cast<int>(std::ceil(orders)) + 2, kFewest, kMost)
+                               : kFewest;
+}
+
 }  // namespace
 
 std::string FitText(const FitResult& result) {
@@ -52,14 +61,15 @@ std::string FitText(const FitResult& result) {
   for (const Estimate& e : result.fit.parameters) {
     const DisplayUnit unit = DisplayUnitFor(e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
+    const int digits = DigitsShown(e);
     const bool trusted = e.reason == EstimateReason::kUpdated;
-    text +=
-        fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
-                    shown(e.value), shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
-                    unit.name == "1" ? "-" : unit.name, Meaning(result, e.parameter),
-                    !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
-                    : trusted                      ? ""
-                              : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
+    text += fmt::format("{:<{}} {:>12.{}g} {:>12.{}g} ... {:<10.{}g} {:<6} {}{}\n", e.parameter, width,
+                        shown(e.value), digits, shown(e.value - kNormal95 * e.std), digits,
+                        shown(e.value + kNormal95 * e.std), digits, unit.name == "1" ? "-" : unit.name,
+                        Meaning(result, e.parameter),
+                        !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
+                        : trusted                      ? ""
+                                  : fmt::format("; NOT IDENTIFIABLE: {}", WhyNot(result, e)));
   }
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   text += fmt::format(

@@ -15,7 +15,7 @@ constexpr std::size_t kFewestCycles = 3;
 
 /// A signal or a state, as shown.
 ResidualSignal Shown(const Machine& machine, const std::string& name) {
-  const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
+  const DisplayUnit unit = ShownUnit(machine, name);
   return {name, -1, unit.factor, unit.offset, std::string(unit.name)};
 }
 

@@ -8,6 +8,7 @@
 #include "core/told_error.h"
 #include "models/expressions/user_effect.h"
 #include "models/machine_kind.h"
+#include "models/output_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -166,7 +167,14 @@ Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& ma
   for (std::size_t c = 0; c < model->channel_names.size(); ++c) {
     const auto checked = CheckExpression(model->channel_names[c], ExpressionNamesOf(machine));
     const bool exact = checked && checked->unit.exact;
-    model->shown.push_back({static_cast<int>(c), exact ? SiUnitName(checked->unit.dimension) : ""});
+    ModelStructure::ShownChannel shown = {static_cast<int>(c),
+                                          exact ? SiUnitName(checked->unit.dimension) : ""};
+    if (const DisplayUnit unit = ShownUnit(machine, model->channel_names[c]);
+        machine.SignalIndex(model->channel_names[c]) >= 0 && unit.offset == 0) {
+      shown.display = unit.name;
+      shown.factor = unit.factor;
+    }
+    model->shown.push_back(std::move(shown));
   }
   AddLibrary(std::move(effects), *model);
   return model;

@@ -134,6 +134,8 @@ TEST(Expression, SiUnitsAreReadAndWritten) {
   EXPECT_EQ(SiUnitName(*ParseSiUnit("m3/(s Pa)")), "m3/(s Pa)");
   EXPECT_EQ(SiUnitName(*ParseSiUnit("N/Pa")), "m2");
   EXPECT_EQ(SiUnitName(*ParseSiUnit("N m s-1")), "W");
+  EXPECT_EQ(SiUnitName(*ParseSiUnit("J")), "N m");
+  EXPECT_EQ(SiUnitName(*ParseSiUnit("kg m2/s")), "N m s");
   EXPECT_EQ(SiUnitName(*ParseSiUnit("kg m5/A")), "kg m5/A");
   for (const char* wrong : {"bar", "mm", "m3/(s Pa", "m//s", "", "N)", "m-", "furlong"})
     EXPECT_FALSE(ParseSiUnit(wrong)) << wrong;

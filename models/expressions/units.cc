@@ -160,7 +160,10 @@ std::string SiUnitName(const Dimension& dimension) {
       "Pa/m3",    "sqrt(Pa)", "m6/(s2 Pa)", "1/m",       "N s2/m2",
       "m2/s",     "s/m",      "m3/m",       "1/V2",      "N/V2",
       "m/V2",     "Pa/V2",    "m3/(s V2)",  "1/m2",      "1/Pa2",
-      "N m/rad"};
+      "N m",      "N m s",    "N m/V",      "N m/A",     "N m/K",
+      "kg m2",    "kg m",     "kg/s",       "m3/(s A)",  "m/A",
+      "W/K",      "K/W",      "K/s",        "V/s",       "A/s",
+      "V/A",      "A/V",      "V s",        "V s/m",     "Pa/A"};
   for (const std::string_view name : familiar)
     if (*ParseSiUnit(name) == dimension) return std::string(name);
   std::string above, below;

@@ -9,6 +9,7 @@
 #include "core/told_error.h"
 #include "core/units.h"
 #include "estimation/stroke_segmenter.h"
+#include "models/output_unit.h"
 #include "page/first_run/gate_course.h"
 #include "page/http/json_reply.h"
 #include "pipeline/log_pass.h"
@@ -92,7 +93,7 @@ Result<nlohmann::json> LogPictureJson(const std::string& log, const Machine& mac
   if (!pass) return tl::unexpected(pass.error());
   nlohmann::json shown = nlohmann::json::array();
   for (std::size_t s = 0; s < signals.size(); ++s) {
-    const DisplayUnit unit = DisplayUnitFor(SiOf(machine.signals[s]));
+    const DisplayUnit unit = ShownUnit(machine, machine.signals[s].name);
     shown.push_back({{"name", machine.signals[s].name},
                      {"unit", unit.name},
                      {"low", ShownJson(signals[s].low(), unit)},

@@ -101,7 +101,7 @@ nlohmann::json EpisodeJson(const StatesFit& fit, std::size_t index) {
   nlohmann::json outputs = nlohmann::json::array();
   for (int j = 0; j < model.output.rows; ++j) {
     const std::string& name = model.machine.states.outputs[static_cast<std::size_t>(j)].signal;
-    const DisplayUnit unit = DisplayUnitFor(SiOf(model.machine, name));
+    const DisplayUnit unit = ShownUnit(model.machine, name);
     const int signal = model.outputs[static_cast<std::size_t>(j)];
     outputs.push_back(
         {{"name", name},
