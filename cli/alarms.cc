@@ -128,7 +128,7 @@ Result<Listed> Find(const AlarmJournal& journal, const AlarmsArguments& a, Which
   if (found.size() == 1) return found.front();
   if (found.size() > 1) return UsageError("several machines have {}; say MACHINE/{}", a.alarm, a.alarm);
   return UsageError(
-      "no {} alarm {}; `hydroscope alarms --db {} {}`",
+      "no {} alarm {}; `hydroscope alarms --db {} {}",
       number || which == Which::kStanding ? "standing" : "known", a.alarm, a.db,
       number || which == Which::kStanding ? "list` shows them" : "journal` shows those that ever stood");
 }

@@ -24,7 +24,7 @@ std::string FilledFooter(const std::string& text, std::size_t width) {
     if (goes_on) filled.back() = ' ';
     filled += line + "\n";
   }
-  if (!filled.empty()) filled.pop_back();
+  if (!text.ends_with('\n') && !filled.empty()) filled.pop_back();
   return WrappedText(filled, width);
 }
 

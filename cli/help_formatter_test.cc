@@ -35,6 +35,8 @@ TEST(HelpFormatter, LinesFitTheTerminalButCommandsToBeCopiedStayWhole) {
   unsetenv("COLUMNS");
 }
 
+TEST(HelpFormatter, EndsWithALineOfItsOwn) { EXPECT_TRUE(HelpOf("frf").ends_with("\n")); }
+
 TEST(FilledFooter, ProseIsFilledAndExamplesAreNot) {
   EXPECT_EQ(
       FilledFooter(

@@ -12,7 +12,7 @@ namespace hydroscope {
 namespace {
 
 using Named = std::pair<std::string_view, Unit>;
-constexpr std::array<Named, 68> kUnits = {{
+constexpr std::array<Named, 70> kUnits = {{
     {"1", {1, 0, "1"}},           {"%", {0.01, 0, "1"}},
     {"s", {1, 0, "s"}},           {"ms", {1e-3, 0, "s"}},
     {"us", {1e-6, 0, "s"}},       {"ns", {1e-9, 0, "s"}},
@@ -47,6 +47,7 @@ constexpr std::array<Named, 68> kUnits = {{
     {"N s/m", {1, 0, "N s/m"}},   {"1/V", {1, 0, "1/V"}},
     {"m3/s2", {1, 0, "m3/s2"}},   {"m3/(s A)", {1, 0, "m3/(s A)"}},
     {"kNm", {1e3, 0, "N m"}},     {"MN", {1e6, 0, "N"}},
+    {"m/s²", {1, 0, "m/s2"}},     {"U/min", {kTwoPi / 60, 0, "rad/s"}},
 }};
 
 /// The SI unit of `si` per second.
@@ -104,7 +105,8 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
 
 std::string Nearest(std::string_view name, const std::vector<std::string>& candidates) {
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
+  // Something of the name must be left.
+  std::size_t best_distance = std::min(std::max<std::size_t>(2, name.size() / 3) + 1, name.size());
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;

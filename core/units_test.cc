@@ -29,5 +29,11 @@ TEST(Units, EveryQuantityMayComePerSecondOrPerMinute) {
   EXPECT_FALSE(FindUnit("bars/s"));
 }
 
+TEST(Nearest, NamesNoWordThatHasNothingInCommon) {
+  EXPECT_EQ(Nearest("KK", {"V_g", "c", "M_c"}), "");
+  EXPECT_EQ(Nearest("Kk", {"V_g", "K", "M_c"}), "K");
+  EXPECT_EQ(Nearest("replya", {"replay", "report"}), "replay");
+}
+
 }  // namespace
 }  // namespace hydroscope

@@ -374,7 +374,7 @@ TEST(MachineProposal, NoColumnIsASignalWhoseUnitItDoesNotHave) {
   EXPECT_EQ(m.model, "expressions");
   ExpectColumns(m, {{"p_A", "none"},
                     {"z", "none"},
-                    {"Drehzahl", "Drehzahl [U/min] rpm"},
+                    {"Drehzahl", "Drehzahl [U/min] U/min"},
                     {"dp", "dp [bar] bar"},
                     {"P", "P [kW] kW"},
                     {"M", "M [kNm] kNm"}});

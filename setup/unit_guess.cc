@@ -43,11 +43,11 @@ std::string KnownSpelling(const std::string& unit) {
   std::string lower = unit;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static constexpr std::pair<std::string_view, std::string_view> kSpellings[] = {
-      {"c", "degC"},      {"deg c", "degC"},   {"grad c", "degC"}, {"celsius", "degC"}, {"sec", "s"},
-      {"sek", "s"},       {"-", "1"},          {"pu", "1"},        {"u/min", "rpm"},    {"rev/min", "rpm"},
-      {"min-1", "1/min"}, {"min^-1", "1/min"}, {"n m", "Nm"},      {"n*m", "Nm"},       {"n·m", "Nm"},
-      {"m/s²", "m/s2"},   {"m/s^2", "m/s2"},   {"cm³", "cm3"},     {"cm²", "cm2"},      {"mm²", "mm2"},
-      {"µm", "um"},       {"μm", "um"},        {"°", "deg"},       {"grad", "deg"},     {"lpm", "l/min"}};
+      {"c", "degC"},       {"deg c", "degC"}, {"grad c", "degC"}, {"celsius", "degC"}, {"sec", "s"},
+      {"sek", "s"},        {"-", "1"},        {"pu", "1"},        {"rev/min", "rpm"},  {"min-1", "1/min"},
+      {"min^-1", "1/min"}, {"n m", "Nm"},     {"n*m", "Nm"},      {"n·m", "Nm"},       {"m/s^2", "m/s2"},
+      {"cm³", "cm3"},      {"cm²", "cm2"},    {"mm²", "mm2"},     {"µm", "um"},        {"μm", "um"},
+      {"°", "deg"},        {"grad", "deg"},   {"lpm", "l/min"}};
   for (const auto& [spelling, name] : kSpellings)
     if (lower == spelling) return std::string(name);
   for (const std::string& name : UnitNames()) {

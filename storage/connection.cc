@@ -148,6 +148,12 @@ Error DatabaseError(const std::string& path, const SQLite::Database* db, const S
     case SQLITE_CANTOPEN:
       return {ErrorKind::kBadInput,
               fmt::format("cannot open {}; check that the folder exists and may be written", path)};
+    case SQLITE_IOERR:
+      return {ErrorKind::kInternal,
+              fmt::format(
+                  "{} cannot be written or read ({}); is its disk sound, or is there a limit on the size of "
+                  "files (`ulimit -f`)?",
+                  path, exception.what())};
     default:
       return {ErrorKind::kInternal, fmt::format("{}: {} (SQLite error {})", path, exception.what(),
                                                 exception.getExtendedErrorCode())};

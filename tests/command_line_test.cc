@@ -84,6 +84,8 @@ TEST_F(CommandLine, AnOutputThatExplainsItselfIsRefused) {
   EXPECT_THAT(machine("a = \"x\", b = \"2*U\""),
               HasSubstr("terms without the output itself; b = \"2*U\" reads U"));
   EXPECT_THAT(machine("a = \"x\", b = \"ddt(U)\""), Not(HasSubstr("the output itself")));
+  EXPECT_THAT(machine("a = \"x\" }\n[[effect]]\nid = \"itself\"\nterms = { k = \"U\""),
+              HasSubstr("terms without the output itself; k = \"U\" reads U"));
 }
 
 TEST_F(CommandLine, AFileSizeLimitIsAnErrorAndNoCrash) {
@@ -94,7 +96,8 @@ TEST_F(CommandLine, AFileSizeLimitIsAnErrorAndNoCrash) {
   ASSERT_TRUE(WIFEXITED(state)) << "ended by a signal";
   EXPECT_NE(WEXITSTATUS(state), 0);
   EXPECT_LT(WEXITSTATUS(state), 5);
-  EXPECT_THAT(ReadText(File("limited.err")), HasSubstr("limited.db"));
+  EXPECT_THAT(ReadText(File("limited.err")),
+              AllOf(HasSubstr("limited.db cannot be written"), HasSubstr("ulimit -f")));
 }
 
 TEST_F(CommandLine, EveryCommandAndOptionIsDocumented) {

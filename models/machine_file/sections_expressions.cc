@@ -202,19 +202,19 @@ void AddLevels(const ExpressionNode& node, std::set<std::string>& names) {
   for (const Expression& arg : node.args) AddLevels(*arg, names);
 }
 
-/// An output that is a signal must not explain itself: its term would take everything.
-void RefuseOutputAsTerm(TableReader& section, const BalanceSpec& balance) {
-  if (!IsName(balance.output)) return;
-  for (const TermSpec& term : balance.terms) {
+/// An output that is a signal must not explain itself: its term, in the balance or in an effect, would take everything.
+void RefuseOutputAsTerm(TableReader& section, const std::vector<TermSpec>& terms, const std::string& output) {
+  if (!IsName(output)) return;
+  for (const TermSpec& term : terms) {
     const auto tree = ParseExpression(term.expression);
     if (!tree) continue;
     std::set<std::string> levels;
     AddLevels(**tree, levels);
-    if (levels.contains(balance.output))
+    if (levels.contains(output))
       section.Wrong(
           "terms",
           fmt::format("terms without the output itself; {} = \"{}\" reads {}, and would explain all of it",
-                      term.parameter, term.expression, balance.output));
+                      term.parameter, term.expression, output));
   }
 }
 
@@ -232,7 +232,7 @@ void ReadBalance(TableReader& file, Machine& machine) {
   std::vector<ExpressionUnit> units;
   machine.balance.terms = ReadTerms(section, "terms", names, units);
   CheckTermUnits(section, "terms", machine.balance.terms, units, machine.balance.unit);
-  RefuseOutputAsTerm(section, machine.balance);
+  RefuseOutputAsTerm(section, machine.balance.terms, machine.balance.output);
   if (section.Has("derived"))
     machine.balance.derived = ReadTerms(section, "derived", NamesForDerived(machine), units);
   if (machine.balance.terms.size() > kMaxParameters)
@@ -254,6 +254,7 @@ void ReadEffects(TableReader& file, Machine& machine) {
   for (const toml::node& effect : *list) {
     TableReader section(*effect.as_table(), "effect", file.problems());
     ReadEffect(section, ids, machine);
+    RefuseOutputAsTerm(section, machine.user_effects.back().terms, machine.balance.output);
   }
 }
 
