@@ -70,24 +70,24 @@ Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::str
   if (format.time_column.empty()) {
     if (!format.sample_period || !(*format.sample_period > 0))
       return BadInput(
-          "log '{}': the machine file has no time column (log.time_column = \"\"), so it must give "
-          "log.sample_period in s, greater than 0",
+          "log '{}': the machine file names no time column (time = \"\" in [log]), so it must give sample_period in s "
+          "there, greater than 0",
           origin);
     return {};
   }
   const auto unit = FindUnit(format.time_unit);
   if (!unit || unit->si != "s")
     return BadInput(
-        "log.time_unit = \"{}\" is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h', 'd'",
+        "unit = \"{}\" of time in [log] is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h', 'd'",
         format.time_unit);
   plan.time_scale = unit->scale;
   const auto column = layout.Find(format.time_column);
   if (!column)
     return MissingColumn(layout, format.time_column, "the time", origin,
-                         "; set log.time_column to one of them, or to \"\" with log.sample_period in s "
-                         "if the rows are equally spaced");
+                         "; name it by time = \"...\" in [log], or write time = \"\" and sample_period in s "
+                         "there if the rows are equally spaced");
   plan.time = static_cast<int>(*column);
-  return CheckUnit(layout, plan.time, format.time_unit, "log.time_unit", origin);
+  return CheckUnit(layout, plan.time, format.time_unit, "log.time.unit", origin);
 }
 
 void ReportTwins(const LogLayout& layout, const ColumnPlan& plan, LogCounters& counters) {

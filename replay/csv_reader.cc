@@ -109,9 +109,9 @@ Status CsvReader::FindSamplePeriod(const LogFormat& format) {
   if (sample_period_ > 0) return {};
   return BadInput(Tell(
       "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
-      "'{}' (log.time_unit), or give log.sample_period in s",
+      "'{}' (unit of time in [log]), or give sample_period in s there",
       "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
-      "(log.time_unit), oder log.sample_period in s angeben",
+      "(unit von time in [log]), oder dort sample_period in s angeben",
       origin_, layout_.names[static_cast<std::size_t>(plan_.time)], times.size(), format.time_unit));
 }
 

@@ -133,6 +133,11 @@ TEST_F(CsvReaderTest, ReadsDatesAsTime) {
   EXPECT_EQ(flags_[0][1], quality::kGood);
 }
 
+TEST_F(CsvReaderTest, SaysHowTheMachineFileNamesTheTimeColumn) {
+  Read("time,p,z\n1,2,3\n");
+  EXPECT_THAT(error_, HasSubstr("time = \"...\" in [log]"));
+}
+
 TEST_F(CsvReaderTest, SpacesRowsWithoutTimeColumn) {
   machine_.log.time_column = "";
   machine_.log.sample_period = 0.5;

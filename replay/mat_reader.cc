@@ -68,9 +68,9 @@ Status MatReader::FindSamplePeriod(const std::string& path, const LogFormat& for
   if (sample_period_ > 0) return {};
   return BadInput(Tell(
       "log '{}', time column '{}': the time does not increase within the first {} rows; expected times in "
-      "'{}' (log.time_unit), or give log.sample_period in s",
+      "'{}' (unit of time in [log]), or give sample_period in s there",
       "Log '{}', Zeitspalte '{}': die Zeit wächst in den ersten {} Zeilen nicht; erwartet: Zeiten in '{}' "
-      "(log.time_unit), oder log.sample_period in s angeben",
+      "(unit von time in [log]), oder dort sample_period in s angeben",
       path, layout_.names[column], times.size(), format.time_unit));
 }
 

@@ -45,7 +45,7 @@ Result<StateContender> CandidateFits::Screened(const std::vector<std::string>& a
   const auto model = BuildStateModel(machine_, WithAdded(added));
   if (!model) return tl::unexpected(model.error());
   ScreenedEffect screened = ScreenEffect(near.fit, **model, episodes_, options_.screening);
-  return StateContender{added, *model, std::move(screened.starts),
+  return StateContender{added, *model, std::move(screened.starts), screened.seen,
                         near.held_out * (1 - screened.explained.value_or(1))};
 }
 

@@ -13,7 +13,8 @@ namespace hydroscope {
 struct StateContender {
   std::vector<std::string> added;
   std::shared_ptr<const StateModel> model;
-  std::vector<StateStart> starts;  ///< best first
+  std::vector<StateStart> starts;      ///< best first
+  EffectSeen seen = EffectSeen::kYes;  ///< the last effect, in these episodes
   double foreseen = 0;  ///< energy left by linearisation, over the base's noise; 0: nothing is known of it
 };
 

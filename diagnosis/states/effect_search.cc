@@ -47,6 +47,7 @@ class EffectSearch {
     fits_.emplace(machine_, episodes_, starts_on_, options_, out_.base);
     Search();
     Prune();
+    RetryFromBetterMinima();
     Conclude();
     return std::move(out_);
   }
@@ -69,24 +70,24 @@ class EffectSearch {
     levels_.push_back({out_.base});
     out_.final = out_.base;
     out_.final_left = out_.base_left;
-    std::vector<std::string> ids;
     for (const Effect& effect : StateEffectsOf(machine_))
       if (std::find(machine_.added_effects.begin(), machine_.added_effects.end(), effect.id) ==
           machine_.added_effects.end())
-        ids.push_back(effect.id);
-    for (int size = 1; size <= options_.max_effects && static_cast<std::size_t>(size) <= ids.size(); ++size) {
+        ids_.push_back(effect.id);
+    for (int size = 1; size <= options_.max_effects && static_cast<std::size_t>(size) <= ids_.size();
+         ++size) {
       if (size > 1 && !out_.final_left.structured) break;
-      if (!OneMore(Contenders(ids, size == 1), size == 1)) break;
+      if (!OneMore(Contenders(size == 1), size == 1)) break;
     }
   }
 
   /// Sets with one effect more than the best ones so far, best by what is foreseen first.
-  std::vector<StateContender> Contenders(const std::vector<std::string>& ids, bool single) {
+  std::vector<StateContender> Contenders(bool single) {
     std::vector<StateContender> contenders;
     std::set<std::vector<std::string>> tried;
     const std::vector<StateCandidate>& before = levels_.back();
     for (std::size_t b = 0; b < before.size() && static_cast<int>(b) < options_.beam; ++b)
-      for (const std::string& id : ids) {
+      for (const std::string& id : ids_) {
         std::vector<std::string> added = before[b].added;
         if (std::find(added.begin(), added.end(), id) != added.end()) continue;
         added.push_back(id);
@@ -151,6 +152,8 @@ class EffectSearch {
   void TakeRanking(const std::vector<StateContender>& contenders, const std::vector<StateCandidate>& sets) {
     out_.ranking = sets;
     for (const StateContender& c : contenders)
+      if (c.seen != EffectSeen::kYes) out_.not_seen[c.added.front()] = c.seen;
+    for (const StateContender& c : contenders)
       if (std::none_of(sets.begin(), sets.end(), [&](const auto& set) { return set.added == c.added; }))
         out_.ranking.push_back(fits_->Foreseen(c));
     std::stable_sort(out_.ranking.begin() + static_cast<std::ptrdiff_t>(sets.size()), out_.ranking.end(),
@@ -160,7 +163,8 @@ class EffectSearch {
   /// Into the list, in place of a worse fit of the same set.
   void Take(std::vector<StateCandidate>& sets, StateCandidate candidate) {
     const auto same = std::find_if(sets.begin(), sets.end(), [&](const StateCandidate& other) {
-      return other.added == candidate.added;
+      return std::is_permutation(other.added.begin(), other.added.end(), candidate.added.begin(),
+                                 candidate.added.end());
     });
     if (!candidate.fitted()) {
       if (same == sets.end() && candidate.added.size() == 1 && !candidate.fit.failed.empty())
@@ -178,10 +182,7 @@ class EffectSearch {
     if (!sets.empty()) PreferFewParameters(sets);
   }
 
-  /// Whether a set leaves more than white noise, as every wrong minimum does.
-  bool Coloured(const StateCandidate& set) const {
-    return EvidenceOf(set) * std::max(1, set.fit.readings()) > options_.white_readings * set.held_out;
-  }
+  bool Coloured(const StateCandidate& set) const { return LeavesColoured(set, options_.white_readings); }
 
   /// What the best set leaves may be that of a wrong minimum, which a further effect would seem to mend: it is fitted from starts
   /// all over the ranges. Whether there was a better one.
@@ -229,7 +230,7 @@ class EffectSearch {
                        removed > options_.min_removed * now.held_out;
     if (!left.structured)
       return large || (removed > options_.min_gain * EvidenceOf(next) && t > options_.sure_t);
-    const double predictable = now.held_out * left.share;
+    const double predictable = now.held_out * left.least_share;
     return removed > options_.min_removed * predictable && removed > options_.rival_gain * EvidenceOf(next) &&
            (large || t > options_.min_t);
   }
@@ -281,11 +282,43 @@ class EffectSearch {
     out_.base_left = out_.final_left;
   }
 
+  /// A set found may show that what it was found beyond stands in a wrong minimum: the better one takes that place, and the other
+  /// sets of the size found are fitted from there too, not to be beaten for having begun elsewhere.
+  void RetryFromBetterMinima() {
+    if (out_.final.added.empty()) return;
+    bool another = false;
+    std::vector<StateCandidate>& level = levels_.back();
+    StateCandidate& before = levels_[levels_.size() - 2].front();
+    for (const std::string& id : std::vector<std::string>(out_.final.added)) {
+      const StateCandidate without = Without(id);
+      const double known = without.added == before.added ? before.held_out : out_.base.held_out;
+      if (!without.fitted() || without.held_out >= (1 - options_.fit.same_minimum) * known) continue;
+      for (const std::string& other : ids_) {
+        std::vector<std::string> added = without.added;
+        added.push_back(other);
+        if (other == id || std::find(added.begin(), added.end() - 1, other) != added.end() - 1) continue;
+        if (const auto contender = fits_->Screened(added, without)) Take(level, fits_->Fitted(*contender));
+        another = true;
+      }
+      if (without.added != before.added) continue;
+      before = without;
+      if (!before.added.empty()) continue;
+      out_.base = before;
+      out_.base_left = Left(out_.base.fit);
+    }
+    if (!another) return;
+    Sort(level);
+    if (level.front().added == out_.final.added) return;
+    out_.final = level.front();
+    out_.final_left = Left(out_.final.fit);
+    without_.clear();
+  }
+
   /// Of sets that do hardly worse than the best, the one with the fewest parameters that is the same law stands for both.
   void PreferFewParameters(std::vector<StateCandidate>& sets) const {
     for (std::size_t k = 1; k < sets.size(); ++k)
       if (sets[k].fit.parameters.size() < sets.front().fit.parameters.size() &&
-          NearlyAsGood(sets[k], sets.front()) &&
+          NearlyAsGood(sets[k], sets.front(), out_.base.held_out - sets.front().held_out) &&
           SameLaw(out_.base.fit, sets[k], sets.front(), episodes_, options_.same_law)) {
         std::rotate(sets.begin(), sets.begin() + static_cast<std::ptrdiff_t>(k),
                     sets.begin() + static_cast<std::ptrdiff_t>(k) + 1);
@@ -301,9 +334,19 @@ class EffectSearch {
     return near && worse < std::max(options_.rival_gain * noise, options_.rival_share * removed);
   }
 
-  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best) const {
-    return HardlyWorse(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies(),
-                       out_.base.held_out - best.held_out, EvidenceOf(best));
+  bool NearlyAsGood(const StateCandidate& other, const StateCandidate& best, double removed) const {
+    return HardlyWorse(other.fit.HeldOutEnergies(), best.fit.HeldOutEnergies(), removed, EvidenceOf(best));
+  }
+
+  /// Energy that the effects of the set found that `other` has not remove beyond those that both have.
+  double RemovedBeyondShared(const StateCandidate& other) {
+    double shared = out_.base.held_out;
+    for (const std::string& id : out_.final.added) {
+      if (std::find(other.added.begin(), other.added.end(), id) != other.added.end()) continue;
+      const StateCandidate& without = Without(id);
+      if (without.fitted()) shared = std::min(shared, without.held_out);
+    }
+    return shared - out_.final.held_out;
   }
 
   /// Whether an effect of the set found is weak, and a function that is no effect of the machine file does as well in its
@@ -345,12 +388,12 @@ class EffectSearch {
   }
 
   /// Rivals of the set found: of the same size, and hardly worse.
-  std::vector<StateCandidate> Rivals() const {
+  std::vector<StateCandidate> Rivals() {
     std::vector<StateCandidate> rivals;
     if (levels_.size() < 2) return rivals;
     const StateCandidate& best = out_.final;
     for (const StateCandidate& other : levels_.back())
-      if (other.added != best.added && NearlyAsGood(other, best) &&
+      if (other.added != best.added && NearlyAsGood(other, best, RemovedBeyondShared(other)) &&
           !(other.fit.parameters.size() > best.fit.parameters.size() &&
             SameLaw(out_.base.fit, best, other, episodes_, options_.same_law)))
         rivals.push_back(other);
@@ -360,8 +403,9 @@ class EffectSearch {
   /// Predictable energy that a set leaves, of what was there.
   double Unexplained(const StateCandidate& set, const StateRemainder& left) const {
     if (!left.structured) return 0;
-    const double predictable = out_.base.held_out * out_.base_left.share;
-    return set.held_out * left.share / std::max({predictable, out_.base.held_out - set.held_out, 1e-300});
+    const double predictable = out_.base.held_out * out_.base_left.least_share;
+    return set.held_out * left.least_share /
+           std::max({predictable, out_.base.held_out - set.held_out, 1e-300});
   }
 
   /// What a complete explanation may leave of it.
@@ -377,6 +421,7 @@ class EffectSearch {
   }
 
   void Conclude() {
+    for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
     const auto readings = [](const StateCandidate& c) { return std::max(1, c.fit.readings()); };
     out_.steps.emplace_back("", std::sqrt(out_.base.held_out / readings(out_.base)));
     for (std::size_t k = 1; k < levels_.size(); ++k)
@@ -452,6 +497,7 @@ class EffectSearch {
   std::vector<std::size_t> starts_on_;                          ///< episodes that starts are tried on
   std::optional<CandidateFits> fits_;                           ///< once the base is fitted
   std::vector<std::vector<StateCandidate>> levels_;             ///< per number of effects, sets best first
+  std::vector<std::string> ids_;                                ///< effects that may be added
   std::map<std::vector<std::string>, StateCandidate> without_;  ///< the set found without an effect
   StatesExplanation out_;
 };

@@ -6,6 +6,7 @@
 
 #include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/spread_pieces.h"
+#include "diagnosis/states/state_candidate.h"
 
 namespace hydroscope {
 namespace {
@@ -54,43 +55,48 @@ StatesExplanation ExplainRuns(const Machine& machine, std::vector<Episode> runs,
   return out;
 }
 
-/// Tells noise that acts on the process itself: it adds up over an episode until it covers what effects do, and no function of
-/// states and inputs predicts it.
-class CoveringNoise {
+/// Runs that episodes are cut into where whole ones do not show what effects do: noise that acts on the process itself adds up over
+/// an episode until it covers them, and a free run may lose its way. Empty where a run may not begin at any row.
+class NoisyRuns {
  public:
-  CoveringNoise(const Machine& machine, std::span<const Episode> episodes,
-                const ExplainStatesOptions& options)
-      : options_(options) {
+  NoisyRuns(const Machine& machine, std::span<const Episode> episodes, const ExplainStatesOptions& options)
+      : machine_(machine), options_(options) {
     if (BeginsAnywhere(machine)) runs_ = ShortRuns(episodes, options.noisy.readings);
     some_ = Chosen(runs_, SpreadOver(runs_.size(), options.noisy.most));
   }
 
-  /// Whether functions predict little of what a fit over whole episodes leaves, and short runs leave far less of it.
-  bool Covers(const StateFit& whole, const StateRemainder& left) const {
-    if (runs_.empty() || left.share >= options_.covered_share) return false;
+  /// Whether functions predict little of what a fit over whole episodes leaves, and the runs leave far less of it.
+  bool Covered(const StateFit& whole, const StateRemainder& left) const {
+    if (runs_.empty() || left.least_share >= options_.covered_share) return false;
     const StateStart start{whole.parameters, {}};
     const StateFit fit = RefitStates(whole.model, some_, std::span(&start, 1), whole.noise, options_.fit);
     return fit.solved() && (fit.noise.array() < options_.covered_error * whole.noise.array()).any();
   }
 
-  const std::vector<Episode>& runs() const { return runs_; }
+  bool empty() const { return runs_.empty(); }
+
+  /// `why` is told as a warning.
+  StatesExplanation Explain(const Wording& why) const {
+    StatesExplanation out = ExplainRuns(machine_, runs_, options_.noisy, {"rows", "Zeilen"}, options_);
+    out.warnings.push_back(
+        Tell("{}: effects were looked for in runs of {} rows, each with initial states of its own",
+             "{}: Effekte wurden in Stücken von {} Zeilen gesucht, jedes mit eigenen Anfangszuständen",
+             Told(why), options_.noisy.readings));
+    return out;
+  }
 
  private:
+  const Machine& machine_;
   const ExplainStatesOptions& options_;
   std::vector<Episode> runs_, some_;
 };
 
-StatesExplanation ExplainNoisy(const Machine& machine, const CoveringNoise& noise,
-                               const ExplainStatesOptions& options) {
-  StatesExplanation out = ExplainRuns(machine, noise.runs(), options.noisy, {"rows", "Zeilen"}, options);
-  out.warnings.push_back(Tell(
-      "noise acts on the process itself (or a disturbance that is not measured) and adds up over an episode: effects "
-      "were looked for in runs of {} rows, each with initial states of its own",
-      "Rauschen wirkt auf den Prozess selbst (oder eine Störung, die nicht gemessen wird) und summiert sich über eine "
-      "Episode: Effekte wurden in Stücken von {} Zeilen gesucht, jedes mit eigenen Anfangszuständen",
-      options.noisy.readings));
-  return out;
-}
+constexpr Wording kCoveredText = {
+    "noise acts on the process itself (or a disturbance that is not measured) and adds up over an episode",
+    "Rauschen wirkt auf den Prozess selbst (oder eine Störung, die nicht gemessen wird) und summiert sich über eine "
+    "Episode"};
+constexpr Wording kAstrayText = {"a free run over whole episodes loses its way",
+                                 "ein freier Lauf über ganze Episoden verliert sich"};
 
 StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episode> episodes,
                                   const ExplainStatesOptions& options) {
@@ -98,12 +104,20 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
   const std::span<const Episode> tried = pieces.empty() ? episodes : std::span<const Episode>(pieces);
   StatesExplanation out = SearchEffects(machine, tried, tried.size(), options);
   if (!out.base.fit.solved()) return out;
-  // What is found over whole episodes stands: an effect that acts slowly shows nowhere else.
-  if (out.set.empty()) {
-    const CoveringNoise noise(machine, tried, options);
-    if (noise.Covers(out.base.fit, out.base_left) ||
-        (!out.final.added.empty() && noise.Covers(out.final.fit, out.final_left)))
-      return ExplainNoisy(machine, noise, options);
+  const bool lost = out.base.fit.ErrorOfVariation() > options.hardly_follows &&
+                    LeavesColoured(out.final, options.white_readings);
+  // What is found over whole episodes that are followed stands: an effect that acts slowly shows nowhere else.
+  if (out.set.empty() || lost) {
+    const NoisyRuns runs(machine, tried, options);
+    if (lost && !runs.empty()) {
+      StatesExplanation short_runs = runs.Explain(kAstrayText);
+      if (short_runs.base.fit.solved() && !short_runs.astray &&
+          (short_runs.final.fit.noise.array() < options.covered_error * out.final.fit.noise.array()).any())
+        return short_runs;
+    } else if (runs.Covered(out.base.fit, out.base_left) ||
+               (!out.final.added.empty() && runs.Covered(out.final.fit, out.final_left))) {
+      return runs.Explain(kCoveredText);
+    }
   }
   if (pieces.empty()) return out;
   FitToAll(episodes, options, out);

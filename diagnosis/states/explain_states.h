@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -81,7 +82,8 @@ struct StatesExplanation {
   std::vector<Episode>
       runs;  ///< that the fits above are of, where the episodes were cut (ShortRuns); else empty
   StateRemainder base_left, final_left;
-  std::vector<StateCandidate> ranking;  ///< single effects, best first; some as foreseen
+  std::vector<StateCandidate> ranking;         ///< single effects, best first; some as foreseen
+  std::map<std::string, EffectSeen> not_seen;  ///< effects that these episodes cannot show, and why
   std::vector<std::pair<std::string, double>>
       steps;  ///< effect added ("" = none), rms left out over the noise of `base`
 };

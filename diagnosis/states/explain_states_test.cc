@@ -107,6 +107,24 @@ TEST(ExplainStates, RunsOverWholeEpisodesWhereNothingActsOnTheProcess) {
   EXPECT_TRUE(x.runs.empty());
 }
 
+TEST(ExplainStates, SaysWhichEffectsAnEpisodeCannotShow) {
+  const Machine machine = PushedMachine(std::string(kPushedCylinder) + R"toml([[effect]]
+id = "end_stop"
+adds = { x = "-c*max(x - far, 0)" }
+parameters = { c = { start = 1, min = 0.1, max = 10, unit = "1/s" }, far = { start = 20, min = 10, max = 30, unit = "m" } }
+[[effect]]
+id = "wider_valve"
+adds = { x = "more*u" }
+parameters = { more = { start = 0.1, min = 0, max = 1, unit = "m/s" } }
+)toml",
+                                        0);
+  const Episode episode = PushedLog(Even, {});
+  const StatesExplanation x = ExplainStates(machine, std::span(&episode, 1));
+  const std::map<std::string, EffectSeen> expected = {{"end_stop", EffectSeen::kNeverActs},
+                                                      {"wider_valve", EffectSeen::kTakenOver}};
+  EXPECT_EQ(x.not_seen, expected);
+}
+
 /// The law less the straight line that the valve's gain takes over, where the file names no effect.
 TEST(ExplainStates, ShowsTheShapeOfALawThatNobodyHasNamed) {
   const std::string_view all = kPushedCylinder;

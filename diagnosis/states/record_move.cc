@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "estimation/states/row_course.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -89,18 +90,15 @@ InputCourse Within(const InputCourse& course, const GateBound* bound) {
 }
 
 /// Value of a recorded input some seconds after its beginning; after its end it begins again.
-double Recorded(const Episode& recorded, int signal, double since, bool held) {
+double Recorded(const Episode& recorded, int signal, double since, InputHold hold) {
   const double duration = recorded.time.back() - recorded.time.front();
   if (duration <= 0) return recorded.signal(0, signal);
   const double at = recorded.time.front() + std::fmod(since, duration);
   const auto after = std::upper_bound(recorded.time.begin(), recorded.time.end(), at);
-  const auto row = std::max<std::ptrdiff_t>(0, after - recorded.time.begin() - 1);
-  const auto next = std::min<std::ptrdiff_t>(row + 1, recorded.rows() - 1);
-  const double value = recorded.signal(row, signal);
-  if (held || next == row) return value;
-  const double begin = recorded.time[static_cast<std::size_t>(row)],
-               end = recorded.time[static_cast<std::size_t>(next)];
-  return value + (recorded.signal(next, signal) - value) * (at - begin) / (end - begin);
+  const auto row = static_cast<int>(std::max<std::ptrdiff_t>(0, after - recorded.time.begin() - 1));
+  const auto next = static_cast<std::size_t>(std::min(row + 1, recorded.rows() - 1));
+  const double begin = recorded.time[static_cast<std::size_t>(row)], period = recorded.time[next] - begin;
+  return CourseOf(recorded, row, signal, hold).At(period > 0 ? (at - begin) / period : 0);
 }
 
 Told SpeedText(double speed) {
@@ -176,7 +174,6 @@ bool KeepsSpeeds(const StateModel& model, const Episode& moved) {
 }
 
 Episode MovedRecord(const RecordMove& move, const StateModel& model, const Episode& recorded, int most_rows) {
-  const bool held = model.machine.log.hold == InputHold::kZero;
   Episode out;
   out.log = recorded.log;
   const double period = (recorded.time.back() - recorded.time.front()) / std::max(1, recorded.rows() - 1);
@@ -190,9 +187,9 @@ Episode MovedRecord(const RecordMove& move, const StateModel& model, const Episo
   for (const int signal : model.inputs)
     for (int row = 0; row < rows; ++row)
       out.signal(row, signal) =
-          move.course
-              ? recorded.signal.col(signal).mean()
-              : Recorded(recorded, signal, move.speed * out.time[static_cast<std::size_t>(row)], held);
+          move.course ? recorded.signal.col(signal).mean()
+                      : Recorded(recorded, signal, move.speed * out.time[static_cast<std::size_t>(row)],
+                                 model.machine.log.hold);
   for (const RecordMove::Levels& levels : move.inputs) {
     const double low = recorded.signal.col(levels.signal).minCoeff(),
                  high = recorded.signal.col(levels.signal).maxCoeff();

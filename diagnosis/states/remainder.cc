@@ -214,7 +214,7 @@ StateRemainder RemainderOf(const StateFit& fit, std::span<const Episode> episode
   const auto beyond = std::count_if(null.begin(), null.end(), [&](double n) { return n >= out.share; });
   out.p_value = (1.0 + static_cast<double>(beyond)) / (1.0 + static_cast<double>(null.size()));
   out.null_share = null[null.size() * 19 / 20];
-  out.structured = out.p_value <= options.max_p && out.share >= options.min_share;
+  out.structured = out.p_value <= options.max_p && out.least_share >= options.min_share;
   if (out.structured) out.about = MostIn(fit, columns);
   return out;
 }

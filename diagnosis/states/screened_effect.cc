@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
+#include <utility>
 
 #include "diagnosis/states/added_effect.h"
 #include "diagnosis/states/tangent.h"
@@ -29,6 +31,14 @@ class EffectScreen {
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return scores[a].explained > scores[b].explained; });
     ScreenedEffect out;
+    const auto largest = [&](double Score::*energy) {
+      double most = 0;
+      for (const Score& score : scores) most = std::max(most, score.*energy);
+      return most;
+    };
+    out.seen = largest(&Score::changes) < options_.least_seen          ? EffectSeen::kNeverActs
+               : largest(&Score::not_taken_over) < options_.least_seen ? EffectSeen::kTakenOver
+                                                                       : EffectSeen::kYes;
     out.explained = energy > 0 ? std::clamp(scores[order.front()].explained / energy, 0.0, 1.0) : 0.0;
     for (std::size_t k = 0; k < order.size() && k < static_cast<std::size_t>(options_.kept); ++k) {
       StateStart start{draws_[order[k]], near_.initial};
@@ -47,6 +57,8 @@ class EffectScreen {
   struct Score {
     double explained = 0;  ///< energy, in noise variances
     double amplitude = 1;  ///< of the draw's effect
+    double changes = 0;    ///< energy of what the largest such effect does to the outputs, in noise variances
+    double not_taken_over = 0;  ///< ... with parameters and initial states free
   };
 
   /// An effect that delays an input reads what the model without it does not have at hand.
@@ -164,13 +176,26 @@ class EffectScreen {
     for (int d = 0; d < columns; ++d) {
       const int c = parameters + d;
       const double square = rest(c, c), cross = rest(c, all - 1);
+      Score& score = scores[static_cast<std::size_t>(d)];
+      const double most = LargestOf(draws_[static_cast<std::size_t>(d)]);
+      score.changes = most * most * sums(c, c);
+      score.not_taken_over = most * most * std::max(0.0, square);
       if (!(square > 1e-12 * sums(c, c)) || !std::isfinite(square) || !std::isfinite(cross)) continue;
-      scores[static_cast<std::size_t>(d)] = ScoreOf(draws_[static_cast<std::size_t>(d)], square, cross);
+      std::tie(score.explained, score.amplitude) =
+          Explained(draws_[static_cast<std::size_t>(d)], square, cross);
     }
     return scores;
   }
 
-  Score ScoreOf(const Eigen::VectorXd& draw, double square, double cross) const {
+  /// How many times a draw's effect its largest is; infinite where its range has no end.
+  double LargestOf(const Eigen::VectorXd& draw) const {
+    if (factor_ < 0) return 1;
+    const ParameterSpec& spec = SpecOf(factor_);
+    return std::max(std::abs(spec.min), std::abs(spec.max)) / std::abs(draw[factor_]);
+  }
+
+  /// Energy that a draw's effect explains, and its amplitude for it.
+  std::pair<double, double> Explained(const Eigen::VectorXd& draw, double square, double cross) const {
     if (factor_ < 0) return {2 * cross - square, 1};
     const ParameterSpec& spec = SpecOf(factor_);
     const double wanted = cross / square * draw[factor_];

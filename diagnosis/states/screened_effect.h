@@ -13,6 +13,15 @@ struct ScreeningOptions {
   int kept = 2;      ///< best of them
   int unranked = 4;  ///< draws of an effect that delays an input, which cannot be ranked
   std::uint32_t seed = 1;
+  double least_seen =
+      12;  ///< energy, in noise variances, that the largest effect in its range must change outputs by
+};
+
+/// Whether an effect changes the outputs of a log by more than noise, somewhere in its range.
+enum class EffectSeen {
+  kYes,
+  kNeverActs,  ///< its term stays next to nothing all along the run
+  kTakenOver,  ///< parameters and initial states take over what it does
 };
 
 /// Where a fit with further effects may begin, and what may be expected of it.
@@ -20,6 +29,7 @@ struct ScreenedEffect {
   std::vector<StateStart> starts;  ///< best first, last the machine file's own values
   /// Share of the error's energy that the best of them explains; nothing: of an effect that delays an input.
   std::optional<double> explained;
+  EffectSeen seen = EffectSeen::kYes;
 };
 
 /// Screens `with`, which is the model of `near` with further effects: parameters known from `near` stay, those of the

@@ -47,4 +47,8 @@ double EvidenceOf(const StateCandidate& candidate) {
   return candidate.held_out / std::max(1, candidate.fit.readings()) * CorrelatedReadings(candidate.fit);
 }
 
+bool LeavesColoured(const StateCandidate& candidate, double white_readings) {
+  return CorrelatedReadings(candidate.fit) > white_readings;
+}
+
 }  // namespace hydroscope

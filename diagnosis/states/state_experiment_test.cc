@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/states/record_move.h"
 #include "models/machine.h"
 
 namespace hydroscope {
@@ -102,6 +103,29 @@ TEST(StateExperiment, InputsStayWithinWhatWasRecordedWhereNothingElseIsAllowed) 
     EXPECT_GE(tried.record.signal.col(0).minCoeff(), episodes[0].signal.col(0).minCoeff() - 1e-9);
     EXPECT_LE(tried.record.signal.col(0).maxCoeff(), episodes[0].signal.col(0).maxCoeff() + 1e-9);
   }
+}
+
+TEST(StateExperiment, InputsThatMoveSmoothlyDoSoWhenTheyRunSlower) {
+  const Machine machine = [] {
+    std::string text = kStore;
+    text.replace(text.find("zero"), 4, "smooth");
+    return ParseMachine(text, "store").value();
+  }();
+  const auto model = BuildStateModel(machine, {});
+  ASSERT_TRUE(model) << model.error().text;
+  Episode recorded;
+  constexpr int kRows = 40;
+  constexpr double kPerRow = 1.2;  // rad: five rows a period
+  recorded.signal = RowMatrix::Zero(kRows, 2);
+  for (int row = 0; row < kRows; ++row) {
+    recorded.time.push_back(row);
+    recorded.signal(row, 0) = std::sin(kPerRow * row);
+  }
+  RecordMove slower;
+  slower.speed = 0.5;
+  const Episode moved = MovedRecord(slower, **model, recorded, kRows);
+  for (int row = 21; row < 39; row += 2)  // between two rows; straight lines err by 0.17
+    EXPECT_NEAR(moved.signal(row, 0), std::sin(0.5 * kPerRow * row), 0.03) << row;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "estimation/states/beginnings.h"
 #include "estimation/states/evidence.h"
 #include "estimation/states/fit_task.h"
 #include "estimation/states/growing.h"
@@ -20,6 +21,7 @@ shooting::Point Shot(shooting::Task task, const Eigen::VectorXd& parameters, con
   const std::vector<shooting::Segment> segments =
       shooting::ShortSegments(task.episodes, options.segment_rows);
   shooting::GuessSegments(task, segments, shot);
+  shooting::SeekBeginnings(task, segments, options.segment_rows, shot);
   for (const double joint : {kSoft, kStiff}) {
     task.joint = joint;
     if (!shooting::Minimise(task, segments, options.start_iterations / 2, options.start_tolerance, false,
@@ -44,6 +46,7 @@ shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& par
   shooting::Point alone = shooting::PointAt(task, parameters);
   const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(task.episodes);
   shooting::GuessSegments(task, whole, alone);
+  shooting::SeekBeginnings(task, whole, options.segment_rows, alone);
   if (shooting::Minimise(task, whole, options.start_iterations, options.start_tolerance, false, alone) &&
       (!best.valid || alone.cost < best.cost))
     best = std::move(alone);
@@ -55,7 +58,9 @@ shooting::Point FromStart(const shooting::Task& task, const Eigen::VectorXd& par
 shooting::Point TakenOn(const shooting::Task& all, const shooting::Point& few,
                         const StateFitOptions& options) {
   shooting::Point point = few;
-  shooting::GuessSegments(all, shooting::WholeEpisodes(all.episodes), point);
+  const std::vector<shooting::Segment> whole = shooting::WholeEpisodes(all.episodes);
+  shooting::GuessSegments(all, whole, point);
+  shooting::SeekBeginnings(all, whole, options.segment_rows, point);
   std::copy(few.z.begin(), few.z.end(), point.z.begin());
   const bool longer = std::any_of(all.episodes.begin(), all.episodes.end(),
                                   [&](const Episode& e) { return e.rows() > options.start_rows; });
@@ -277,6 +282,7 @@ StateFit RefitStates(std::shared_ptr<const StateModel> model, std::span<const Ep
   for (const StateStart& start : starts) {
     shooting::Point point = shooting::PointAt(task, start.parameters);
     shooting::GuessSegments(task, whole, point);
+    if (start.initial.empty()) shooting::SeekBeginnings(task, whole, options.segment_rows, point);
     for (std::size_t e = 0; e < start.initial.size(); ++e)
       point.z[e] = shooting::Scaled(start.initial[e], task.state_scale);
     if (starts.size() > 1 &&

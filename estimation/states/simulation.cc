@@ -322,6 +322,7 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
   begun_ = false;
   next_share_ = 1;
   first_ = first;
+  const std::int64_t before = steps_;
   for (int row = first; row <= last; ++row) {
     constexpr int kTryAgain = 32;  // rows after which what was stiff, or an end stop, may be over
     if ((row - first) % kTryAgain == 0) stiff_ = false;
@@ -332,7 +333,8 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     run.rows = row - first + 1;
     if (row == last) break;
     if (gain_.size() > 0) Correct(episode, row, run);
-    if (!Row(episode, row)) {
+    const std::int64_t most = options_.max_steps + std::int64_t{options_.mean_steps} * run.rows;
+    if (!Row(episode, row) || steps_ - before > most) {
       run.diverged = true;
       break;
     }

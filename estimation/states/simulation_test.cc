@@ -205,6 +205,22 @@ TEST(StateSimulation, AModelThatRunsAwayIsSaidToDiverge) {
   EXPECT_NE(fit.failed.find("diverges"), std::string::npos) << fit.failed;
 }
 
+/// A fit tries such parameters, and would stay with them for minutes.
+TEST(StateSimulation, ASwingOfManyPeriodsBetweenTwoRowsIsGivenUp) {
+  const Machine swing = StatesFrom(
+      kSignals +
+      "[states]\nx = { ddt = \"v\", initial = \"y\" }\nv = { ddt = \"-w^2*x\", initial = \"estimate\" }\n"
+      "[outputs]\ny = \"x\"\n[parameters]\nw = { start = 1, min = 0.1, max = 1e6 }\n");
+  const auto model = BuildStateModel(swing, {});
+  ASSERT_TRUE(model) << model.error().text;
+  StateSimulator simulator(*model);
+  simulator.SetParameters(Eigen::VectorXd::Constant(1, 1000.0));
+  StateRun run;
+  simulator.Run(Rows(1000, 1, 0), 0, 999, Eigen::Vector2d(1, 0), nullptr, run);
+  EXPECT_TRUE(run.diverged);
+  EXPECT_LT(simulator.steps(), 20'000);
+}
+
 TEST(StateFit, SaysThatRatesAreNotFiniteWhereAModelBegins) {
   const Machine machine =
       StatesFrom(kSignals +

@@ -348,6 +348,26 @@ nlohmann::json CompareJson(const StatesFit& fit) {
 
 namespace {
 
+/// Why these episodes cannot show an effect; empty: they can.
+Told WhyNotSeen(const StatesExplanation& x, const std::string& id) {
+  const auto found = x.not_seen.find(id);
+  if (found == x.not_seen.end()) return {};
+  return found->second == EffectSeen::kNeverActs
+             ? Tell(
+                   "wherever it lies in its range, the outputs hardly change: the machine was not driven to where it acts",
+                   "wo immer er in seinem Bereich liegt, ändern sich die Ausgänge kaum: die Maschine kam nicht dorthin, wo er "
+                   "wirkt")
+             : Tell("what it does to the outputs the parameters take over",
+                    "was er an den Ausgängen ändert, übernehmen die Parameter");
+}
+
+std::string NotSeenText(const StatesExplanation& x) {
+  std::string text;
+  for (const auto& [id, seen] : x.not_seen)
+    text += fmt::format("  {:<28} {}\n", id, WhyNotSeen(x, id).english);
+  return text.empty() ? text : "\nCannot be tested with these episodes (which does not mean absent)\n" + text;
+}
+
 nlohmann::json MissingJson(const StatesExplained& e) {
   if (!e.missing) return nullptr;
   nlohmann::json out = RemainderJson(e.missing->shape, e.missing->unit.factor);
@@ -374,9 +394,10 @@ std::string ExplainText(const StatesExplained& e) {
   text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
   for (const StateCandidate& candidate : x.ranking)
-    text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
-                        UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
-  text += LocatedText(e.located);
+    if (!x.not_seen.contains(candidate.added.front()))
+      text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
+                          UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
+  text += NotSeenText(x) + LocatedText(e.located);
   if (e.missing)
     text +=
         RemainderText(e.missing->shape, e.missing->unit.factor, e.missing->unit.name, e.missing->equation);
@@ -395,15 +416,20 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   nlohmann::json ranking = nlohmann::json::array(), steps = nlohmann::json::array(),
                  effects = nlohmann::json::object();
-  for (const StateCandidate& c : x.ranking)
-    ranking.push_back({{"effect", c.added.front()},
-                       {"rms_holdout", Shown(e, c.held_out)},
-                       {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
-                       {"testable", true},
-                       {"fitted", c.fitted()},
-                       {"parameters", c.fitted() ? EffectParametersJson(EstimatesOf(c.fit), c.added.front())
-                                                 : nlohmann::json::object()},
-                       {"gain", c.gain}});
+  for (const StateCandidate& c : x.ranking) {
+    const bool seen = !x.not_seen.contains(c.added.front());
+    ranking.push_back(
+        {{"effect", c.added.front()},
+         {"rms_holdout", Shown(e, c.held_out)},
+         {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
+         {"testable", seen},
+         {"why_not", seen ? nlohmann::json() : nlohmann::json(WhyNotSeen(x, c.added.front()).english)},
+         {"german", {{"why_not", WhyNotSeen(x, c.added.front()).german}}},
+         {"fitted", c.fitted()},
+         {"parameters",
+          c.fitted() ? EffectParametersJson(EstimatesOf(c.fit), c.added.front()) : nlohmann::json::object()},
+         {"gain", c.gain}});
+  }
   for (const auto& [added, relative] : x.steps)
     steps.push_back(
         {{"added", added.empty() ? nlohmann::json() : nlohmann::json(added)},
