@@ -333,7 +333,7 @@ void StateSimulator::Run(const Episode& episode, int first, int last, const Eige
     run.rows = row - first + 1;
     if (row == last) break;
     if (gain_.size() > 0) Correct(episode, row, run);
-    const std::int64_t most = options_.max_steps + std::int64_t{options_.mean_steps} * run.rows;
+    const std::int64_t most = options_.spare_steps + std::int64_t{options_.mean_steps} * run.rows;
     if (!Row(episode, row) || steps_ - before > most) {
       run.diverged = true;
       break;

@@ -31,7 +31,9 @@ struct SimulationOptions {
   double tolerance = 1e-5;  ///< of a step's error, over the state's size
   int stiff_steps = 40;  ///< more explicit steps between two rows than these: the implicit method takes over
   int max_steps = 4000;  ///< between two rows; what needs more has diverged
-  int mean_steps = 100;  ///< ... on average, beside max_steps: what swings so fast is not seen in these rows
+  int mean_steps =
+      40;  ///< ... on average; what swings some five times faster than rows can show has diverged
+  int spare_steps = 1000;    ///< beyond that average, for the beginning of a run
   double divergence = 1e15;  ///< SI; a state beyond has diverged
 };
 
