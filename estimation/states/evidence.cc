@@ -11,6 +11,7 @@ namespace hydroscope {
 void TakePieces(const shooting::Task& task, const StateFitOptions& options, StateFit& fit) {
   const int outputs = task.model->output.rows, parameters = static_cast<int>(task.scale.size());
   const auto episodes = static_cast<int>(task.episodes.size());
+  fit.pieces.clear();
   const int parts = std::max(1, (options.least_clusters + episodes - 1) / episodes);
   for (int e = 0; e < episodes; ++e) {
     const auto at = static_cast<std::size_t>(e);

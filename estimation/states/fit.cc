@@ -132,8 +132,12 @@ StateFit Finish(shooting::Task task, shooting::Point point, bool noise_known, bo
     if (!noise_known) task.noise = fit.noise;
     if (same) break;
   }
-  TakePieces(task, options, fit);
-  TakeCovariance(task, fit);
+  // Intervals are those of the noise that is left, whatever weights energies are compared by.
+  shooting::Task as_left = task;
+  as_left.noise = fit.noise;
+  TakePieces(as_left, options, fit);
+  TakeCovariance(as_left, fit);
+  if (noise_known) TakePieces(task, options, fit);
   for (std::size_t p = 0; p < static_cast<std::size_t>(task.model->parameter_count()); ++p) {
     const double margin = 1e-6 * (1 + std::abs(point.q[p]));
     fit.at_limit.push_back(point.q[p] <= task.scale.low(p) + margin ||

@@ -61,6 +61,15 @@ TEST_P(FitOfALongRecord, BeginsWhereShortSegmentsAreTakenOnStepByStep) {
   EXPECT_NEAR(start->parameters[0], kPendulumRate, 5e-4);
 }
 
+/// Models that are compared are weighted by the noise of one of them, which is a hundred times what another leaves.
+TEST_P(FitOfALongRecord, IntervalsAreThoseOfWhatIsLeftWhateverTheWeights) {
+  const StateStart start{Eigen::VectorXd::Constant(1, kPendulumRate), {}};
+  const StateFit own = RefitStates(model_, std::span(&episode_, 1), std::span(&start, 1), {});
+  const StateFit compared =
+      RefitStates(model_, std::span(&episode_, 1), std::span(&start, 1), 100 * own.noise);
+  EXPECT_NEAR(compared.covariance(0, 0), own.covariance(0, 0), 0.05 * own.covariance(0, 0));
+}
+
 INSTANTIATE_TEST_SUITE_P(Noise, FitOfALongRecord, testing::Values(1, 2, 3));
 
 }  // namespace
