@@ -103,6 +103,7 @@ double KnownScale(const SignalNoise& noise) {
       if (std::isfinite(noise.stated)) return noise.stated * noise.stated / contrast;
       return noise.seen_at_rest ? noise.quiet_std * noise.quiet_std / contrast : kUnstated;
     case NoiseKind::kColoured:
+    case NoiseKind::kInterpolated:
       return std::isfinite(noise.slow_ratio) ? std::max(noise.ratio, noise.slow_ratio) : noise.ratio;
     case NoiseKind::kQuantised:
       return std::isfinite(noise.stated) ? noise.stated * noise.stated / contrast : kUnstated;
@@ -113,7 +114,8 @@ double KnownScale(const SignalNoise& noise) {
 /// Whether KnownScale is the statement of the machine file. What is stated of filtered noise says nothing of
 /// how much of it a block sees.
 bool FromStatement(const SignalNoise& noise) {
-  return noise.kind != NoiseKind::kColoured && std::isfinite(noise.stated);
+  return noise.kind != NoiseKind::kColoured && noise.kind != NoiseKind::kInterpolated &&
+         std::isfinite(noise.stated);
 }
 
 /// By how much the signal may change the noise energy of the balance, as a share of it.
@@ -140,7 +142,10 @@ void Conclude(double floor_excess, FloorTrust& trust) {
     shares += noise.share;
     if (noise.kind == NoiseKind::kDisagreesWithStated && noise.share > floor_excess)
       trust.sentences.push_back(noise.sentence);
-    if (!counts) continue;
+    if (!counts) {
+      if (noise.kind == NoiseKind::kInterpolated) trust.sentences.push_back(noise.sentence);
+      continue;
+    }
     if (trust.believable) trust.why = "the noise floor is not used: " + noise.sentence.english;
     trust.believable = false;
     trust.stated = trust.stated && FromStatement(noise);

@@ -40,6 +40,45 @@ struct ReadingSteps {
   static constexpr double kCoarseSteps = 2.5;
 };
 
+/// Readings between their neighbours: on the straight line, or a corner.
+struct Corners {
+  double straight = 0;   ///< share of readings, without those that repeat the one before
+  double median = 0;     ///< of second differences where there is a corner
+  double reversals = 0;  ///< share of corners at which the signal turns back
+
+  static Corners Of(std::span<const SignalRuns> strokes, double resolution) {
+    // Rounding shifts each of the three readings by half a step, the middle one twice.
+    const double rounding = kRoundingSteps * resolution;
+    std::vector<double> bends;
+    std::size_t readings = 0, straight = 0, turns = 0;
+    for (const SignalRuns& stroke : strokes)
+      for (const std::vector<double>& run : stroke)
+        for (std::size_t k = 2; k < run.size(); ++k, ++readings) {
+          const double before = run[k - 1] - run[k - 2], after = run[k] - run[k - 1];
+          if (std::abs(after - before) > rounding) {
+            bends.push_back(std::abs(after - before));
+            turns += before * after < 0;
+          } else {
+            straight += before != 0 && after != 0;
+          }
+        }
+    Corners out;
+    if (readings > 0) out.straight = static_cast<double>(straight) / static_cast<double>(readings);
+    if (bends.empty()) return out;
+    out.reversals = static_cast<double>(turns) / static_cast<double>(bends.size());
+    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+    std::nth_element(bends.begin(), middle, bends.end());
+    out.median = *middle;
+    return out;
+  }
+  bool AreOfInterpolation(double resolution, const SignalNoiseOptions& options) const {
+    return straight >= options.straight_share && median >= options.corner_steps * resolution &&
+           reversals >= options.corner_reversals;
+  }
+
+  static constexpr double kRoundingSteps = 2.5;
+};
+
 Told WithUnit(double si, const std::string& unit) {
   const DisplayUnit shown = unit == "K" ? DisplayUnit{1, 0, "K"} : DisplayUnitFor(unit);
   return TellNumber(fmt::format("{:.3g}{}{}", si * shown.factor,
@@ -79,6 +118,16 @@ void DescribeSteps(const ReadingSteps& steps, double period, SignalNoise& noise)
              "{} % der Werte von {} wiederholen den davor: es wird seltener als alle {} erneuert", percent,
              noise.name, Milliseconds(period));
   }
+}
+
+void DescribeInterpolation(SignalNoise& noise) {
+  noise.kind = NoiseKind::kInterpolated;
+  noise.sentence = Tell(
+      "{} was not stored at every row: {:.0f} % of its readings lie on straight lines between others, as a historian with a "
+      "deadband exports them; what it did in between is lost, and looks like a play, a lag or a delay of it",
+      "{} wurde nicht in jeder Zeile gespeichert: {:.0f} % der Werte liegen auf Geraden zwischen anderen, wie ein "
+      "Archiv mit Totband sie ausgibt; was dazwischen geschah, fehlt und sieht aus wie Spiel, Trägheit oder Verzug",
+      noise.name, 100 * noise.straight);
 }
 
 void DescribeMotion(double period, bool beyond_stated, SignalNoise& noise) {
@@ -161,6 +210,8 @@ const char* NoiseKindName(NoiseKind kind) {
       return "signal";
     case NoiseKind::kDisagreesWithStated:
       return "not as stated";
+    case NoiseKind::kInterpolated:
+      return "interpolated";
   }
   return "not known";
 }
@@ -176,6 +227,8 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
   noise.quantum = steps.smallest;
   noise.repeated = steps.repeated;
   noise.range = RangeOf(strokes);
+  const Corners corners = Corners::Of(strokes, steps.smallest);
+  noise.straight = corners.straight;
   const RowContrasts contrasts(strokes, options.chunks);
   if (contrasts.empty()) return noise;
   noise.std = std::sqrt(contrasts.Energy(0, false));
@@ -185,6 +238,7 @@ SignalNoise JudgeSignalNoise(const std::string& name, const std::string& unit,
     DescribeSteps(steps, period, noise);
   else
     JudgeContrasts(contrasts, period, options, noise);
+  if (corners.AreOfInterpolation(steps.smallest, options)) DescribeInterpolation(noise);
   return noise;
 }
 

@@ -18,9 +18,10 @@ enum class NoiseKind {
   kQuantised,         ///< the resolution is coarser than the noise
   kSignalInContrast,  ///< the signal itself moves from row to row: sampled too slowly to see the noise
   kDisagreesWithStated,  ///< white, and clearly less than the machine file says
+  kInterpolated,         ///< stored at some rows only, the others drawn straight between them
 };
 
-/// "white", "coloured", "quantised", "signal", "not as stated", "not known".
+/// "white", "coloured", "quantised", "signal", "not as stated", "interpolated", "not known".
 const char* NoiseKindName(NoiseKind kind);
 
 /// Noise of one signal, by contrasts over single rows, pairs and fours of rows (RowContrasts).
@@ -38,6 +39,8 @@ struct SignalNoise {
   double range = 0;     ///< SI, from the 5 % to the 95 % quantile of the readings
   double quantum = 0;   ///< SI, smallest step between readings
   double repeated = 0;  ///< share of readings equal to the one before
+  double straight =
+      0;  ///< share of readings that lie, to the resolution, midway between their neighbours while these differ
   double stated = std::numeric_limits<double>::quiet_NaN();  ///< SI, `noise` of the machine file
   double share = 1;  ///< of the noise energy of a balance; see JudgeFloor
   Told sentence;     ///< what is wrong with it, with units; "" if white
@@ -58,6 +61,10 @@ struct SignalNoiseOptions {
   /// Share of repeated readings beyond which the resolution hides the noise: with normal noise of std s
   /// and a resolution q it is 0.28 q / s, here q = 1.4 s.
   double repeated_share = 0.4;
+  /// A historian stores what leaves a deadband, and an export draws straight lines between: this share of readings lies on
+  /// them (of white noise a hundredth does), corners are this many times the resolution, and so many of them turn back,
+  /// which those of a signal without noise do not.
+  double straight_share = 0.3, corner_steps = 16, corner_reversals = 0.1;
   /// Growth of what exceeds white noise from pairs to four rows beyond which it is motion (8 for a corner, 32
   /// for curvature), not filtered noise (first order: up to 4.7).
   double motion_growth = 6;

@@ -80,6 +80,48 @@ TEST(SignalNoise, SeesReadingsThatRepeat) {
   EXPECT_THAT(held.sentence.english, HasSubstr("updated less often than every 2 ms"));
 }
 
+/// What leaves the deadband is stored, to `resolution`; between stored readings the line is straight.
+std::vector<SignalRuns> StoredByDeadband(std::vector<SignalRuns> strokes, double deadband,
+                                         double resolution) {
+  for (SignalRuns& stroke : strokes) {
+    std::vector<double>& x = stroke[0];
+    std::size_t stored = 0;
+    for (std::size_t k = 1; k < x.size(); ++k) {
+      if (std::abs(x[k] - x[stored]) <= deadband) continue;
+      const double first = x[stored], slope = (x[k] - first) / static_cast<double>(k - stored);
+      for (std::size_t i = stored + 1; i < k; ++i) x[i] = first + slope * static_cast<double>(i - stored);
+      stored = k;
+    }
+    x.resize(stored + 1);
+    if (resolution > 0)
+      for (double& value : x) value = resolution * std::round(value / resolution);
+  }
+  return strokes;
+}
+
+TEST(SignalNoise, SeesLinesThatAHistorianDrewBetweenReadings) {
+  for (const double resolution : {0.0, 0.001, 0.02}) {
+    const SignalNoise noise = Judged(StoredByDeadband(Strokes(8, 0, 100), 1.5, resolution));
+    EXPECT_EQ(noise.kind, NoiseKind::kInterpolated) << resolution;
+    EXPECT_GT(noise.straight, 0.3) << resolution;
+    EXPECT_THAT(noise.sentence.english, HasSubstr("p was not stored at every row"));
+  }
+}
+
+TEST(SignalNoise, TakesNeitherAMotionWithoutNoiseNorACoarseReadingForDrawnLines) {
+  std::vector<SignalRuns> ramps;
+  for (int s = 0; s < 12; ++s) {
+    std::vector<double> run;
+    for (int k = 0; k < 800; ++k) run.push_back(0.1 * k + 0.05 * std::max(0, k - 50 * s));
+    ramps.push_back({run});
+  }
+  EXPECT_NE(Judged(ramps).kind, NoiseKind::kInterpolated);
+  auto coarse = Strokes(8, 0, 3000);
+  for (SignalRuns& stroke : coarse)
+    for (double& x : stroke[0]) x = 0.7 * std::round(x / 0.7);
+  EXPECT_NE(Judged(coarse).kind, NoiseKind::kInterpolated);
+}
+
 TEST(SignalNoise, TellsMotionFromNoise) {
   RandomStream random(5);
   auto strokes = Strokes(5, 0, 0);

@@ -97,7 +97,7 @@ TEST_F(ReplayPress, WhatAllAxesShowIsToldOfThePressInWhateverOrderTheyAreReplaye
   ASSERT_EQ(at_once.Json().at("machines").size(), 4u);
   EXPECT_EQ(at_once.Json().at("machines")[3].at("machine"), "press/c4");
   EXPECT_THAT(Standing("at_once.db"), testing::ElementsAreArray(standing));
-  EXPECT_THAT(ReadText(File("press_c2.html")), HasSubstr("<b>supply_or_oil</b>"));
+  EXPECT_THAT(ReadText(File("press_c2.html")), HasSubstr("(supply_or_oil), "));
 
   const nlohmann::json again = Run(words).Json();  // nothing new: nothing is told
   for (const auto& machine : again.at("machines"))

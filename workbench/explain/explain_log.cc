@@ -106,6 +106,24 @@ void DoubtForUntried(const LogStrokes& log, Explanation& x) {
   }
 }
 
+/// A play, a lag or a delay of a signal that was stored at some rows only may be what the storage made of it.
+void DoubtForInterpolated(const FloorTrust& floor, Explanation& x) {
+  if (x.partial || x.set.empty()) return;
+  const auto interpolated =
+      std::find_if(floor.signals.begin(), floor.signals.end(),
+                   [](const SignalNoise& s) { return s.kind == NoiseKind::kInterpolated; });
+  if (interpolated == floor.signals.end()) return;
+  for (const auto& effect : x.model->effects) {
+    if (!effect->correct || std::find(x.set.begin(), x.set.end(), effect->id) == x.set.end()) continue;
+    x.partial = true;
+    x.doubt = Tell(
+        "{} was stored at some rows only and drawn straight between them: that alone looks like {}",
+        "{} wurde nur in manchen Zeilen gespeichert und dazwischen gerade gezogen: das allein sieht aus wie {}",
+        interpolated->name, effect->id);
+    return;
+  }
+}
+
 }  // namespace
 
 Told TooFewForVerdict(std::size_t strokes) {
@@ -185,6 +203,7 @@ JudgedModel JudgeAsExplain(const LogStrokes& log, std::shared_ptr<const ModelStr
   WarnOfFloor(floor, out.explanation);
   if (own_balance) DoubtWhatIsLeft(options, out.explanation);
   DoubtForUntried(log, out.explanation);
+  DoubtForInterpolated(floor, out.explanation);
   // Odd strokes are no part of the model's base; a floor that is not white is what explain makes of it.
   if (!x.odd_strokes.empty()) figures = FiguresOf(*x.model, x.base, figures.strokes);
   // What the model lacks may pass for less noise than there is: the best model found tells it.

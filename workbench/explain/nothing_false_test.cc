@@ -18,6 +18,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::Field;
 using testing::HasSubstr;
+using testing::Not;
 
 PressOptions ASeenPress(std::uint64_t seed) {
   PressOptions options;
@@ -86,6 +87,32 @@ TEST(NothingFalse, ALeakIsDoubtedWhereARivalNeedsASignalThatIsMissing) {
   EXPECT_TRUE(x.partial);
   EXPECT_THAT(x.doubt.english, HasSubstr("internal_leakage"));
   EXPECT_THAT(x.doubt.english, HasSubstr("p_B is not measured"));
+}
+
+/// As a historian with a deadband gives it out: what left the deadband was stored, the rest is drawn straight.
+void StoreByDeadband(double deadband, std::vector<double>& x) {
+  std::size_t stored = 0;
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    if (std::abs(x[k] - x[stored]) <= deadband) continue;
+    const double slope = (x[k] - x[stored]) / static_cast<double>(k - stored);
+    for (std::size_t i = stored + 1; i < k; ++i) x[i] = x[stored] + slope * static_cast<double>(i - stored);
+    stored = k;
+  }
+}
+
+TEST(NothingFalse, APlayOfASpoolThatWasStoredByDeadbandIsDoubted) {
+  PressOptions options = ASeenPress(4);
+  options.effects = {{"spool_hysteresis", 0.008, {}}};
+  SimulatedLog log = SimulatePress(options);
+  const Machine machine = MachineFor(options);
+  const Explanation as_recorded = ExplanationOf(log, machine);
+  ASSERT_THAT(as_recorded.set, Contains("spool_hysteresis"));
+  EXPECT_THAT(as_recorded.doubt.english, Not(HasSubstr("stored at some rows only")));
+  StoreByDeadband(0.0008, log.y_v);
+  const Explanation x = ExplanationOf(log, machine);
+  ASSERT_THAT(x.set, Contains("spool_hysteresis"));
+  EXPECT_TRUE(x.partial);
+  EXPECT_THAT(x.doubt.english, HasSubstr("y_v was stored at some rows only"));
 }
 
 /// Late by `slow` where the pressure falls and by a quarter of it where it rises, as it moves over some rows.
