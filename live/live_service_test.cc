@@ -444,6 +444,10 @@ TEST_F(LiveServiceTest, StatusAndMetricsTellChannelsAxesAndCounters) {
     EXPECT_EQ(json.at("channels").size(), 8u);
     EXPECT_EQ(json.at("axes")[0].at("counters").at("rows"), 10'000);
     EXPECT_THAT(StatusText(json), HasSubstr("press/left"));
+    nlohmann::json pure = json;
+    pure["channels"][0].update({{"unit", "1"}, {"value", 0.4672}, {"noise_std", 0.00018}});
+    EXPECT_THAT(StatusText(pure),
+                AllOf(HasSubstr(" 0.4672 "), Not(HasSubstr("0.4672 1")), Not(HasSubstr("0.00018 1"))));
     auto ahead = json;  // a sender whose clock is ahead
     for (auto& channel : ahead.at("channels")) channel["age_s"] = -3.2;
     EXPECT_THAT(StatusText(ahead), HasSubstr(" 0 s "));

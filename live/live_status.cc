@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/counted_words.h"
 #include "core/printable.h"
 #include "core/time_text.h"
 #include "core/units.h"
@@ -121,11 +122,16 @@ json FeedJson(const FeedStatus& f) {
           {"delivered", f.delivered}, {"behind", f.behind},       {"errors", f.errors}};
 }
 
+/// "12.3 bar"; numbers without a unit alone.
+std::string InUnit(std::string number, std::string_view unit) {
+  return unit == "1" || unit.empty() ? number : number.append(" ").append(unit);
+}
+
 /// "12.3 bar" from SI.
 std::string Shown(const json& value, const std::string& si) {
   if (!value.is_number()) return "-";
   const DisplayUnit unit = DisplayUnitFor(si);
-  return fmt::format("{:.5g} {}", value.get<double>() * unit.factor + unit.offset, unit.name);
+  return InUnit(fmt::format("{:.5g}", value.get<double>() * unit.factor + unit.offset), unit.name);
 }
 
 std::string Age(const json& age) { return age.is_number() ? DurationText(age.get<double>()) : "never"; }
@@ -286,11 +292,11 @@ std::string StatusText(const json& s) {
           sender.at("refused_channels").front().get<std::string>(),
           sender.at("refused_rows").get<std::int64_t>());
   for (const json& feed : s.at("feeds"))
-    text += fmt::format("feed {}: {}; {} clients; journal row {}, {} behind; {} errors\n",
-                        Printable(feed.at("name").get<std::string>()),
-                        Printable(feed.at("state").get<std::string>()), feed.at("clients").get<int>(),
-                        feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
-                        feed.at("errors").get<std::int64_t>());
+    text += fmt::format(
+        "feed {}: {}; {}; journal row {}, {} behind; {}\n", Printable(feed.at("name").get<std::string>()),
+        Printable(feed.at("state").get<std::string>()), Counted(feed.at("clients").get<int>(), "client"),
+        feed.at("delivered").get<std::int64_t>(), feed.at("behind").get<std::int64_t>(),
+        Counted(feed.at("errors").get<std::int64_t>(), "error"));
   text += DriftText(s.at("drift"));
   text += fmt::format("\n{:<22} {:>9} {:>9} {:>13} {:>13} {:>8}\n", "channel", "rate", "age", "value",
                       "noise", "flagged");
@@ -299,7 +305,7 @@ std::string StatusText(const json& s) {
     std::string noise = "-";
     if (c.at("noise_std").is_number()) {
       const DisplayUnit shown = DisplayUnitFor(unit);
-      noise = fmt::format("{:.3g} {}", c.at("noise_std").get<double>() * shown.factor, shown.name);
+      noise = InUnit(fmt::format("{:.3g}", c.at("noise_std").get<double>() * shown.factor), shown.name);
     }
     text += fmt::format("{:<22} {:>6.0f} Hz {:>9} {:>13} {:>13} {:>8}{}\n", c.at("name").get<std::string>(),
                         c.at("rate_hz").get<double>(), Age(c.at("age_s")), Shown(c.at("value"), unit), noise,

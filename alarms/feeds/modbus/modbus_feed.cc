@@ -45,9 +45,9 @@ class ModbusFeed : public Feed {
     const ModbusListener::Counters counters = listener_->counters();
     status.clients = counters.clients;
     if (status.state.empty())
-      status.state =
-          fmt::format("open; {} connections taken, {} refused, {} idle ones gave way, {} ended as malformed",
-                      counters.accepted, counters.refused, counters.gave_way, counters.malformed);
+      status.state = fmt::format(
+          "open; {} connections taken, {} refused, {} gave way because idle, {} ended as malformed",
+          counters.accepted, counters.refused, counters.gave_way, counters.malformed);
     return status;
   }
 
