@@ -27,7 +27,7 @@ std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& 
   for (std::size_t k = 0; k < located.size() && k < kShown; ++k) {
     const Located& l = located[k];
     text += fmt::format(
-        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>6.2f}{} rms, measured {:+.2f}{} on average; "
+        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>7.3g}{} rms, measured {:+.2g}{} on average; "
         "{:.0f} % of the error in {:.0f} % of the time\n",
         l.signal, l.from, l.to, ShownUnit(l.unit), l.rms * unit.factor, behind, l.mean * unit.factor, behind,
         100 * l.share_error, 100 * l.share_windows);
