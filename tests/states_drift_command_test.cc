@@ -75,6 +75,23 @@ TEST_F(StatesDrift, IsToldAlikeByAllWhoReadTheDatabase) {
   }
 }
 
+TEST_F(StatesDrift, AnEffectOfTheModelIsOneOfItsParametersToAllWhoReadTheDatabase) {
+  episodes_ = 15;
+  std::string text = MachineText("tank");
+  text.insert(text.find("[log]"), "effects = [\"zero\"]\n");
+  WriteText(File("tank.toml"), text +
+                                   "[[effect]]\nid = \"zero\"\nadds = { level_2 = \"b\" }\n"
+                                   "parameters = { b = { start = 0, min = -20, max = 20 } }\n");
+  const auto replay = Run({"replay", Log(0), "-m", File("tank.toml"), "--db", File("tank.db")});
+  ASSERT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_THAT(replay.out, Not(HasSubstr("cannot tell"))) << "a zero error of next to nothing is known well";
+  for (const char* command : {"explain", "compare"}) {
+    const auto run = Run({command, "--db", File("tank.db")});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.out + run.err, Not(HasSubstr("unknown effect")));
+  }
+}
+
 /// What the stored sums take for noise is then the error of the model.
 TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
   overflow_ = 0.15;

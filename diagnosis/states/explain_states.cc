@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/states/effect_search.h"
 #include "diagnosis/states/spread_pieces.h"
@@ -35,7 +36,17 @@ void FitToAll(std::span<const Episode> episodes, const ExplainStatesOptions& opt
     StateRemainder left_by_rival;
     fit(rival, left_by_rival);
   }
-  for (StateCandidate& candidate : out.ranking) candidate.held_out *= out.base.held_out / before;
+  for (StateCandidate& candidate : out.ranking)
+    candidate.held_out = candidate.added == out.final.added ? out.final.held_out
+                                                            : candidate.held_out * out.base.held_out / before;
+  // What lies between the model as it is and the set found is known on some of the episodes alone.
+  const auto rms = [](const StateCandidate& c) {
+    return std::sqrt(c.held_out / std::max(1, c.fit.readings()));
+  };
+  if (out.steps.empty()) return;
+  const double scale = rms(out.base) / out.steps.front().second;
+  for (auto& [added, error] : out.steps) error *= scale;
+  out.steps.back().second = rms(out.final);
 }
 
 /// On so many of the runs, spread over the log; figures are those of all. `of_what`: readings of a run.

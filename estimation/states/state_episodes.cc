@@ -66,8 +66,14 @@ class SimulatedEpisode : public ReadEpisode {
 class StateEpisodes : public EpisodeModel {
  public:
   explicit StateEpisodes(std::shared_ptr<const StateModel> states) : states_(std::move(states)) {
-    for (const StateParameter& p : states_->parameters)
-      parameters_.push_back({p.name, p.spec.unit.empty() ? "1" : p.spec.unit, p.spec.min, p.spec.max});
+    for (const StateParameter& p : states_->parameters) {
+      const bool may_be_none = p.spec.start == 0 && std::isfinite(p.spec.max - p.spec.min);
+      parameters_.push_back({.name = p.name,
+                             .unit = p.spec.unit.empty() ? "1" : p.spec.unit,
+                             .min = p.spec.min,
+                             .max = p.spec.max,
+                             .scale = may_be_none ? kShareOfRange * (p.spec.max - p.spec.min) : 0});
+    }
   }
   const Machine& machine() const override { return states_->machine; }
   const std::vector<FollowedParameter>& parameters() const override { return parameters_; }

@@ -278,6 +278,8 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   history.model = std::move(*model);
+  // What was added to equations of states is among the parameters of the model, no column beside them.
+  if (KindOf(machine).has_states) history.machine.added_effects.clear();
   if (history.strokes() == 0)
     return BadInput(
         "{}: no {} in the chosen part of the history; `hydroscope trends --db {}` shows what it holds", path,
