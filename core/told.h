@@ -46,6 +46,9 @@ struct GermanNumber {
 
 inline const std::string& English(const Told& part) { return part.english; }
 inline const std::string& German(const Told& part) { return part.InGerman(); }
+inline std::string_view German(const Wording& part) {
+  return part.german.empty() ? part.english : part.german;
+}
 template <class T>
 const T& English(const T& value) {
   return value;
@@ -55,6 +58,14 @@ const T& German(const T& value) {
   return value;
 }
 inline GermanNumber German(const double& value) { return {value}; }
+template <class It, class End>
+std::string English(const fmt::join_view<It, End>& list) {
+  return fmt::format("{}", fmt::join_view(list));
+}
+template <class It, class End>
+std::string German(const fmt::join_view<It, End>& list) {
+  return English(list);
+}
 
 template <class T>
 using EnglishOf = decltype(English(std::declval<const T&>()));

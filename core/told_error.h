@@ -10,6 +10,10 @@ inline tl::unexpected<Error> BadInput(const Told& told) {
   return tl::unexpected(Error{ErrorKind::kBadInput, told.english, told.german});
 }
 
+inline tl::unexpected<Error> InternalError(const Told& told) {
+  return tl::unexpected(Error{ErrorKind::kInternal, told.english, told.german});
+}
+
 /// The text of an error, as far as it is told.
 inline Told ToldOf(const Error& error) { return {error.text, error.german}; }
 

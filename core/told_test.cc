@@ -18,6 +18,13 @@ TEST(Told, GermanMayNameValuesInAnotherOrder) {
   EXPECT_EQ(told.german, "von 100 Hüben 19");
 }
 
+TEST(Told, WhatATableNamesStandsInTheLanguageOfItsSentence) {
+  const Wording area{"piston area", "Kolbenfläche"}, plain{"p_A"};
+  const Told told = Tell("no {} of {}", "keine {} von {}", area, plain);
+  EXPECT_EQ(told.english, "no piston area of p_A");
+  EXPECT_EQ(told.german, "keine Kolbenfläche von p_A");
+}
+
 TEST(Told, WhatIsToldInEnglishAloneStandsInGermanSentencesAsItIs) {
   EXPECT_EQ(Tell("refused: {}", "abgelehnt: {}", Told{"no such file", ""}).german, "abgelehnt: no such file");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "models/state_model.h"
 
@@ -19,7 +20,10 @@ Result<FollowedQuantities> OfStates(const Machine& machine) {
   if (!built) return tl::unexpected(built.error());
   const StateModel& states = **built;
   if (states.parameters.empty())
-    return BadInput("machine '{}': nothing is identified; name what is in [parameters]", machine.name);
+    return BadInput(
+        Tell("machine '{}': nothing is identified; name what is in [parameters]",
+             "Maschine '{}': nichts wird identifiziert; in [parameters] nennen, was bestimmt werden soll",
+             machine.name));
   FollowedQuantities followed{.names = {}, .units = {}, .inputs = states.inputs};
   for (const StateParameter& p : states.parameters) {
     followed.names.push_back(p.name);

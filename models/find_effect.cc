@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
@@ -24,8 +25,11 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
     if (model.effects[e]->id == id) return static_cast<int>(e);
   for (const auto& effect : model.sample_effects)
     if (effect->id == id && FitsSignals(*effect, model))
-      return BadInput(
-          "effect '{}' cannot be judged on stored strokes, which keep no columns of it: give a log", id);
+      return BadInput(Tell(
+          "effect '{}' cannot be judged on stored strokes, which keep no columns of it: give a log",
+          "Effekt '{}' lässt sich an gespeicherten Hüben nicht beurteilen, sie enthalten keine Spalten von ihm: ein "
+          "Log angeben",
+          id));
   std::vector<std::string> ids;
   for (const auto& effect : model.effects) ids.push_back(effect->id);
   const bool built_in = model.kind != nullptr && model.kind->effects != nullptr;
@@ -35,14 +39,16 @@ Result<int> FindEffect(const ModelStructure& model, const std::string& id) {
     std::vector<std::string> missing;
     for (int channel : effect->channels)
       if (model.channel_source[channel] < 0) missing.push_back(model.channel_names[channel]);
-    return BadInput("effect '{}' needs signal {}, which the machine file does not have", id,
-                    fmt::join(missing, ", "));
+    return BadInput(Tell("effect '{}' needs signal {}, which the machine file does not have",
+                         "Effekt '{}' braucht das Signal {}, das die Maschinendatei nicht hat", id,
+                         fmt::join(missing, ", ")));
   }
   const std::string near = Nearest(id, ids);
-  return BadInput("unknown effect '{}'; {}", id,
-                  near.empty()
-                      ? fmt::format("known effects: {}", fmt::join(ids, ", "))
-                      : fmt::format("did you mean '{}'? 'hydroscope model effects' lists them all", near));
+  return BadInput(Tell("unknown effect '{}'; {}", "unbekannter Effekt '{}'; {}", id,
+                       near.empty()
+                           ? Tell("known effects: {}", "bekannt sind: {}", fmt::join(ids, ", "))
+                           : Tell("did you mean '{}'? 'hydroscope model effects' lists them all",
+                                  "ist '{}' gemeint? 'hydroscope model effects' listet alle auf", near)));
 }
 
 }  // namespace hydroscope

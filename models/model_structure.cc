@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "core/limits.h"
+#include "core/told_error.h"
 #include "models/effect.h"
 #include "models/episode_structure.h"
 #include "models/machine_kind.h"
@@ -56,8 +57,10 @@ Result<std::shared_ptr<ModelStructure>> BuildKind(const Machine& machine) {
   std::vector<std::string_view> known;
   for (const MachineKind* other : MachineKinds())
     if (other->build != nullptr || InEpisodes(*other)) known.push_back(other->id);
-  return BadInput("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
-                  machine.name, machine.model, fmt::join(known, ", "));
+  return BadInput(
+      Tell("machine '{}': model '{}' cannot be identified from strokes; known models: {}",
+           "Maschine '{}': das Modell '{}' kann nicht aus Hüben identifiziert werden; bekannt sind: {}",
+           machine.name, machine.model, fmt::join(known, ", ")));
 }
 
 }  // namespace
@@ -66,21 +69,27 @@ Result<std::shared_ptr<const ModelStructure>> BuildModel(const Machine& machine)
   const auto model = BuildKind(machine);
   if (!model) return tl::unexpected(model.error());
   if (machine.estimator.equation == EquationForm::kPublished && !(*model)->published)
-    return BadInput(
+    return BadInput(Tell(
         "machine '{}': nothing was published of model {} that equation = \"published\" "
         "in [estimator] could mean; leave it out",
-        machine.name, (*model)->name);
+        "Maschine '{}': vom Modell {} wurde nichts veröffentlicht, was equation = \"published\" in [estimator] meinen "
+        "könnte; es weglassen",
+        machine.name, (*model)->name));
   // The parameters of a model with states hold those of its effects.
   const std::size_t effects = KindOf(machine).has_states ? 0 : machine.added_effects.size();
   if (static_cast<std::size_t>((*model)->base_count) + effects > kMaxParameters)
-    return BadInput(
+    return BadInput(Tell(
         "machine '{}': {} parameters and {} added effects, at most {} can be fitted at once: take an effect "
         "out with 'hydroscope model remove'",
-        machine.name, (*model)->base_count, effects, kMaxParameters);
+        "Maschine '{}': {} Parameter und {} hinzugefügte Effekte, höchstens {} lassen sich zusammen bestimmen: einen "
+        "Effekt mit 'hydroscope model remove' herausnehmen",
+        machine.name, (*model)->base_count, effects, kMaxParameters));
   if ((*model)->conditions.size() > kMaxConditions)
-    return BadInput(
+    return BadInput(Tell(
         "machine '{}': {} conditions of its strokes, at most {} can be stored: leave some out of [conditions]",
-        machine.name, (*model)->conditions.size(), kMaxConditions);
+        "Maschine '{}': {} Bedingungen ihrer Hübe, höchstens {} lassen sich speichern: einige aus [conditions] "
+        "weglassen",
+        machine.name, (*model)->conditions.size(), kMaxConditions));
   return *model;
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/limits.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "models/machine_file/table.h"
 #include "models/state_effects.h"
@@ -92,15 +93,18 @@ class Builder {
       if (effect == nullptr) {
         std::vector<std::string> known;
         for (const Effect& other : library_) known.push_back(other.id);
-        return BadInput("machine '{}': unknown effect '{}'; {}its effects: {}", machine().name, id,
-                        DidYouMean(id, known).english, fmt::join(known, ", "));
+        return BadInput(Tell("machine '{}': unknown effect '{}'; {}its effects: {}",
+                             "Maschine '{}': unbekannter Effekt '{}'; {}ihre Effekte: {}", machine().name, id,
+                             DidYouMean(id, known), fmt::join(known, ", ")));
       }
       for (const ParameterSpec& p : effect->parameters)
         model_.parameters.push_back({id + "." + p.name, id, p});
     }
     if (model_.parameters.size() > kMaxParameters)
-      return BadInput("machine '{}': {} parameters with its effects, at most {} can be fitted at once",
-                      machine().name, model_.parameters.size(), kMaxParameters);
+      return BadInput(
+          Tell("machine '{}': {} parameters with its effects, at most {} can be fitted at once",
+               "Maschine '{}': {} Parameter mit ihren Effekten, höchstens {} lassen sich zusammen bestimmen",
+               machine().name, model_.parameters.size(), kMaxParameters));
     return {};
   }
 
@@ -276,8 +280,10 @@ class Builder {
       for (const Equations::Slope& slope : e->entries) read.insert(slope.column);
     for (int p = 0; p < model_.parameter_count(); ++p)
       if (!read.contains(p))
-        return BadInput("machine '{}': no equation reads the parameter {}; take it out of the machine file",
-                        machine().name, model_.parameters[static_cast<std::size_t>(p)].name);
+        return BadInput(
+            Tell("machine '{}': no equation reads the parameter {}; take it out of the machine file",
+                 "Maschine '{}': keine Gleichung liest den Parameter {}; ihn aus der Maschinendatei nehmen",
+                 machine().name, model_.parameters[static_cast<std::size_t>(p)].name));
     return {};
   }
 

@@ -153,10 +153,12 @@ Status AxisMonitor::Look() {
   if (!model_) return tl::unexpected(model_.error());
   if (const Status fresh = Refresh(); !fresh) return fresh;
   if (unreadable_)
-    return BadInput(
+    return BadInput(Tell(
         "what is known of the healthy {} was written with other rules or by another version of the program; give the "
         "machine file whose rules lie beside it (--machine)",
-        machine_.name);
+        "was von der gesunden {} bekannt ist, wurde mit anderen Regeln oder einer anderen Version des Programms "
+        "geschrieben; die Maschinendatei angeben, neben der seine Regeln liegen (--machine)",
+        machine_.name));
   if (monitor_) return CountNotJudged();
   const auto collected = CollectForLearning();
   return collected ? Status{} : Status(tl::unexpected(collected.error()));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "models/machine_kind.h"
 #include "page/http/json_arguments.h"
 
@@ -77,8 +78,10 @@ bool IsParameterName(const std::string& text) {
 Result<std::string> ExpressionOf(const nlohmann::json& object, const char* key) {
   auto text = TextOf(object, key);
   if (text && !IsPlain(*text))
-    return BadInput("{}: expected up to {} characters without quotes, such as p_A*sign(ddt(z))", key,
-                    kLongestExpression);
+    return BadInput(
+        Tell("{}: expected up to {} characters without quotes, such as p_A*sign(ddt(z))",
+             "{}: erwartet bis zu {} Zeichen ohne Anführungszeichen, zum Beispiel p_A*sign(ddt(z))", key,
+             kLongestExpression));
   return text;
 }
 
@@ -97,7 +100,9 @@ Result<BalanceSpec> ParseBalance(const nlohmann::json& json) {
     const bool known = std::any_of(balance.terms.begin(), balance.terms.end(),
                                    [&](const TermSpec& before) { return before.parameter == *name; });
     if (!IsParameterName(*name) || known)
-      return BadInput("name: found '{}', expected letters, digits and _, a letter first, once", *name);
+      return BadInput(Tell(
+          "name: found '{}', expected letters, digits and _, a letter first, once",
+          "Name: gefunden '{}', erwartet Buchstaben, Ziffern und _, vorn ein Buchstabe, nur einmal", *name));
     balance.terms.push_back({std::move(*name), std::move(*expression)});
   }
   return balance;

@@ -40,7 +40,9 @@ std::optional<std::int64_t> NumberQuery(const HttpRequest& request, const char* 
 }
 
 HttpReply FoundReply(const nlohmann::json& found) {
-  return found.is_null() ? ErrorReply(404, "this is not worked out yet") : JsonReply(found);
+  return found.is_null()
+             ? ErrorReply(404, Told("this is not worked out yet", "das ist noch nicht ausgerechnet"))
+             : JsonReply(found);
 }
 
 HttpReply GetResult(WorkSession& session, const HttpRequest& request) {
@@ -67,7 +69,8 @@ HttpReply GetRegion(WorkSession& session, const HttpRequest& request) {
 
 HttpReply GetMachine(WorkSession& session, const HttpRequest&) {
   const std::string text = session.MachineText();
-  if (text.empty()) return ErrorReply(404, "there is no machine file yet");
+  if (text.empty())
+    return ErrorReply(404, Told("there is no machine file yet", "es gibt noch keine Maschinendatei"));
   return {200, "text/plain; charset=utf-8", text};
 }
 
@@ -203,14 +206,19 @@ HttpReply PageApi::Answer(const HttpRequest& request) {
       return login_ != nullptr ? login_->Answer(request) : ErrorReply(404, "nobody has to log in here");
   if (what.starts_with(kWatchPath))
     return watch_ != nullptr ? watch_->Answer(request)
-                             : ErrorReply(404, "no database is watched here (open --db)");
+                             : ErrorReply(404, Told("no database is watched here (open --db)",
+                                                    "hier wird keine Datenbank beobachtet (open --db)"));
   if (what == "save" && login_ != nullptr)
-    return ErrorReply(403,
-                      "a service keeps no files for others: download the machine file, or promote the model");
+    return ErrorReply(
+        403,
+        Told(
+            "a service keeps no files for others: download the machine file, or promote the model",
+            "ein Dienst bewahrt keine Dateien für andere auf: die Maschinendatei herunterladen oder das Modell "
+            "übernehmen"));
   for (const WorkRoute& work : kWorkRoutes)
     if (session_ != nullptr && what == work.path && request.method == work.method)
       return work.answer(*session_, request);
-  return ErrorReply(404, "there is no workbench here");
+  return ErrorReply(404, Told("there is no workbench here", "hier gibt es keine Werkbank"));
 }
 
 /// Of the workbench, empty where there is none, and what else the page may show.

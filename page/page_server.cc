@@ -59,7 +59,9 @@ HttpReply PageServer::AnswerRecorded(const HttpRequest& request) {
     return impl_->logins->Record(request.who, request.from, route->path, request.body, outcome);
   };
   if (const Status told = record(""); !told)
-    return ErrorReply(507, "nothing was changed, for it cannot be recorded: " + told.error().text);
+    return ErrorReply(
+        507, Tell("nothing was changed, for it cannot be recorded: {}",
+                  "nichts wurde geändert, denn es kann nicht festgehalten werden: {}", ToldOf(told.error())));
   HttpReply reply = impl_->api->Answer(request);
   if (reply.status >= 400) (void)record(reply.body);  // that it was asked stands there
   return reply;
@@ -68,7 +70,8 @@ HttpReply PageServer::AnswerRecorded(const HttpRequest& request) {
 Result<std::unique_ptr<PageServer>> PageServer::Open(const PageOptions& options) {
   if (Assets().empty())
     return BadInput(
-        "this program was built without the page: npm or its packages were missing. Run scripts/setup.sh and build again "
+        "this program was built without the page: npm or its packages were missing. Run scripts/setup.sh and build "
+        "again "
         "(scripts/build.sh)");
   std::unique_ptr<PageServer> page(new PageServer);
   Impl& impl = *page->impl_;

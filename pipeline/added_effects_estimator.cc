@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/told_error.h"
 #include "estimation/gram_fit.h"
 #include "models/find_effect.h"
 
@@ -37,8 +38,9 @@ Result<std::vector<double>> GivenValues(const Machine& machine, const Effect& ef
   for (const auto& [name, value] : given->second)
     if (std::none_of(effect.nonlinear.begin(), effect.nonlinear.end(),
                      [&name = name](const auto& n) { return n.name == name; }))
-      return BadInput("machine {}: effect_values of {}: it has no parameter {}", machine.name, effect.id,
-                      name);
+      return BadInput(Tell("machine {}: effect_values of {}: it has no parameter {}",
+                           "Maschine {}: effect_values von {}: es hat keinen Parameter {}", machine.name,
+                           effect.id, name));
   for (const NonlinearParameter& n : effect.nonlinear)
     if (const auto value = given->second.find(n.name); value != given->second.end())
       values.push_back(value->second);
@@ -51,8 +53,10 @@ Result<std::vector<double>> GivenValues(const Machine& machine, const Effect& ef
 Result<std::shared_ptr<const ModelStructure>> AddedEffectsEstimator::Widen(const Machine& machine,
                                                                            const ModelStructure& model) {
   if (machine.added_effects.size() > kMostEffects)
-    return BadInput("machine {}: {} effects are part of the model, at most {} can be identified with it",
-                    machine.name, machine.added_effects.size(), kMostEffects);
+    return BadInput(
+        Tell("machine {}: {} effects are part of the model, at most {} can be identified with it",
+             "Maschine {}: {} Effekte gehören zum Modell, höchstens {} lassen sich mit ihm identifizieren",
+             machine.name, machine.added_effects.size(), kMostEffects));
   auto wide = std::make_shared<ModelStructure>(model);
   std::vector<EffectChoice> added;
   std::vector<std::vector<double>> given;

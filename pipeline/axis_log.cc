@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/told_error.h"
 #include "pipeline/raw_log.h"
 
 namespace hydroscope {
@@ -28,10 +29,11 @@ Result<std::vector<std::string>> AxesOf(const std::string& log, const Machine& m
   if (const auto raw = ParseRawName(log); raw && !raw->axis.empty()) return std::vector{raw->axis};
   if (!axis.empty()) return std::vector{axis};
   if (LogHoldsAllAxes(machine)) return machine.live->axes;
-  return BadInput(
+  return BadInput(Tell(
       "{}: \"{}\" has the axes {}, and nothing tells whose log this is; write {}#{}, or give --axis {} for all logs",
+      "{}: „{}“ hat die Achsen {}, und nichts sagt, wessen Log das ist; {}#{} schreiben, oder --axis {} für alle Logs",
       log, machine.name, fmt::join(machine.live->axes, ", "), log, machine.live->axes.front(),
-      machine.live->axes.front());
+      machine.live->axes.front()));
 }
 
 }  // namespace
@@ -55,10 +57,12 @@ Result<int> AxisNamed(const Machine& machine, const std::string& name) {
     if (name == machine.live->axes[static_cast<std::size_t>(axis)] || name == AxisMachineName(machine, axis))
       return axis;
   if (!HasNamedAxes(machine))
-    return BadInput("axis \"{}\": the machine file of \"{}\" names no axes; it would in [live] axes", name,
-                    machine.name);
-  return BadInput("axis \"{}\": \"{}\" has the axes {}", name, machine.name,
-                  fmt::join(machine.live->axes, ", "));
+    return BadInput(
+        Tell("axis \"{}\": the machine file of \"{}\" names no axes; it would in [live] axes",
+             "Achse „{}“: die Maschinendatei von „{}“ nennt keine Achsen; das täte sie in [live] axes", name,
+             machine.name));
+  return BadInput(Tell("axis \"{}\": \"{}\" has the axes {}", "Achse „{}“: „{}“ hat die Achsen {}", name,
+                       machine.name, fmt::join(machine.live->axes, ", ")));
 }
 
 Result<std::vector<LogsOfAxis>> ShareOutLogs(const Machine& machine, const std::vector<std::string>& logs,

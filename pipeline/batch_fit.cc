@@ -115,10 +115,12 @@ namespace {
 /// Geometry without a tolerance gets the usual one (pipeline/geometry_tolerance.h). `period`: of the logs before, 0 = none.
 Result<LogStrokes> ReadOne(const std::string& log, const Machine& stated, KeepSamples keep, double period) {
   if (ClosedLoopOf(stated) != nullptr)
-    return BadInput(
+    return BadInput(Tell(
         "machine '{}': a {} is measured by its frequency response: 'hydroscope frf', or 'hydroscope "
         "explain --since' for what changed",
-        stated.name, KindOf(stated).title);
+        "Maschine '{}': ein {} wird über seinen Frequenzgang gemessen: 'hydroscope frf', oder 'hydroscope explain "
+        "--since' für das, was sich geändert hat",
+        stated.name, KindOf(stated).title));
   Machine machine = stated;
   AssumeTolerances(machine);
   if (const Status plausible = JudgeSizes(log, machine); !plausible) return tl::unexpected(plausible.error());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/told_error.h"
 #include "pipeline/shaft_rows.h"
 
 namespace hydroscope {
@@ -34,9 +35,11 @@ void EpisodeCutter::Rows::Clear() {
 Status EpisodeCutter::Check(const Machine& machine) {
   for (const GateBound& bound : machine.gate.bounds)
     if (bound.rate)
-      return BadInput(
+      return BadInput(Tell(
           "machine '{}': [gate] ddt({}) has no place where rows are judged in episodes; write a condition on a signal",
-          machine.name, bound.signal);
+          "Maschine '{}': [gate] ddt({}) hat keinen Platz, wo Zeilen in Episoden beurteilt werden; eine Bedingung für "
+          "ein Signal schreiben",
+          machine.name, bound.signal));
   return {};
 }
 

@@ -74,10 +74,13 @@ Result<EpisodeLog> ReadEpisodes(const std::vector<std::string>& logs, const Mach
     out.warnings.insert(out.warnings.end(), cutter.warnings().begin(), cutter.warnings().end());
   }
   if (out.episodes.empty())
-    return BadInput(
+    return BadInput(Tell(
         "{}: no episode of {} rows in which all inputs are good readings{}; 'hydroscope "
         "check' says what is wrong with the signals",
-        logs.front(), EpisodeCutter::kLeastRows, machine.gate.bounds.empty() ? "" : " and [gate] holds");
+        "{}: keine Episode von {} Zeilen, in denen alle Eingänge gute Messwerte sind{}; 'hydroscope check' sagt, was "
+        "an den Signalen nicht stimmt",
+        logs.front(), EpisodeCutter::kLeastRows,
+        machine.gate.bounds.empty() ? Told() : Told(" and [gate] holds", " und [gate] gilt")));
   return out;
 }
 

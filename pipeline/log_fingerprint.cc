@@ -8,6 +8,8 @@
 #include <fstream>
 #include <vector>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -35,20 +37,29 @@ std::string LogFingerprint::Text() const {
 
 Result<LogFingerprint> FingerprintLog(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return BadInput("{}: cannot be opened; does the file exist and may it be read?", path);
+  if (!file)
+    return BadInput(Tell("{}: cannot be opened; does the file exist and may it be read?",
+                         "{}: kann nicht geöffnet werden; gibt es die Datei, und darf sie gelesen werden?",
+                         path));
   LogFingerprint print;
   print.size = SizeOf(file);
   const std::uint64_t chunk = std::min(print.size, kPrintedBytes);
   print.head = Crc(file, 0, chunk);
   print.middle = Crc(file, (print.size - chunk) / 2, chunk);
   print.tail = Crc(file, print.size - chunk, chunk);
-  if (!file) return BadInput("{}: cannot be read; is it a folder, or the disk damaged?", path);
+  if (!file)
+    return BadInput(Tell("{}: cannot be read; is it a folder, or the disk damaged?",
+                         "{}: kann nicht gelesen werden; ist es ein Ordner, oder die Platte beschädigt?",
+                         path));
   return print;
 }
 
 Result<bool> Continues(const std::string& path, const LogFingerprint& earlier) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return BadInput("{}: cannot be opened; does the file exist and may it be read?", path);
+  if (!file)
+    return BadInput(Tell("{}: cannot be opened; does the file exist and may it be read?",
+                         "{}: kann nicht geöffnet werden; gibt es die Datei, und darf sie gelesen werden?",
+                         path));
   if (earlier.size == 0 || SizeOf(file) <= earlier.size) return false;
   const std::uint64_t chunk = std::min(earlier.size, kPrintedBytes);
   return Crc(file, 0, chunk) == earlier.head &&

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/constants.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "pipeline/raw_log.h"
@@ -127,16 +128,22 @@ Status SizeWatch::JudgeSignal(std::size_t signal) const {
   Unit scale = *unit;
   if (plausible->of != PlausibleSize::kMean) scale.offset = 0;  // of a difference
   const auto shown = [&](double si) { return Shown(si, scale, spec.unit); };
-  const std::string what = plausible->of == PlausibleSize::kTravel ? "travels by"
-                           : plausible->of == PlausibleSize::kMean ? "is at"
-                                                                   : "reaches";
-  return BadInput(
-      "{}: signal {} (column {}) {} {}, which no such machine does; plausible: {} to {}. {}", machine_.name,
-      spec.name, spec.column, what, shown(measure), shown(plausible->low), shown(plausible->high),
+  const Told what = plausible->of == PlausibleSize::kTravel ? Told("travels by", "bewegt sich um")
+                    : plausible->of == PlausibleSize::kMean ? Told("is at", "liegt bei")
+                                                            : Told("reaches", "erreicht");
+  const Told advice =
       better.empty()
-          ? fmt::format("Check unit, scale and offset of [signals] {} in the machine file", spec.name)
-          : fmt::format("Its numbers look like {}: set unit = \"{}\" for {} in [signals] of the machine file",
-                        better, better, spec.name));
+          ? Tell("Check unit, scale and offset of [signals] {} in the machine file",
+                 "unit, scale und offset von [signals] {} in der Maschinendatei prüfen", spec.name)
+          : Tell(
+                "Its numbers look like {0}: set unit = \"{0}\" for {1} in [signals] of the machine file",
+                "Die Zahlen sehen nach {0} aus: in [signals] der Maschinendatei unit = \"{0}\" für {1} setzen",
+                better, spec.name);
+  return BadInput(
+      Tell("{}: signal {} (column {}) {} {}, which no such machine does; plausible: {} to {}. {}",
+           "{}: Signal {} (Spalte {}) {} {}, was keine solche Maschine tut; plausibel: {} bis {}. {}",
+           machine_.name, spec.name, spec.column, what, shown(measure), shown(plausible->low),
+           shown(plausible->high), advice));
 }
 
 /// The speed of a position says whether the time is in the unit that the machine file states.
@@ -152,12 +159,15 @@ Status SizeWatch::JudgeSpeed(const Condition& speed, std::size_t signal) const {
   if (*top >= speed.lowest && *top <= speed.highest) return {};
   if (*top < speed.lowest && !Seen(signal).moves) return {};
   const DisplayUnit unit = DisplayUnitFor(speed.unit);
-  return BadInput(
+  return BadInput(Tell(
       "{}: signal {} moves at {:.3g} {} at most, which no such machine does; plausible: {:g} to {:g} {}. "
       "Rows are {:.4g} s apart with the time in {}: check the unit of time (or sample_period) in [log] of "
       "the machine file, and the unit of {}",
+      "{}: Signal {} bewegt sich mit höchstens {:.3g} {}, was keine solche Maschine tut; plausibel: {:g} bis {:g} {}. "
+      "Die Zeilen liegen {:.4g} s auseinander, die Zeit in {}: die Einheit der Zeit (oder sample_period) in [log] der "
+      "Maschinendatei prüfen, und die Einheit von {}",
       machine_.name, speed.signal, *top * unit.factor, unit.name, speed.lowest * unit.factor,
-      speed.highest * unit.factor, unit.name, piece_time_ / kPiece, machine_.log.time_unit, speed.signal);
+      speed.highest * unit.factor, unit.name, piece_time_ / kPiece, machine_.log.time_unit, speed.signal));
 }
 
 Status SizeWatch::Judge() const {
@@ -179,11 +189,13 @@ Status JudgeGeometry(const Machine& machine) {
     const bool any = !(value.highest > value.lowest);
     if (!known || any || (known->value >= value.lowest && known->value <= value.highest)) continue;
     const Unit unit = FindUnit(value.unit).value_or(Unit{});
-    return BadInput(
-        "{}: {} = {} is no {} of such a machine; plausible: {} to {}. Check value and unit of {} in "
+    return BadInput(Tell(
+        "{0}: {1} = {2} is no {3} of such a machine; plausible: {4} to {5}. Check value and unit of {1} in "
         "[geometry] of the machine file",
+        "{0}: {1} = {2} ist keine solche Größe ({3}) einer solchen Maschine; plausibel: {4} bis {5}. Wert und Einheit "
+        "von {1} in [geometry] der Maschinendatei prüfen",
         machine.name, value.name, Shown(known->value, unit, value.unit), value.meaning,
-        Shown(value.lowest, unit, value.unit), Shown(value.highest, unit, value.unit), value.name);
+        Shown(value.lowest, unit, value.unit), Shown(value.highest, unit, value.unit)));
   }
   return {};
 }
@@ -202,7 +214,7 @@ Status JudgeSizes(const std::string& log, const Machine& machine) {
     seen = watch.Judge();
     if (seen) return {};
   }
-  if (!seen) return BadInput("{}: {}", log, seen.error().text);
+  if (!seen) return BadInput(Tell("{}: {}", "{}: {}", log, ToldOf(seen.error())));
   return {};
 }
 
@@ -217,12 +229,15 @@ Status JudgeStrokes(const std::string& database, const Machine& machine,
     const bool limited = condition.highest > condition.lowest;
     if (!limited || !(most > 0) || (most >= condition.lowest && most <= condition.highest)) continue;
     const DisplayUnit unit = DisplayUnitFor(condition.unit);
-    return BadInput(
+    return BadInput(Tell(
         "{}: {}: the {} is {:.4g} {}, which no such machine has; plausible: {:g} to {:g} {}. They were "
         "replayed with a wrong unit of {} or of the time: correct the machine "
         "file and replay into a new database",
+        "{0}: {1}: {2} ist {3:.4g} {4}, was keine solche Maschine hat; plausibel: {5:g} bis {6:g} {7}. Mit falscher "
+        "Einheit von {8} oder der Zeit eingespielt: die Maschinendatei berichtigen und in eine neue Datenbank "
+        "einspielen",
         database, machine.name, condition.title.english, most * unit.factor, unit.name,
-        condition.lowest * unit.factor, condition.highest * unit.factor, unit.name, condition.signal);
+        condition.lowest * unit.factor, condition.highest * unit.factor, unit.name, condition.signal));
   }
   return {};
 }

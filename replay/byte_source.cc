@@ -29,7 +29,9 @@ class PlainFile : public ByteSource {
     do {
       got = ::read(descriptor_, data, size);
     } while (got < 0 && errno == EINTR);
-    if (got < 0) return BadInput("log '{}': cannot be read further: {}", path_, std::strerror(errno));
+    if (got < 0)
+      return BadInput(Tell("log '{}': cannot be read further: {}",
+                           "Log '{}': kann nicht weiter gelesen werden: {}", path_, std::strerror(errno)));
     done_ += static_cast<double>(got);
     return static_cast<std::size_t>(got);
   }
@@ -98,18 +100,22 @@ bool IsGzip(int descriptor) {
 
 Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return BadInput("log '{}': cannot be opened: {}", path, std::strerror(errno));
+  if (descriptor < 0)
+    return BadInput(Tell("log '{}': cannot be opened: {}", "Log '{}': kann nicht geöffnet werden: {}", path,
+                         std::strerror(errno)));
   struct stat info = {};
   if (::fstat(descriptor, &info) == 0 && S_ISDIR(info.st_mode)) {
     ::close(descriptor);
-    return BadInput("log '{}' is a directory; name the log file in it", path);
+    return BadInput(Tell("log '{}' is a directory; name the log file in it",
+                         "Log '{}' ist ein Ordner; die Datei darin nennen", path));
   }
   const double size = static_cast<double>(info.st_size);
   if (!IsGzip(descriptor)) return std::make_unique<PlainFile>(path, descriptor, size);
   const gzFile file = gzdopen(descriptor, "rb");
   if (file == nullptr) {
     ::close(descriptor);
-    return InternalError("log '{}': out of memory for unpacking", path);
+    return InternalError(
+        Tell("log '{}': out of memory for unpacking", "Log '{}': kein Speicher mehr zum Entpacken", path));
   }
   gzbuffer(file, 1u << 20);
   return std::make_unique<GzipFile>(path, file, size);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/told_error.h"
 #include "core/units.h"
 
 namespace hydroscope {
@@ -19,14 +20,17 @@ std::string ListNames(const std::vector<std::string>& names) {
   return list;
 }
 
-tl::unexpected<Error> MissingColumn(const LogLayout& layout, const std::string& column,
-                                    const std::string& purpose, const std::string& origin,
-                                    const std::string& advice) {
+tl::unexpected<Error> MissingColumn(const LogLayout& layout, const std::string& column, const Told& purpose,
+                                    const std::string& origin, const Told& advice) {
   const std::string nearest = Nearest(column, layout.names);
-  const std::string question = nearest.empty() ? "." : fmt::format("; did you mean '{}'?", nearest);
-  const std::string kind = layout.header ? "" : " (the log has no header, so columns are named by number)";
-  return BadInput("log '{}': no column '{}' for {}{} Columns found{}: {}{}", origin, column, purpose,
-                  question, kind, ListNames(layout.names), advice);
+  const Told question =
+      nearest.empty() ? Told(".") : Tell("; did you mean '{}'?", "; ist '{}' gemeint?", nearest);
+  const Told kind = layout.header ? Told()
+                                  : Told(" (the log has no header, so columns are named by number)",
+                                         " (das Log hat keine Kopfzeile, also heißen sie nach ihrer Nummer)");
+  return BadInput(Tell("log '{}': no column '{}' for {}{} Columns found{}: {}{}",
+                       "Log '{}': keine Spalte '{}' für {}{} Gefundene Spalten{}: {}{}", origin, column,
+                       purpose, question, kind, ListNames(layout.names), advice));
 }
 
 /// The unit a log states must mean the same as the machine file's; a unit the project does not know says nothing.
@@ -39,24 +43,27 @@ Status CheckUnit(const LogLayout& layout, int column, const std::string& unit, c
   if (!stated || !expected) return {};
   if (stated->scale == expected->scale && stated->offset == expected->offset && stated->si == expected->si)
     return {};
-  return BadInput(
+  return BadInput(Tell(
       "log '{}', column '{}': the log states the unit '{}', the machine file has {} = \"{}\"; write \"{}\" "
       "there, or correct the log",
-      origin, layout.names[index], layout.units[index], key, unit, layout.units[index]);
+      "Log '{}', Spalte '{}': das Log nennt die Einheit '{}', die Maschinendatei {} = \"{}\"; dort \"{}\" schreiben, "
+      "oder das Log berichtigen",
+      origin, layout.names[index], layout.units[index], key, unit, layout.units[index]));
 }
 
 Status PlanSignal(const LogLayout& layout, const SignalSpec& spec, const std::string& origin,
                   ColumnPlan& plan, LogCounters& counters) {
   const auto unit = FindUnit(spec.unit);
   if (!unit)
-    return BadInput("signal '{}': unknown unit '{}'; known units: {}", spec.name, spec.unit,
-                    ListNames(UnitNames()));
+    return BadInput(Tell("signal '{}': unknown unit '{}'; known units: {}",
+                         "Signal '{}': unbekannte Einheit '{}'; bekannt sind: {}", spec.name, spec.unit,
+                         ListNames(UnitNames())));
   plan.to_si.push_back({spec.scale * unit->scale, spec.offset * unit->scale + unit->offset});
   const auto column = layout.Find(spec.column);
   plan.column.push_back(column ? static_cast<int>(*column) : ColumnPlan::kAbsent);
   if (!column) {
     if (spec.required)
-      return MissingColumn(layout, spec.column, fmt::format("signal '{}'", spec.name), origin, "");
+      return MissingColumn(layout, spec.column, Tell("signal '{}'", "Signal '{}'", spec.name), origin, {});
     AddFinding(counters, {0, spec.column, "no such column",
                           fmt::format("a column for the optional signal '{}'", spec.name)});
     return {};
@@ -69,23 +76,31 @@ Status PlanTime(const LogLayout& layout, const LogFormat& format, const std::str
                 ColumnPlan& plan) {
   if (format.time_column.empty()) {
     if (!format.sample_period || !(*format.sample_period > 0))
-      return BadInput(
+      return BadInput(Tell(
           "log '{}': the machine file names no time column (time = \"\" in [log]), so it must give sample_period in s "
           "there, greater than 0",
-          origin);
+          "Log '{}': die Maschinendatei nennt keine Zeitspalte (time = \"\" in [log]), also muss sie dort "
+          "sample_period in s nennen, größer als 0",
+          origin));
     return {};
   }
   const auto unit = FindUnit(format.time_unit);
   if (!unit || unit->si != "s")
-    return BadInput(
+    return BadInput(Tell(
         "unit = \"{}\" of time in [log] is no unit of time; expected one of 's', 'ms', 'us', 'ns', 'min', 'h', 'd'",
-        format.time_unit);
+        "unit = \"{}\" der Zeit in [log] ist keine Einheit der Zeit; erwartet 's', 'ms', 'us', 'ns', 'min', 'h' oder "
+        "'d'",
+        format.time_unit));
   plan.time_scale = unit->scale;
   const auto column = layout.Find(format.time_column);
   if (!column)
-    return MissingColumn(layout, format.time_column, "the time", origin,
-                         "; name it by time = \"...\" in [log], or write time = \"\" and sample_period in s "
-                         "there if the rows are equally spaced");
+    return MissingColumn(
+        layout, format.time_column, Told("the time", "die Zeit"), origin,
+        Told(
+            "; name it by time = \"...\" in [log], or write time = \"\" and sample_period in s "
+            "there if the rows are equally spaced",
+            "; sie mit time = \"...\" in [log] nennen, oder dort time = \"\" und sample_period in s schreiben, wenn "
+            "die Zeilen gleich weit auseinander liegen"));
   plan.time = static_cast<int>(*column);
   return CheckUnit(layout, plan.time, format.time_unit, "log.time.unit", origin);
 }

@@ -306,9 +306,10 @@ Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, co
   if (const Status text = CheckText(head, origin); !text) return tl::unexpected(text.error());
   const auto candidates = CandidateDialects(hints);
   if (candidates.empty())
-    return BadInput(
-        "log '{}': separator and decimal sign of the machine file are both '{}'; give different ones", origin,
-        *hints.separator);
+    return BadInput(Tell(
+        "log '{}': separator and decimal sign of the machine file are both '{}'; give different ones",
+        "Log '{}': Trennzeichen und Dezimalzeichen der Maschinendatei sind beide '{}'; verschiedene angeben",
+        origin, *hints.separator));
   const std::size_t start = head.starts_with("\xEF\xBB\xBF") ? 3 : 0;
   const std::vector<Line> lines = SplitLines(head, start, complete);
 
@@ -325,7 +326,8 @@ Result<LogLayout> DetectLayout(std::string_view head, const LogFormat& hints, co
     return BadInput(Tell(
         "log '{}': no rows of numbers found (lines looked at: {}); expected a header row with column names "
         "and rows of numbers separated by ',', ';', tab or blanks",
-        "Log '{}': keine Zahlenreihen gefunden (angesehene Zeilen: {}); erwartet: eine Kopfzeile mit den Namen der Spalten "
+        "Log '{}': keine Zahlenreihen gefunden (angesehene Zeilen: {}); erwartet: eine Kopfzeile mit den Namen der "
+        "Spalten "
         "und Zeilen mit Zahlen, getrennt durch ',', ';', Tabulator oder Leerzeichen",
         origin, lines.size()));
 

@@ -1,5 +1,6 @@
 #include "replay/log_reader.h"
 
+#include "core/told_error.h"
 #include "replay/byte_source.h"
 #include "replay/csv_reader.h"
 #include "replay/mat_reader.h"
@@ -34,7 +35,7 @@ constexpr Format kFormats[] = {
 Result<std::unique_ptr<LogReader>> OpenLog(const std::string& path, const Machine& machine) {
   for (const Format& format : kFormats)
     if (format.recognises(path)) return format.open(path, machine);
-  return BadInput("{}: no format of logs that is known", path);
+  return BadInput(Tell("{}: no format of logs that is known", "{}: kein bekanntes Log-Format", path));
 }
 
 }  // namespace hydroscope

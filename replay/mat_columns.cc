@@ -164,8 +164,10 @@ void MatColumns::AddVariable(matvar_t* variable, const std::string& name, bool h
 /// Reads the whole variable of a column into memory.
 Status MatColumns::Hold(Column& column) {
   if (Mat_VarReadDataAll(file_, column.variable) != 0 || column.variable->data == nullptr)
-    return BadInput("log '{}': variable '{}' of the MAT file is damaged or too big for the memory", path_,
-                    column.variable->name);
+    return BadInput(
+        Tell("log '{}': variable '{}' of the MAT file is damaged or too big for the memory",
+             "Log '{}': die Variable '{}' der MAT-Datei ist beschädigt oder zu groß für den Speicher", path_,
+             column.variable->name));
   for (Column& other : columns_)
     if (other.variable == column.variable) other.held = true;
   return {};
@@ -186,15 +188,18 @@ Status MatColumns::Read(std::size_t index, std::int64_t first, std::int64_t coun
     return {};
   }
   if (start + count * column.stride > std::numeric_limits<int>::max())
-    return BadInput(
+    return BadInput(Tell(
         "log '{}': variable '{}' has more than {} numbers, more than matio reads; save every signal as a "
         "vector of its own, or split the log",
-        path_, names_[index], std::numeric_limits<int>::max());
+        "Log '{}': die Variable '{}' hat mehr als {} Zahlen, mehr als matio liest; jedes Signal als eigenen Vektor "
+        "speichern, oder das Log teilen",
+        path_, names_[index], std::numeric_limits<int>::max()));
   slice_.resize(static_cast<std::size_t>(count) * size);
   if (Mat_VarReadDataLinear(file_, variable, slice_.data(), static_cast<int>(start),
                             static_cast<int>(column.stride), static_cast<int>(count)) != 0)
-    return BadInput("log '{}': variable '{}' of the MAT file is damaged near row {}", path_, names_[index],
-                    first + 1);
+    return BadInput(Tell("log '{}': variable '{}' of the MAT file is damaged near row {}",
+                         "Log '{}': die Variable '{}' der MAT-Datei ist bei Zeile {} beschädigt", path_,
+                         names_[index], first + 1));
   ToDoubles(variable->class_type, slice_.data(), count, 1, out);
   return {};
 }

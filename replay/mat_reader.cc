@@ -46,9 +46,10 @@ Status MatReader::CheckLengths(const std::string& path) {
     const std::int64_t expected = columns_->rows(static_cast<std::size_t>(reference));
     if (rows != expected)
       return BadInput(
-          "log '{}': '{}' has {} values, '{}' has {}; expected as many in all columns that are used", path,
-          layout_.names[static_cast<std::size_t>(column)], rows,
-          layout_.names[static_cast<std::size_t>(reference)], expected);
+          Tell("log '{}': '{}' has {} values, '{}' has {}; expected as many in all columns that are used",
+               "Log '{}': '{}' hat {} Werte, '{}' hat {}; erwartet gleich viele in allen benutzten Spalten",
+               path, layout_.names[static_cast<std::size_t>(column)], rows,
+               layout_.names[static_cast<std::size_t>(reference)], expected));
   }
   rows_ = reference == ColumnPlan::kAbsent ? 0 : columns_->rows(static_cast<std::size_t>(reference));
   return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "models/counted_words.h"
 #include "models/model_structure.h"
 #include "report/drift_report.h"
@@ -35,7 +36,9 @@ Result<StoredReport> WriteStoredReport(const std::string& path, const std::strin
   if (!database) return tl::unexpected(database.error());
   const auto part = Chosen(*database, path, name);
   if (!part) return tl::unexpected(part.error());
-  if (part->strokes() <= 0) return BadInput("{}: machine \"{}\" has no strokes yet", path, part->machine);
+  if (part->strokes() <= 0)
+    return BadInput(Tell("{}: machine \"{}\" has no strokes yet", "{}: Maschine „{}“ hat noch keine Hübe",
+                         path, part->machine));
   auto machine = StoredMachine(*database, path, *part);
   if (!machine) return tl::unexpected(machine.error());
   const auto model = BuildModel(*machine);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/secret_file.h"
+#include "core/told_error.h"
 #include "storage/connection.h"
 
 namespace hydroscope {
@@ -142,7 +143,8 @@ Status AccessStore::PutUser(const StoredUser& user) {
 Status AccessStore::RemoveUser(const std::string& name) {
   return InTransaction(*impl_, [&]() -> Status {
     Query(*impl_, "DELETE FROM user WHERE name = ?", name).Run();
-    if (impl_->db.getChanges() == 0) return BadInput("there is no user '{}'", name);
+    if (impl_->db.getChanges() == 0)
+      return BadInput(Tell("there is no user '{}'", "es gibt keinen Benutzer '{}'", name));
     return {};
   });
 }

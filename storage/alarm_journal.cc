@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/told_error.h"
 #include "storage/connection.h"
 
 namespace hydroscope {
@@ -118,12 +119,15 @@ Status CheckKind(SQLite::Database& db, const std::string& path) {
   const int application = db.execAndGet("PRAGMA application_id").getInt();
   const int version = db.execAndGet("PRAGMA user_version").getInt();
   if (application != kJournalApplicationId)
-    return BadInput("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is",
-                    path, static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId));
-  if (version > kJournalFormat)
     return BadInput(
+        Tell("{} is no alarm journal (application id {:#x}, expected {:#x}); it was left as it is",
+             "{} ist kein Alarmjournal (application id {:#x}, erwartet {:#x}); es wurde gelassen, wie es war",
+             path, static_cast<unsigned>(application), static_cast<unsigned>(kJournalApplicationId)));
+  if (version > kJournalFormat)
+    return BadInput(Tell(
         "{} has journal format {}, this program knows formats up to {}; use the hydroscope that wrote it",
-        path, version, kJournalFormat);
+        "{} hat das Journalformat {}, dieses Programm kennt Formate bis {}; das hydroscope benutzen, das es schrieb",
+        path, version, kJournalFormat));
   return {};
 }
 
@@ -269,17 +273,19 @@ JournalRow ReadRow(const Query& q) {
 Status Exists(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored)) return {};
-  return BadInput(
+  return BadInput(Tell(
       "there is no alarm journal {}; `hydroscope replay LOG --machine M.toml "
       "--db D` writes it beside the database D",
-      path);
+      "es gibt kein Alarmjournal {}; `hydroscope replay LOG --machine M.toml --db D` schreibt es neben die Datenbank D",
+      path));
 }
 
 /// A journal of the present format.
 Status CheckJournalForReading(SQLite::Database& db, const std::string& path) {
   if (const Status ours = CheckKind(db, path); !ours) return ours;
   if (db.execAndGet("PRAGMA user_version").getInt() == kJournalFormat) return {};
-  return BadInput("{} has an older journal format and is not migrated", path);
+  return BadInput(Tell("{} has an older journal format and is not migrated",
+                       "{} hat ein älteres Journalformat und ist nicht umgestellt", path));
 }
 
 }  // namespace
@@ -432,13 +438,15 @@ Result<std::optional<StoredReference>> AlarmJournal::LatestReference(const std::
 Status AlarmJournal::CheckIntegrity() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Status {
     const std::string pages = impl_->db.execAndGet("PRAGMA integrity_check").getString();
-    if (pages != "ok") return BadInput("{} is damaged: {}", impl_->path, pages);
+    if (pages != "ok")
+      return BadInput(Tell("{} is damaged: {}", "{} ist beschädigt: {}", impl_->path, pages));
     Query query(*impl_,
                 "SELECT count(*), coalesce(max(sequence), 0), coalesce(min(sequence), 1) FROM journal");
     query.Step();
     if (query.Int(0) != query.Int(1) || query.Int(2) != 1)
-      return BadInput("{}: the journal has {} rows up to number {}: rows are missing", impl_->path,
-                      query.Int(0), query.Int(1));
+      return BadInput(Tell("{}: the journal has {} rows up to number {}: rows are missing",
+                           "{}: das Journal hat {} Zeilen bis zur Nummer {}: es fehlen Zeilen", impl_->path,
+                           query.Int(0), query.Int(1)));
     return {};
   });
 }

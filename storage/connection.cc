@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -32,7 +34,7 @@ Result<RunRow> Connection::FindRun(std::int64_t run) {
   Query query(*this,
               "SELECT machine, first_sequence, strokes, model_version, state, source FROM run WHERE id = ?",
               run);
-  if (!query.Step()) return BadInput("{} has no run {}", path, run);
+  if (!query.Step()) return BadInput(Tell("{} has no run {}", "{} hat keinen Lauf {}", path, run));
   return RunRow{run,           query.Int(0), query.Int(1), query.Int(2), static_cast<int>(query.Int(3)),
                 query.Text(4), query.Text(5)};
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/told_error.h"
 #include "storage/connection.h"
 #include "storage/schema.h"
 
@@ -48,7 +49,9 @@ Status CheckPath(const std::string& path) {
   if (path.empty() || path == ":memory:")
     return UsageError("the database needs a file name, for example press.db");
   if (std::filesystem::is_directory(path, ignored))
-    return BadInput("{} is a folder; give the name of a database file, for example {}/press.db", path, path);
+    return BadInput(Tell(
+        "{} is a folder; give the name of a database file, for example {}/press.db",
+        "{} ist ein Ordner; den Namen einer Datenbankdatei angeben, zum Beispiel {}/press.db", path, path));
   return {};
 }
 
@@ -75,8 +78,10 @@ Result<Database> Database::OpenReadOnly(const std::string& path) {
   if (const Status valid = CheckPath(path); !valid) return tl::unexpected(valid.error());
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
-    return BadInput("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
-                    path, path);
+    return BadInput(
+        Tell("there is no database {}; fill one with `hydroscope replay LOG --machine M.toml --db {}`",
+             "es gibt keine Datenbank {}; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
+             path));
   auto impl = OpenForReading<Impl>(path, CheckForReading);
   if (!impl) return tl::unexpected(impl.error());
   return Database(std::move(*impl));
@@ -85,7 +90,9 @@ Result<Database> Database::OpenReadOnly(const std::string& path) {
 Result<std::string> Database::Identity() const {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<std::string> {
     Query query(*impl_, "SELECT id FROM identity");
-    if (!query.Step()) return BadInput("{} is damaged: table identity is empty", impl_->path);
+    if (!query.Step())
+      return BadInput(Tell("{} is damaged: table identity is empty",
+                           "{} ist beschädigt: die Tabelle identity ist leer", impl_->path));
     return query.Text(0);
   });
 }
@@ -116,7 +123,8 @@ Result<std::vector<std::string>> Database::MachineNames() const {
 Result<int> Database::PutModelVersion(std::int64_t machine, const ModelVersion& model) {
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<int> {
     SQLite::Transaction transaction(impl_->db, SQLite::TransactionBehavior::IMMEDIATE);
-    if (!MachineExists(*impl_, machine)) return BadInput("{} has no machine {}", impl_->path, machine);
+    if (!MachineExists(*impl_, machine))
+      return BadInput(Tell("{} has no machine {}", "{} hat keine Maschine {}", impl_->path, machine));
     const int latest = LatestVersion(*impl_, machine);
     if (latest > 0 && Definition(*impl_, machine, latest) == model.definition &&
         impl_->Columns(machine, latest) == model.columns)
@@ -142,8 +150,10 @@ Result<ModelVersion> Database::GetModelVersion(std::int64_t machine, int version
   return Guarded(impl_->path, &impl_->db, [&]() -> Result<ModelVersion> {
     const int latest = LatestVersion(*impl_, machine);
     if (version < 1 || version > latest)
-      return BadInput("{} has no model version {} of machine {}; versions 1 to {} are stored", impl_->path,
-                      version, machine, latest);
+      return BadInput(
+          Tell("{} has no model version {} of machine {}; versions 1 to {} are stored",
+               "{} hat keine Modellversion {} von Maschine {}; gespeichert sind die Versionen 1 bis {}",
+               impl_->path, version, machine, latest));
     ModelVersion model = ReadVersions(*impl_, machine, version).front();
     model.columns = impl_->Columns(machine, version);
     return model;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/told_error.h"
 #include "storage/gram_codec.h"
 
 namespace hydroscope {
@@ -79,8 +80,9 @@ Result<std::optional<Rollup>> FindRollup(Connection& connection, std::int64_t ma
   if (!query.Step()) return Found();
   auto gram = DecodeGram(query.Blob(1));
   if (!gram)
-    return BadInput("{}: stored sum of strokes {} to {}: {}", connection.path, first, first + strokes - 1,
-                    gram.error().text);
+    return BadInput(Tell("{}: stored sum of strokes {} to {}: {}",
+                         "{}: gespeicherte Summe der Hübe {} bis {}: {}", connection.path, first,
+                         first + strokes - 1, gram.error().text));
   return Found(Rollup{std::move(*gram), static_cast<int>(query.Int(0))});
 }
 
@@ -107,12 +109,14 @@ Status ForEachGram(Connection& connection, std::int64_t machine, std::int64_t fi
                 run.id, from, to);
     for (std::int64_t stroke = from; stroke < to; ++stroke) {
       if (!query.Step() || query.Int(0) != stroke)
-        return BadInput("{}: run {} ({}), stroke {}: its Gram is missing; the file is damaged",
-                        connection.path, run.id, run.source, stroke);
+        return BadInput(Tell("{}: run {} ({}), stroke {}: its Gram is missing; the file is damaged",
+                             "{}: Lauf {} ({}), Hub {}: seine Produktsumme fehlt; die Datei ist beschädigt",
+                             connection.path, run.id, run.source, stroke));
       auto gram = DecodeGram(query.Blob(1));
       if (!gram)
-        return BadInput("{}: run {} ({}), stroke {}: Gram {}", connection.path, run.id, run.source, stroke,
-                        gram.error().text);
+        return BadInput(Tell("{}: run {} ({}), stroke {}: Gram {}",
+                             "{}: Lauf {} ({}), Hub {}: Produktsumme {}", connection.path, run.id, run.source,
+                             stroke, gram.error().text));
       if (const Status visited = visit(run, run.first_sequence + stroke, std::move(*gram)); !visited)
         return visited;
     }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/told_error.h"
 #include "storage/connection.h"
 #include "storage/database.h"
 #include "storage/gram_rollup.h"
@@ -16,10 +17,12 @@ class GramSum {
   Status Add(int model_version, std::int64_t sequence, const StrokeGram& gram) {
     if (version_ == 0) version_ = model_version;
     if (!SameColumns(model_version) || !AddGram(sum_, gram))
-      return BadInput(
+      return BadInput(Tell(
           "{}: stroke {} was identified with model version {}, whose Gram columns differ from those of "
           "version {} before it; sum the strokes of one model at a time",
-          connection_.path, sequence, model_version, version_);
+          "{}: Hub {} wurde mit Modellversion {} identifiziert, deren Produktsummen andere sind als die der Version "
+          "{} davor; nur Hübe eines Modells zusammen nehmen",
+          connection_.path, sequence, model_version, version_));
     return {};
   }
   const StrokeGram& sum() const { return sum_; }

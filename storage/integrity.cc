@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "core/told_error.h"
 #include "storage/connection.h"
 #include "storage/content_hash.h"
 #include "storage/database.h"
@@ -41,7 +42,7 @@ Status CheckPages(Connection& connection) {
   Query query(connection, "PRAGMA integrity_check(1)");
   query.Step();
   if (query.Text(0) == "ok") return {};
-  return BadInput("{} is damaged: {}", connection.path, query.Text(0));
+  return BadInput(Tell("{} is damaged: {}", "{} ist beschädigt: {}", connection.path, query.Text(0)));
 }
 
 /// Strokes are numbered 0 ... n-1 and runs follow one another.
@@ -54,11 +55,14 @@ Status CheckCounts(Connection& connection, std::int64_t machine) {
         run.id);
     query.Step();
     if (query.Int(0) != run.strokes || query.Int(1) != 0 || query.Int(2) != run.strokes - 1)
-      return BadInput("{}: run {} ({}) counts {} strokes, but {} from {} to {} are stored", connection.path,
-                      run.id, run.source, run.strokes, query.Int(0), query.Int(1), query.Int(2));
+      return BadInput(Tell("{}: run {} ({}) counts {} strokes, but {} from {} to {} are stored",
+                           "{}: Lauf {} ({}) zählt {} Hübe, gespeichert sind aber {} von {} bis {}",
+                           connection.path, run.id, run.source, run.strokes, query.Int(0), query.Int(1),
+                           query.Int(2)));
     if (run.first_sequence != next)
-      return BadInput("{}: run {} ({}) begins at machine stroke {}, expected {}", connection.path, run.id,
-                      run.source, run.first_sequence, next);
+      return BadInput(Tell("{}: run {} ({}) begins at machine stroke {}, expected {}",
+                           "{}: Lauf {} ({}) beginnt bei Hub {} der Maschine, erwartet {}", connection.path,
+                           run.id, run.source, run.first_sequence, next));
     next += run.strokes;
   }
   return {};
@@ -88,7 +92,7 @@ Status Database::Check(const std::string& path, const std::stop_token& stop) {
     std::string found = query.Text(0);
     if (found == "ok") return {};
     std::replace(found.begin(), found.end(), '\n', ' ');
-    return BadInput("{} is damaged ({})", path, found);
+    return BadInput(Tell("{} is damaged ({})", "{} ist beschädigt ({})", path, found));
   });
   sqlite3_progress_handler(db.getHandle(), 0, nullptr, nullptr);
   return stop.stop_requested() ? Status{} : sound;

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -230,15 +232,19 @@ FileKind Inspect(SQLite::Database& db) {
 
 Status CheckOurs(const FileKind& kind, const std::string& path) {
   if (!kind.empty && kind.application != kApplicationId)
-    return BadInput(
+    return BadInput(Tell(
         "{} is a database of another program (application id {:#x}, expected {:#x}); it was left as it "
         "is. Give the file that `hydroscope replay --db` wrote, or a new name",
-        path, static_cast<unsigned>(kind.application), static_cast<unsigned>(kApplicationId));
+        "{} ist die Datenbank eines anderen Programms (application id {:#x}, erwartet {:#x}); sie wurde gelassen, wie "
+        "sie war. Die Datei angeben, die `hydroscope replay --db` schrieb, oder einen neuen Namen",
+        path, static_cast<unsigned>(kind.application), static_cast<unsigned>(kApplicationId)));
   if (kind.version > kFormatVersion)
-    return BadInput(
+    return BadInput(Tell(
         "{} has database format {}, this program knows formats up to {}; it was left as it is. Use the "
         "newer hydroscope that wrote it, or replay the logs into a new database",
-        path, kind.version, kFormatVersion);
+        "{} hat das Datenbankformat {}, dieses Programm kennt Formate bis {}; sie wurde gelassen, wie sie war. Das "
+        "neuere hydroscope benutzen, das sie schrieb, oder die Logs in eine neue Datenbank einspielen",
+        path, kind.version, kFormatVersion));
   return {};
 }
 
@@ -268,12 +274,16 @@ Status PrepareForWriting(SQLite::Database& db, const std::string& path) {
 Status CheckForReading(SQLite::Database& db, const std::string& path) {
   const FileKind kind = Inspect(db);
   if (kind.empty)
-    return BadInput("{} is an empty database; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
-                    path, path);
+    return BadInput(
+        Tell("{} is an empty database; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
+             "{} ist eine leere Datenbank; füllen mit `hydroscope replay LOG --machine M.toml --db {}`", path,
+             path));
   if (const Status ours = CheckOurs(kind, path); !ours) return ours;
   if (kind.version < kFormatVersion)
-    return BadInput("{} has the older database format {}; replaying any log into it brings it to format {}",
-                    path, kind.version, kFormatVersion);
+    return BadInput(
+        Tell("{} has the older database format {}; replaying any log into it brings it to format {}",
+             "{} hat das ältere Datenbankformat {}; irgendein Log einzuspielen bringt sie auf Format {}",
+             path, kind.version, kFormatVersion));
   return {};
 }
 

@@ -94,6 +94,7 @@ TEST(Schema, ADatabaseOfAnotherProgramIsRefusedAndLeftAsItIs) {
   const Error error = OpenError(folder.File());
   EXPECT_EQ(error.kind, ErrorKind::kBadInput);
   EXPECT_THAT(error.text, HasSubstr("database of another program"));
+  EXPECT_THAT(error.german, HasSubstr("Datenbank eines anderen Programms"));
   EXPECT_THAT(Database::OpenReadOnly(folder.File()).error().text, HasSubstr("database of another program"));
   EXPECT_EQ(Bytes(folder.File()), before);
 }

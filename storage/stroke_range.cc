@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "core/told_error.h"
 #include "storage/connection.h"
 #include "storage/database.h"
 #include "storage/stroke_row.h"
@@ -32,11 +33,13 @@ Result<std::int64_t> Database::SequenceAt(std::int64_t machine, double time) con
       Query ends(*impl_, "SELECT min(begin_s), max(end_s) FROM stroke WHERE run = ?", run.id);
       ends.Step();
       if (ends.Real(0) < before)
-        return BadInput(
+        return BadInput(Tell(
             "{}: the time of log {} (run {}) begins at {:.6g} s, before the log ahead of it ended ({:.6g} "
             "s), so a time does not tell which log is meant; give its "
             "number, or run:{} for where a log begins",
-            impl_->path, run.source, run.id, ends.Real(0), before, run.id);
+            "{}: die Zeit von Log {} (Lauf {}) beginnt bei {:.6g} s, bevor das Log davor endete ({:.6g} s); eine Zeit "
+            "sagt also nicht, welches gemeint ist: seine Nummer angeben, oder run:{} für seinen Beginn",
+            impl_->path, run.source, run.id, ends.Real(0), before, run.id));
       before = ends.Real(1);
       if (found || before < time) continue;
       Query first(*impl_, "SELECT min(stroke) FROM stroke WHERE run = ? AND end_s >= ?", run.id, time);

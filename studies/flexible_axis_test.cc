@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -15,7 +17,7 @@ StateFit FitOf(AxisManoeuvre manoeuvre, const FlexibleAxisMachine& machine, std:
   const Episode episode = FlexibleAxisEpisode(SimulateFlexibleAxis(o));
   const auto model = BuildStateModel(FlexibleAxisFile(), {});
   StateFit none;
-  if (!model) none.failed = model.error().text;
+  if (!model) none.failed = ToldOf(model.error());
   if (!model) return none;
   StateFitOptions options;
   options.starts = starts;
@@ -26,7 +28,7 @@ StateFit FitOf(AxisManoeuvre manoeuvre, const FlexibleAxisMachine& machine, std:
 TEST(FlexibleAxisStudy, TheStaircaseTellsAllFifteenParameters) {
   const FlexibleAxisMachine machine;
   const StateFit fit = FitOf(AxisManoeuvre::kStaircase, machine, 7, 4);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const Eigen::VectorXd truth = FlexibleAxisParameters(machine);
   for (Eigen::Index p = 0; p < truth.size(); ++p) {
     const double deviation = std::sqrt(fit.covariance(p, p));
@@ -40,7 +42,7 @@ TEST(FlexibleAxisStudy, TheStaircaseTellsAllFifteenParameters) {
 TEST(FlexibleAxisStudy, AStepLeavesParametersUnseenAndSaysWhich) {
   const FlexibleAxisMachine machine;
   const StateFit fit = FitOf(AxisManoeuvre::kStep, machine, 7, 4);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   ASSERT_FALSE(fit.unseen.empty());
   bool bends = false;
   for (const UnseenDirection& unseen : fit.unseen)
@@ -67,7 +69,7 @@ TEST(FlexibleAxisStudy, EachEffectIsFoundAtItsSize) {
     for (Eigen::Index p = truth.size(); p < start.parameters.size(); ++p)
       start.parameters[p] = (*model)->parameters[static_cast<std::size_t>(p)].spec.start;
     const StateFit fit = RefitStates(*model, std::span(&episode, 1), std::span(&start, 1), weights);
-    ASSERT_TRUE(fit.solved()) << fault.id << ": " << fit.failed;
+    ASSERT_TRUE(fit.solved()) << fault.id << ": " << fit.failed.english;
     EXPECT_LT(ChiSquare(fit, noise), 1.05 * 5 * episode.rows()) << fault.id;
     const Eigen::Index effect = truth.size();
     const double size = fit.parameters[effect], deviation = std::sqrt(fit.covariance(effect, effect));

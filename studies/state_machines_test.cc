@@ -167,7 +167,7 @@ TEST(StateMachines, TheExampleOfTheDocsIsFitted) {
   const auto model = BuildStateModel(*machine, {});
   ASSERT_TRUE(model) << model.error().text;
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_LT(fit.noise[0], 0.01 * fit.scale[0]);
   EXPECT_TRUE(BuildStateModel(*machine, {"overflow", "leak"}));
 }

@@ -200,7 +200,7 @@ TEST(BuiltInStates, AreFittedWithTheirEffects) {
   const auto model = BuildStateModel(*machine, {"upper_leak"});
   ASSERT_TRUE(model) << model.error().text;
   const StateFit fit = FitStates(*model, episodes);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_NEAR(fit.parameters[0], outlet, 0.02 * outlet);
   EXPECT_NEAR(fit.parameters[1], pump, 0.02 * pump);
   EXPECT_NEAR(fit.parameters[2], hole, 0.05 * hole);

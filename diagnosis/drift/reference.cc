@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/told_error.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
 #include "estimation/decompositions.h"
@@ -75,8 +76,9 @@ double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureMode
 Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const StrokeEvidence> strokes,
                                    int version) {
   if (static_cast<int>(strokes.size()) < kDriftThresholds.least_strokes)
-    return BadInput("commissioning has {} strokes, expected at least {}", strokes.size(),
-                    kDriftThresholds.least_strokes);
+    return BadInput(Tell("commissioning has {} strokes, expected at least {}",
+                         "die Inbetriebnahme hat {} Hübe, erwartet mindestens {}", strokes.size(),
+                         kDriftThresholds.least_strokes));
   Reference reference;
   reference.version_ = version;
   reference.first_ = strokes.front().sequence;
@@ -85,10 +87,12 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   for (const StrokeEvidence& s : strokes) all += s.equations;
   const Eigen::VectorXd values = model.Solve(all);
   if (values.size() == 0)
-    return BadInput(
+    return BadInput(Tell(
         "strokes {} ... {} do not tell the parameters apart; vary what "
         "drives the machine: speed, pressure, load",
-        reference.first_, reference.last_);
+        "die Hübe {} … {} unterscheiden die Parameter nicht; verändern, was die Maschine antreibt: Geschwindigkeit, "
+        "Druck, Last",
+        reference.first_, reference.last_));
   NormalEquations base{all.h.topLeftCorner(model.base_count(), model.base_count()),
                        all.g.head(model.base_count()), all.yy, all.equations};
   reference.theta_ = Eigen::VectorXd::Zero(model.size());

@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/told_error.h"
 #include "diagnosis/drift/default_rules.h"
 #include "diagnosis/drift/rules.h"
 #include "models/machine_file/table.h"
@@ -142,7 +143,9 @@ Result<RuleBook> ParseRules(const std::string& text, const std::string& origin) 
 
 Result<RuleBook> LoadRules(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return BadInput("cannot read the rules file {}", path);
+  if (!file)
+    return BadInput(
+        Tell("cannot read the rules file {}", "die Regeldatei {} kann nicht gelesen werden", path));
   std::stringstream text;
   text << file.rdbuf();
   Result<RuleBook> book = ParseRules(text.str(), path);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
@@ -36,10 +37,12 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   const auto derived = model->derive(Eigen::VectorXd::Ones(model->base_count));
   watched.picked_ = Independent(derived, model->base_count);
   if (static_cast<int>(watched.picked_.size()) != model->base_count)
-    return BadInput(
+    return BadInput(Tell(
         "the {} parameters of model {} follow from fewer than its {} regressors; "
         "drift can only be watched of as many",
-        derived.size(), model->name, model->base_count);
+        "die {} Parameter des Modells {} folgen aus weniger als seinen {} Regressoren; überwacht werden können nur "
+        "ebenso viele",
+        derived.size(), model->name, model->base_count));
   for (const std::size_t picked : watched.picked_) {
     const DerivedParameter& p = derived[picked];
     const MachineParameter* known = FindParameter(*model->kind, p.name);

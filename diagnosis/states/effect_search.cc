@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "core/told_error.h"
 #include "diagnosis/states/candidate_fits.h"
 #include "diagnosis/states/law_terms.h"
 #include "diagnosis/states/spread_pieces.h"
@@ -21,7 +22,7 @@ double Sum(const std::vector<double>& energies) {
   return std::accumulate(energies.begin(), energies.end(), 0.0);
 }
 
-Told CannotBeTried(const std::string& id, const std::string& why) {
+Told CannotBeTried(const std::string& id, const Told& why) {
   return Tell("{} cannot be tried: {}", "{} lässt sich nicht versuchen: {}", id, why);
 }
 
@@ -37,7 +38,7 @@ class EffectSearch {
   StatesExplanation Run() {
     const auto model = BuildStateModel(machine_, machine_.added_effects);
     if (!model) {
-      out_.base.fit.failed = model.error().text;
+      out_.base.fit.failed = ToldOf(model.error());
       return std::move(out_);
     }
     out_.base.fit = FitFromAllStarts(*model);
@@ -98,7 +99,7 @@ class EffectSearch {
         if (contender)
           contenders.push_back(std::move(*contender));
         else if (single)
-          out_.warnings.push_back(CannotBeTried(id, contender.error().text));
+          out_.warnings.push_back(CannotBeTried(id, ToldOf(contender.error())));
       }
     std::stable_sort(contenders.begin(), contenders.end(),
                      [](const auto& a, const auto& b) { return a.foreseen < b.foreseen; });
@@ -377,10 +378,12 @@ class EffectSearch {
       out_.nearest.push_back(id);
       out_.warnings.push_back(Tell(
           "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} "
-          "that is no effect of the machine file explains as much. To tell them apart, excite the machine more strongly "
+          "that is no effect of the machine file explains as much. To tell them apart, excite the machine more "
+          "strongly "
           "or record for longer",
           "{} würde einen Teil des Fehlers erklären, der kleiner ist als sein Rauschen; eine Funktion von {} in der "
-          "Gleichung von {}, die kein Effekt der Maschinendatei ist, erklärt ebenso viel. Um sie zu trennen, die Maschine "
+          "Gleichung von {}, die kein Effekt der Maschinendatei ist, erklärt ebenso viel. Um sie zu trennen, die "
+          "Maschine "
           "stärker anregen oder länger aufzeichnen",
           id, like->about, like->equation));
     }
@@ -461,10 +464,12 @@ class EffectSearch {
     out_.partial = out_.final_left.structured;
     if (out_.partial)
       out_.warnings.push_back(Tell(
-          "functions of states and inputs still predict at least {:.0f} % of the error, most of it in the equation of {}: "
+          "functions of states and inputs still predict at least {:.0f} % of the error, most of it in the equation of "
+          "{}: "
           "{:.2g} % of what they could predict before; a small law more is missing, or one of "
           "these differs a little",
-          "Funktionen von Zuständen und Eingängen sagen noch mindestens {:.0f} % des Fehlers voraus, das meiste davon in der Gleichung "
+          "Funktionen von Zuständen und Eingängen sagen noch mindestens {:.0f} % des Fehlers voraus, das meiste davon "
+          "in der Gleichung "
           "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, "
           "oder eines von diesen ist etwas anders",
           100 * out_.final_left.least_share, out_.final_left.about, 100 * out_.unexplained));

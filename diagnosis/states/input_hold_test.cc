@@ -59,7 +59,7 @@ k = { start = 3, min = 0.1, max = 30, unit = "1/s" }
       x += step * (input(t + (k + 0.5) * step) - kLagRate * x + law(x)) / (1 + step * kLagRate / 2);
   }
   const StateFit fit = FitStates(BuildStateModel(*machine, {}).value(), std::span(&episode, 1));
-  EXPECT_TRUE(fit.solved()) << fit.failed;
+  EXPECT_TRUE(fit.solved()) << fit.failed.english;
   return FindOtherHold(fit, std::span(&episode, 1));
 }
 

@@ -56,7 +56,7 @@ c = { start = 0.1, min = 0, max = 10 }
   ASSERT_TRUE(machine) << machine.error().text;
   const Episode episode = ValveLog(5e-3);
   const StateFit fit = FitStates(BuildStateModel(*machine, {}).value(), std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const StateRemainder left = RemainderOf(fit, std::span(&episode, 1));
   const double noise = kFlowSensor * kFlowSensor / (fit.noise[0] * fit.noise[0]);  // of the error's energy
   EXPECT_TRUE(left.structured);

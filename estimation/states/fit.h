@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/told.h"
 #include "estimation/states/simulation.h"
 
 namespace hydroscope {
@@ -53,7 +54,7 @@ struct UnseenDirection {
 
 struct StateFit {
   std::shared_ptr<const StateModel> model;
-  std::string failed;  ///< why there is no fit, a sentence; "" = there is one
+  Told failed;  ///< why there is no fit, a sentence; empty = there is one
   Eigen::VectorXd parameters;
   RowMatrix gain;                        ///< of the innovations form, state x output; empty: a free run
   Eigen::MatrixXd covariance;            ///< from the residuals as they are, pieces of the log as clusters

@@ -110,25 +110,36 @@ std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& o
   return starts;
 }
 
-std::string DivergedText(const Task& task, const Eigen::VectorXd& theta) {
+Told DivergedText(const Task& task, const Eigen::VectorXd& theta) {
   for (const Episode& episode : task.episodes) {
     StateRun run;
     Trial(task, theta, episode, run);
     if (!run.diverged) continue;
     if (run.rows <= 1)
-      return "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
-             "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
-             "second; limit them with max(..., 0), or check start and initial";
+      return {
+          "the model cannot be run from the starting values of the machine file: its rates are not finite at the "
+          "first row of an episode (a division by zero, a root of something negative) or grow without bound before the "
+          "second; limit them with max(..., 0), or check start and initial",
+          "das Modell lässt sich von den Startwerten der Maschinendatei aus nicht rechnen: seine Änderungsraten sind "
+          "in der "
+          "ersten Zeile einer Episode nicht endlich (Division durch null, Wurzel aus Negativem) oder wachsen vor der "
+          "zweiten "
+          "ohne Grenze; sie mit max(..., 0) begrenzen, oder start und initial prüfen"};
     Eigen::Index worst = 0;
     run.states.row(run.rows - 1).cwiseAbs().cwiseQuotient(task.state_scale.transpose()).maxCoeff(&worst);
-    return fmt::format(
+    return Tell(
         "the model diverges: from the starting values of the machine file {} runs away {:.4g} s after the "
         "episode's beginning; narrow the ranges in [parameters] or check the signs of its equations",
+        "das Modell läuft davon: von den Startwerten der Maschinendatei aus wächst {} ab {:.4g} s nach Beginn der "
+        "Episode "
+        "ohne Grenze; die Bereiche in [parameters] enger fassen, oder die Vorzeichen der Gleichungen prüfen",
         task.model->machine.states.states[static_cast<std::size_t>(worst)].name,
         episode.time[static_cast<std::size_t>(run.rows - 1)] - episode.time.front());
   }
-  return "the model diverges from every start; narrow the ranges in "
-         "[parameters] or check the signs of its equations";
+  return {
+      "the model diverges from every start; narrow the ranges in [parameters] or check the signs of its equations",
+      "das Modell läuft von jedem Start aus davon; die Bereiche in [parameters] enger fassen, oder die Vorzeichen der "
+      "Gleichungen prüfen"};
 }
 
 }  // namespace hydroscope::shooting

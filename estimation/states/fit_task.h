@@ -26,6 +26,6 @@ std::vector<Episode> FirstRows(std::span<const Episode> episodes, int rows);
 std::vector<Eigen::VectorXd> StartsOf(const Task& task, const StateFitOptions& options, bool near = false);
 
 /// Where a model that diverges does so, a sentence.
-std::string DivergedText(const Task& task, const Eigen::VectorXd& theta);
+Told DivergedText(const Task& task, const Eigen::VectorXd& theta);
 
 }  // namespace hydroscope::shooting

@@ -51,7 +51,7 @@ class FitOfALongRecord : public testing::TestWithParam<unsigned> {
 
 TEST_P(FitOfALongRecord, IsTakenOnFromTheFirstRowsStepByStep) {
   const StateFit fit = FitStates(model_, std::span(&episode_, 1), options_);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_NEAR(fit.parameters[0], kPendulumRate, 5e-4);
 }
 

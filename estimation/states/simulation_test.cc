@@ -202,7 +202,7 @@ TEST(StateSimulation, AModelThatRunsAwayIsSaidToDiverge) {
   ASSERT_TRUE(model);
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
   EXPECT_FALSE(fit.solved());
-  EXPECT_NE(fit.failed.find("diverges"), std::string::npos) << fit.failed;
+  EXPECT_NE(fit.failed.english.find("diverges"), std::string::npos) << fit.failed.english;
 }
 
 /// A fit tries such parameters, and would stay with them for minutes.
@@ -230,7 +230,7 @@ TEST(StateFit, SaysThatRatesAreNotFiniteWhereAModelBegins) {
   const auto model = BuildStateModel(machine, {});
   ASSERT_TRUE(model);
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  EXPECT_NE(fit.failed.find("not finite at the first row"), std::string::npos) << fit.failed;
+  EXPECT_NE(fit.failed.english.find("not finite at the first row"), std::string::npos) << fit.failed.english;
 }
 
 TEST(StateFit, SaysWhichCombinationTheDataDoNotSee) {
@@ -250,7 +250,7 @@ TEST(StateFit, SaysWhichCombinationTheDataDoNotSee) {
   const auto model = BuildStateModel(machine, {});
   ASSERT_TRUE(model) << model.error().text;
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_NEAR(fit.parameters[0] * fit.parameters[1], 1.2, 0.01);
   ASSERT_EQ(fit.unseen.size(), 1u);
   ASSERT_EQ(fit.unseen[0].parts.size(), 2u);
@@ -278,7 +278,7 @@ TEST(StateFit, FindsADeadTimeThatIsNoMultipleOfTheRows) {
   const auto model = BuildStateModel(DelayedLag("zero"), {});
   ASSERT_TRUE(model) << model.error().text;
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_NEAR(fit.parameters[0], dead, 2e-3);
 }
 
@@ -305,9 +305,9 @@ TEST(StateFit, PredictionFindsParametersWhereNoiseActsOnTheProcess) {
     StateFitOptions options;
     options.starts = 0;
     const StateFit free_run = FitStates(*model, std::span(&episode, 1), options);
-    ASSERT_TRUE(free_run.solved()) << free_run.failed;
+    ASSERT_TRUE(free_run.solved()) << free_run.failed.english;
     const StateFit fit = PredictStates(free_run, std::span(&episode, 1), options);
-    ASSERT_TRUE(fit.solved()) << fit.failed;
+    ASSERT_TRUE(fit.solved()) << fit.failed.english;
     EXPECT_LT(fit.noise[0], 0.5 * free_run.noise[0]);
     EXPECT_NEAR(fit.gain(0, 0), 1, 0.1) << "the sensor is much better than the process";
     inside += std::abs(fit.parameters[0] - kTrue) < 2 * std::sqrt(fit.covariance(0, 0));
@@ -342,7 +342,7 @@ TEST(StateFit, IntervalsHoldTheTruthWhereFewPiecesOfTheLogTellOfAParameter) {
       x = decay * x + rise * u;
     }
     const StateFit fit = FitStates(*model, std::span(&episode, 1), options);
-    ASSERT_TRUE(fit.solved()) << fit.failed;
+    ASSERT_TRUE(fit.solved()) << fit.failed.english;
     inside += std::abs(fit.parameters[0] - kTrue) < 1.96 * std::sqrt(fit.covariance(0, 0));
   }
   EXPECT_GE(inside, 0.88 * kLogs);
@@ -360,7 +360,7 @@ TEST(StateFit, FindsParametersFromAStartFarOff) {
   const auto model = BuildStateModel(Lag("initial = \"estimate\""), {});
   ASSERT_TRUE(model);
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const double std = std::sqrt(fit.covariance(0, 0));
   EXPECT_NEAR(fit.parameters[0], 0.7, 3 * std + 1e-4);
   EXPECT_LT(std, 0.01);
@@ -383,7 +383,7 @@ TEST(StateFit, WhatStandsAtALimitStaysThereInErrorsLeftOut) {
   const auto model = BuildStateModel(machine, {});
   ASSERT_TRUE(model) << model.error().text;
   const StateFit fit = FitStates(*model, std::span(&episode, 1));
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   ASSERT_TRUE(fit.at_limit[0]) << "the truth, 0.7, is not in the range";
   double energy = 0;
   for (const StatePiece& piece : fit.pieces) energy += piece.energy;

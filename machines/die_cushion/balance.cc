@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/told_error.h"
 #include "machines/die_cushion/generic_laws.h"
 #include "machines/die_cushion/library.h"
 #include "models/expressions/user_effect.h"
@@ -179,10 +180,12 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
   const auto area = machine.Geometry("A_A");
   const auto dp_nom = machine.Geometry("dp_nom");
   if (!area || !dp_nom || area->value <= 0 || dp_nom->value <= 0)
-    return BadInput(
+    return BadInput(Tell(
         "machine '{}': model die_cushion needs geometry A_A (piston area) and dp_nom "
         "(nominal pressure drop of the valve), both > 0",
-        machine.name);
+        "Maschine '{}': das Modell die_cushion braucht in [geometry] A_A (Kolbenfläche) und dp_nom (Nenndruckabfall "
+        "des Ventils), beide > 0",
+        machine.name));
   auto model = std::make_shared<ModelStructure>();
   model->parameters = {"theta1", "theta2", "theta3", "theta4"};
   model->base_count = 4;
@@ -192,8 +195,9 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
     model->channel_source.push_back(machine.SignalIndex(model->channel_names[c]));
   for (int c : {kPressureA, kPosition, kSpool}) {
     if (model->channel_source[c] < 0)
-      return BadInput("machine '{}': model die_cushion needs signal {} in [signals]", machine.name,
-                      model->channel_names[c]);
+      return BadInput(Tell("machine '{}': model die_cushion needs signal {} in [signals]",
+                           "Maschine '{}': das Modell die_cushion braucht das Signal {} in [signals]",
+                           machine.name, model->channel_names[c]));
     model->needed_signals.push_back(model->channel_source[c]);
   }
   model->columns = BaseColumns(area->value);

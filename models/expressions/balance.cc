@@ -118,8 +118,10 @@ ExpressionNames NamesForDerived(const Machine& machine) { return Derivation::Der
 Result<std::shared_ptr<ModelStructure>> BuildExpressionBalance(const Machine& machine) {
   const BalanceSpec& balance = machine.balance;
   if (balance.output.empty() || balance.terms.empty())
-    return BadInput("machine '{}': model \"expressions\" needs a [balance] with output and terms",
-                    machine.name);
+    return BadInput(
+        Tell("machine '{}': model \"expressions\" needs a [balance] with output and terms",
+             "Maschine '{}': das Modell \"expressions\" braucht eine [balance] mit output und terms",
+             machine.name));
   auto model = std::make_shared<ModelStructure>();
   model->output_unit = balance.unit;
 

@@ -91,8 +91,10 @@ Result<Effect> MakeUserEffect(const Machine& machine, const UserEffectSpec& spec
                               const UserEffectContext& context) {
   const ExpressionNames names = ExpressionNamesOf(machine, spec);
   if (spec.terms.size() != 1)
-    return BadInput("machine '{}': effect '{}' has {} terms, expected one: an effect has one parameter",
-                    machine.name, spec.id, spec.terms.size());
+    return BadInput(
+        Tell("machine '{}': effect '{}' has {} terms, expected one: an effect has one parameter",
+             "Maschine '{}': Effekt '{}' hat {} Terme, erwartet einer: ein Effekt hat einen Parameter",
+             machine.name, spec.id, spec.terms.size()));
   const std::string& text = spec.terms[0].expression;
   const auto checked = CheckExpression(text, names);
   if (!checked)

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/told_error.h"
 #include "models/machine.h"
 #include "models/machine_file/keys.h"
 #include "models/machine_file/sections.h"
@@ -34,13 +35,15 @@ int LineOfDeepKey(const std::string& text) {
 
 Result<toml::table> ParseToml(const std::string& text, const std::string& origin) {
   if (const int line = LineOfDeepKey(text); line > 0)
-    return BadInput("{}:{}: a key of more than {} parts; is this a machine file?", origin, line,
-                    kMaxKeyParts);
+    return BadInput(Tell("{}:{}: a key of more than {} parts; is this a machine file?",
+                         "{}:{}: ein Schlüssel aus mehr als {} Teilen; ist das eine Maschinendatei?", origin,
+                         line, kMaxKeyParts));
   try {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {
-    return BadInput("{}:{}: this is no valid TOML at column {}: {}", origin, error.source().begin.line,
-                    error.source().begin.column, error.description());
+    return BadInput(Tell("{}:{}: this is no valid TOML at column {}: {}",
+                         "{}:{}: kein gültiges TOML in Spalte {}: {}", origin, error.source().begin.line,
+                         error.source().begin.column, error.description()));
   }
 }
 
@@ -56,14 +59,20 @@ void FillGeometry(Machine& machine) {
 Result<Machine> LoadMachine(const std::string& path) {
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
-  if (failure) return BadInput("{}: the machine file cannot be read: {}", path, failure.message());
+  if (failure)
+    return BadInput(Tell("{}: the machine file cannot be read: {}",
+                         "{}: die Maschinendatei kann nicht gelesen werden: {}", path, failure.message()));
   if (size > kMaxBytes)
-    return BadInput("{}: {} bytes is too large for a machine file (expected some kilobytes); is it a log?",
-                    path, size);
+    return BadInput(
+        Tell("{}: {} bytes is too large for a machine file (expected some kilobytes); is it a log?",
+             "{}: {} Bytes sind zu viel für eine Maschinendatei (erwartet einige Kilobyte); ist das ein Log?",
+             path, size));
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
-  if (!file) return BadInput("{}: the machine file cannot be read", path);
+  if (!file)
+    return BadInput(Tell("{}: the machine file cannot be read",
+                         "{}: die Maschinendatei kann nicht gelesen werden", path));
   return ParseMachine(text.str(), path);
 }
 

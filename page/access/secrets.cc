@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "core/told_error.h"
+
 namespace hydroscope {
 namespace {
 
@@ -44,8 +46,9 @@ std::string HashOfToken(const std::string& token) {
 
 Result<std::string> HashOfPassword(const std::string& password) {
   if (password.size() < kShortestPassword || password.size() > kLongestPassword)
-    return BadInput("the password has {} characters, expected {} to {}", password.size(), kShortestPassword,
-                    kLongestPassword);
+    return BadInput(Tell("the password has {} characters, expected {} to {}",
+                         "das Passwort hat {} Zeichen, erwartet {} bis {}", password.size(),
+                         kShortestPassword, kLongestPassword));
   std::array<char, crypto_pwhash_STRBYTES> hash{};
   if (!LibraryIsReady() ||
       crypto_pwhash_str_alg(hash.data(), password.data(), password.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,

@@ -242,7 +242,9 @@ struct HttpServer::Impl {
     if (open.file.is_open()) {
       open.file.close();
       if (!open.file)
-        return Send(connection, ErrorReply(507, "the upload cannot be stored: is the disk full?"));
+        return Send(connection,
+                    ErrorReply(507, Told("the upload cannot be stored: is the disk full?",
+                                         "die Datei kann nicht abgelegt werden: ist die Platte voll?")));
     }
     if (open.request.path == hooks.event_path && open.request.method == "GET")
       return SendEvents(connection, hooks, std::move(open.request));

@@ -38,7 +38,8 @@ Result<AlarmRequest> ParseAlarmRequest(const std::string& body) {
   request = {named->second, *machine, *alarm, *user, *comment, seconds->value_or(0)};
   const bool shelves = request.action == Action::kShelve;
   if (shelves && !(request.seconds > 0 && request.seconds <= kLongestShelf))
-    return BadInput("seconds: expected a time above 0, of at most a month");
+    return BadInput(Told("seconds: expected a time above 0, of at most a month",
+                         "Dauer: erwartet eine Zeit über 0, höchstens ein Monat"));
   if ((shelves || request.action == Action::kComment) &&
       request.comment.find_first_not_of(" \t\n") == std::string::npos)
     return BadInput(Tell("comment: expected {}", "Bemerkung: erwartet: {}",

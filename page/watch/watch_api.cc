@@ -28,7 +28,8 @@ std::string QueryOf(const HttpRequest& request, const char* name) {
 }
 
 HttpReply UnknownMachine(const std::string& machine) {
-  return ErrorReply(404, "the database has no machine \"" + machine + "\"");
+  return ErrorReply(
+      404, Tell("the database has no machine \"{}\"", "die Datenbank hat keine Maschine „{}“", machine));
 }
 
 /// Raw signals around a stroke, every so many rows where there are more than can be seen.
@@ -125,13 +126,15 @@ HttpReply WatchApi::Answer(const HttpRequest& request) {
 
 HttpReply WatchApi::Overview(const HttpRequest&) {
   const auto state = watcher_.state();
-  return state->overview.is_null() ? ErrorReply(404, "the database is being read")
-                                   : JsonReply(state->overview);
+  return state->overview.is_null()
+             ? ErrorReply(404, Told("the database is being read", "die Datenbank wird gerade gelesen"))
+             : JsonReply(state->overview);
 }
 
 HttpReply WatchApi::Alarms(const HttpRequest&) {
   const auto state = watcher_.state();
-  if (state->overview.is_null()) return ErrorReply(404, "the database is being read");
+  if (state->overview.is_null())
+    return ErrorReply(404, Told("the database is being read", "die Datenbank wird gerade gelesen"));
   return JsonReply({{"alarms", state->alarms}, {"now_s", WallSeconds()}});
 }
 
@@ -174,7 +177,7 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
   if (!database) return FailureReply(database.error());
   const auto summary = database->SummariesOf(id, stroke, stroke + 1, 1);
   if (!summary) return FailureReply(summary.error());
-  if (summary->empty()) return ErrorReply(404, "there is no such stroke");
+  if (summary->empty()) return ErrorReply(404, Told("there is no such stroke", "diesen Hub gibt es nicht"));
   const auto runs = database->Runs(id);
   if (!runs) return FailureReply(runs.error());
   std::int64_t run_of_it = 0;
@@ -183,7 +186,9 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
   const StrokeSummary& s = summary->front();
   const auto raw = database->LoadRaw(run_of_it, s.begin - kMargin, s.end + kMargin);
   if (!raw) return FailureReply(raw.error());
-  if (raw->time.empty()) return ErrorReply(404, "the raw signals of this stroke are not kept");
+  if (raw->time.empty())
+    return ErrorReply(404, Told("the raw signals of this stroke are not kept",
+                                "die Rohsignale dieses Hubs sind nicht aufbewahrt"));
   nlohmann::json json = SignalsJson(*raw, machine->second.signal_units);
   json.update({{"stroke", stroke}, {"begin_s", JsonNumber(s.begin)}, {"end_s", JsonNumber(s.end)}});
   return JsonReply(std::move(json));
@@ -193,7 +198,9 @@ HttpReply WatchApi::Stroke(const HttpRequest& request) {
 HttpReply WatchApi::Journal(const HttpRequest& request) {
   const std::string machine = QueryOf(request, "machine"), alarm = QueryOf(request, "alarm");
   const auto journal = AlarmJournal::OpenReadOnly(AlarmJournal::PathFor(options_.database));
-  if (!journal) return ErrorReply(404, "there is no alarm journal beside the database");
+  if (!journal)
+    return ErrorReply(404, Told("there is no alarm journal beside the database",
+                                "neben der Datenbank liegt kein Alarmjournal"));
   const auto last = journal->LastSequence();
   if (!last) return FailureReply(last.error());
   const auto rows = journal->Rows(machine, std::max<std::int64_t>(0, *last - kMostRowsListed));

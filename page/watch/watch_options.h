@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "core/told_error.h"
 
 namespace hydroscope {
 
@@ -17,7 +18,8 @@ struct WatchOptions {
   std::function<nlohmann::json()> service = [] { return nlohmann::json(); };
   /// Has that service ask the controller for a valve check of an axis, "press/cushion_1". Error: none runs, or it cannot.
   std::function<Status(const std::string& axis)> valve_check = [](const std::string&) -> Status {
-    return BadInput("no service runs that could ask the controller");
+    return BadInput(Told("no service runs that could ask the controller",
+                         "es läuft kein Dienst, der die Steuerung fragen könnte"));
   };
 };
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "models/machine.h"
 #include "workbench/model/model_edit.h"
 #include "workbench/model/model_history_output.h"
@@ -57,7 +58,8 @@ Status RestoreKept(const std::string& machine_file, int version) {
   if (current->model_version == version) return {};
   for (const KeptVersion& kept : KeptVersions(machine_file))
     if (kept.version == version) return PutVersion(machine_file, current->model_version, kept.path);
-  return BadInput("version {} of the model is not kept", version);
+  return BadInput(
+      Tell("version {} of the model is not kept", "Version {} des Modells ist nicht aufbewahrt", version));
 }
 
 Status PutVersion(const std::string& machine_file, int version, const std::string& next) {

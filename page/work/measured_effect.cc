@@ -29,7 +29,8 @@ Status CheckInLibrary(const MeasuredEffect& measured, const Machine& machine) {
   if (kind.effects != nullptr)
     for (const auto& effect : kind.effects(machine))
       if (effect->id == measured.effect) return {};
-  return BadInput("effect: the library of '{}' holds no effect '{}'", machine.name, measured.effect);
+  return BadInput(Tell("effect: the library of '{}' holds no effect '{}'",
+                       "die Bibliothek von '{}' kennt keinen Effekt '{}'", machine.name, measured.effect));
 }
 
 }  // namespace hydroscope

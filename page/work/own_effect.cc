@@ -55,7 +55,9 @@ Result<OwnEffect> ParseOwnEffect(const std::string& body) {
     return BadInput(Tell("expression: expected up to {} characters without quotes, such as p*sign(ddt(x))",
                          "Ausdruck: erwartet: bis zu {} Zeichen ohne Anführungszeichen, etwa p*sign(ddt(x))",
                          kLongestExpression));
-  if (!IsPlain(effect.unit)) return BadInput("unit: expected an SI unit, such as m3/(s Pa)");
+  if (!IsPlain(effect.unit))
+    return BadInput(Told("unit: expected an SI unit, such as m3/(s Pa)",
+                         "Einheit: erwartet eine SI-Einheit wie m3/(s Pa)"));
   return effect;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/told_error.h"
 #include "models/output_unit.h"
 
 namespace hydroscope {
@@ -33,7 +34,9 @@ Result<std::vector<int>> SignalsOf(const Region& region, const Residuals& residu
     const auto found = std::find_if(residuals.signals.begin(), residuals.signals.end(),
                                     [&](const ResidualSignal& s) { return s.name == range.signal; });
     if (found == residuals.signals.end())
-      return BadInput("where: there is no signal '{}' to look over", range.signal);
+      return BadInput(Tell("where: there is no signal '{}' to look over",
+                           "über '{}' lässt sich nicht auftragen: dieses Signal gibt es nicht",
+                           range.signal));
     rows.push_back(static_cast<int>(found - residuals.signals.begin()));
   }
   return rows;

@@ -15,7 +15,8 @@ Result<std::int64_t> MachineNamed(Database& database, const std::string& machine
   const auto names = database.MachineNames();
   if (!names) return tl::unexpected(names.error());
   if (std::find(names->begin(), names->end(), machine) == names->end())
-    return BadInput("the database has no machine '{}'", machine);
+    return BadInput(
+        Tell("the database has no machine '{}'", "die Datenbank hat keine Maschine „{}“", machine));
   return database.MachineId(machine);
 }
 

@@ -94,11 +94,15 @@ std::string WorkSession::UploadFile() {
 
 Status WorkSession::TakeLog(const std::string& name, const std::string& file) {
   const std::string plain = PlainFileName(name);
-  if (plain.empty()) return BadInput("name: expected the name of the log, such as press.csv");
+  if (plain.empty())
+    return BadInput(Told("name: expected the name of the log, such as press.csv",
+                         "Name: erwartet der Name des Logs, zum Beispiel press.csv"));
   const std::string path = (std::filesystem::path(file).parent_path() / plain).string();
   std::error_code failure;
   std::filesystem::rename(file, path, failure);
-  if (failure) return InternalError("the upload cannot be kept: {}", failure.message());
+  if (failure)
+    return InternalError(Tell("the upload cannot be kept: {}", "die Datei kann nicht aufbewahrt werden: {}",
+                              failure.message()));
   if (const auto head = ReadLogHead(path); !head) {
     std::filesystem::remove(path, failure);
     return tl::unexpected(WithoutFolder(head.error()));
@@ -129,7 +133,7 @@ Result<std::int64_t> WorkSession::StartExample(const std::string& id) {
       return TakeLog(example.id + ".csv", file);
     });
   }
-  return BadInput("id: there is no example '{}'", id);
+  return BadInput(Tell("id: there is no example '{}'", "es gibt kein Beispiel '{}'", id));
 }
 
 Status WorkSession::HoldOut(const std::string& name) {
@@ -137,7 +141,8 @@ Status WorkSession::HoldOut(const std::string& name) {
   std::string path;
   for (const LogFile& log : logs_)
     if (log.name == name) path = log.path;
-  if (path.empty() && !name.empty()) return BadInput("log: there is no log '{}'", name);
+  if (path.empty() && !name.empty())
+    return BadInput(Tell("log: there is no log '{}'", "es gibt kein Log '{}'", name));
   if (!path.empty() && logs_.size() < 2)
     return BadInput(Tell("{}: a model needs another log that it is fitted to",
                          "{}: ein Modell braucht ein anderes Log, an das es angepasst wird", name));
@@ -148,7 +153,8 @@ Status WorkSession::HoldOut(const std::string& name) {
 }
 
 Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
-  if (database_.empty()) return BadInput("no database is watched here");
+  if (database_.empty())
+    return BadInput(Told("no database is watched here", "hier wird keine Datenbank beobachtet"));
   const auto kept = FindKeptStrokes(database_, stretch);
   if (!kept) return tl::unexpected(kept.error());
   StartOver();
@@ -165,7 +171,8 @@ Status WorkSession::TakeStrokes(const StrokeStretch& stretch) {
 }
 
 Result<std::int64_t> WorkSession::StartPromotion(const std::string& comment, const std::string& user) {
-  if (comment.find_first_not_of(" \t\n") == std::string::npos) return BadInput("comment: expected a text");
+  if (comment.find_first_not_of(" \t\n") == std::string::npos)
+    return BadInput(Told("comment: expected a text", "Bemerkung: erwartet ein Text"));
   const std::lock_guard lock(mutex_);
   if (strokes_of_.machine.empty())
     return BadInput(
@@ -226,7 +233,7 @@ Status WorkSession::AcceptProposal() {
     text = draft_;
     name = draft_name_;
   }
-  if (text.empty()) return BadInput("there is no proposal yet");
+  if (text.empty()) return BadInput(Told("there is no proposal yet", "es gibt noch keinen Vorschlag"));
   return TakeMachine(name, text);
 }
 
@@ -296,7 +303,7 @@ Status WorkSession::DrawLog(const std::string& name) {
       if (path.empty() && (name.empty() || name == log.name)) path = log.path;
     generation = generation_;
   }
-  if (path.empty()) return BadInput("there is no log {}", name);
+  if (path.empty()) return BadInput(Tell("there is no log {}", "es gibt kein Log {}", name));
   auto picture = LogPictureJson(path, *machine);
   if (!picture) return tl::unexpected(picture.error());
   const std::lock_guard lock(mutex_);

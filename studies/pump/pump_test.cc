@@ -18,7 +18,7 @@ TEST(PumpStudy, AFitHoldsOnAFlowPulseThatWasNotFitted) {
   EXPECT_LT(c.ripple_left, 0.02 * c.ripple);
   EXPECT_GT(c.ripple_smoothed, 10 * c.ripple_left);
   for (const PumpCase::Fits* fits : {&c.all, &c.outlet}) {
-    ASSERT_TRUE(fits->solved) << fits->fit.failed;
+    ASSERT_TRUE(fits->solved) << fits->fit.failed.english;
     EXPECT_GT(fits->log, 95);
     EXPECT_GT(fits->pulse, 95);
   }
@@ -42,7 +42,7 @@ StateFit OutletFit(const Episode& episode) {
 TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
   const Episode episode = OutletEpisode(41);
   const StateFit fit = OutletFit(episode);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   EXPECT_GT(fit.minima.size(), 1);
   EXPECT_GT(PumpFit(fit), 98);
 }
@@ -50,7 +50,7 @@ TEST(PumpStudy, OutletPressureAloneIsFittedFromStartsThatEndInWrongMinimaToo) {
 TEST(PumpStudy, ThatOutletPressureAloneTellsSpringAndEdgeTogetherIsSaidWithTheSensorThatWouldTellThem) {
   const Episode episode = OutletEpisode(20);
   const StateFit fit = OutletFit(episode);
-  ASSERT_TRUE(fit.solved()) << fit.failed;
+  ASSERT_TRUE(fit.solved()) << fit.failed.english;
   const ToldTogether together = FindToldTogether(fit, std::span(&episode, 1));
   ASSERT_GE(together.parameters.size(), 2u);
   EXPECT_EQ(together.parameters[0], "K_v");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/told_error.h"
 #include "diagnosis/interpolated_shapes.h"
 #include "diagnosis/shape_freedom.h"
 #include "diagnosis/testability.h"
@@ -91,10 +92,12 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
   ExplainOptions options = asked;
   AddUntestable(history, options.untestable);
   if (history.units.size() < kMinExplainStrokes)
-    return BadInput(
+    return BadInput(Tell(
         "{}: {} strokes in the chosen part of the history, expected at least {}: "
         "the error is judged on strokes left out",
-        history.database, history.units.size(), kMinExplainStrokes);
+        "{}: {} Hübe im gewählten Teil der Geschichte, erwartet mindestens {}: der Fehler wird an ausgelassenen Hüben "
+        "beurteilt",
+        history.database, history.units.size(), kMinExplainStrokes));
   for (const std::string& id : options.start)
     if (const auto known = FindEffect(*history.model, id); !known) return tl::unexpected(known.error());
   ExplainResult out;
@@ -104,10 +107,12 @@ Result<ExplainResult> ExplainUnits(const StrokeHistory& history, const ExplainOp
     out.explanation =
         ExplainRefined(StrokeSet(Refined(out.explanation), history.units, history.window), options);
   if (!out.explanation.base.solved)
-    return BadInput(
+    return BadInput(Tell(
         "{}: the strokes do not excite all parameters of the model: choose more of them with --from and "
         "--to, or record strokes that differ in {}",
-        history.database, history.model->words.vary.english);
+        "{}: die Hübe regen nicht alle Parameter des Modells an: mit --from und --to mehr davon wählen, oder Hübe "
+        "aufzeichnen, die sich in {} unterscheiden",
+        history.database, history.model->words.vary));
   out.log.machine = history.machine;
   out.log.machine.added_effects = options.start;
   out.log.model = history.model;

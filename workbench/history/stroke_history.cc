@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "core/told_error.h"
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
@@ -73,20 +74,24 @@ Status CheckRuns(const Database& database, const HistoryPart& part, double& peri
     const auto model = database.GetModelVersion(part.id, run.model_version);
     if (!model) return tl::unexpected(model.error());
     if (model->columns != history.model->ColumnNames())
-      return BadInput(
+      return BadInput(Tell(
           "{}: {} of run {} ({}) of {} were recorded with other sums of products than this machine and "
           "program have; replay their logs into a new database",
-          history.database, counted.many, run.id, run.source, part.machine);
+          "{}: {} aus Lauf {} ({}) von {} wurden mit anderen Produktsummen aufgezeichnet, als Maschine und Programm "
+          "sie jetzt haben; die Logs in eine neue Datenbank einspielen",
+          history.database, counted.many, run.id, run.source, part.machine));
     const RunSummary summary = ParseRunSummary(run.summary_json);
     if (!summary.too_slow.empty())
       history.too_slow = fmt::format("run {} ({}): {}", run.id, run.source, summary.too_slow);
     const double own = summary.sample_period;
     if (!(own > 0)) continue;
     if (period > 0 && std::abs(own - period) > kSamePeriod * period)
-      return BadInput(
+      return BadInput(Tell(
           "{}: run {} ({}) has a sample period of {:.4g} s, the runs before {:.4g} s; "
           "choose {} of one with --from and --to",
-          history.database, run.id, run.source, own, period, counted.many);
+          "{0}: Lauf {1} ({2}) hat eine Abtastzeit von {3:.4g} s, die Läufe davor {4:.4g} s; mit --from und --to {5} "
+          "von einer Abtastzeit wählen",
+          history.database, run.id, run.source, own, period, counted.many));
     period = own;
   }
   return {};
@@ -114,8 +119,10 @@ Status CheckUnits(StrokeHistory& history) {
     const int columns = history.units[k].integral.dimension();
     if (columns == history.model->column_count()) continue;
     if (columns != 0)
-      return BadInput("{}: a stored sum has {} columns, the model {}; the file is damaged", history.database,
-                      columns, history.model->column_count());
+      return BadInput(
+          Tell("{}: a stored sum has {} columns, the model {}; the file is damaged",
+               "{}: eine gespeicherte Summe hat {} Spalten, das Modell {}; die Datei ist beschädigt",
+               history.database, columns, history.model->column_count()));
     history.units.erase(history.units.begin() + static_cast<std::ptrdiff_t>(k));
     history.unit_parts.erase(history.unit_parts.begin() + static_cast<std::ptrdiff_t>(k));
   }
@@ -167,7 +174,8 @@ Result<std::int64_t> RunBegin(const Database& database, std::int64_t machine, co
     if (std::to_string(run.id) == number) return run.first_sequence;
   std::vector<std::int64_t> ids;
   for (const RunInfo& run : *runs) ids.push_back(run.id);
-  return BadInput("the machine has no run {}; its runs: {}", number, fmt::join(ids, ", "));
+  return BadInput(Tell("the machine has no run {}; its runs: {}",
+                       "die Maschine hat keinen Lauf {}; ihre Läufe: {}", number, fmt::join(ids, ", ")));
 }
 
 }  // namespace
@@ -199,14 +207,18 @@ Result<std::vector<HistoryPart>> ChosenMachines(Database& database, const std::s
   const auto known = database.MachineNames();
   if (!known) return tl::unexpected(known.error());
   if (known->empty())
-    return BadInput("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
-                    path, path);
+    return BadInput(
+        Tell("{} holds no machine yet; fill it with `hydroscope replay LOG --machine M.toml --db {}`",
+             "{} enthält noch keine Maschine; füllen mit `hydroscope replay LOG --machine M.toml --db {}`",
+             path, path));
   std::vector<HistoryPart> parts;
   for (const std::string& name : names.empty() ? *known : names) {
     if (std::find(known->begin(), known->end(), name) == known->end()) {
       const std::string nearest = Nearest(name, *known);
-      return BadInput("{} has no machine \"{}\"; it holds: {}{}", path, name, fmt::join(*known, ", "),
-                      nearest.empty() ? "" : fmt::format(". Did you mean {}?", nearest));
+      return BadInput(
+          Tell("{} has no machine \"{}\"; it holds: {}{}", "{} hat keine Maschine „{}“; darin: {}{}", path,
+               name, fmt::join(*known, ", "),
+               nearest.empty() ? Told() : Tell(". Did you mean {}?", ". Ist {} gemeint?", nearest)));
     }
     const auto id = database.MachineId(name);
     if (!id) return tl::unexpected(id.error());
@@ -224,7 +236,8 @@ Result<std::int64_t> FindPlace(const Database& database, std::int64_t machine, c
   const auto time = Date(text) ? Date(text) : Seconds(text);
   if (!time)
     return UsageError(
-        "\"{}\" is no place in the history; expected the number of a stroke or episode (1234), a log (run:3), a time of the "
+        "\"{}\" is no place in the history; expected the number of a stroke or episode (1234), a log (run:3), a time "
+        "of the "
         "logs (81.5s) or a date (2025-03-01T06:30)",
         text);
   return database.SequenceAt(machine, *time);
@@ -250,7 +263,9 @@ Result<Machine> StoredMachine(const Database& database, const std::string& path,
   if (!*model) {
     const auto runs = database.Runs(part.id);
     if (!runs) return tl::unexpected(runs.error());
-    if (runs->empty()) return BadInput("{}: nothing of machine {} is stored yet", path, part.machine);
+    if (runs->empty())
+      return BadInput(Tell("{}: nothing of machine {} is stored yet",
+                           "{}: von Maschine {} ist noch nichts gespeichert", path, part.machine));
     auto last = database.GetModelVersion(part.id, runs->back().model_version);
     if (!last) return tl::unexpected(last.error());
     *model = std::move(*last);
@@ -282,16 +297,19 @@ Result<StrokeHistory> LoadHistory(const Database& database, const std::string& p
   if (KindOf(machine).has_states) history.machine.added_effects.clear();
   if (history.strokes() == 0)
     return BadInput(
-        "{}: no {} in the chosen part of the history; `hydroscope trends --db {}` shows what it holds", path,
-        CountedWordsOf(machine).many, path);
+        Tell("{}: no {} in the chosen part of the history; `hydroscope trends --db {}` shows what it holds",
+             "{}: keine {} im gewählten Teil der Geschichte; `hydroscope trends --db {}` zeigt, was da ist",
+             path, CountedWordsOf(machine).many, path));
   double period = machine.log.sample_period.value_or(0.0);
   for (const HistoryPart& part : parts)
     if (const Status fits = CheckRuns(database, part, period, history); !fits)
       return tl::unexpected(fits.error());
   if (!(period > 0) && machine.live) period = machine.live->grid_period;  // its first run goes on
   if (!(period > 0))
-    return BadInput("{}: no log was replayed to its end, so the sample period is not known; replay it again",
-                    path);
+    return BadInput(Tell(
+        "{}: no log was replayed to its end, so the sample period is not known; replay it again",
+        "{}: kein Log wurde bis ans Ende eingespielt, die Abtastzeit ist also nicht bekannt; noch einmal einspielen",
+        path));
   history.window = WindowSamples::From(machine.window, period);
   history.window.level_form = history.model->level_form;
   const std::int64_t size = UnitSize(history.strokes(), most_single);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/counted_words.h"
+#include "core/told_error.h"
 #include "core/units.h"
 #include "host/text_file.h"
 #include "models/machine_kind.h"
@@ -66,8 +67,9 @@ Result<Evidence> OnLogs(const ModelChange& change, const Machine& before, const 
   if (!strokes) return tl::unexpected(strokes.error());
   const std::string source = fmt::format("{}", fmt::join(logs->fitted, ", "));
   if (const LogTrust trust = JudgeStrokes(*strokes); !trust.rate.fast_enough)
-    return BadInput("{}: {}; without the log the model is changed unjudged", source,
-                    trust.rate.sentence.english);
+    return BadInput(Tell("{}: {}; without the log the model is changed unjudged",
+                         "{}: {}; ohne das Log wird das Modell unbeurteilt geändert", source,
+                         trust.rate.sentence));
   Evidence out;
   auto judged_before = JudgeModel(before, *strokes, source);
   if (!judged_before) return tl::unexpected(judged_before.error());
@@ -227,7 +229,9 @@ Result<ModelChanged> ChangeDatabase(const ModelChange& change, MakeNext make_nex
 Result<Machine> NewestStoredModel(const Database& database, const HistoryPart& part) {
   const auto versions = database.ModelVersions(part.id);
   if (!versions) return tl::unexpected(versions.error());
-  if (versions->empty()) return BadInput("machine {} has no model in the database yet", part.machine);
+  if (versions->empty())
+    return BadInput(Tell("machine {} has no model in the database yet",
+                         "Maschine {} hat in der Datenbank noch kein Modell", part.machine));
   return ParseMachine(versions->back().definition, part.machine);
 }
 
@@ -245,7 +249,9 @@ Result<ModelChanged> UndoModel(const std::string& machine_file) {
   std::vector<KeptVersion> kept = KeptVersions(machine_file);
   std::erase_if(kept, [&](const KeptVersion& v) { return v.version >= machine->model_version; });
   if (kept.empty())
-    return BadInput("{}: no version before {} is kept beside it", machine_file, machine->model_version);
+    return BadInput(Tell("{}: no version before {} is kept beside it",
+                         "{}: keine Version vor {} ist daneben aufbewahrt", machine_file,
+                         machine->model_version));
   const auto beside = RestoreVersion(machine_file, machine->model_version, kept.back());
   if (!beside) return tl::unexpected(beside.error());
   const auto restored = LoadMachine(machine_file);

@@ -56,8 +56,9 @@ Result<ModelEvidence> JudgeModel(const Machine& machine, LogStrokes strokes, con
 
 Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory& history) {
   if (history.units.size() < 2)
-    return BadInput("{}: {} strokes in the chosen part of the history, expected at least 2", history.database,
-                    history.units.size());
+    return BadInput(Tell("{}: {} strokes in the chosen part of the history, expected at least 2",
+                         "{}: {} Hübe im gewählten Teil der Geschichte, erwartet mindestens 2",
+                         history.database, history.units.size()));
   auto structure = std::make_shared<ModelStructure>(*history.model);
   std::vector<int> effects;
   for (const std::string& id : machine.added_effects) {
@@ -71,12 +72,15 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
   for (const int effect : effects) {
     choices.push_back(strokes.BestShape(effect, choices));
     if (choices.back().shape < 0)
-      return BadInput("{}: the stored strokes cannot tell effect '{}' from the rest of the model",
-                      history.database, structure->effects[effect]->id);
+      return BadInput(
+          Tell("{}: the stored strokes cannot tell effect '{}' from the rest of the model",
+               "{}: die gespeicherten Hübe können den Effekt '{}' nicht vom Rest des Modells unterscheiden",
+               history.database, structure->effects[effect]->id));
   }
   MachineModel out{structure, choices, strokes.Fit(choices), {}, {}};
   if (!out.fit.solved)
-    return BadInput("{}: the strokes do not excite all parameters of the model", history.database);
+    return BadInput(Tell("{}: the strokes do not excite all parameters of the model",
+                         "{}: die Hübe regen nicht alle Parameter des Modells an", history.database));
   strokes.Widen(choices, out.fit);
   out.figures = FiguresOf(*structure, out.fit, strokes.strokes());
   out.figures.noise_floor = history.NoiseFloor(out.figures.noise_floor);
@@ -85,8 +89,9 @@ Result<MachineModel> FitHistoryModel(const Machine& machine, const StrokeHistory
 
 Result<ModelEvidence> JudgeModel(const Machine& machine, const StrokeHistory& history) {
   if (history.units.size() < kMinExplainStrokes)
-    return BadInput("{}: {} strokes, expected at least {} to judge a model on", history.database,
-                    history.units.size(), kMinExplainStrokes);
+    return BadInput(Tell("{}: {} strokes, expected at least {} to judge a model on",
+                         "{}: {} Hübe, erwartet mindestens {}, um ein Modell zu beurteilen", history.database,
+                         history.units.size(), kMinExplainStrokes));
   const auto model = FitHistoryModel(machine, history);
   if (!model) return tl::unexpected(model.error());
   return Evidence(machine, *model, history.database, history.strokes());

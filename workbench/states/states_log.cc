@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/told_error.h"
 #include "estimation/decompositions.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -71,7 +72,8 @@ std::vector<Told> InitialWarnings(const StateFit& fit, const std::vector<Episode
       warnings.push_back(Tell(
           "initial = \"{}\" of {} is outside of its limits in {} of {} episodes, which begin at the limit; check unit, "
           "zero and limits",
-          "initial = \"{}\" von {} liegt in {} von {} Episoden außerhalb seiner Grenzen, sie beginnen an der Grenze; Einheit, "
+          "initial = \"{}\" von {} liegt in {} von {} Episoden außerhalb seiner Grenzen, sie beginnen an der Grenze; "
+          "Einheit, "
           "Nullpunkt und Grenzen prüfen",
           state.initial, state.name, count, episodes.size()));
     }
@@ -133,7 +135,8 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   StatesFit out;
   out.linear = std::move(start.fit);
   out.fit = FitStates(*model, log.episodes, start.options);
-  if (!out.fit.solved()) return BadInput("machine '{}': {}", log.machine.name, out.fit.failed);
+  if (!out.fit.solved())
+    return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", log.machine.name, out.fit.failed));
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
   if (out.left.structured || out.slow()) out.other_hold = FindOtherHold(out.fit, log.episodes);
@@ -165,7 +168,7 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   if (!other) return tl::unexpected(other.error());
   const StateFit& fitted = out->prediction ? *out->prediction : out->fit;
   const StateFit followed = FollowStates(fitted.model, other->episodes, fitted.parameters, out->fit.noise);
-  if (!followed.solved()) return BadInput("{}: {}", chosen->held_out, followed.failed);
+  if (!followed.solved()) return BadInput(Tell("{}: {}", "{}: {}", chosen->held_out, followed.failed));
   out->held_out =
       Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;
   out->held_out_log = chosen->held_out;
@@ -197,7 +200,8 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
       log->warnings.push_back(std::move(warning));
   out.log = std::move(*log);
   const StatesExplanation& x = out.explanation;
-  if (!x.base.fit.solved()) return BadInput("machine '{}': {}", machine->name, x.base.fit.failed);
+  if (!x.base.fit.solved())
+    return BadInput(Tell("machine '{}': {}", "Maschine '{}': {}", machine->name, x.base.fit.failed));
   const std::span<const Episode> fitted =
       x.runs.empty() ? std::span<const Episode>(out.log.episodes) : std::span<const Episode>(x.runs);
   if (x.verdict == Verdict::kUnknown || x.partial)
@@ -251,7 +255,10 @@ Status WriteStatesCsv(const StatesFit& fit, const std::string& path) {
     }
   }
   file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
+  if (!file)
+    return BadInput(Tell("cannot write {}: check that the folder exists and the disk is not full",
+                         "{} kann nicht geschrieben werden: gibt es den Ordner, und hat die Platte Platz?",
+                         path));
   return {};
 }
 
