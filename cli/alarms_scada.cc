@@ -33,7 +33,7 @@ Json AxisJson(const ScadaAxis& axis) {
           {"parameters", parameters}};
 }
 
-Json AlarmJson(const ScadaAlarm& a) {
+Json ScadaAlarmJson(const ScadaAlarm& a) {
   return {{"number", a.number}, {"axis", a.axis},         {"alarm", a.name},
           {"state", a.state},   {"severity", a.severity}, {"raised_wall_s", a.raised},
           {"value", a.value},   {"std", a.std},           {"limit", a.limit}};
@@ -135,7 +135,7 @@ Status ShowScada(const std::string& endpoint, int acknowledge, const std::string
   if (json.empty()) return {};
   for (const char* list : {"axes", "alarms", "journal"}) document[list] = Json::array();
   for (const ScadaAxis& axis : seen->axes) document["axes"].push_back(AxisJson(axis));
-  for (const ScadaAlarm& alarm : seen->alarms) document["alarms"].push_back(AlarmJson(alarm));
+  for (const ScadaAlarm& alarm : seen->alarms) document["alarms"].push_back(ScadaAlarmJson(alarm));
   for (const ScadaRow& row : seen->rows) document["journal"].push_back(RowJson(row));
   return WriteJson(json, document);
 }

@@ -96,7 +96,7 @@ std::string WelchTable(const FrequencyResponse& response) {
   return text;
 }
 
-std::string ModelText(const ValveModel& m) {
+std::string ValveModelText(const ValveModel& m) {
   const auto beyond = [&](double f) { return f > m.highest ? "  (beyond the measured frequencies)" : ""; };
   std::string text = "Model: second order with dead time, 95 % intervals\n";
   text += fmt::format("  natural frequency f0   {}\n", WithUnit(m.natural_frequency, 1, "Hz"));
@@ -178,7 +178,8 @@ std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, con
     text += WelchTable(response);
   }
   text += "\n";
-  text += response.model ? ModelText(*response.model) : fmt::format("No model: {}\n", response.model_reason);
+  text +=
+      response.model ? ValveModelText(*response.model) : fmt::format("No model: {}\n", response.model_reason);
   if (!std::isnan(log.supply_pressure))
     text += fmt::format("  supply pressure {:.1f} bar\n", log.supply_pressure / 1e5);
   if (!std::isnan(log.oil_temperature))

@@ -19,7 +19,7 @@
 namespace hydroscope {
 namespace {
 
-std::vector<std::string> Split(const std::string& text, char separator) {
+std::vector<std::string> Parts(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
     if (c == separator) {
@@ -46,7 +46,7 @@ constexpr FaultName kFaultNames[] = {{"nan", FaultKind::kNan},
 
 Result<EffectSetting> ParseEffect(const std::string& text) {
   EffectSetting effect;
-  const auto parts = Split(text, ',');
+  const auto parts = Parts(text, ',');
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const auto equals = parts[k].find('=');
     const std::string name = parts[k].substr(0, equals);
@@ -71,7 +71,7 @@ Result<EffectSetting> ParseEffect(const std::string& text) {
 
 Result<ImperfectionSetting> ParseImperfection(const std::string& text) {
   ImperfectionSetting setting;
-  const auto parts = Split(text, ',');
+  const auto parts = Parts(text, ',');
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const auto equals = parts[k].find('=');
     const std::string name = parts[k].substr(0, equals);
@@ -103,7 +103,7 @@ Result<ImperfectionSetting> ParseImperfection(const std::string& text) {
 
 Result<SensorFault> ParseFault(const std::string& text) {
   constexpr const char* kForm = "expected kind:channel:start:duration[:size], e.g. stuck:p_A:30:2";
-  const auto parts = Split(text, ':');
+  const auto parts = Parts(text, ':');
   if (parts.size() < 4 || parts.size() > 5) return UsageError("--fault {}: {}", text, kForm);
   SensorFault fault;
   std::vector<std::string> names;
@@ -134,7 +134,7 @@ Result<SensorFault> ParseFault(const std::string& text) {
 }
 
 Status ParseOil(const std::string& text, PressOptions& options) {
-  const auto parts = Split(text, ':');
+  const auto parts = Parts(text, ':');
   const auto start = FiniteNumber(parts.front()), end = FiniteNumber(parts.back());
   if (parts.size() > 2 || !start || !end)
     return UsageError("--oil {}: expected START:END in degC, e.g. 26:52, or one temperature", text);

@@ -20,10 +20,6 @@ namespace {
 
 constexpr std::size_t kSparkWidth = 10, kLeastSparkWidth = 4;
 
-std::string Counted(std::int64_t count, const CountedWords& counted) {
-  return fmt::format("{} {}", count, counted.Of(count));
-}
-
 std::string ValueText(double value, double half_width) {
   return std::isfinite(value) ? WithInterval(value, half_width) : "-";
 }
@@ -32,11 +28,11 @@ std::string ValueText(double value, double half_width) {
 std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
   if (!s.since) return fmt::format("never excited: these {} have nothing to do with it", counted.many);
   if (*s.since == 0) return "";
-  return fmt::format("last excited {} ago, {} of {} told something", Counted(*s.since, counted), s.updated,
+  return fmt::format("last excited {} ago, {} of {} told something", counted.Counted(*s.since), s.updated,
                      s.strokes);
 }
 
-std::string ChangeText(const TrendSummary& s, const CountedWords& counted) {
+std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
   if (!s.change) return fmt::format("too few {}", counted.many);
   const auto percent = s.change->Percent();
   const DisplayUnit unit = DisplayUnitFor(s.unit);
@@ -74,7 +70,7 @@ TableWidths WidthsFor(const std::vector<TrendSummary>& summaries, const CountedW
     widths.name = std::max(widths.name, ShownWidth(s.parameter));
     widths.unit = std::max(widths.unit, ShownWidth(DisplayUnitFor(s.unit).name));
     value = std::max(value, ShownWidth(LatestText(s)));
-    change = std::max(change, ShownWidth(ChangeText(s, counted)));
+    change = std::max(change, ShownWidth(TrendChangeText(s, counted)));
   }
   const auto give = [&](std::size_t& width, std::size_t least) {
     const std::size_t beyond = widths.Line() - std::min(widths.Line(), kLineWidth);
@@ -89,14 +85,14 @@ TableWidths WidthsFor(const std::vector<TrendSummary>& summaries, const CountedW
 std::string Row(const TrendSummary& s, const TableWidths& widths, const CountedWords& counted) {
   const DisplayUnit unit = DisplayUnitFor(s.unit);
   return TableRow(widths, {s.parameter, LatestText(s), unit.name == "1" ? "-" : std::string(unit.name),
-                           ChangeText(s, counted), Sparkline(s.values, s.stds, widths.course)});
+                           TrendChangeText(s, counted), Sparkline(s.values, s.stds, widths.course)});
 }
 
 std::string Header(const MachineTrends& trends) {
   const TrendPoint &first = trends.first, &last = trends.last;
   std::string text = fmt::format(
       "{}: {} in {} run{}, {} {} to {} shown\n", trends.machine.empty() ? "machine" : trends.machine,
-      Counted(trends.runs.back().first_sequence + trends.runs.back().strokes, trends.counted),
+      trends.counted.Counted(trends.runs.back().first_sequence + trends.runs.back().strokes),
       trends.runs.size(), trends.runs.size() == 1 ? "" : "s", trends.counted.many, first.sequence,
       last.sequence);
   const RunInfo& run = trends.runs.back();

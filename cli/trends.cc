@@ -34,7 +34,7 @@ std::string DidYouMean(const std::string& name, const std::vector<std::string>& 
 }
 
 /// The machines asked for, in the order of the database.
-Result<std::vector<std::string>> ChosenMachines(const TrendsArguments& a, const Database& database) {
+Result<std::vector<std::string>> NamedOrAll(const TrendsArguments& a, const Database& database) {
   const auto names = database.MachineNames();
   if (!names) return tl::unexpected(names.error());
   if (names->empty())
@@ -137,7 +137,7 @@ Status RunTrends(const TrendsArguments& a) {
     return UsageError("--csv - and --json - cannot both go to stdout; give one a file");
   auto database = Database::OpenReadOnly(a.db);
   if (!database) return tl::unexpected(database.error());
-  const auto names = ChosenMachines(a, *database);
+  const auto names = NamedOrAll(a, *database);
   if (!names) return tl::unexpected(names.error());
   std::vector<MachineTrends> machines;
   for (const std::string& name : *names) {

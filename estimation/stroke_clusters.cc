@@ -155,7 +155,8 @@ class GroupVariance {
 };
 
 /// Regressors scaled to unit diagonal of the sum, so that pivots can be judged.
-std::vector<NormalEquations> Scaled(std::span<const NormalEquations> strokes, Eigen::VectorXd& scale) {
+std::vector<NormalEquations> ScaledEquations(std::span<const NormalEquations> strokes,
+                                             Eigen::VectorXd& scale) {
   NormalEquations total;
   for (const NormalEquations& s : strokes) total += s;
   scale = total.h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -290,7 +291,7 @@ StrokeClusters FindStrokeClusters(std::span<const NormalEquations> strokes,
   if (static_cast<int>(strokes.size()) < kLeastStrokes || operations.size() != strokes.size()) return none;
   const std::vector<StrokeClusters> candidates = Candidates(operations);
   Eigen::VectorXd scale;
-  const std::vector<NormalEquations> scaled = Scaled(strokes, scale);
+  const std::vector<NormalEquations> scaled = ScaledEquations(strokes, scale);
   const VarianceRatios ratios(scaled, candidates);
   if (ratios.empty()) return none;
   Eigen::MatrixXd scores(theta.size(), static_cast<Eigen::Index>(scaled.size()));

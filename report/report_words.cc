@@ -393,7 +393,8 @@ std::string Headline(Standing worst, const TrendAnalysis& analysis, bool insepar
 }
 
 /// A change that an alarm tells is not denied because it is small over the record as a whole, or young.
-void HearAlarms(const std::vector<AlarmState>& alarms, const CountedWords& counted, ReportVerdict& verdict) {
+void HearAlarmsInVerdict(const std::vector<AlarmState>& alarms, const CountedWords& counted,
+                         ReportVerdict& verdict) {
   const std::vector<std::string> told = ToldByAlarms(alarms, counted);
   if (told.empty() || verdict.standing >= Standing::kChanged) return;
   verdict.standing = Standing::kChanged;
@@ -436,7 +437,7 @@ ReportVerdict DescribeVerdict(const ReportInput& input, const TrendAnalysis& ana
   }
   if (ErrorGrew(analysis.error.ratio)) verdict.standing = std::max(verdict.standing, Standing::kHint);
   verdict.headline = Headline(verdict.standing, analysis, inseparable, counted);
-  HearAlarms(input.alarms, counted, verdict);
+  HearAlarmsInVerdict(input.alarms, counted, verdict);
   const auto standing = [&](Standing wanted) {
     return NamesWhere(infos, [&](std::size_t i) { return words[i].standing == wanted; });
   };

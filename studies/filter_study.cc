@@ -25,7 +25,7 @@ using Theta = std::array<double, kStudied>;
 constexpr Theta kMostStd = {0.1, 1.4, 1.7};  ///< percent
 constexpr double kMostBias = 0.5;            ///< percent
 
-Theta TruthOf(const PressMachine& m) { return {-m.Q_vn / std::sqrt(m.dp_nom), -m.V0 / m.K, -m.A_A / m.K}; }
+Theta TrueTheta(const PressMachine& m) { return {-m.Q_vn / std::sqrt(m.dp_nom), -m.V0 / m.K, -m.A_A / m.K}; }
 
 /// Regression parameters behind the physical ones (eq. 7 of the press paper): K, V0, Q_vn, y_0.
 Theta ThetaOf(const std::vector<Estimate>& p, const PressMachine& m) {
@@ -93,8 +93,8 @@ struct Outcome {
   Theta recursive{}, batch{};
 };
 
-Result<Outcome> Identify(const SimulatedLog& log, const Machine& machine, const PressMachine& truth,
-                         const std::vector<Width>& widths) {
+Result<Outcome> IdentifyAll(const SimulatedLog& log, const Machine& machine, const PressMachine& truth,
+                            const std::vector<Width>& widths) {
   const auto model = BuildModel(machine);
   if (!model) return tl::unexpected(model.error());
   const double period = log.truth.options.sample_period, tail = log.truth.options.seconds * 2 / 3;
@@ -180,12 +180,12 @@ Result<FilterStudyResult> StudyLog(const FilterStudyOptions& options, std::uint6
   press.seed = seed;
   const Machine machine = MachineFor(press);
   const SimulatedLog clean = SimulateClean(press);
-  const Theta truth = TruthOf(press.machine);
+  const Theta truth = TrueTheta(press.machine);
   std::vector<Deviation> published(widths.size());
   Deviation recursive, batch;
   for (int d = 0; d < options.draws; ++d) {
     const SimulatedLog log = AddSensorNoise(clean, press, StreamSeed(seed + d, "filter study"));
-    const auto outcome = Identify(log, machine, press.machine, widths);
+    const auto outcome = IdentifyAll(log, machine, press.machine, widths);
     if (!outcome) return tl::unexpected(outcome.error());
     for (std::size_t w = 0; w < widths.size(); ++w) published[w].Add(outcome->published[w], truth);
     recursive.Add(outcome->recursive, truth);

@@ -82,7 +82,7 @@ void ExplainPlant(LogStrokes strokes, PlantOutcome& out) {
                          fmt::join(InEnglish(x.warnings), "; "));
 }
 
-PlantOutcome RunCase(PlantCase drawn) {
+PlantOutcome RunPlantCase(PlantCase drawn) {
   PlantOutcome out;
   out.drawn = std::move(drawn);
   out.answer.excess = ExcessOf(out.drawn);
@@ -192,7 +192,7 @@ Result<PlantLogsResult> RunPlantLogs(const PlantLogsOptions& o) {
   ProgressBar progress("plant logs", "logs");
   ForEachCase(
       o.cases, progress,
-      [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunCase(DrawPlantCase(k, o.seed, *kinds)); },
+      [&](int k) { outcomes[static_cast<std::size_t>(k)] = RunPlantCase(DrawPlantCase(k, o.seed, *kinds)); },
       o.threads);
   PlantLogsResult result;
   for (const PlantKind* kind : *kinds) result.kinds.emplace_back(kind->name, PlantTally{});

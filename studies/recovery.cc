@@ -71,7 +71,7 @@ Machine ExtendedMachine(const PressOptions& options, const std::string& effect) 
 
 /// Truth of a base parameter as the library's law counts it. Its curved edge is k u |u|^a, the simulator's
 /// k u (|u| / normal)^a: the same law with another unit opening.
-double TruthOf(const std::string& parameter, const PressOptions& options) {
+double TrueValue(const std::string& parameter, const PressOptions& options) {
   const PressMachine& m = options.machine;
   if (parameter == "K") return m.K;
   if (parameter == "V0") return m.V0;
@@ -159,7 +159,7 @@ Result<std::vector<RecoveredValue>> RecoverEffect(const std::string& effect, dou
     values.push_back(std::move(shape));
   const int count = static_cast<int>(strokes->stretches.size());
   for (const Estimate& base : BaseParameters(*model->structure, model->fit, count))
-    values.push_back({base.parameter, base.unit, TruthOf(base.parameter, options), base.value, base.std});
+    values.push_back({base.parameter, base.unit, TrueValue(base.parameter, options), base.value, base.std});
   return values;
 }
 

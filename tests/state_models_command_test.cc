@@ -72,6 +72,19 @@ TEST_F(StateModels, CompareSaysWhereTheModelErrs) {
     EXPECT_LE(map["explained"].get<double>(), 1) << map["signals"];
 }
 
+/// Which of several units a name has is looked up where the machine file states it.
+TEST_F(StateModels, WhereAModelErrsIsToldInTheUnitOfTheOutput) {
+  Machine machine = StatesMachine(StateMachineKind::kOscillator, "");
+  for (SignalSpec& signal : machine.signals)
+    if (signal.name == "y") signal.unit = "mm";
+  WriteText(File("machine.toml"), FormatMachine(machine));
+  const nlohmann::json compared =
+      Run({"compare", File("log.csv"), "-m", File("machine.toml"), "--json", "-"}).Json();
+  ASSERT_FALSE(compared["located"].empty());
+  EXPECT_EQ(compared["located"][0]["error_unit"], "mm");
+  EXPECT_EQ(compared["maps"][0]["error_unit"], "mm");
+}
+
 /// A lag under an input that is held from row to row; `push`: on the process, per row at random.
 std::string LagLog(double push) {
   std::mt19937 random(3);

@@ -146,14 +146,15 @@ std::string Identification(const CheckResult& check) {
   }
   if (check.figures.noise_floor > 0) {
     const DisplayUnit unit = OutputUnit(check.machine);
-    const std::string_view name =
-        check.machine.states.outputs.size() > 1 ? "of the outputs' variation" : std::string_view(unit.name);
+    const bool shares = check.machine.states.outputs.size() > 1;
+    const double factor = shares ? 100 : unit.factor;
+    const std::string_view name = shares ? "% of the outputs' variation" : unit.name;
     text += fmt::format(
-        "  model error on strokes left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
-        check.figures.rms_holdout * unit.factor, name,
+        "  model error on {} left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
+        CountedWordsOf(check.machine).many, check.figures.rms_holdout * factor, name,
         // Where a model with states misses something, noise is what functions of its states do not predict.
         KindOf(check.machine).has_states && check.suspicion.suspected ? "at most" : "alone would cause",
-        check.figures.noise_floor * unit.factor, name);
+        check.figures.noise_floor * factor, name);
     if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
       text += fmt::format("  {}\n", impossible);
   }

@@ -183,7 +183,7 @@ bool HasModelError(const CompareResult& result) {
          (!result.whiteness.autocorrelation.empty() && result.whiteness.p_value < kPatternP);
 }
 
-ModelHeadline HeadlineOf(const CompareResult& result) {
+ModelHeadline HeadlineOfComparison(const CompareResult& result) {
   const bool misses = HasModelError(result);
   const Told no_verdict = result.verdict || misses ? result.no_verdict : TooFewForVerdict(result.strokes);
   return HeadlineOf(result.model.figures, misses, no_verdict, CountedWordsOf(result.log.machine));
@@ -234,7 +234,7 @@ nlohmann::json CorrelationsJson(const CompareResult& result) {
 }  // namespace
 
 std::string CompareText(const CompareResult& result) {
-  const ModelHeadline headline = HeadlineOf(result);
+  const ModelHeadline headline = HeadlineOfComparison(result);
   std::string text = headline.text + "\n" + WarningsText(Warnings(result));
   text += OverallText(result) + StrokesText(result) + WhitenessText(result) + CorrelationsText(result) +
           LocatedText(result.location.located, OutputUnit(result.log.model.get()));
@@ -252,7 +252,7 @@ nlohmann::json CompareJson(const CompareResult& result) {
   out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
   out["free_run_percent"] =
       result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
-  const ModelStanding standing = HeadlineOf(result).standing;
+  const ModelStanding standing = HeadlineOfComparison(result).standing;
   out["model_error_seen"] = standing == ModelStanding::kNotJudged
                                 ? nlohmann::json()
                                 : nlohmann::json(standing == ModelStanding::kMisses);

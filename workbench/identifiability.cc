@@ -48,7 +48,7 @@ Told MoreStrokes(const Estimate& estimate, const Driving& d) {
               "mindestens {:.0f} Hübe wie diese {} aufzeichnen", strokes, d.strokes);
 }
 
-void Explain(CheckedParameter& p, const Driving& d) {
+void GiveReason(CheckedParameter& p, const Driving& d) {
   const Estimate& e = p.estimate;
   if (d.strokes < 2 && e.reason != EstimateReason::kOutsidePhysics) {
     p.reason = Tell("one stroke alone gives no interval", "ein Hub allein gibt kein Intervall");
@@ -97,7 +97,7 @@ std::vector<CheckedParameter> JudgeParameters(std::span<const Estimate> estimate
       p.verdict = Identifiability::kNot;
     else
       p.verdict = HalfWidth(estimate) <= Goal(estimate) ? Identifiability::kGood : Identifiability::kWeak;
-    Explain(p, driving);
+    GiveReason(p, driving);
     out.push_back(std::move(p));
   }
   return out;

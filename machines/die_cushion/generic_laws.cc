@@ -29,7 +29,7 @@ double Inverse(const Stretch& s, int k) {
 
 /// A flow of that rate.
 template <typename Rate>
-Column::Fill Flow(Rate rate) {
+Column::Fill FlowOf(Rate rate) {
   return [rate](const Stretch& s, double&, std::span<double> out) {
     IntegrateOverTime(
         s, [&](int k) { return rate(s, k); }, out);
@@ -87,23 +87,23 @@ EffectVariant OilVolume(Volume volume) {
 
 std::vector<std::shared_ptr<const Effect>> CushionLaws() {
   return {
-      Law("constant flow", Flow([](const Stretch&, int) { return 1.0; })),
-      Law("flow with p_A", Flow([](const Stretch& s, int k) { return P(s, k); })),
-      Law("flow with p_A^2", Flow([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
-      Law("flow with p_A z", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k); })),
-      Law("flow with p_A z^2", Flow([](const Stretch& s, int k) { return P(s, k) * Z(s, k) * Z(s, k); })),
-      Law("flow with p_A - p_B", Flow([](const Stretch& s, int k) { return P(s, k) - B(s, k); }),
+      Law("constant flow", FlowOf([](const Stretch&, int) { return 1.0; })),
+      Law("flow with p_A", FlowOf([](const Stretch& s, int k) { return P(s, k); })),
+      Law("flow with p_A^2", FlowOf([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
+      Law("flow with p_A z", FlowOf([](const Stretch& s, int k) { return P(s, k) * Z(s, k); })),
+      Law("flow with p_A z^2", FlowOf([](const Stretch& s, int k) { return P(s, k) * Z(s, k) * Z(s, k); })),
+      Law("flow with p_A - p_B", FlowOf([](const Stretch& s, int k) { return P(s, k) - B(s, k); }),
           {kPressureB}),
-      Law("flow with y_v", Flow([](const Stretch& s, int k) { return Y(s, k); })),
+      Law("flow with y_v", FlowOf([](const Stretch& s, int k) { return Y(s, k); })),
       Law("flow gain with y_v",
-          Flow([](const Stretch& s, int k) { return Valve(s, k) * std::abs(Y(s, k)); })),
+          FlowOf([](const Stretch& s, int k) { return Valve(s, k) * std::abs(Y(s, k)); })),
       Law("flow gain with y_v^2",
-          Flow([](const Stretch& s, int k) { return Valve(s, k) * Y(s, k) * Y(s, k); })),
-      Law("flow gain with p_A", Flow([](const Stretch& s, int k) { return Valve(s, k) * P(s, k); })),
-      Law("flow gain with z", Flow([](const Stretch& s, int k) { return Valve(s, k) * Z(s, k); })),
-      Law("flow gain with T_oil", Flow([](const Stretch& s, int k) { return Valve(s, k) * Oil(s, k); }),
+          FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Y(s, k) * Y(s, k); })),
+      Law("flow gain with p_A", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * P(s, k); })),
+      Law("flow gain with z", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Z(s, k); })),
+      Law("flow gain with T_oil", FlowOf([](const Stretch& s, int k) { return Valve(s, k) * Oil(s, k); }),
           {kOilTemperature}),
-      Law("null with T_oil", Flow([](const Stretch& s, int k) { return s[kFlowRoot][k] * Oil(s, k); }),
+      Law("null with T_oil", FlowOf([](const Stretch& s, int k) { return s[kFlowRoot][k] * Oil(s, k); }),
           {kOilTemperature}),
       Law("volume with p_A^2", Stored([](const Stretch& s, int k) { return P(s, k) * P(s, k); })),
       Law("volume with log p_A", Stored(LogOf)),

@@ -18,7 +18,7 @@ const Quantity kSeconds{.si = "s", .default_unit = "s", .low = 0};
 
 /// A section that is a table of its own; calls `read` with its reader if it is there.
 template <typename Read>
-void Section(TableReader& file, const std::string& name, const Read& read) {
+void ReadSection(TableReader& file, const std::string& name, const Read& read) {
   const toml::table* table = file.Table(name);
   if (table == nullptr) return;
   TableReader section(*table, name, file.problems());
@@ -118,7 +118,7 @@ void ReadMachineSection(TableReader& file, Machine& machine) {
   machine.model = KindNames().front();
   if (file.Has("balance")) machine.model = own;
   if (file.Has("states")) machine.model = states;
-  Section(file, "machine", [&](TableReader& section) {
+  ReadSection(file, "machine", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("machine"));
     section.Text("name", machine.name);
     section.Text("description", machine.description);
@@ -139,7 +139,7 @@ void ReadMachineSection(TableReader& file, Machine& machine) {
 
 void ReadLogSection(TableReader& file, Machine& machine) {
   LogFormat& log = machine.log;
-  Section(file, "log", [&](TableReader& section) {
+  ReadSection(file, "log", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("log"));
     log.separator =
         ReadCharacter(section, "separator",
@@ -162,7 +162,7 @@ void ReadLogSection(TableReader& file, Machine& machine) {
 }
 
 void ReadSignals(TableReader& file, Machine& machine) {
-  Section(file, "signals", [&](TableReader& section) {
+  ReadSection(file, "signals", [&](TableReader& section) {
     for (const TableReader::Entry& entry : section.Entries()) {
       SignalSpec spec;
       spec.name = entry.key;
@@ -183,7 +183,7 @@ void ReadSignals(TableReader& file, Machine& machine) {
 
 void ReadGeometry(TableReader& file, Machine& machine) {
   const MachineKind& model = KindOf(machine);
-  Section(file, "geometry", [&](TableReader& section) {
+  ReadSection(file, "geometry", [&](TableReader& section) {
     std::vector<std::string> known;
     for (const MachineInput& input : model.geometry) known.emplace_back(input.name);
     if (!known.empty()) section.AllowOnly(known);
@@ -258,7 +258,7 @@ std::vector<GateBound> ReadBounds(TableReader& section, std::string_view key, co
 }
 
 void ReadGate(TableReader& file, Machine& machine) {
-  Section(file, "gate", [&](TableReader& section) {
+  ReadSection(file, "gate", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("gate"));
     section.Number("stroke_gap", machine.gate.stroke_gap, kSecondsAboveZero);
     section.Number("min_stroke", machine.gate.min_stroke, kSecondsAboveZero);
@@ -270,7 +270,7 @@ void ReadGate(TableReader& file, Machine& machine) {
 }
 
 void ReadWindow(TableReader& file, Machine& machine) {
-  Section(file, "window", [&](TableReader& section) {
+  ReadSection(file, "window", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("window"));
     section.Number("block", machine.window.block, kSecondsAboveZero);
     section.Number("span", machine.window.span, kSecondsAboveZero);
@@ -284,7 +284,7 @@ void ReadWindow(TableReader& file, Machine& machine) {
 void ReadEstimator(TableReader& file, Machine& machine) {
   EstimatorSpec& spec = machine.estimator;
   const Quantity positive{.low = 0, .above_low = true};
-  Section(file, "estimator", [&](TableReader& section) {
+  ReadSection(file, "estimator", [&](TableReader& section) {
     section.AllowOnly(MachineFileKeys("estimator"));
     if (const auto choice = section.Choice("equation", {"integral", "published"}))
       spec.equation = *choice == 0 ? EquationForm::kIntegral : EquationForm::kPublished;

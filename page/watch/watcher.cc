@@ -28,7 +28,7 @@ constexpr std::int64_t kRowsAtATime = 2000;
 constexpr std::size_t kMostMarks = 5000;  ///< of a machine, the newest
 
 /// The axis of this name in what the service tells; null: it tells nothing of it.
-nlohmann::json ToldOf(const nlohmann::json& service, const std::string& machine) {
+nlohmann::json ServiceTold(const nlohmann::json& service, const std::string& machine) {
   if (!service.is_object() || !service.contains("drift")) return {};
   for (const nlohmann::json& axis : service["drift"].value("axes", nlohmann::json::array()))
     if (axis.value("name", "") == machine) return axis;
@@ -292,14 +292,14 @@ Status Watcher::Read(Opened& opened, const nlohmann::json& service) {
     if (known != opened.machines.end()) {
       const int version = (*known)->model_version();
       const bool had_strokes = (*known)->end() > 0;
-      if (const Status fresh = (*known)->Refresh(ToldOf(service, name)); !fresh) return fresh;
+      if (const Status fresh = (*known)->Refresh(ServiceTold(service, name)); !fresh) return fresh;
       if ((*known)->model_version() != version || !had_strokes)
         opened.machines.erase(known), known = opened.machines.end();
     }
     if (known == opened.machines.end()) {
       auto created = WatchedMachine::Create(sources, name, *id);
       if (!created) return tl::unexpected(created.error());
-      if (const Status fresh = (*created)->Refresh(ToldOf(service, name)); !fresh) return fresh;
+      if (const Status fresh = (*created)->Refresh(ServiceTold(service, name)); !fresh) return fresh;
       opened.machines.push_back(std::move(*created));
       known = opened.machines.end() - 1;
     }

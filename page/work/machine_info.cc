@@ -16,7 +16,7 @@ Wording MeaningOf(const MachineKind& kind, const std::string& signal) {
 }
 
 /// Of the parameters that the kind knows: name, meaning, and the unit they are shown in where the usual one does not do.
-nlohmann::json ParametersJson(const MachineKind& kind) {
+nlohmann::json KindParametersJson(const MachineKind& kind) {
   nlohmann::json parameters = nlohmann::json::object();
   for (const MachineParameter& known : kind.parameters) {
     nlohmann::json& json = parameters[std::string(known.name)];
@@ -68,7 +68,7 @@ nlohmann::json MachineInfoJson(const Machine& machine) {
             {"stroke", words.stroke.InGerman()},
             {"sign", words.sign.german}}},
           {"picture", PictureJson(machine)},
-          {"parameters", ParametersJson(kind)},
+          {"parameters", KindParametersJson(kind)},
           {"counted", CountedWordsOf(machine).one},
           {"states", kind.has_states}};
 }

@@ -74,7 +74,7 @@ nlohmann::json StepsJson(const ExplainResult& result) {
   return out;
 }
 
-nlohmann::json EffectsJson(const ExplainResult& result, const ExtendedFit& fit) {
+nlohmann::json FoundEffectsJson(const ExplainResult& result, const ExtendedFit& fit) {
   nlohmann::json effects = nlohmann::json::object();
   for (const EffectEstimate& estimate : fit.effects) {
     const Effect& effect = result.effect(estimate.choice.effect);
@@ -105,7 +105,7 @@ nlohmann::json FinalJson(const ExplainResult& result) {
           {"excess_ratio", fit.excess_ratio},
           {"parameters",
            ParametersJson(BaseParameters(*result.log.model, fit, static_cast<int>(result.strokes)))},
-          {"effects", EffectsJson(result, fit)},
+          {"effects", FoundEffectsJson(result, fit)},
           {"drifts", TextsJson(drifts, &Told::english)},
           {"german", {{"drifts", TextsJson(drifts, &Told::german)}}}};
 }
@@ -232,7 +232,7 @@ nlohmann::json ExplainJson(const ExplainResult& result) {
         {"noise_floor", result.base.noise_floor * Factor(result)},
         {"excess_ratio", x.base.excess_ratio},
         {"parameters", ParametersJson(result.base.parameters)},
-        {"effects", EffectsJson(result, x.base)}}},
+        {"effects", FoundEffectsJson(result, x.base)}}},
       {"ranking", RankingJson(result)},
       {"nearest", NearestEffects(x)},
       {"relatives", RelativesJson(result)},

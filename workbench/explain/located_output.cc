@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "core/constants.h"
 #include "core/non_negative.h"
@@ -13,7 +14,7 @@ namespace hydroscope {
 namespace {
 
 /// Of numbers none.
-std::string_view ShownUnit(std::string_view unit) { return unit == "1" ? "" : unit; }
+std::string_view UnitUnlessNumber(std::string_view unit) { return unit == "1" ? "" : unit; }
 
 }  // namespace
 
@@ -21,17 +22,19 @@ std::string LocatedText(const std::vector<Located>& located, const DisplayUnit& 
                         const std::string& output) {
   constexpr std::size_t kShown = 6;
   if (located.empty()) return "";
-  std::string text = fmt::format("\nWhere the model errs{} (sensor noise taken out)\n",
-                                 output.empty() ? "" : " in " + output);
-  const std::string behind = unit.name == "1" ? "" : fmt::format(" {}", unit.name);
-  for (std::size_t k = 0; k < located.size() && k < kShown; ++k) {
-    const Located& l = located[k];
-    text += fmt::format(
-        "  {:<14} {:>7.3g} ... {:<7.3g} {:<6} {:>7.3g}{} rms, measured {:+.2g}{} on average; "
-        "{:.0f} % of the error in {:.0f} % of the time\n",
-        l.signal, l.from, l.to, ShownUnit(l.unit), l.rms * unit.factor, behind, l.mean * unit.factor, behind,
-        100 * l.share_error, 100 * l.share_windows);
-  }
+  std::string text =
+      fmt::format("\nWhere the model errs{} ({}noise taken out)\n", output.empty() ? "" : " in " + output,
+                  unit.name == "1" ? "" : fmt::format("{}, ", unit.name));
+  const std::span shown(located.data(), std::min(located.size(), kShown));
+  std::size_t width = 6;
+  for (const Located& l : shown) width = std::max(width, l.signal.size());
+  text += fmt::format("  {:<{}} {:>17} {:<5} {:>8} {:>9} {:>9} {:>8}\n", "signal", width, "from ... to", "",
+                      "rms", "mean", "of error", "of time");
+  for (const Located& l : shown)
+    text +=
+        fmt::format("  {:<{}} {:>17} {:<5} {:>8.3g} {:>+9.2g} {:>7.0f} % {:>6.0f} %\n", l.signal, width,
+                    fmt::format("{:.3g} ... {:.3g}", l.from, l.to), UnitUnlessNumber(l.unit),
+                    l.rms * unit.factor, l.mean * unit.factor, 100 * l.share_error, 100 * l.share_windows);
   return text;
 }
 
@@ -104,8 +107,9 @@ std::string RemainderText(const RemainderShape& shape, double factor, std::strin
     const int bar = largest > 0 ? static_cast<int>(std::lround(kBarWidth * std::abs(p.value) / largest)) : 0;
     const std::string left = p.value < 0 ? std::string(bar, '#') : "",
                       right = p.value >= 0 ? std::string(bar, '#') : "";
-    text += fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, ShownUnit(shape.unit),
-                        left, right, p.value * factor, kNormal95 * p.std * factor, unit);
+    text +=
+        fmt::format("  {:>9.4g} {:<5} {:>12}|{:<12} {:+.2g} ± {:.2g} {}\n", p.x, UnitUnlessNumber(shape.unit),
+                    left, right, p.value * factor, kNormal95 * p.std * factor, unit);
   }
   return text;
 }

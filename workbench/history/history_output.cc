@@ -71,7 +71,7 @@ std::string ValuesText(const std::string& title, const std::vector<ValueChange>&
   return text;
 }
 
-std::string EffectsText(const ChangeResult& result) {
+std::string ChangedEffectsText(const ChangeResult& result) {
   std::string text;
   for (const std::string& id : result.after.explanation.set)
     if (const Effect* effect = result.after.FindEffect(id))
@@ -119,11 +119,11 @@ std::string VerdictText(const ChangeResult& result) {
                               : fmt::format("ADEQUATE: nothing changed between these {} that stands out.\n",
                                             CountedWordsOf(result.after.log.machine).many);
     case Verdict::kNamed:
-      return "NAMED: this appeared or changed.\n" + EffectsText(result);
+      return "NAMED: this appeared or changed.\n" + ChangedEffectsText(result);
     case Verdict::kAmbiguous:
       return "AMBIGUOUS: something appeared or changed, and these strokes cannot tell "
              "which of these it is, best first.\n" +
-             EffectsText(result);
+             ChangedEffectsText(result);
     case Verdict::kUnknown:
       if (KindOf(result.after.log.machine).has_states) return EpisodesText(result);
       return "UNKNOWN: the model errs more than before, and no effect of the library explains it.\n" +

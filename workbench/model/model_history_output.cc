@@ -19,8 +19,8 @@
 namespace hydroscope {
 namespace {
 
-double Shown(const ModelRecord& record, double si) { return si * DisplayUnitFor(record.unit).factor; }
-std::string_view ShownUnit(const ModelRecord& record) { return DisplayUnitFor(record.unit).name; }
+double ShownError(const ModelRecord& record, double si) { return si * DisplayUnitFor(record.unit).factor; }
+std::string_view ErrorUnit(const ModelRecord& record) { return DisplayUnitFor(record.unit).name; }
 
 const RecordedValue* Find(const ModelRecord& record, const std::string& name) {
   for (const RecordedValue& value : record.parameters)
@@ -47,7 +47,7 @@ std::string Staircase(const std::vector<ModelRecord>& history) {
     bar.resize(kBar + 1, ' ');
     bar[static_cast<std::size_t>(mark(record.noise_floor))] = '|';
     text += fmt::format("  {:>3}  {:<{}} {:>8.3g}  {}  {} strokes of {}\n", record.version, record.name,
-                        width, Shown(record, record.rms_holdout), bar, record.strokes, record.source);
+                        width, ShownError(record, record.rms_holdout), bar, record.strokes, record.source);
   }
   return text;
 }
@@ -118,7 +118,7 @@ std::string ModelHistoryText(const Machine& machine) {
     return text + "No history: 'hydroscope model add EFFECT LOG' writes it.\n";
   std::vector<const ModelRecord*> judged = Judged(machine.model_history);
   text += fmt::format("\nError on strokes left out{}; | is what sensor noise alone would cause\n",
-                      judged.empty() ? "" : fmt::format(", {}", ShownUnit(*judged.front())));
+                      judged.empty() ? "" : fmt::format(", {}", ErrorUnit(*judged.front())));
   text += Staircase(machine.model_history);
   if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(judged);
   return text;
@@ -130,8 +130,8 @@ std::string LastStepText(const Machine& machine) {
   const ModelRecord &before = *step->first, &after = *step->second;
   return fmt::format(
       "Error on strokes left out: {:.3g} -> {:.3g} {}; sensor noise alone would cause {:.3g}\n\n{}",
-      Shown(before, before.rms_holdout), Shown(after, after.rms_holdout), ShownUnit(after),
-      Shown(after, after.noise_floor), Parameters({&before, &after}));
+      ShownError(before, before.rms_holdout), ShownError(after, after.rms_holdout), ErrorUnit(after),
+      ShownError(after, after.noise_floor), Parameters({&before, &after}));
 }
 
 std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect) {
@@ -144,8 +144,8 @@ std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effe
         "{} makes the model no better: on strokes left out the error is {:.3g} {} with it and {:.3g} {} "
         "without. Take it out again with 'hydroscope model undo' or 'model remove {}'",
         "{0} macht das Modell nicht besser: der Fehler auf ausgelassenen Hüben ist {1:.3g} {2} damit und {3:.3g} {4} ohne",
-        effect, Shown(after, after.rms_holdout), ShownUnit(after), Shown(before, before.rms_holdout),
-        ShownUnit(before), effect));
+        effect, ShownError(after, after.rms_holdout), ErrorUnit(after),
+        ShownError(before, before.rms_holdout), ErrorUnit(before), effect));
   for (const RecordedValue& value : after.parameters)
     if (value.name.starts_with(effect + ".") && std::abs(value.value) <= kNormal95 * value.std)
       warnings.push_back(Tell("the size of {} cannot be told from zero: {}",
@@ -158,10 +158,10 @@ nlohmann::json LastStepJson(const Machine& machine) {
   const auto step = LastStep(machine);
   if (!step) return nullptr;
   const ModelRecord &before = *step->first, &after = *step->second;
-  return {{"before", Shown(before, before.rms_holdout)},
-          {"after", Shown(after, after.rms_holdout)},
-          {"noise_floor", Shown(after, after.noise_floor)},
-          {"unit", ShownUnit(after)}};
+  return {{"before", ShownError(before, before.rms_holdout)},
+          {"after", ShownError(after, after.rms_holdout)},
+          {"noise_floor", ShownError(after, after.noise_floor)},
+          {"unit", ErrorUnit(after)}};
 }
 
 nlohmann::json ModelHistoryJson(const Machine& machine) {
@@ -170,11 +170,11 @@ nlohmann::json ModelHistoryJson(const Machine& machine) {
     nlohmann::json entry = {
         {"version", record.version}, {"name", record.name},       {"effects", record.effects},
         {"source", nullptr},         {"strokes", record.strokes}, {"rms_holdout", nullptr},
-        {"noise_floor", nullptr},    {"unit", ShownUnit(record)}, {"parameters", nlohmann::json::object()}};
+        {"noise_floor", nullptr},    {"unit", ErrorUnit(record)}, {"parameters", nlohmann::json::object()}};
     if (record.judged()) {
       entry["source"] = record.source;
-      entry["rms_holdout"] = Shown(record, record.rms_holdout);
-      entry["noise_floor"] = Shown(record, record.noise_floor);
+      entry["rms_holdout"] = ShownError(record, record.rms_holdout);
+      entry["noise_floor"] = ShownError(record, record.noise_floor);
     }
     for (const RecordedValue& v : record.parameters)
       entry["parameters"][v.name] = {

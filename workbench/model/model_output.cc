@@ -26,7 +26,7 @@ std::vector<std::string> NeededSignals(const MachineKind& kind, const Effect& ef
 }
 
 /// SI unit of a geometry value, "" if the model does not know it.
-std::string_view SiOf(const Machine& machine, const std::string& name) {
+std::string_view GeometrySi(const Machine& machine, const std::string& name) {
   for (const MachineInput& input : KindOf(machine).geometry)
     if (input.name == name) return input.si;
   return "";
@@ -129,7 +129,7 @@ std::string ModelText(const Machine& machine) {
   if (!machine.description.empty()) text += fmt::format("{}\n", machine.description);
   text += "\nKnown\n";
   for (const auto& [name, known] : machine.geometry) {
-    const DisplayUnit unit = DisplayUnitFor(SiOf(machine, name));
+    const DisplayUnit unit = DisplayUnitFor(GeometrySi(machine, name));
     text += fmt::format("  {:<8} {:.6g}", name, known.value * unit.factor);
     if (known.std > 0) text += fmt::format(" ± {:.2g}", kNormal95 * known.std * unit.factor);
     text += fmt::format(" {}\n", unit.name);

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/constants.h"
 #include "core/counted_words.h"
@@ -41,7 +43,7 @@ std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
   return effect == nullptr ? "" : effect->title;
 }
 
-EffectUnit ShownUnit(const Machine& machine, const Estimate& e) {
+EffectUnit ParameterUnit(const Machine& machine, const Estimate& e) {
   const MachineParameter* known = FindParameter(KindOf(machine), e.parameter);
   if (known == nullptr || known->shown.empty()) return EffectUnitFor(e.unit);
   return {known->factor, std::string(known->shown)};
@@ -53,7 +55,7 @@ std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& 
   for (const Estimate& e : parameters) width = std::max(width, e.parameter.size());
   std::string text = fmt::format("{:<{}} {:>12} {:>26}  {}\n", "", width, "value", "95 % interval", "unit");
   for (const Estimate& e : parameters) {
-    const EffectUnit unit = ShownUnit(machine, e);
+    const EffectUnit unit = ParameterUnit(machine, e);
     const auto shown = [&](double si) { return si * unit.factor; };
     text += fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
                         shown(e.value), shown(e.value - kNormal95 * e.std),
@@ -82,10 +84,10 @@ std::string WarningLines(const std::vector<Told>& warnings) {
   return text;
 }
 
-/// Behind an error.
-std::string UnitWords(const StatesError& error) {
-  if (error.of_variation) return "of the outputs' variation";
-  return std::string(error.unit.name == "1" ? "(a number)" : error.unit.name);
+/// An error with its unit; of several outputs as a share.
+std::string ErrorText(const StatesError& error, double value) {
+  if (error.of_variation) return fmt::format("{:.3g} % of the outputs' variation", 100 * value);
+  return fmt::format("{:.3g} {}", value, error.unit.name == "1" ? "(a number)" : error.unit.name);
 }
 
 std::string RowsText(const EpisodeLog& log) {
@@ -94,8 +96,8 @@ std::string RowsText(const EpisodeLog& log) {
 
 std::string HeldOutLine(const StatesFit& fit) {
   if (!fit.held_out) return "";
-  return fmt::format("free-run error on {}, held out: {:.3g} {}, {}\n", fit.held_out_log, *fit.held_out,
-                     UnitWords(fit.error), kEpisodes.Counted(fit.held_out_episodes));
+  return fmt::format("free-run error on {}, held out: {}, {}\n", fit.held_out_log,
+                     ErrorText(fit.error, *fit.held_out), kEpisodes.Counted(fit.held_out_episodes));
 }
 
 nlohmann::json OutputsJson(const StateFit& fit) {
@@ -225,7 +227,7 @@ std::vector<Estimate> BaseOnly(const std::vector<Estimate>& estimates) {
 }
 
 /// Error left out as shown, of a candidate on the base's scale.
-double Shown(const StatesExplained& e, double held_out) {
+double ShownLeftOut(const StatesExplained& e, double held_out) {
   return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
 }
 
@@ -280,9 +282,9 @@ std::string FitText(const StatesFit& fit) {
                                        ModelName(machine))
                          : "";
   text += ParameterLines(machine, fit.parameters);
-  text += fmt::format("\nfree-run error on pieces left out {:.3g} {}, {} {:.3g} {}\n", fit.error.rms_holdout,
-                      UnitWords(fit.error), NoiseWords(fit.noise_alone()), fit.error.noise_floor,
-                      UnitWords(fit.error));
+  text += fmt::format("\nfree-run error on pieces left out {}, {} {}\n",
+                      ErrorText(fit.error, fit.error.rms_holdout), NoiseWords(fit.noise_alone()),
+                      ErrorText(fit.error, fit.error.noise_floor));
   return text + LinearText(fit) + RowsText(fit.log) + StartsText(fit.fit) + HeldOutLine(fit) +
          WarningLines(FitWarnings(fit)) + (fit.left.structured ? "'hydroscope explain' says what.\n" : "");
 }
@@ -317,16 +319,19 @@ std::string CompareText(const StatesFit& fit) {
           ? "The model misses something: what it leaves can be predicted from states and inputs.\n"
       : fit.astray() ? "The model hardly follows what was measured.\n"
                      : "The model describes these episodes; noise alone is left.\n";
-  text += fmt::format(
-      "free run {:.3g} {}, on pieces left out {:.3g}, {} {:.3g}; one step ahead, from past errors, {:.3g}\n",
-      fit.error.rms, UnitWords(fit.error), fit.error.rms_holdout, NoiseWords(fit.noise_alone()),
-      fit.error.noise_floor, fit.error.one_step);
+  for (const auto& [what, error] : std::initializer_list<std::pair<const char*, double>>{
+           {"free run", fit.error.rms},
+           {"on pieces left out", fit.error.rms_holdout},
+           {NoiseWords(fit.noise_alone()), fit.error.noise_floor},
+           {"one step ahead, from past errors", fit.error.one_step}})
+    text += fmt::format("  {:<32} {}\n", what, ErrorText(fit.error, error));
+
   const auto& outputs = fit.log.machine.states.outputs;
   std::size_t width = 12;
   for (const auto& output : outputs) width = std::max(width, output.signal.size());
   for (int j = 0; j < fit.fit.noise.size(); ++j)
     text +=
-        fmt::format("  {:<{}} error {:.1f} % of its variation\n", outputs[static_cast<std::size_t>(j)].signal,
+        fmt::format("  {:<{}} error {:.2g} % of its variation\n", outputs[static_cast<std::size_t>(j)].signal,
                     width, 100 * fit.fit.noise[j] / fit.fit.scale[j]);
   text += RowsText(fit.log) + HeldOutLine(fit) + WarningLines(FitWarnings(fit)) + LocatedText(fit.located);
   if (fit.left.structured)
@@ -381,22 +386,23 @@ nlohmann::json MissingJson(const StatesExplained& e) {
 std::string ExplainText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   std::string text = VerdictText(e);
-  text += fmt::format("Free-run error on pieces left out {:.3g} {}, {} {:.3g} {}.\n", e.final.rms_holdout,
-                      UnitWords(e.final), NoiseWords(!x.final_left.structured && !x.astray),
-                      e.final.noise_floor, UnitWords(e.final));
+  text +=
+      fmt::format("Free-run error on pieces left out {}, {} {}.\n", ErrorText(e.final, e.final.rms_holdout),
+                  NoiseWords(!x.final_left.structured && !x.astray), ErrorText(e.final, e.final.noise_floor));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);
   text += WarningLines(warnings) + "\nHow the error falls\n";
   for (const auto& [added, relative] : x.steps)
-    text += fmt::format("  {:<28} {:.3g} {}\n", added.empty() ? "as it is" : "+ " + added,
-                        e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300),
-                        UnitWords(e.base));
+    text += fmt::format(
+        "  {:<28} {}\n", added.empty() ? "as it is" : "+ " + added,
+        ErrorText(e.base, e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)));
   text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
   if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
   for (const StateCandidate& candidate : x.ranking)
     if (!x.not_seen.contains(candidate.added.front()))
-      text += fmt::format("  {:<28} {:.3g} {}{}\n", candidate.added.front(), Shown(e, candidate.held_out),
-                          UnitWords(e.base), candidate.fitted() ? "" : " (by linearisation)");
+      text += fmt::format("  {:<28} {}{}\n", candidate.added.front(),
+                          ErrorText(e.base, ShownLeftOut(e, candidate.held_out)),
+                          candidate.fitted() ? "" : " (by linearisation)");
   text += NotSeenText(x) + LocatedText(e.located);
   if (e.missing)
     text +=
@@ -420,7 +426,7 @@ nlohmann::json ExplainJson(const StatesExplained& e) {
     const bool seen = !x.not_seen.contains(c.added.front());
     ranking.push_back(
         {{"effect", c.added.front()},
-         {"rms_holdout", Shown(e, c.held_out)},
+         {"rms_holdout", ShownLeftOut(e, c.held_out)},
          {"p_value", std::erfc(std::max(0.0, c.t) / std::sqrt(2.0))},
          {"testable", seen},
          {"why_not", seen ? nlohmann::json() : nlohmann::json(WhyNotSeen(x, c.added.front()).english)},
