@@ -4,5 +4,5 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 scripts/build.sh release
-# One more than cores: many tests wait for processes and networks more than they compute.
-ctest --preset release --parallel "${HYDROSCOPE_TEST_JOBS:-$(($(nproc) + 1))}" "$@"
+# Two more than cores: many tests wait for processes and networks more than they compute.
+ctest --preset release --parallel "${HYDROSCOPE_TEST_JOBS:-$(($(nproc) + 2))}" "$@"
