@@ -12,6 +12,8 @@
 #include "core/constants.h"
 #include "core/counted_words.h"
 #include "core/effect_units.h"
+#include "core/interval_text.h"
+#include "core/shown_width.h"
 #include "models/machine_kind.h"
 #include "models/state_effects.h"
 #include "workbench/explain/located_output.h"
@@ -51,15 +53,20 @@ EffectUnit ParameterUnit(const Machine& machine, const Estimate& e) {
 
 std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& parameters) {
   const std::vector<Effect> effects = StateEffectsOf(machine);
-  std::size_t width = 6;
-  for (const Estimate& e : parameters) width = std::max(width, e.parameter.size());
-  std::string text = fmt::format("{:<{}} {:>12} {:>26}  {}\n", "", width, "value", "95 % interval", "unit");
+  std::size_t name_width = 6, value_width = 5, unit_width = 4;
+  std::vector<std::string> values;
   for (const Estimate& e : parameters) {
     const EffectUnit unit = ParameterUnit(machine, e);
-    const auto shown = [&](double si) { return si * unit.factor; };
-    text += fmt::format("{:<{}} {:>12.5g} {:>12.5g} ... {:<10.5g} {:<6} {}{}\n", e.parameter, width,
-                        shown(e.value), shown(e.value - kNormal95 * e.std),
-                        shown(e.value + kNormal95 * e.std), unit.name, Meaning(machine, effects, e.parameter),
+    values.push_back(WithInterval(e.value * unit.factor, kNormal95 * e.std * unit.factor));
+    name_width = std::max(name_width, e.parameter.size());
+    value_width = std::max(value_width, ShownWidth(values.back()));
+    unit_width = std::max(unit_width, unit.name.size());
+  }
+  std::string text;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const Estimate& e = parameters[p];
+    text += fmt::format("{:<{}} {:>{}} {:<{}} {}{}\n", e.parameter, name_width, values[p], value_width,
+                        ParameterUnit(machine, e).name, unit_width, Meaning(machine, effects, e.parameter),
                         e.reason == EstimateReason::kUpdated          ? ""
                         : e.reason == EstimateReason::kOutsidePhysics ? " AT A LIMIT of its range"
                                                                       : " NOT IDENTIFIABLE with these data");
@@ -84,10 +91,20 @@ std::string WarningLines(const std::vector<Told>& warnings) {
   return text;
 }
 
-/// An error with its unit; of several outputs as a share.
+/// What errors are told in; of several outputs as a share.
+struct ErrorWords {
+  double factor;
+  std::string unit;
+};
+
+ErrorWords ErrorWordsOf(const StatesError& error) {
+  if (error.of_variation) return {100, "% of the outputs' variation"};
+  return {1, std::string(error.unit.name == "1" ? "a number" : error.unit.name)};
+}
+
 std::string ErrorText(const StatesError& error, double value) {
-  if (error.of_variation) return fmt::format("{:.3g} % of the outputs' variation", 100 * value);
-  return fmt::format("{:.3g} {}", value, error.unit.name == "1" ? "(a number)" : error.unit.name);
+  const ErrorWords words = ErrorWordsOf(error);
+  return fmt::format("{:.3g} {}", value * words.factor, words.unit);
 }
 
 std::string RowsText(const EpisodeLog& log) {
@@ -281,7 +298,7 @@ std::string FitText(const StatesFit& fit) {
                          ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
                                        ModelName(machine))
                          : "";
-  text += ParameterLines(machine, fit.parameters);
+  text += "Parameters (± 95 %)\n" + ParameterLines(machine, fit.parameters);
   text += fmt::format("\nfree-run error on pieces left out {}, {} {}\n",
                       ErrorText(fit.error, fit.error.rms_holdout), NoiseWords(fit.noise_alone()),
                       ErrorText(fit.error, fit.error.noise_floor));
@@ -391,18 +408,19 @@ std::string ExplainText(const StatesExplained& e) {
                   NoiseWords(!x.final_left.structured && !x.astray), ErrorText(e.final, e.final.noise_floor));
   text += RowsText(e.log);
   const std::vector<Told> warnings = ExplainWarnings(e);
-  text += WarningLines(warnings) + "\nHow the error falls\n";
+  const ErrorWords words = ErrorWordsOf(e.base);
+  text += WarningLines(warnings) + fmt::format("\nHow the error falls ({})\n", words.unit);
   for (const auto& [added, relative] : x.steps)
-    text += fmt::format(
-        "  {:<28} {}\n", added.empty() ? "as it is" : "+ " + added,
-        ErrorText(e.base, e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300)));
-  text += "\nParameters\n" + ParameterLines(e.log.machine, e.final_parameters);
-  if (!x.ranking.empty()) text += "\nSingle effects, best first\n";
+    text +=
+        fmt::format("  {:<28} {:>9.3g}\n", added.empty() ? "as it is" : "+ " + added,
+                    words.factor * e.base.rms_holdout * relative / std::max(x.steps.front().second, 1e-300));
+  text += "\nParameters (± 95 %)\n" + ParameterLines(e.log.machine, e.final_parameters);
+  if (!x.ranking.empty())
+    text += fmt::format("\nSingle effects, best first ({}; ~ by linearisation)\n", words.unit);
   for (const StateCandidate& candidate : x.ranking)
     if (!x.not_seen.contains(candidate.added.front()))
-      text += fmt::format("  {:<28} {}{}\n", candidate.added.front(),
-                          ErrorText(e.base, ShownLeftOut(e, candidate.held_out)),
-                          candidate.fitted() ? "" : " (by linearisation)");
+      text += fmt::format("  {:<28} {:>9.3g}{}\n", candidate.added.front(),
+                          words.factor * ShownLeftOut(e, candidate.held_out), candidate.fitted() ? "" : " ~");
   text += NotSeenText(x) + LocatedText(e.located);
   if (e.missing)
     text +=
