@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/text_encoding.h"
 #include "core/told_error.h"
 #include "core/units.h"
 #include "replay/date_time.h"
@@ -129,7 +130,7 @@ bool LooksLikeUnits(const std::vector<std::string_view>& fields) {
   for (std::string_view field : fields) {
     if (const auto inside = BracketedUnit(field); !inside.empty() && inside.size() + 2 == field.size())
       field = inside;
-    if (FindUnit(field) || field == "-") {
+    if (FindUnit(ToUtf8(field)) || field == "-") {
       ++units;
     } else if (!field.empty()) {
       ++others;
@@ -233,7 +234,7 @@ class HeadFinder {
 void SetNames(std::string_view header, const RowShape& shape, LogLayout& layout) {
   std::vector<std::string_view> fields;
   if (layout.header) SplitFields(WithoutCommentSign(header), layout.separator, fields);
-  layout.names.assign(fields.begin(), fields.end());
+  for (const std::string_view field : fields) layout.names.push_back(ToUtf8(field));
   for (std::size_t i = layout.names.size(); i < shape.fields; ++i)
     layout.names.push_back(std::to_string(i + 1));
 }
@@ -246,7 +247,8 @@ void SetUnits(std::string_view unit_row, LogLayout& layout) {
   SplitFields(WithoutCommentSign(unit_row), layout.separator, fields);
   for (std::size_t i = 0; i < std::min(fields.size(), layout.units.size()); ++i) {
     const auto inside = BracketedUnit(fields[i]);
-    layout.units[i] = !inside.empty() && inside.size() + 2 == fields[i].size() ? inside : fields[i];
+    layout.units[i] =
+        ToUtf8(!inside.empty() && inside.size() + 2 == fields[i].size() ? inside : std::string(fields[i]));
   }
 }
 

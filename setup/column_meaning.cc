@@ -24,7 +24,12 @@ void ByName(const LogColumns& head, std::vector<ColumnRole>& roles) {
     if (!column.numeric() || !head.layout.header) continue;
     const auto role = RoleByName(column.name);
     if (!role || Taken(roles, *role) || !MayBe(*role, column)) continue;
-    roles.push_back({i, *role, Tell("name \"{}\"", "Name „{}“", column.name), true});
+    const bool side = TellsAboveOrBelow(column.name);
+    roles.push_back(
+        {i, *role,
+         side ? Tell("name \"{}\", with the rod above", "Name „{}“, mit der Stange oben", column.name)
+              : Tell("name \"{}\"", "Name „{}“", column.name),
+         !side});
   }
   // A log with one pressure only: it is the one the model needs.
   if (!Taken(roles, Role::kPressureA))
@@ -107,8 +112,7 @@ void ValveAndPositionByBehaviour(const LogColumns& head, std::vector<ColumnRole>
           {i, Role::kSpool,
            Tell("within -1 ... 1 and follows {}", "innerhalb -1 ... 1 und folgt {}", command.name), false});
       roles.push_back({k, Role::kValveCommand,
-                       Tell("within +-12, {} follows it", "innerhalb +-12, {} folgt ihr", spool.name),
-                       false});
+                       Tell("within ±12, {} follows it", "innerhalb ±12, {} folgt ihr", spool.name), false});
     }
   for (std::size_t i = 0; i < head.columns.size() && !Taken(roles, Role::kOilTemperature); ++i)
     if (free(i) && head.columns[i].low > 12 && head.columns[i].high < 95 && head.columns[i].span() < 15 &&

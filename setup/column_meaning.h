@@ -31,6 +31,10 @@ const char* SignalNameOf(Role role);
 /// the name says nothing.
 std::optional<Role> RoleByName(const std::string& name);
 
+/// Whether the name tells the chamber of a pressure by above or below alone, and so the rod's side by how cylinders of presses
+/// are mostly built in.
+bool TellsAboveOrBelow(const std::string& name);
+
 /// A name by its letters and digits alone, small, umlauts written out, without a unit in brackets or at its end: "npump" of
 /// "n_pump [rpm]".
 std::string BareName(const std::string& name);

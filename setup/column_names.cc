@@ -57,10 +57,12 @@ constexpr ExactName kExactNames[] = {{"t", Role::kTime},
                                      {"pa", Role::kPressureA},
                                      {"p1", Role::kPressureA},
                                      {"pza", Role::kPressureA},
+                                     {"punten", Role::kPressureA},
                                      {"pdca", Role::kPressureA},
                                      {"pb", Role::kPressureB},
                                      {"p2", Role::kPressureB},
                                      {"pzb", Role::kPressureB},
+                                     {"poben", Role::kPressureB},
                                      {"pdcb", Role::kPressureB},
                                      {"p0", Role::kSupplyPressure},
                                      {"pp", Role::kSupplyPressure},
@@ -102,10 +104,12 @@ bool Has(const std::string& text, std::initializer_list<std::string_view> parts)
   return false;
 }
 
-std::optional<Role> PressureRole(const std::string& text, const std::string& squeezed) {
-  if (Has(squeezed, {"tank", "return", "ruecklauf"})) return Role::kTankPressure;
-  if (Has(squeezed, {"supply", "pump", "system", "versorg", "netz", "speicher", "accu"}))
-    return Role::kSupplyPressure;
+/// "Druck oben", "pressure, upper chamber".
+bool TellsAbove(const std::string& squeezed) { return Has(squeezed, {"oben", "obere", "upper", "top"}); }
+bool TellsBelow(const std::string& squeezed) { return Has(squeezed, {"unten", "untere", "lower", "bottom"}); }
+
+/// The chamber by its letter or by the piston's face; nullopt where the name has neither.
+std::optional<Role> ChamberRole(const std::string& text, const std::string& squeezed) {
   const std::string last = LastWord(text);
   if (last == "a" || last == "1" ||
       Has(squeezed,
@@ -115,6 +119,16 @@ std::optional<Role> PressureRole(const std::string& text, const std::string& squ
       Has(squeezed, {"druckb", "pressureb", "bseite", "sideb", "chamberb", "kammerb", "stangenseit",
                      "ringseit", "rod"}))
     return Role::kPressureB;
+  return std::nullopt;
+}
+
+std::optional<Role> PressureRole(const std::string& text, const std::string& squeezed) {
+  if (Has(squeezed, {"tank", "return", "ruecklauf"})) return Role::kTankPressure;
+  if (Has(squeezed, {"supply", "pump", "system", "versorg", "netz", "speicher", "accu"}))
+    return Role::kSupplyPressure;
+  if (const auto chamber = ChamberRole(text, squeezed)) return chamber;
+  if (TellsAbove(squeezed)) return Role::kPressureB;
+  if (TellsBelow(squeezed)) return Role::kPressureA;
   return Role::kPressure;
 }
 
@@ -190,6 +204,13 @@ std::optional<Role> RoleByName(const std::string& name) {
   if (force) return Role::kForce;
   if (pressure) return PressureRole(text, squeezed);
   return std::nullopt;
+}
+
+bool TellsAboveOrBelow(const std::string& name) {
+  const auto role = RoleByName(name);
+  if (role != Role::kPressureA && role != Role::kPressureB) return false;
+  const std::string text = Plain(name), squeezed = Squeezed(text);
+  return !ChamberRole(text, squeezed) && (TellsAbove(squeezed) || TellsBelow(squeezed));
 }
 
 const char* SignalNameOf(Role role) {

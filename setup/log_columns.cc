@@ -10,26 +10,10 @@
 namespace hydroscope {
 namespace {
 
-bool IsUtf8(const std::string& text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80         ? 1
-                               : lead >> 5 == 0x6  ? 2
-                               : lead >> 4 == 0xe  ? 3
-                               : lead >> 3 == 0x1e ? 4
-                                                   : 0;
-    if (length == 0 || lead == 0xc0 || lead == 0xc1 || i + length > text.size()) return false;
-    for (std::size_t k = 1; k < length; ++k)
-      if ((static_cast<unsigned char>(text[i + k]) >> 6) != 0x2) return false;
-    i += length;
-  }
-  return true;
-}
-
 /// A name that a machine file can hold and that leads back to this column, else the column's number.
 std::string ReferenceOf(const LogLayout& layout, std::size_t column) {
   const std::string& name = layout.names[column];
-  if (!name.empty() && IsUtf8(name) && layout.Find(name) == column) return name;
+  if (!name.empty() && layout.Find(name) == column) return name;
   return std::to_string(column + 1);
 }
 
@@ -75,7 +59,7 @@ Result<LogColumns> ReadLogColumns(const std::string& path) {
   for (std::size_t i = 0; i < log.layout.names.size(); ++i) {
     LogColumn column;
     column.reference = ReferenceOf(log.layout, i);
-    column.name = IsUtf8(log.layout.names[i]) ? log.layout.names[i] : "column " + column.reference;
+    column.name = log.layout.names[i];
     column.unit = log.layout.units[i];
     column.date = head->is_date[i];
     column.value = std::move(head->columns[i]);

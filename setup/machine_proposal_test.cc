@@ -246,14 +246,14 @@ TEST(MachineProposal, NeverTakesACoarseSignalForStuck) {
   EXPECT_GT(m.signals[m.SignalIndex("p_A")].stuck_time, 0);
 }
 
-TEST(MachineProposal, NamesColumnsByNumberWhereTheHeaderIsNoUtf8OrTwice) {
+TEST(MachineProposal, ReadsALatin1HeaderAndTakesTheFirstOfTwoNames) {
   const MachineProposal proposal =
       Propose(PressLog("t,p_A,Stellung,y_v,\xd6ltemp,Stellung\n", [](const PressRow& r) {
         return fmt::format("{:.4f},{:.0f},{:.6f},{:.6f},{:.2f},{:.6f}", r.t, r.p_A, r.z, r.y_v,
                            r.T_oil - 273.15, r.z);
       }));
   EXPECT_EQ(ColumnOf(proposal.machine, "z"), "Stellung m");
-  EXPECT_EQ(ColumnOf(proposal.machine, "T_oil"), "5 degC");
+  EXPECT_EQ(ColumnOf(proposal.machine, "T_oil"), "Öltemp degC");
   ExpectLoads(proposal);
 }
 
@@ -339,6 +339,10 @@ TEST(ColumnNames, AreUnderstoodInEnglishAndGerman) {
                                                            {"DruckKolbenseite", Role::kPressureA},
                                                            {"PressureB", Role::kPressureB},
                                                            {"Druck Stangenseite", Role::kPressureB},
+                                                           {"Druck oben [bar]", Role::kPressureB},
+                                                           {"Druck unten", Role::kPressureA},
+                                                           {"pressure, upper chamber", Role::kPressureB},
+                                                           {"Unterdruck", Role::kPressure},
                                                            {"Supply Pressure", Role::kSupplyPressure},
                                                            {"Pumpendruck", Role::kSupplyPressure},
                                                            {"Tankdruck", Role::kTankPressure},
