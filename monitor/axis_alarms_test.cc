@@ -1,5 +1,6 @@
 #include "monitor/axis_alarms.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace hydroscope {
@@ -40,6 +41,20 @@ TEST(AlarmWords, TheTextOfTheAlarmHoldsThemAllAndTheCause) {
       "since stroke 481 (471 to 491): Oil column softer; K -10.0 ± 0.5 % (1.2e+04 -> 1.08e+04 bar). "
       "Strokes 5 to 9 against 1 to 4: nothing new appeared. Cause: entrained_air. Bleed the cylinder. Look "
       "for foam in the tank.");
+}
+
+TEST(AlarmWords, EvidenceCallsAnEffectByItsTitle) {
+  drift::DriftFinding finding = SofterOil();
+  finding.parts = {
+      {.quantity = "internal_leakage",
+       .unit = "m3/(s Pa)",
+       .size = 2e-12,
+       .std = 5e-14,
+       .title = {"Internal leakage past the piston seal", "Innere Leckage an der Kolbendichtung"}}};
+  EXPECT_THAT(WordsOf(finding).evidence.english,
+              testing::HasSubstr("Internal leakage past the piston seal +2.40 ± 0.12 l/min at 200 bar"));
+  EXPECT_THAT(WordsOf(finding).evidence.german,
+              testing::HasSubstr("Innere Leckage an der Kolbendichtung +2,40 ± 0,12 l/min bei 200 bar"));
 }
 
 TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {

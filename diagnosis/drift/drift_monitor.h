@@ -52,6 +52,7 @@ struct FindingPart {
   double limit = 0;          ///< SI, size below which it counts as gone
   bool alarm = false;        ///< beyond the alarm change
   bool share = false;        ///< Quantity::share
+  Told title = {};           ///< Quantity::title
 };
 
 enum class FindingState { kSuspected, kNamed, kUndecided, kGone };

@@ -162,7 +162,7 @@ bool DriftMonitor::RestoreRest(ByteReader& in) {
   for (DriftFinding& finding : findings_)
     for (FindingPart& part : finding.parts)
       for (const Quantity& quantity : model_.quantities())
-        if (quantity.name == part.quantity) part.share = quantity.share;
+        if (quantity.name == part.quantity) part.share = quantity.share, part.title = quantity.title;
   for (Eigen::VectorXd* v : {&explained_, &recent_score_, &doubt_, &healthy_}) {
     *v = GetVector(in);
     if (v->size() != n) return false;

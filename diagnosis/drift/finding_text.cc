@@ -15,24 +15,24 @@ namespace {
 constexpr double kLeakagePressure = 2e7;  ///< Pa, at which leakage is stated: 200 bar
 
 Told PartText(const FindingPart& part) {
+  const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
   if (part.unit == "m3/(s Pa)") {
     const double factor = 6e4 * kLeakagePressure;
-    return Tell("{} {:+.2f} ± {:.2f} l/min at 200 bar", "{} {:+.2f} ± {:.2f} l/min bei 200 bar",
-                part.quantity, part.size * factor, kNormal95 * part.std * factor);
+    return Tell("{} {:+.2f} ± {:.2f} l/min at 200 bar", "{} {:+.2f} ± {:.2f} l/min bei 200 bar", quantity,
+                part.size * factor, kNormal95 * part.std * factor);
   }
   if (part.share)
-    return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", part.quantity, 100 * part.size,
-                196 * part.std);
+    return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", quantity, 100 * part.size, 196 * part.std);
   const DisplayUnit unit = DisplayUnitFor(part.unit);
-  const std::string name = part.unit == "1" ? "" : fmt::format(" {}", unit.name);
+  const std::string unit_name = part.unit == "1" ? "" : fmt::format(" {}", unit.name);
   const Told values =
       Tell("{:.4g} -> {:.4g}{}", "{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
-           (part.reference + part.size) * unit.factor + unit.offset, name);
+           (part.reference + part.size) * unit.factor + unit.offset, unit_name);
   if (const auto share = RelativeChange(part.reference, part.std, part.size))
-    return Tell("{} {:+.1f} ± {:.1f} % ({})", "{} {:+.1f} ± {:.1f} % ({})", part.quantity, 100 * *share,
+    return Tell("{} {:+.1f} ± {:.1f} % ({})", "{} {:+.1f} ± {:.1f} % ({})", quantity, 100 * *share,
                 196 * part.std / std::abs(part.reference), values);
-  return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", part.quantity,
-              part.size * unit.factor, kNormal95 * part.std * unit.factor, name, values);
+  return Tell("{} {:+.3g} ± {:.2g}{} ({})", "{} {:+.3g} ± {:.2g}{} ({})", quantity, part.size * unit.factor,
+              kNormal95 * part.std * unit.factor, unit_name, values);
 }
 
 }  // namespace

@@ -56,7 +56,8 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
     if (model->effect_shapes[e].empty()) continue;
     const EffectShape& shape = model->effect_shapes[e].front();
     if (shape.columns.size() != 1 || !effect.nonlinear.empty()) continue;
-    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true, effect.unit == "1"});
+    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true, effect.unit == "1",
+                                   Told(effect.title, effect.german.title)});
     watched.columns_.push_back(shape.columns.front());
   }
   return watched;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/stroke_record.h"
+#include "core/told.h"
 #include "diagnosis/drift/temperature_model.h"
 #include "estimation/gram_fit.h"
 #include "models/model_structure.h"
@@ -19,6 +20,7 @@ struct Quantity {
   CurveFamily family = CurveFamily::kSmooth;
   bool effect = false;  ///< reference is zero
   bool share = false;  ///< of a whole, as a spool position is of its stroke: changes are told in its per cent
+  Told title = {};     ///< of an effect: what people call it
 };
 
 /// What one stroke says, apart from all others: its own normal equations over the watched columns, sensor
