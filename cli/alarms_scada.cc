@@ -11,6 +11,8 @@
 #include "core/time_text.h"
 #include "host/output.h"
 #include "live/scada_client.h"
+#include "models/parameter_unit.h"
+#include "setup/kind_columns.h"
 
 namespace hydroscope {
 namespace {
@@ -58,13 +60,31 @@ std::string QualityText(int quality) {
   return fmt::format("  older: {}", known ? kReasons[static_cast<std::size_t>(quality)] : "never identified");
 }
 
+/// The unit in which people read a number of this name, for the map carries names and SI values alone: what all kinds of
+/// machines that have such a parameter agree upon; nullopt where they do not, and of numbers of the user's own.
+std::optional<DisplayUnit> UnitByName(const std::string& parameter) {
+  std::optional<DisplayUnit> unit;
+  for (const MachineKind* kind : KindsToChoose())
+    if (const MachineParameter* known = FindParameter(*kind, parameter)) {
+      const DisplayUnit shown = ParameterUnit(*kind, parameter, known->si);
+      if (unit && unit->name != shown.name) return std::nullopt;
+      unit = shown;
+    }
+  return unit;
+}
+
+std::string ParameterText(const ScadaParameter& p) {
+  const DisplayUnit unit = UnitByName(p.name).value_or(DisplayUnit{1, 0, "SI"});
+  return fmt::format("\n{:<16} {:<10} {:>12.5g} ± {:.2g} {}{}", "", p.name,
+                     p.value * unit.factor + unit.offset, kNormal95 * p.std * unit.factor, unit.name,
+                     QualityText(p.quality));
+}
+
 std::string AxisText(const ScadaAxis& axis) {
   std::string text = fmt::format("{:<16} {} ({}: {}), {} stored", axis.name, axis.health.letter(),
                                  HealthName(axis.health.state), axis.health.text, axis.strokes);
-  if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} degC", axis.oil_temperature);
-  for (const ScadaParameter& p : axis.parameters)
-    text += fmt::format("\n{:<16} {:<10} {:>12.5g} +- {:.2g}{}", "", p.name, p.value, kNormal95 * p.std,
-                        QualityText(p.quality));
+  if (std::isfinite(axis.oil_temperature)) text += fmt::format(", oil {:.1f} °C", axis.oil_temperature);
+  for (const ScadaParameter& p : axis.parameters) text += ParameterText(p);
   return text + "\n";
 }
 
@@ -91,11 +111,11 @@ std::string AxisName(const Seen& seen, int axis) {
 }
 
 void Print(const Seen& seen, const std::string& endpoint) {
-  Say("axes, their parameters in SI with 95 % intervals\n");
+  Say("axes, their parameters with 95 % intervals\n");
   for (const ScadaAxis& axis : seen.axes) Say(AxisText(axis));
   Say(seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
   for (const ScadaAlarm& a : seen.alarms)
-    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} +- {:.2g}\n", a.number, a.state,
+    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} ± {:.2g} SI\n", a.number, a.state,
                     a.severity, AxisName(seen, a.axis), a.name, LocalTimeText(static_cast<double>(a.raised)),
                     a.value, kNormal95 * a.std));
   if (!seen.alarms.empty())

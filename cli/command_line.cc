@@ -42,10 +42,18 @@ void HideEmptyDefaults(CLI::App& app) {
     if (option->get_default_str() == "[]") option->default_str("");
 }
 
+/// Whether the word behind it is its value.
+bool TakesAValue(const CLI::App& app, const std::string& word) {
+  if (!word.starts_with("-") || word.find('=') != std::string::npos) return false;
+  const CLI::Option* option = app.get_option_no_throw(word);
+  return option != nullptr && option->get_type_size() > 0;
+}
+
 /// What in the words nobody knows, and what comes nearest; "" if every command and option is known.
 std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* at = &app;
-  const auto sentence = [](const char* what, const std::string& word, const std::vector<std::string>& known) {
+  const auto sentence = [](const std::string& what, const std::string& word,
+                           const std::vector<std::string>& known) {
     const std::string near = Nearest(word, known);
     return fmt::format("unknown {} '{}'{}", what, word,
                        near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
@@ -61,8 +69,8 @@ std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) 
         return sentence("option", name, options);
     } else if (std::find(commands.begin(), commands.end(), word) != commands.end()) {
       at = at->get_subcommand(word);
-    } else if (at == &app && !word.starts_with("-")) {
-      return sentence("command", word, commands);
+    } else if (!commands.empty() && !word.starts_with("-") && !TakesAValue(*at, argv[k - 1])) {
+      return sentence(at == &app ? "command" : at->get_name() + " command", word, commands);
     }
   }
   return "";

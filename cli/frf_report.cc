@@ -39,17 +39,17 @@ const char* Note(PointReason reason) {
     case PointReason::kUsed:
       return "";
     case PointReason::kTooShort:
-      return "left out: held too short";
+      return "          left out: held too short\n";
     case PointReason::kNoResponse:
-      return "left out: no response";
+      return "          left out: no response\n";
     case PointReason::kLowCoherence:
-      return "left out: low coherence";
+      return "          left out: low coherence\n";
     case PointReason::kClipped:
-      return "left out: clipped";
+      return "          left out: clipped\n";
     case PointReason::kNoPower:
-      return "left out: no power";
+      return "          left out: no power\n";
     case PointReason::kOutsideRange:
-      return "left out: outside the range";
+      return "          left out: outside the range\n";
   }
   return "";
 }
@@ -68,19 +68,18 @@ CommandUnit UnitOfCommand(const Machine& machine) {
 
 std::string SineTable(const FrequencyResponse& response, const CommandUnit& unit) {
   std::string text =
-      fmt::format("{:>10} {:>10} {:>9} {:>8} {:>9} {:>8} {:>11} {:>8} {:>8}\n", "f Hz", "gain", "± 95 %",
-                  "dB", "phase °", "± 95 %", "U0 " + unit.name, "harm. %", "periods");
+      fmt::format("{:>9} {:>9} {:>8} {:>8} {:>9} {:>8} {:>7} {:>7} {:>7}\n", "f Hz", "gain", "± 95 %", "dB",
+                  "phase °", "± 95 %", "U0 " + unit.name, "harm. %", "periods");
   for (const FrequencyPoint* p : RowsToShow(response)) {
     if (p->reason == PointReason::kTooShort) {
-      text += fmt::format("{:>10.4g} {:>10} {:>9} {:>8} {:>9} {:>8} {:>11.4g}  {}\n", p->frequency, "-", "-",
-                          "-", "-", "-", p->amplitude * unit.factor, Note(p->reason));
+      text += fmt::format("{:>9.4g} {:>9} {:>8} {:>8} {:>9} {:>8} {:>7.4g}\n{}", p->frequency, "-", "-", "-",
+                          "-", "-", p->amplitude * unit.factor, Note(p->reason));
       continue;
     }
-    text +=
-        fmt::format("{:>10.5g} {:>10.5f} {:>9.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>11.4g} {:>8} {:>8.0f}  {}\n",
-                    p->frequency, p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()),
-                    p->phase * kDegrees, kNormal95 * p->PhaseStd() * kDegrees, p->amplitude * unit.factor,
-                    Percent(p->output_distortion), p->periods, Note(p->reason));
+    text += fmt::format("{:>9.5g} {:>9.5f} {:>8.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>7.4g} {:>7} {:>7.0f}\n{}",
+                        p->frequency, p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()),
+                        p->phase * kDegrees, kNormal95 * p->PhaseStd() * kDegrees, p->amplitude * unit.factor,
+                        Percent(p->output_distortion), p->periods, Note(p->reason));
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/shown_width.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 #include "setup/kind_columns.h"
@@ -44,10 +45,10 @@ const char* NextCommand(const MachineKind& kind) {
 /// What was found, for people.
 std::string ReportText(const InitArguments& arguments, const MachineProposal& proposal) {
   std::size_t width = 6;
-  for (const ProposedColumn& column : proposal.columns) width = std::max(width, column.column.size());
-  std::string text = fmt::format("{:<10} {:<{}}  {:<5} why\n", "signal", "column", width, "unit");
+  for (const ProposedColumn& column : proposal.columns) width = std::max(width, ShownWidth(column.column));
+  std::string text = fmt::format("{:<10} {:<{}}  unit\n", "signal", "column", width);
   for (const ProposedColumn& column : proposal.columns)
-    text += fmt::format("{:<10} {:<{}}  {:<5} {}{}\n", column.signal, column.column, width, column.unit,
+    text += fmt::format("{:<10} {:<{}}  {}\n    {}{}\n", column.signal, column.column, width, column.unit,
                         column.why.english, column.sure ? "" : "  <-- check");
   if (!proposal.unused.empty()) text += fmt::format("not used: {}\n", fmt::join(proposal.unused, ", "));
   text += "\n";

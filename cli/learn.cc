@@ -10,6 +10,7 @@
 #include "host/output.h"
 #include "host/real_clock.h"
 #include "models/counted_words.h"
+#include "models/parameter_unit.h"
 #include "monitor/learning.h"
 #include "monitor/rules_for.h"
 #include "workbench/history/history_options.h"
@@ -52,17 +53,19 @@ Status TellDoubts(const LearnArguments& a, const std::vector<LearningCandidate>&
       refused);
 }
 
-std::string LearnedText(const nlohmann::json& learned, const CountedWords& counted) {
+std::string LearnedText(const nlohmann::json& learned, const Machine& machine) {
+  const CountedWords counted = CountedWordsOf(machine);
   std::string text = fmt::format(
       "{}: reference {} learned from {} {} to {}, {} kinds of {}\n", learned.at("machine").get<std::string>(),
       learned.at("reference_version").get<int>(), counted.many,
       learned.at("first_stroke").get<std::int64_t>(), learned.at("last_stroke").get<std::int64_t>(),
       learned.at("operating_classes").get<int>(), counted.one);
   for (const auto& curve : learned.at("curves")) {
-    const DisplayUnit unit = DisplayUnitFor(curve.at("unit").get<std::string>());
-    text += fmt::format("  {:<6} {:>10.4g} {:<6}", curve.at("quantity").get<std::string>(),
+    const auto quantity = curve.at("quantity").get<std::string>(), si = curve.at("unit").get<std::string>();
+    const DisplayUnit unit = ParameterUnit(KindOf(machine), quantity, si);
+    text += fmt::format("  {:<6} {:>10.4g} {:<6}", quantity,
                         curve.at("value").get<double>() * unit.factor + unit.offset,
-                        unit.name == "1" ? "" : unit.name);
+                        unit.name == "-" ? "" : unit.name);
     const double from = curve.at("from_K").get<double>(), to = curve.at("to_K").get<double>();
     if (std::isfinite(from))  // oil temperature is measured
       text += fmt::format(" over oil temperature: {}, {:.0f} to {:.0f} degC",
@@ -99,7 +102,7 @@ int RunLearn(const LearnArguments& a) {
     auto learned = LearnReference(history->database, a.history.db, candidate, *rules, *journal,
                                   {a.user, a.comment}, WallSeconds());
     if (!learned) return ReportError(learned.error());
-    if (a.json != "-") Say(LearnedText(*learned, CountedWordsOf(candidate.machine)));
+    if (a.json != "-") Say(LearnedText(*learned, candidate.machine));
     document["learned"].push_back(std::move(*learned));
   }
   if (a.json.empty()) return kDone;

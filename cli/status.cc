@@ -23,7 +23,7 @@ struct StatusArguments {
 
 /// A value with its 95 % interval; "-" if there is none.
 std::string Interval(double value, double std) {
-  return std::isfinite(value) ? fmt::format("{:.5g} +- {:.2g}", value, kNormal95 * std) : "-";
+  return std::isfinite(value) ? fmt::format("{:.5g} ± {:.2g}", value, kNormal95 * std) : "-";
 }
 
 /// The history of valve checks, from the database; no service is needed.

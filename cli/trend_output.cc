@@ -13,6 +13,7 @@
 #include "core/shown_width.h"
 #include "core/time_text.h"
 #include "core/units.h"
+#include "models/parameter_unit.h"
 #include "report/text_sink.h"
 
 namespace hydroscope {
@@ -32,13 +33,17 @@ std::string LastExcited(const TrendSummary& s, const CountedWords& counted) {
                      s.strokes);
 }
 
+DisplayUnit ShownUnitOf(const TrendSummary& s) {
+  return ParameterUnit(s.kind == nullptr ? MachineKind{} : *s.kind, s.parameter, s.unit);
+}
+
 std::string TrendChangeText(const TrendSummary& s, const CountedWords& counted) {
   if (!s.change) return fmt::format("too few {}", counted.many);
   const auto percent = s.change->Percent();
-  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  const DisplayUnit unit = ShownUnitOf(s);
   const double value = percent ? *percent : s.change->value * unit.factor;
   const double half_width = kNormal95 * (percent ? *s.change->PercentStd() : s.change->std * unit.factor);
-  const std::string name = percent ? " %" : unit.name == "1" ? "" : fmt::format(" {}", unit.name);
+  const std::string name = percent ? " %" : unit.name == "-" ? "" : fmt::format(" {}", unit.name);
   const char* judged = s.change->with_oil      ? "significant, with the oil"
                        : s.change->significant ? "significant"
                        : s.change->hint        ? "a hint"
@@ -59,7 +64,7 @@ std::string TableRow(const TableWidths& widths, const std::array<std::string, 5>
 }
 
 std::string LatestText(const TrendSummary& s) {
-  const DisplayUnit unit = DisplayUnitFor(s.unit);
+  const DisplayUnit unit = ShownUnitOf(s);
   return ValueText(s.latest.value * unit.factor + unit.offset, kNormal95 * s.latest.std * unit.factor);
 }
 
@@ -68,7 +73,7 @@ TableWidths WidthsFor(const std::vector<TrendSummary>& summaries, const CountedW
   std::size_t value = ShownWidth("latest, 95 %"), change = ShownWidth("change, 95 %");
   for (const TrendSummary& s : summaries) {
     widths.name = std::max(widths.name, ShownWidth(s.parameter));
-    widths.unit = std::max(widths.unit, ShownWidth(DisplayUnitFor(s.unit).name));
+    widths.unit = std::max(widths.unit, ShownWidth(ShownUnitOf(s).name));
     value = std::max(value, ShownWidth(LatestText(s)));
     change = std::max(change, ShownWidth(TrendChangeText(s, counted)));
   }
@@ -83,9 +88,9 @@ TableWidths WidthsFor(const std::vector<TrendSummary>& summaries, const CountedW
 }
 
 std::string Row(const TrendSummary& s, const TableWidths& widths, const CountedWords& counted) {
-  const DisplayUnit unit = DisplayUnitFor(s.unit);
-  return TableRow(widths, {s.parameter, LatestText(s), unit.name == "1" ? "-" : std::string(unit.name),
-                           TrendChangeText(s, counted), Sparkline(s.values, s.stds, widths.course)});
+  const DisplayUnit unit = ShownUnitOf(s);
+  return TableRow(widths, {s.parameter, LatestText(s), std::string(unit.name), TrendChangeText(s, counted),
+                           Sparkline(s.values, s.stds, widths.course)});
 }
 
 std::string Header(const MachineTrends& trends) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "models/machine_kind.h"
 #include "storage/database.h"
 #include "workbench/history/block_estimates.h"
 #include "workbench/history/trend_analysis.h"
@@ -30,6 +31,7 @@ struct TrendChange {
 /// What the table says about one parameter.
 struct TrendSummary {
   std::string parameter, unit;        ///< SI unit
+  const MachineKind* kind = nullptr;  ///< of its machine, which says in what unit people read it
   Estimate latest;                    ///< of the last stroke
   std::int64_t latest_sequence = 0;   ///< its number
   std::int64_t strokes = 0;           ///< strokes looked at

@@ -107,12 +107,16 @@ Result<MachineTrends> ReadTrends(const TrendsArguments& a, Database& database, c
   });
   if (!read) return tl::unexpected(read.error());
   const HistoryPart part{machine, *id, trends.begin, trends.end};
-  if (const auto stored = StoredMachine(database, a.db, part); stored)
+  const MachineKind* kind = nullptr;
+  if (const auto stored = StoredMachine(database, a.db, part); stored) {
     trends.counted = CountedWordsOf(*stored);
+    kind = &KindOf(*stored);
+  }
   for (AlarmState& alarm : AlarmsBeside(a.db, machine))
     if (TellsAChange(alarm)) trends.alarms.push_back(std::move(alarm));
   const JudgedBy by = BlocksOf(a, database, part);
   trends.summaries = std::move(summariser).Finish(by.blocks, by.strokes);
+  for (TrendSummary& summary : trends.summaries) summary.kind = kind;
   if (any || a.parameter.empty() || trends.end == 0) return trends;
 
   const auto names = database.ParameterNames(*id);

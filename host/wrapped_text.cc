@@ -17,9 +17,17 @@ std::size_t BytesOf(std::string_view text, std::size_t count) {
   return at;
 }
 
-bool IsCommand(std::string_view line) {
+std::string_view WithoutBlanks(std::string_view line) {
   line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
-  return line.starts_with("hydroscope ") || line.starts_with("next: hydroscope ");
+  return line;
+}
+
+/// A command, also one behind "next:", is copied as it stands.
+bool IsCommand(std::string_view line) {
+  constexpr std::string_view kNext = "next:";
+  line = WithoutBlanks(line);
+  if (line.starts_with(kNext)) line = WithoutBlanks(line.substr(kNext.size()));
+  return line.starts_with("hydroscope ");
 }
 
 void AppendWrapped(std::string_view line, std::size_t width, std::string& out) {

@@ -23,6 +23,7 @@ TEST(WrappedText, CountsCharactersNotBytes) {
 TEST(WrappedText, KeepsLongWordsAndCommandsWhole) {
   EXPECT_EQ(WrappedText("/a/very/long/path\n", 8), "/a/very/long/path\n");
   EXPECT_EQ(WrappedText("next: hydroscope fit log.csv\n", 8), "next: hydroscope fit log.csv\n");
+  EXPECT_EQ(WrappedText("next:    hydroscope fit log.csv\n", 8), "next:    hydroscope fit log.csv\n");
 }
 
 }  // namespace

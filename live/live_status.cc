@@ -136,6 +136,10 @@ std::string Shown(const json& value, const std::string& si) {
 
 std::string Age(const json& age) { return age.is_number() ? DurationText(age.get<double>()) : "never"; }
 
+std::string LastText(const json& age) {
+  return age.is_number() ? fmt::format("last {} ago", Age(age)) : "nothing came yet";
+}
+
 std::string SenderName(const json& sender) {
   const auto name = sender.at("name").get<std::string>();
   return name.empty() ? "a sender" : name;
@@ -270,9 +274,9 @@ std::string StatusText(const json& s) {
                   s.at("memory_bytes").get<std::int64_t>() >> 20, s.at("descriptors").get<int>());
   for (const json& source : s.at("sources"))
     text += fmt::format(
-        "source {}: {}; last {} ago; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
+        "source {}: {}; {}; {} rows, {} lost, {} reconnects, {} timeouts, {} malformed\n",
         Printable(source.at("name").get<std::string>()), Printable(source.at("state").get<std::string>()),
-        Age(source.at("age_s")), source.at("rows").get<std::int64_t>(),
+        LastText(source.at("age_s")), source.at("rows").get<std::int64_t>(),
         source.at("lost_rows").get<std::int64_t>(), source.at("reconnects").get<std::int64_t>(),
         source.at("timeouts").get<std::int64_t>(), source.at("malformed").get<std::int64_t>());
   for (const json& stream : s.at("streams"))

@@ -7,6 +7,7 @@
 #include "core/units.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine_kind.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -132,21 +133,22 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
       condition.std = found->figures.slope_std * static_cast<double>(found->figures.strokes);
       condition.limit = 0;
       condition.first_stroke = now.stroke - found->figures.strokes;
-      const DisplayUnit unit = DisplayUnitFor(quantity.unit);
+      const DisplayUnit unit = ParameterUnit(monitor.model().kind(), quantity.name, quantity.unit);
       const Told counted = drift::CountedInOf(monitor.model().kind()).several;
       condition.Say(Tell(
           "{} drifts slowly, {:+.3g}{} per 1000 {}; reaches its limit in {:.0f} {} (95 %: {:.0f} to {:.0f})",
           "{} driftet langsam, {:+.3g}{} je 1000 {}; erreicht seine Grenze in {:.0f} {} (95 %: {:.0f} bis {:.0f})",
           quantity.name, 1000 * found->figures.slope * unit.factor,
-          unit.name == "1" ? "" : fmt::format(" {}", unit.name), counted, found->reach.strokes, counted,
+          unit.name == "-" ? "" : fmt::format(" {}", unit.name), counted, found->reach.strokes, counted,
           found->reach.low, found->reach.high));
     }
     content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
   }
 }
 
-void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook& rules,
-                 const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content) {
+void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monitors,
+                 const drift::RuleBook& rules, const JudgedRecord& stroke, const AlarmMoment& now,
+                 AxisContent& content) {
   const AlarmSettings settings = AlarmSettingsOf(rules);
   for (const MonitorSpec& spec : monitors)
     for (const Estimate& e : stroke.record.estimates) {
@@ -154,7 +156,7 @@ void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook
       const auto judge = [&](const std::optional<double>& limit, bool high, AlarmSeverity severity,
                              const char* name) {
         if (!limit) return;
-        const DisplayUnit unit = DisplayUnitFor(e.unit);
+        const DisplayUnit unit = ParameterUnit(kind, e.parameter, e.unit);
         const auto shown = [&](double v) { return v * unit.factor + unit.offset; };
         AlarmCondition condition{e.value,  e.std, *limit,          high,           e.unit,
                                  severity, "",    stroke.sequence, stroke.sequence};

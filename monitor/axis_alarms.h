@@ -49,8 +49,9 @@ void ClearWhatIsGone(const drift::DriftMonitor& monitor, const drift::RuleBook& 
 void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& rules, const AlarmMoment& now,
                      AxisContent& content);
 /// Limits that the machine file states for the identified values as they are, at any temperature.
-void JudgeLimits(const std::vector<MonitorSpec>& monitors, const drift::RuleBook& rules,
-                 const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
+void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monitors,
+                 const drift::RuleBook& rules, const JudgedRecord& stroke, const AlarmMoment& now,
+                 AxisContent& content);
 /// Strokes of which less than half of the rows could be used.
 void JudgeSignals(const JudgedRecord& stroke, const AlarmMoment& now, AxisContent& content);
 /// `doubtful_reference`: the strokes just learned do not look like those of a healthy machine.

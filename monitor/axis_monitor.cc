@@ -422,7 +422,7 @@ void AxisMonitor::Judge(const Stored& stroke, double wall, AxisContent& content)
     axis_alarms::JudgeFindings(*monitor_, rules_, now, content);
     if (stroke.sequence % kSlowDriftEvery == 0) axis_alarms::JudgeSlowDrifts(*monitor_, rules_, now, content);
   }
-  if (!cold) axis_alarms::JudgeLimits(machine_.monitors, rules_, judged, now, content);
+  if (!cold) axis_alarms::JudgeLimits(KindOf(machine_), machine_.monitors, rules_, judged, now, content);
   Suppress(content, now);
 }
 

@@ -8,6 +8,7 @@
 #include "core/interval_text.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/explain_change.h"
 
 namespace hydroscope {
@@ -28,13 +29,14 @@ std::vector<Told> SizesThatAppeared(const ChangeResult& result) {
 }
 
 std::vector<Told> Moved(const ChangeResult& result) {
+  const MachineKind& kind = KindOf(result.after.log.machine);
   std::vector<Told> moved;
   for (const auto* values : {&result.parameters, &result.effects})
     for (const ValueChange& v : *values)
       if (v.significant)
         moved.push_back(Tell("{} {} -> {}", "{} {} -> {}", v.name,
-                             TellNumber(ShownWithInterval(v.before, v.before_std, v.unit)),
-                             TellNumber(ShownWithInterval(v.after, v.after_std, v.unit))));
+                             TellNumber(ParameterWithInterval(kind, v.name, v.before, v.before_std, v.unit)),
+                             TellNumber(ParameterWithInterval(kind, v.name, v.after, v.after_std, v.unit))));
   return moved;
 }
 

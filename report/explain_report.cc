@@ -11,6 +11,7 @@
 #include "core/interval_text.h"
 #include "core/relative_change.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "report/explain_plots.h"
 #include "report/report_page.h"
 #include "report/report_plots.h"
@@ -175,6 +176,7 @@ std::string Ranking(const ExplainResult& result) {
 }
 
 std::string Parameters(const ExplainResult& result) {
+  const MachineKind& kind = KindOf(result.log.machine);
   const Explanation& x = result.explanation;
   const bool extended = x.steps.size() > 1;
   const auto after = BaseParameters(*result.log.model, x.final, static_cast<int>(result.strokes));
@@ -183,12 +185,14 @@ std::string Parameters(const ExplainResult& result) {
   out += extended ? "<th class=\"number\">extended</th><th class=\"number\">moved by</th></tr>" : "</tr>";
   for (std::size_t i = 0; i < after.size(); ++i) {
     const Estimate& before = result.base.parameters[i];
-    out += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(before.parameter),
-                       EscapeText(ShownWithInterval(before.value, before.std, before.unit)));
+    out += fmt::format(
+        "<tr><td>{}</td><td class=\"number\">{}</td>", EscapeText(before.parameter),
+        EscapeText(ParameterWithInterval(kind, before.parameter, before.value, before.std, before.unit)));
     if (extended) {
       const auto moved = RelativeChange(before.value, before.std, after[i].value - before.value);
       out += fmt::format("<td class=\"number\">{}</td><td class=\"number\">{}</td>",
-                         EscapeText(ShownWithInterval(after[i].value, after[i].std, before.unit)),
+                         EscapeText(ParameterWithInterval(kind, before.parameter, after[i].value,
+                                                          after[i].std, before.unit)),
                          moved && before.unit != "1" ? FormatSigned(100 * *moved, 1) + " %" : "");
     }
     out += "</tr>";

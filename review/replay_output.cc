@@ -11,6 +11,7 @@
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/headline.h"
 #include "workbench/fit_output.h"
 
@@ -97,11 +98,10 @@ std::string ParameterTable(const ReplayOutcome& outcome) {
                   outcome.strokes - 1, counted.Counted(outcome.strokes), Counted(outcome.runs.size(), "log"));
   text += fmt::format("{:<8} {:>12} {:>26}  {}\n", "", "value", "95 % interval", "unit");
   for (const Estimate& e : outcome.latest) {
-    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const DisplayUnit unit = ParameterUnit(KindOf(outcome.machine), e.parameter, e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     text += fmt::format("{:<8} {:>12.5g} {:>12.5g} ... {:<9.5g}  {:<6}{}\n", e.parameter, shown(e.value),
-                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std),
-                        unit.name == "1" ? "-" : unit.name,
+                        shown(e.value - kNormal95 * e.std), shown(e.value + kNormal95 * e.std), unit.name,
                         e.reason == EstimateReason::kUpdated ? "" : fmt::format(" {}", ReasonText(e.reason)));
   }
   const DisplayUnit unit = OutputUnit(outcome.machine);

@@ -43,13 +43,15 @@ class CommandLine : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  std::string columns_ = "1000";  ///< of the terminal that the program believes in: lines stay whole
+
   std::string File(const std::string& name) const { return folder_ + name; }
 
   /// Starts the built program; stdout and stderr go to files of the test's folder.
   pid_t Start(const std::vector<std::string>& words) {
     const pid_t child = fork();
     if (child != 0) return child;
-    setenv("COLUMNS", "1000", 1);  // lines stay whole
+    setenv("COLUMNS", columns_.c_str(), 1);
     if (freopen(File("stdout").c_str(), "w", stdout) == nullptr) _exit(99);
     if (freopen(File("stderr").c_str(), "w", stderr) == nullptr) _exit(99);
     std::vector<std::string> kept = words;

@@ -8,9 +8,11 @@
 
 #include "core/constants.h"
 #include "core/counted_words.h"
+#include "core/shown_width.h"
 #include "core/units.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/headline.h"
 #include "workbench/fit_output.h"
 #include "workbench/identifiability.h"
@@ -40,7 +42,7 @@ std::string FlagText(const SignalRange& range, Quality which) {
 std::string SignalFlags(const CheckedSignal& signal) {
   if (!signal.present) return "not in this log (optional)";
   const std::string text = FlagText(signal.range, static_cast<Quality>(~kTimeFlags));
-  return text.empty() ? "none" : text;
+  return text.empty() ? "" : "flagged: " + text;
 }
 
 std::string Sampling(const CheckResult& check) {
@@ -65,15 +67,39 @@ std::string Sampling(const CheckResult& check) {
   return text;
 }
 
-std::string Signals(const CheckResult& check) {
-  std::size_t name = 8, column = 6;
-  for (const CheckedSignal& s : check.signals) {
-    name = std::max(name, s.spec.name.size());
-    column = std::max(column, s.spec.column.size());
+/// A cell of a table, and what did not fit it as a line below.
+std::string Cell(const std::string& text, std::size_t width, const char* what, std::string& below) {
+  const std::size_t shown = ShownWidth(text);
+  if (shown > width) below += fmt::format("    {}: {}\n", what, text);
+  return shown > width ? std::string(width, '.') : text + std::string(width - shown, ' ');
+}
+
+/// Widths of the columns of names: together what the numbers leave of a line.
+struct NameWidths {
+  std::size_t signal = 6, column = 6;
+};
+
+NameWidths WidthsOf(const std::vector<CheckedSignal>& signals, std::size_t numbers) {
+  NameWidths widest;
+  for (const CheckedSignal& s : signals) {
+    widest.signal = std::max(widest.signal, ShownWidth(s.spec.name));
+    widest.column = std::max(widest.column, ShownWidth(s.spec.column));
   }
+  const std::size_t left = kLineWidth - std::min(numbers, kLineWidth);
+  widest.signal = std::min(widest.signal, left / 2);
+  widest.column = std::min(widest.column, left - widest.signal);
+  return widest;
+}
+
+std::string Signals(const CheckResult& check) {
+  constexpr std::size_t kNumbers = 48;  // characters of a row but its names and its unit
+  std::size_t unit_width = 4;
+  for (const CheckedSignal& s : check.signals)
+    unit_width = std::max(unit_width, ShownWidth(Dash(ShownUnit(check.machine, s.spec.name).name)));
+  const NameWidths width = WidthsOf(check.signals, kNumbers + unit_width);
   std::string text =
-      fmt::format("\n{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", "signal", name, "column", column,
-                  "lowest", "highest", "noise std", "unit", "good", "flagged");
+      fmt::format("\n{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<{}} {:>8}\n", "signal", width.signal, "column",
+                  width.column, "lowest", "highest", "noise std", "unit", unit_width, "good");
   for (const CheckedSignal& s : check.signals) {
     const DisplayUnit unit = ShownUnit(check.machine, s.spec.name);
     const auto number = [&](double si, double offset) {
@@ -81,11 +107,15 @@ std::string Signals(const CheckResult& check) {
     };
     const double good = 100.0 * static_cast<double>(s.range.good) /
                         static_cast<double>(std::max<std::int64_t>(1, check.time.rows));
-    text +=
-        fmt::format("{:<{}} {:<{}} {:>10} {:>10} {:>10}  {:<6} {:>8}  {}\n", s.spec.name, name, s.spec.column,
-                    column, number(s.range.min, unit.offset), number(s.range.max, unit.offset),
-                    s.present ? number(s.noise_std, 0) : "-", Dash(unit.name),
-                    s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-", SignalFlags(s));
+    std::string below;
+    const std::string signal = Cell(s.spec.name, width.signal, "signal", below);
+    const std::string column = Cell(s.spec.column, width.column, "column", below);
+    text += fmt::format("{} {} {:>10} {:>10} {:>10}  {:<{}} {:>8}\n", signal, column,
+                        number(s.range.min, unit.offset), number(s.range.max, unit.offset),
+                        s.present ? number(s.noise_std, 0) : "-", Dash(unit.name), unit_width,
+                        s.present ? fmt::format("{:.4g} %", std::floor(good * 100) / 100) : "-");
+    text += below;
+    if (const std::string flags = SignalFlags(s); !flags.empty()) text += fmt::format("    {}\n", flags);
   }
   return text;
 }
@@ -112,6 +142,10 @@ std::string Gate(const CheckResult& check) {
   return text;
 }
 
+DisplayUnit UnitOf(const CheckResult& check, const CheckedParameter& p) {
+  return ParameterUnit(KindOf(check.machine), p.estimate.parameter, p.estimate.unit);
+}
+
 std::string Identification(const CheckResult& check) {
   if (KindOf(check.machine).has_states && check.parameters.empty())
     return fmt::format("\nno fit: {}\n", check.no_fit);
@@ -126,20 +160,20 @@ std::string Identification(const CheckResult& check) {
   std::size_t width = 8, unit_width = 6;
   for (const CheckedParameter& p : check.parameters) {
     width = std::max(width, p.estimate.parameter.size());
-    unit_width = std::max(unit_width, Dash(DisplayUnitFor(p.estimate.unit).name).size() + 1);
+    unit_width = std::max(unit_width, ShownWidth(UnitOf(check, p).name) + 1);
   }
   for (const CheckedParameter& p : check.parameters) {
-    const DisplayUnit unit = DisplayUnitFor(p.estimate.unit);
+    const DisplayUnit unit = UnitOf(check, p);
     const double half = kNormal95 * p.estimate.std * unit.factor;
     const char* mark = p.verdict == Identifiability::kGood   ? "yes"
                        : p.verdict == Identifiability::kWeak ? "weak"
                                                              : "NO";
     text += fmt::format("  {:<{}} {:<5}", p.estimate.parameter, width, mark);
     if (std::isfinite(half))
-      text += fmt::format("{:>10.4g} +- {:<9.3g} {:<{}}", p.estimate.value * unit.factor + unit.offset, half,
-                          Dash(unit.name), unit_width);
+      text += fmt::format("{:>10.4g} ± {:<9.3g} {:<{}}", p.estimate.value * unit.factor + unit.offset, half,
+                          unit.name, unit_width);
     if (p.estimate.unit != "1" && std::isfinite(half))
-      text += fmt::format("(+- {:.2g} %)", 100 * HalfWidth(p.estimate));
+      text += fmt::format("(± {:.2g} %)", 100 * HalfWidth(p.estimate));
     text += "\n";
     if (!p.reason.empty()) text += fmt::format("           why:    {}\n", p.reason.english);
     if (!p.advice.empty()) text += fmt::format("           advice: {}\n", p.advice.english);

@@ -8,10 +8,12 @@
 
 #include "core/constants.h"
 #include "core/counted_words.h"
+#include "core/shown_width.h"
 #include "core/units.h"
 #include "models/effect.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/headline.h"
 #include "workbench/model/model_record.h"
 
@@ -51,21 +53,24 @@ int DigitsShown(const Estimate& e) {
 
 std::string FitText(const FitResult& result) {
   const Machine& machine = result.log.machine;
-  std::size_t width = 6;
-  for (const Estimate& e : result.fit.parameters) width = std::max(width, e.parameter.size());
+  std::size_t width = 6, unit_width = 6;
+  for (const Estimate& e : result.fit.parameters) {
+    width = std::max(width, e.parameter.size());
+    unit_width = std::max(unit_width, ShownWidth(ParameterUnit(KindOf(machine), e.parameter, e.unit).name));
+  }
   std::string text = machine.model_version > 1 || !machine.added_effects.empty()
                          ? fmt::format("Model: {}, version {}, {}\n", machine.model, machine.model_version,
                                        ModelName(machine))
                          : "";
-  text += fmt::format("{:<{}} {:>12} {:>26}  {:<6} {}\n", "", width, "value", "95 % interval", "unit", "");
+  text += fmt::format("{:<{}} {:>11} {:>25}  unit\n", "", width, "value", "95 % interval");
   for (const Estimate& e : result.fit.parameters) {
-    const DisplayUnit unit = DisplayUnitFor(e.unit);
+    const DisplayUnit unit = ParameterUnit(KindOf(machine), e.parameter, e.unit);
     const auto shown = [&](double si) { return si * unit.factor + unit.offset; };
     const int digits = DigitsShown(e);
     const bool trusted = e.reason == EstimateReason::kUpdated;
-    text += fmt::format("{:<{}} {:>12.{}g} {:>12.{}g} ... {:<10.{}g} {:<6} {}{}\n", e.parameter, width,
+    text += fmt::format("{:<{}} {:>11.{}g} {:>11.{}g} ... {:<10.{}g} {:<{}} {}{}\n", e.parameter, width,
                         shown(e.value), digits, shown(e.value - kNormal95 * e.std), digits,
-                        shown(e.value + kNormal95 * e.std), digits, unit.name == "1" ? "-" : unit.name,
+                        shown(e.value + kNormal95 * e.std), digits, unit.name, unit_width,
                         Meaning(result, e.parameter),
                         !result.trust.rate.fast_enough ? "; NOT TO BE TRUSTED: sampled too slowly"
                         : trusted                      ? ""

@@ -9,6 +9,7 @@
 #include "core/effect_units.h"
 #include "core/units.h"
 #include "diagnosis/hidden_bias.h"
+#include "models/parameter_unit.h"
 
 namespace hydroscope {
 namespace {
@@ -23,14 +24,15 @@ std::vector<StrokeGram> EvenlySpread(std::span<const StrokeGram> grams) {
   return out;
 }
 
-Told ReasonFor(const Confounding& c, const Effect& effect, const Estimate& parameter) {
+Told ReasonFor(const MachineKind& kind, const Confounding& c, const Effect& effect,
+               const Estimate& parameter) {
   const EffectUnit size = EffectUnitFor(effect.unit);
-  const DisplayUnit unit = DisplayUnitFor(parameter.unit);
+  const DisplayUnit unit = ParameterUnit(kind, parameter.parameter, parameter.unit);
   return Tell(
       "confounded with {}: {} of a usual size ({:.2g} {}) would move it by {:+.2g} {} without being seen",
       "nicht zu trennen von {}: {} üblicher Größe ({:.2g} {}) verschöbe ihn unbemerkt um {:+.2g} {}",
       fmt::to_string(fmt::join(c.effects, ", ")), effect.id, effect.typical * size.factor, size.name,
-      c.bias * unit.factor, unit.name == "1" ? "" : unit.name);
+      c.bias * unit.factor, unit.name == "-" ? "" : unit.name);
 }
 
 }  // namespace
@@ -61,7 +63,7 @@ std::vector<Confounding> ConfoundingsOf(const Machine& machine, std::shared_ptr<
     const auto is = [&](const Estimate& e) { return e.parameter == c.parameter; };
     const Estimate& parameter = *std::find_if(figures.parameters.begin(), figures.parameters.end(), is);
     for (const auto& effect : model->effects)
-      if (effect->id == c.effect) c.reason = ReasonFor(c, *effect, parameter);
+      if (effect->id == c.effect) c.reason = ReasonFor(KindOf(machine), c, *effect, parameter);
     c.advice = Tell("record strokes that differ more in {}, with holds between them",
                     "Hübe aufzeichnen, die sich darin mehr unterscheiden: {}, mit Halten dazwischen",
                     model->words.vary);

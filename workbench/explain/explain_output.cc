@@ -16,6 +16,7 @@
 #include "core/units.h"
 #include "models/counted_words.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/drift_text.h"
 #include "workbench/explain/located_output.h"
 #include "workbench/explain/relative_text.h"
@@ -204,13 +205,13 @@ std::string ParametersText(const ExplainResult& result) {
   text += extended ? fmt::format(" {:>22}\n", "extended") : "\n";
   for (std::size_t i = 0; i < after.size(); ++i) {  // sizes of effects come below
     const Estimate& before = result.base.parameters[i];
-    const DisplayUnit unit = DisplayUnitFor(before.unit);
+    const DisplayUnit unit = ParameterUnit(KindOf(result.log.machine), before.parameter, before.unit);
     const auto shown = [&](const Estimate& e) {
       return WithInterval(e.value * unit.factor + unit.offset, kNormal95 * e.std * unit.factor);
     };
     text += fmt::format("  {:<6} {:>23}", before.parameter, shown(before));
     if (extended) text += fmt::format(" {:>23}", shown(after[i]));
-    text += fmt::format("  {}", unit.name == "1" ? "-" : unit.name);
+    text += fmt::format("  {}", unit.name);
     const auto moved =
         extended ? RelativeChange(before.value, before.std, after[i].value - before.value) : std::nullopt;
     if (moved && before.unit != "1" && std::abs(*moved) >= 0.01)

@@ -11,6 +11,7 @@
 #include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
+#include "models/parameter_unit.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/fit_output.h"
 
@@ -57,13 +58,14 @@ nlohmann::json ValuesJson(const std::vector<ValueChange>& values) {
   return out;
 }
 
-std::string ValuesText(const std::string& title, const std::vector<ValueChange>& values) {
+std::string ValuesText(const MachineKind& kind, const std::string& title,
+                       const std::vector<ValueChange>& values) {
   if (values.empty()) return "";
   std::string text = fmt::format("\n{}\n", title);
   for (const ValueChange& v : values) {
     text += fmt::format("{} {:<28} {:>28}  ->  {:<28}", v.significant ? "*" : " ", v.name,
-                        ShownWithInterval(v.before, v.before_std, v.unit),
-                        ShownWithInterval(v.after, v.after_std, v.unit));
+                        ParameterWithInterval(kind, v.name, v.before, v.before_std, v.unit),
+                        ParameterWithInterval(kind, v.name, v.after, v.after_std, v.unit));
     if (const auto share = RelativeChange(v.before, v.before_std, v.change()); share && v.unit != "1")
       text += fmt::format(" {:+.1f} %", 100 * *share);
     text += "\n";
@@ -176,8 +178,9 @@ std::string ChangeText(const ChangeResult& result) {
   if (after.steps.size() > 1)
     text += fmt::format("  after, with what appeared                   {:>8.3g}\n",
                         after.final.rms_holdout * unit.factor);
-  text += ValuesText("Parameters before and after, ± 95 %; * moved", result.parameters);
-  text += ValuesText("Effects that were there before", result.effects);
+  const MachineKind& kind = KindOf(result.after.log.machine);
+  text += ValuesText(kind, "Parameters before and after, ± 95 %; * moved", result.parameters);
+  text += ValuesText(kind, "Effects that were there before", result.effects);
   for (std::size_t k = static_cast<std::size_t>(after.started); k < after.final.effects.size(); ++k) {
     const EffectEstimate& e = after.final.effects[k];
     const Effect& effect = result.after.effect(e.choice.effect);

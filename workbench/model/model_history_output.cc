@@ -13,6 +13,7 @@
 #include "core/interval_text.h"
 #include "core/shown_width.h"
 #include "core/units.h"
+#include "models/parameter_unit.h"
 #include "workbench/fit_output.h"
 #include "workbench/model/model_record.h"
 
@@ -53,7 +54,7 @@ std::string Staircase(const std::vector<ModelRecord>& history) {
 }
 
 /// Rows of parameters, a column per judged version: of as many of the newest as a line holds, two at least.
-std::string Parameters(const std::vector<const ModelRecord*>& judged) {
+std::string Parameters(const MachineKind& kind, const std::vector<const ModelRecord*>& judged) {
   std::vector<std::vector<std::string>> columns(
       1);  // the names, then of each version its number and its values
   for (const ModelRecord* record : judged)
@@ -66,7 +67,9 @@ std::string Parameters(const std::vector<const ModelRecord*>& judged) {
     column.push_back(fmt::format("version {}", record->version));
     for (std::size_t row = 1; row < columns[0].size(); ++row) {
       const RecordedValue* value = Find(*record, columns[0][row]);
-      column.push_back(value == nullptr ? "-" : ShownWithInterval(value->value, value->std, value->unit));
+      column.push_back(value == nullptr
+                           ? "-"
+                           : ParameterWithInterval(kind, value->name, value->value, value->std, value->unit));
     }
   }
   std::vector<std::size_t> widths;
@@ -120,7 +123,7 @@ std::string ModelHistoryText(const Machine& machine) {
   text += fmt::format("\nError on strokes left out{}; | is what sensor noise alone would cause\n",
                       judged.empty() ? "" : fmt::format(", {}", ErrorUnit(*judged.front())));
   text += Staircase(machine.model_history);
-  if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(judged);
+  if (!judged.empty()) text += "\nParameters, ± 95 % interval\n" + Parameters(KindOf(machine), judged);
   return text;
 }
 
@@ -131,7 +134,7 @@ std::string LastStepText(const Machine& machine) {
   return fmt::format(
       "Error on strokes left out: {:.3g} -> {:.3g} {}; sensor noise alone would cause {:.3g}\n\n{}",
       ShownError(before, before.rms_holdout), ShownError(after, after.rms_holdout), ErrorUnit(after),
-      ShownError(after, after.noise_floor), Parameters({&before, &after}));
+      ShownError(after, after.noise_floor), Parameters(KindOf(machine), {&before, &after}));
 }
 
 std::vector<Told> AddingWarnings(const Machine& machine, const std::string& effect) {

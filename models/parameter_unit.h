@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/units.h"
+#include "models/machine_kind.h"
+
+namespace hydroscope {
+
+/// The unit in which people read a parameter of such a machine: the one its kind tells ("% of stroke" of y_0), else the usual
+/// one of the SI unit; "-" for a plain number.
+DisplayUnit ParameterUnit(const MachineKind& kind, std::string_view parameter, std::string_view si);
+
+/// A parameter with its 95 % interval in that unit, from SI: "0.803 ± 0.024 % of stroke".
+std::string ParameterWithInterval(const MachineKind& kind, std::string_view parameter, double value,
+                                  double std, const std::string& si);
+
+}  // namespace hydroscope

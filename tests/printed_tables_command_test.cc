@@ -1,0 +1,94 @@
+// Tables for people: one unit of a parameter everywhere, lines that fit a terminal, headers of older loggers.
+
+#include <algorithm>
+#include <sstream>
+
+#include "core/shown_width.h"
+#include "tests/command_line_fixture.h"
+
+namespace hydroscope {
+namespace {
+
+using namespace command_line_test;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const char* const kLongName = "Position des Ziehkissens, Mittelwert beider Geber [m]";
+
+class PrintedTables : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    columns_ = "80";
+  }
+  /// A simulated log under a German header in ISO-8859-1, as an older logger writes it.
+  std::string OldLoggersLog() {
+    std::ifstream in(Simulate("si.csv", 40, 3));
+    std::string line;
+    std::getline(in, line);
+    std::string text = "Zeit [s];Druck unten [Pa];Druck oben [Pa];Systemdruck [Pa];" +
+                       std::string(kLongName) +
+                       ";Ventilstellung;Ventilspannung [V];\xd6ltemperatur [\xb0"
+                       "C]\n";
+    while (std::getline(in, line)) {
+      std::replace(line.begin(), line.end(), ',', ';');
+      text += line + "\n";
+    }
+    WriteText(File("old.csv"), text);
+    return File("old.csv");
+  }
+  static std::size_t LongestLine(const std::string& text) {
+    std::size_t longest = 0;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("hydroscope ") == std::string::npos)  // commands stay whole
+        longest = std::max(longest, ShownWidth(line));
+    return longest;
+  }
+};
+
+TEST_F(PrintedTables, TheSpoolNullIsInPercentOfItsStrokeEverywhere) {
+  const std::string log = Simulate("press.csv", 40, 3);
+  for (const char* command : {"fit", "check", "explain"}) {
+    const Ran ran = Run({command, log, "-m", kMachine});
+    EXPECT_THAT(ran.out, AllOf(HasSubstr("% of stroke"), Not(HasSubstr("+-")))) << command;
+  }
+  const Ran replay = Run({"replay", log, "-m", kMachine, "--db", File("press.db")});
+  EXPECT_THAT(replay.out, HasSubstr("% of stroke"));
+  EXPECT_THAT(Run({"trends", "--db", File("press.db")}).out, HasSubstr("% of stroke"));
+}
+
+TEST_F(PrintedTables, AnOldLoggersHeaderIsReadAndLongNamesBreakNoRow) {
+  const std::string log = OldLoggersLog();
+  const Ran init = Run({"init", log, "--area", "125", "--out", File("old.toml")});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, AllOf(HasSubstr("T_oil      Öltemperatur [°C]"), HasSubstr("p_B        Druck oben"),
+                              HasSubstr("with the rod above")));
+  EXPECT_LE(LongestLine(init.out), kLineWidth);
+  const Ran check = Run({"check", log, "-m", File("old.toml")});
+  EXPECT_THAT(check.out,
+              AllOf(HasSubstr("Öltemperatur [°C]"), HasSubstr("    column: " + std::string(kLongName)),
+                    Not(HasSubstr("\n    none"))));
+  EXPECT_LE(LongestLine(check.out), kLineWidth);
+}
+
+TEST_F(PrintedTables, RowsOfAFrequencyResponseFitALine) {
+  ASSERT_EQ(Run({"simulate", "valve", "--out", File("sweep.csv")}).exit_code, 0);
+  const Ran frf =
+      Run({"frf", File("sweep.csv"), "-m", std::string(HYDROSCOPE_SOURCE_DIR) + "/machines/valve_sweep.toml",
+           "--from", "20", "--to", "120"});
+  EXPECT_LE(LongestLine(frf.out), kLineWidth);
+  EXPECT_THAT(frf.out,
+              AllOf(HasSubstr("left out: outside the range"), testing::ContainsRegex(" 0\\.00 +19\n")));
+}
+
+TEST_F(PrintedTables, AnUnknownStudyOrVerbNamesTheNearestOne) {
+  EXPECT_THAT(Run({"benchmark", "covrage"}).err,
+              HasSubstr("unknown benchmark command 'covrage'; did you mean 'coverage'?"));
+  EXPECT_THAT(Run({"alarms", "--db", "list.db", "lst"}).err,
+              HasSubstr("unknown alarms command 'lst'; did you mean 'list'?"));
+}
+
+}  // namespace
+}  // namespace hydroscope
