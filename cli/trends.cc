@@ -144,14 +144,23 @@ Status RunTrends(const TrendsArguments& a) {
   const auto names = NamedOrAll(a, *database);
   if (!names) return tl::unexpected(names.error());
   std::vector<MachineTrends> machines;
+  std::int64_t silent = 0;  // strokes and episodes of machines without an estimate
   for (const std::string& name : *names) {
     auto trends = ReadTrends(a, *database, name);
     if (!trends) return tl::unexpected(trends.error());
-    if (trends->summaries.empty())
+    const std::int64_t stored = trends->end - trends->begin;
+    silent += stored;
+    if (trends->summaries.empty() && stored > 0)
+      std::cerr << fmt::format("{}: {} of machine \"{}\" stored, none of which tells of a parameter\n", a.db,
+                               trends->counted.Counted(stored), name);
+    else if (trends->summaries.empty())
       std::cerr << fmt::format("{}: nothing of machine \"{}\" is stored yet\n", a.db, name);
     else
       machines.push_back(std::move(*trends));
   }
+  if (machines.empty() && silent > 0)
+    return BadInput(
+        "{} holds no estimate yet. `hydroscope fit LOG --machine M.toml` says why a log gives none", a.db);
   if (machines.empty())
     return BadInput(
         "{} holds no strokes or episodes yet: nothing in its logs was inside the gate, or their replay was stopped "

@@ -1,6 +1,8 @@
 #include "live/axis_pipeline.h"
 
 #include "live/log.h"
+#include "models/machine_kind.h"
+#include "pipeline/episode_pipeline.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/run_summary.h"
 
@@ -30,6 +32,10 @@ Status AxisPipeline::Build() {
   auto pipeline = Pipeline::Create(machine, machine.live->grid_period, [this](StrokeRecord&& record) {
     last_ = {record.summary, {}, record.estimates};
     ++strokes_;
+    if (record.estimates.empty() && InEpisodes(KindOf(model_->machine)))
+      LogWarning("episode_without_estimate", {{"axis", AxisMachineName(model_->machine, axis_)},
+                                              {"episode", std::to_string(record.summary.index)},
+                                              {"why", SilentEpisode(model_->machine)}});
     step_.strokes.push_back(std::move(record));
     step_.pipeline_state = pipeline_->SaveState();
   });

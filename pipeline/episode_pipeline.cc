@@ -23,6 +23,12 @@ EpisodeFollowerOptions FollowingOf(const Machine& machine) {
 
 }  // namespace
 
+std::string SilentEpisode(const Machine& machine) {
+  return KindOf(machine).has_states
+             ? "the model cannot be run through it: a state runs away or a rate is not finite"
+             : "it is too short for averaged spectra, or its set point is not excited";
+}
+
 Result<EpisodePipeline::Episodes> EpisodePipeline::EpisodesOf(const Machine& machine, double sample_period) {
   if (!KindOf(machine).has_states)
     return Episodes{EpisodesOfLoop(machine, sample_period), {SignalsOfLoop(machine), {}}};

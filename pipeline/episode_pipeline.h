@@ -7,6 +7,9 @@
 
 namespace hydroscope {
 
+/// Why an episode tells of no parameter (StrokeRecord::estimates is empty), a clause: "its model cannot be run ...".
+std::string SilentEpisode(const Machine& machine);
+
 /// The way of a sample where rows are judged in episodes (InEpisodes): samples -> episodes -> EpisodeFollower -> StrokeRecord.
 /// What an episode leaves in place of a stroke's Gram are the products of its slopes and of errors + slopes * parameters
 /// (BuildEpisodeStructure), in the unit that errors are shown in; `integral` and `flow` are the same. An episode is linearised

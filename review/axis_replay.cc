@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "host/text_file.h"
+#include "models/counted_words.h"
 #include "models/machine_kind.h"
 #include "monitor/promoted_model.h"
+#include "pipeline/episode_pipeline.h"
 #include "pipeline/log_fingerprint.h"
 #include "pipeline/log_pass.h"
 #include "pipeline/log_trust.h"
@@ -195,11 +197,13 @@ LogReplay AxisReplay::ReplayLog(const std::string& log, const std::string& count
 
 Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogReplay& replay) {
   std::vector<StrokeRecord> batch;
+  std::int64_t silent = 0;  // episodes that tell of no parameter
   std::optional<ReportCollector> collector;
   FirstStrokes first(machine_);
   auto created = Pipeline::Create(machine_, reader.SamplePeriod(), [&](StrokeRecord&& record) {
     if (collector) collector->AddStroke(record);
     first.AddStroke(record);
+    silent += record.estimates.empty() ? 1 : 0;
     batch.push_back(std::move(record));
   });
   if (!created) return tl::unexpected(created.error());
@@ -231,6 +235,10 @@ Status AxisReplay::Identify(LogReader& reader, const std::string& what, LogRepla
   replay.summary = std::move(pass->summary);
   const LogTrust trust = first.Judge(pipeline);
   replay.summary.warnings = trust.Warnings();
+  if (silent > 0 && InEpisodes(KindOf(machine_)))
+    replay.summary.warnings.push_back(
+        fmt::format("{} of {} tell of no parameter ({}); 'hydroscope fit' of this log says more", silent,
+                    CountedWordsOf(machine_).Counted(strokes), SilentEpisode(machine_)));
   if (!trust.rate.fast_enough) replay.summary.too_slow = trust.rate.sentence.english;
   replay.notes.insert(replay.notes.end(), replay.summary.warnings.begin(), replay.summary.warnings.end());
   if (const Status finished =

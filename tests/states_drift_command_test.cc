@@ -107,6 +107,20 @@ TEST_F(StatesDrift, OfAModelThatMissesSomethingFromTheBeginningIsNoAllClear) {
   EXPECT_THAT(page, HasSubstr("or the model misses something"));
 }
 
+TEST_F(StatesDrift, OfAModelThatRunsAwayIsSaidToTellOfNoParameter) {
+  episodes_ = 3;
+  std::string text = MachineText("tank");
+  const std::string equation = "pump*u - k1*sqrt(max(h_1, 0))";
+  text.replace(text.find(equation), equation.size(), "pump*u + k1*h_1^3");
+  WriteText(File("tank.toml"), text);
+  const auto replay = Run({"replay", Log(0), "-m", File("tank.toml"), "--db", File("tank.db")});
+  EXPECT_THAT(replay.out,
+              HasSubstr("3 of 3 episodes tell of no parameter (the model cannot be run through it"));
+  const auto trends = Run({"trends", "--db", File("tank.db")});
+  EXPECT_THAT(trends.err, HasSubstr("3 episodes of machine \"tank\" stored, none of which tells"));
+  EXPECT_THAT(trends.err, Not(HasSubstr("inside the gate")));
+}
+
 TEST_F(StatesDrift, OfEpisodesShortAgainstTheMemoryIsFollowedToo) {
   period_ = 1e-3;
   rows_ = 100;
