@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "core/told_error.h"
+#include "diagnosis/states/initial_values.h"
 #include "estimation/decompositions.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
@@ -16,6 +17,8 @@
 
 namespace hydroscope {
 namespace {
+
+constexpr Wording kRecord = {"the record", "die Aufnahme"};
 
 /// Several outputs as a share of their variation.
 double Overall(const StateFit& fit, const Eigen::VectorXd& rms) {
@@ -42,6 +45,11 @@ double OneStepError(const StateFit& fit, int output) {
   const Eigen::VectorXd cross = information.col(kOrder).head(kOrder);
   return std::sqrt(std::max(0.0, information(kOrder, kOrder) - cross.dot(SymmetricFactor(own).Solve(cross))) /
                    count);
+}
+
+/// What is left is no white noise.
+bool Coloured(const StatesError& error, const StateRemainder& left) {
+  return left.structured || error.one_step < kColouredError * error.rms;
 }
 
 /// Initial states that the machine file gives outside of the limits it gives: they begin at the limit.
@@ -140,6 +148,9 @@ Result<StatesFit> FitEpisodes(EpisodeLog log) {
   out.left = RemainderOf(out.fit, log.episodes);
   out.error = ErrorOf(out.fit, out.left);
   if (out.left.structured || out.slow()) out.other_hold = FindOtherHold(out.fit, log.episodes);
+  if (Coloured(out.error, out.left))
+    if (const auto other = FindOtherBeginning(out.fit, log.episodes))
+      log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));
   if (out.slow()) {
     StateFit prediction = PredictStates(out.fit, log.episodes);
     if (prediction.solved() &&
@@ -171,6 +182,8 @@ Result<StatesFit> FitStatesLogs(const std::vector<std::string>& logs, const std:
   if (!followed.solved()) return BadInput(Tell("{}: {}", "{}: {}", chosen->held_out, followed.failed));
   out->held_out =
       Overall(out->fit, RmsOf(followed.residuals, followed.model->output.rows)) * out->error.unit.factor;
+  if (const auto begins = FindOtherBeginningHeldOut(fitted, other->episodes))
+    out->log.warnings.push_back(OtherBeginningText(*begins, Told(chosen->held_out)));
   out->held_out_log = chosen->held_out;
   out->held_out_episodes = static_cast<int>(other->episodes.size());
   return out;
@@ -210,6 +223,9 @@ Result<StatesExplained> ExplainStatesLogs(const std::vector<std::string>& logs,
   out.experiment = ProposeStateExperiment(x, out.log.episodes);
   out.base = ErrorOf(x.base.fit, x.base_left);
   out.final = ErrorOf(x.final.fit, x.final_left);
+  if (x.runs.empty() && Coloured(out.final, x.final_left))  // runs that were cut begin anywhere
+    if (const auto other = FindOtherBeginning(x.final.fit, fitted))
+      out.log.warnings.push_back(OtherBeginningText(*other, Told(kRecord)));
   out.located = LocateErrors(x.base.fit, fitted, x.base_left);
   if (x.verdict == Verdict::kUnknown && x.final_left.structured)
     if (const auto law = FindMissingLaw(x.final.fit, fitted, x.final_left.about))

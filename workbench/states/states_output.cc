@@ -45,7 +45,7 @@ std::string Meaning(const Machine& machine, const std::vector<Effect>& effects,
   return effect == nullptr ? "" : effect->title;
 }
 
-EffectUnit ParameterUnit(const Machine& machine, const Estimate& e) {
+EffectUnit EstimateUnit(const Machine& machine, const Estimate& e) {
   const MachineParameter* known = FindParameter(KindOf(machine), e.parameter);
   if (known == nullptr || known->shown.empty()) return EffectUnitFor(e.unit);
   return {known->factor, std::string(known->shown)};
@@ -56,7 +56,7 @@ std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& 
   std::size_t name_width = 6, value_width = 5, unit_width = 4;
   std::vector<std::string> values;
   for (const Estimate& e : parameters) {
-    const EffectUnit unit = ParameterUnit(machine, e);
+    const EffectUnit unit = EstimateUnit(machine, e);
     values.push_back(WithInterval(e.value * unit.factor, kNormal95 * e.std * unit.factor));
     name_width = std::max(name_width, e.parameter.size());
     value_width = std::max(value_width, ShownWidth(values.back()));
@@ -66,7 +66,7 @@ std::string ParameterLines(const Machine& machine, const std::vector<Estimate>& 
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     const Estimate& e = parameters[p];
     text += fmt::format("{:<{}} {:>{}} {:<{}} {}{}\n", e.parameter, name_width, values[p], value_width,
-                        ParameterUnit(machine, e).name, unit_width, Meaning(machine, effects, e.parameter),
+                        EstimateUnit(machine, e).name, unit_width, Meaning(machine, effects, e.parameter),
                         e.reason == EstimateReason::kUpdated          ? ""
                         : e.reason == EstimateReason::kOutsidePhysics ? " AT A LIMIT of its range"
                                                                       : " NOT IDENTIFIABLE with these data");
