@@ -23,6 +23,13 @@ constexpr std::int64_t kChangesToJudge = 100;
 constexpr double kReversalsOfNoise = 0.3;
 constexpr double kLongestMeanRun = 1.5;
 constexpr double kRunsToBeStuck = 25.0;
+// Readings that a logger held: at the resting level runs are likelier than on average, so where they are not rare at all
+// nothing is said.
+constexpr double kRareRun = 1e-7;
+constexpr double kLargestShareOfRuns = 0.02;
+constexpr std::int64_t kShortestHold = 4;
+// Commands rest for longer between their steps.
+constexpr double kLongestMeanRunOfReadings = 10.0;
 
 // Noise about a limit: half of its readings are cut off if the level lies at the limit. Of a whole channel, only a few
 // of all readings are the very highest, however coarse its resolution.
@@ -259,7 +266,7 @@ void QualityMonitor::Judge(std::size_t begin, std::size_t end, Track& track) {
     track.above += counts.above;
     if (counts.outside > 0) FlagRange(x, piece, track, flags);
     if (counts.candidates > 0) FlagSpikes(x, piece, track, flags);
-    if (counts.equal > 0) {
+    if (counts.equal > 0 || track.run > 1) {
       FlagStuck(x, piece, track, flags);
     } else {
       track.run = 1;
@@ -322,12 +329,29 @@ void QualityMonitor::FlagRange(const double* x, std::size_t rows, const Track& t
 void QualityMonitor::FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags) {
   for (std::size_t i = 0; i < rows; ++i) {
     const double* v = x + i;
+    if (v[0] != v[-1] && track.run > 1 && IsFilledGap(v, track.run, track))
+      FlagBack(flags + i, track.run, quality::kStuck);
     track.run = v[0] == v[-1] ? track.run + 1 : 1;
-    if (track.stuck_limit == 0 || track.run <= track.stuck_limit) continue;
-    if (track.run == track.stuck_limit + 1) FlagBack(flags + i, track.run - 1, quality::kStuck);
+    track.repeated_runs += track.run == 2;
+    if (track.held_limit == 0 || track.run <= track.held_limit) continue;
+    if (track.run == track.held_limit + 1) FlagBack(flags + i, track.run - 1, quality::kStuck);
     flags[i] |= quality::kStuck;
     --track.readings;  // a stuck reading says nothing about how long readings normally stay
   }
+}
+
+/// Whether the `run` identical readings before `after` stand between two steps that no motion makes.
+bool QualityMonitor::IsFilledGap(const double* after, std::int64_t run, const Track& track) const {
+  if (!track.changes_often || !track.settled ||
+      run + static_cast<std::int64_t>(kAhead) > static_cast<std::int64_t>(hold_))
+    return false;
+  const double* first = after - run;
+  const double in = first[0] - first[-1], out = after[0] - after[-1];
+  const double step = std::min(std::abs(in), std::abs(out));
+  const double sigma = std::max(track.scale / kMedianThirdDifference, track.known_noise);
+  const auto is_quiet = [step](double beside) { return kSpikeOverNeighbours * std::abs(beside) <= step; };
+  return in * out < 0 && step > kSpikeStd * sigma && is_quiet(after[0] - first[-1]) &&
+         is_quiet(first[-1] - first[-2]) && is_quiet(after[1] - after[0]);
 }
 
 /// Flags the `rows` rows before `at` as far as they are held back.
@@ -384,6 +408,14 @@ void QualityMonitor::BeginFrame(Track& track) {
   track.stuck_limit = 0;
   if (noisy && track.stuck_rows > 0)
     track.stuck_limit = std::max(track.stuck_rows, static_cast<std::int64_t>(kRunsToBeStuck * mean_run));
+  track.changes_often = track.changes >= kChangesToJudge && mean_run <= kLongestMeanRunOfReadings &&
+                        track.stuck_rows > 0 && track.can_saturate;
+  track.held_limit = track.stuck_limit;
+  const double repeats = std::max(1.0, static_cast<double>(track.repeated_runs)) / changes;
+  if (track.stuck_limit > 0 && track.can_saturate && repeats <= kLargestShareOfRuns)
+    track.held_limit = std::min(
+        track.stuck_limit,
+        std::max(kShortestHold - 1, static_cast<std::int64_t>(std::log(kRareRun) / std::log(repeats))));
   if (track.first_count < kFrame) return;
   if (track.scale == 0) {
     auto first = track.first;

@@ -36,6 +36,10 @@ struct ChannelQuality {
 ///                of reading seen, two in three readings different from the one before, and three in ten
 ///                changes back in the direction they came from (white noise: two in three; smooth motion:
 ///                none). A command that rests at one value between noisy phases needs `stuck_time = 0`.
+///                Where next to no reading repeats the one before, also a run of at least four that chance makes once in
+///                ten million readings: what a logger holds where it got none.
+///                Also a run of readings between a step in and a step out again that are as sharp as a spike's, on a
+///                channel that changes at least every tenth row: a gap that a logger filled with 0 or another constant.
 ///                Also a signal that stands still while what drives it moves (acquisition/standstill.h).
 ///   kOutOfRange  as well: a reading exactly at the highest or lowest one seen, where so many pile up that the
 ///                noise is cut off there: a sensor or converter at its limit. On channels whose noise shows.
@@ -98,7 +102,10 @@ class QualityMonitor {
     std::int64_t run = 0;                        ///< identical readings up to the last row given out
     // Counted over all rows, and as they stood when the present frame began.
     std::int64_t readings = 0, changes = 0, reversals = 0;
-    std::int64_t stuck_limit = 0;  ///< readings; 0: the channel cannot be judged
+    std::int64_t repeated_runs = 0;  ///< runs of at least two identical readings, among `changes` runs
+    std::int64_t stuck_limit = 0;    ///< readings; 0: the channel cannot be judged
+    std::int64_t held_limit = 0;     ///< as stuck_limit, by the chance of such a run; no more than that
+    bool changes_often = false;      ///< a run between two steps is no command
     // Counted over the present frame.
     std::int64_t different = 0, above = 0;
     double scale = 0;                    ///< median of |third difference|; 0 until known
@@ -116,6 +123,7 @@ class QualityMonitor {
   void CollectFirst(const double* x, std::size_t rows, Track& track);
   void FlagRange(const double* x, std::size_t rows, const Track& track, Quality* flags);
   void FlagStuck(const double* x, std::size_t rows, Track& track, Quality* flags);
+  bool IsFilledGap(const double* after, std::int64_t run, const Track& track) const;
   void FlagBack(Quality* at, std::int64_t rows, Quality flag);
   void WatchExtreme(std::size_t side, const double* x, std::size_t rows, Track& track, Quality* flags);
   void FlagSpikes(const double* x, std::size_t rows, const Track& track, Quality* flags);

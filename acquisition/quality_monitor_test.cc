@@ -159,6 +159,40 @@ TEST_F(QualityMonitorTest, FlagsAStuckSensorFromItsFirstReadingOn) {
   EXPECT_EQ(flags[999 + 201], quality::kGood);
 }
 
+TEST_F(QualityMonitorTest, FlagsAGapThatALoggerFilledWithAConstant) {
+  for (const double resolution : {0.0, 2.0})  // coarser than the noise: readings repeat
+    for (const int rows : {2, 5, 20}) {
+      readings_.clear();
+      AddNoise(3000, 100);
+      if (resolution > 0)
+        for (double& x : readings_) x = resolution * std::round(x / resolution);
+      for (std::size_t at = 1000; at < 3000; at += 500)
+        std::fill_n(readings_.begin() + static_cast<std::ptrdiff_t>(at), rows, 0.0);
+      const auto flags = Run();
+      EXPECT_EQ(Count(flags, quality::kStuck), 4 * rows) << resolution << " " << rows;
+      EXPECT_EQ(flags[999], quality::kGood);
+      EXPECT_EQ(flags[1000], quality::kStuck);
+      EXPECT_EQ(Run(7), flags);
+    }
+}
+
+TEST_F(QualityMonitorTest, FlagsReadingsThatALoggerHeld) {
+  AddNoise(3000);
+  AddSame(4);
+  AddNoise(3000);
+  const auto flags = Run();
+  EXPECT_EQ(flags[2998], quality::kGood);
+  EXPECT_EQ(Count(flags, quality::kStuck), 5);
+}
+
+TEST_F(QualityMonitorTest, TakesStepsOfACommandForNoGap) {
+  for (int k = 0; k < 400; ++k) {
+    AddNoise(1, k % 2 == 0 ? 0 : 100, 0);
+    AddSame(20 + k % 7);
+  }
+  EXPECT_EQ(Count(Run(), quality::kStuck), 0);
+}
+
 TEST_F(QualityMonitorTest, NeverFlagsStuckWithStuckTimeZero) {
   machine_.signals[0].stuck_time = 0;
   AddNoise(1000);

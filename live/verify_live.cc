@@ -29,7 +29,9 @@ Result<std::vector<StrokeRecord>> ReplayRun(const std::string& path, const Datab
   if (!state) return tl::unexpected(state.error());
   if (*state)
     static_cast<void>((*pipeline)->RestoreState(**state));  // as the service: anew if it does not fit
-  const auto pass = PassLog(**reader, *machine, pipeline->get(), fmt::format("run {}", run.id));
+  LogPassHooks as_live;
+  as_live.look_for_copies = false;
+  const auto pass = PassLog(**reader, *machine, pipeline->get(), fmt::format("run {}", run.id), as_live);
   if (!pass) return tl::unexpected(pass.error());
   if (!pass->summary.stopped.empty()) return BadInput("{}", pass->summary.stopped);
   return strokes;

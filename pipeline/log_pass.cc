@@ -1,7 +1,9 @@
 #include "pipeline/log_pass.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "acquisition/repeated_rows.h"
 #include "host/output.h"
 
 namespace hydroscope {
@@ -50,6 +52,8 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
                         const std::string& what, const LogPassHooks& hooks) {
   LogPass pass;
   QualityMonitor monitor(machine, reader.SamplePeriod());
+  std::optional<RepeatedRows> repeated;
+  if (hooks.look_for_copies) repeated.emplace(machine.signals.size());
   ProgressBar progress(what, "rows");
   SampleBlock block;
   for (;;) {
@@ -59,6 +63,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
       break;
     }
     if (*rows == 0) break;
+    if (repeated) repeated->Flag(block);
     monitor.Inspect(block);
     if (const Status passed = PassBlock(block, pipeline, hooks); !passed)
       return tl::unexpected(passed.error());
@@ -69,6 +74,7 @@ Result<LogPass> PassLog(LogReader& reader, const Machine& machine, Pipeline* pip
   if (pipeline) pipeline->Finish();
   TakeChannels(monitor, machine, pass);
   TakeCounters(reader, pipeline, pass.summary);
+  if (repeated) pass.copied_rows = repeated->copies();
   return pass;
 }
 

@@ -15,6 +15,7 @@ namespace hydroscope {
 struct LogPass {
   RunSummary summary;
   std::vector<ChannelQuality> channels;  ///< one per signal of the machine
+  std::int64_t copied_rows = 0;          ///< flagged as repeating earlier ones (acquisition/repeated_rows.h)
 };
 
 struct LogPassHooks {
@@ -22,6 +23,8 @@ struct LogPassHooks {
   std::function<void(const SampleBlock&)> observe;
   /// Runs after every block; an error ends the pass.
   std::function<Status()> after_block;
+  /// Rows that repeat earlier ones are no evidence. The live service does not look for them, nor does what replays it bit by bit.
+  bool look_for_copies = true;
 };
 
 /// What the monitor saw of each channel, into pass.channels and the summary.

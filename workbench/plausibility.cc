@@ -126,6 +126,16 @@ void JudgeRest(const CheckedSignal& signal, std::vector<Told>& hints) {
            signal.spec.name, signal.spec.column));
 }
 
+void JudgeCopies(const CheckResult& check, std::vector<Told>& hints) {
+  if (check.pass.copied_rows == 0) return;
+  hints.push_back(Tell(
+      "{} rows repeat earlier rows to the last digit, under other time stamps: a buffer or a file was written twice. They "
+      "are left out as duplicate",
+      "{} Zeilen wiederholen frühere bis auf die letzte Stelle, mit anderen Zeitstempeln: ein Puffer oder eine Datei wurde "
+      "zweimal geschrieben. Sie bleiben als doppelt außer Betracht",
+      check.pass.copied_rows));
+}
+
 /// Without strokes, a signal that is hardly ever good explains more than the gate.
 void JudgeGood(const CheckResult& check, const CheckedSignal& signal, std::vector<Told>& hints) {
   if (check.driving.strokes > 0 || !signal.spec.required || check.time.rows == 0) return;
@@ -178,6 +188,7 @@ std::vector<Told> PlausibilityHints(const CheckResult& check) {
     JudgeRest(signal, hints);
     JudgeGood(check, signal, hints);
   }
+  JudgeCopies(check, hints);
   JudgeGate(check, hints);
   JudgeVariety(check.driving, hints);
   return hints;

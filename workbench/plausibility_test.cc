@@ -77,6 +77,13 @@ TEST(Plausibility, ASignalThatNeverMovesIsNamed) {
               ElementsAre(HasSubstr("ein und derselbe Wert in der ganzen Aufzeichnung")));
 }
 
+TEST(Plausibility, RowsThatWereWrittenTwiceAreTold) {
+  CheckResult check = With("p_A", "Pa", 1e5, 210e5);
+  check.pass.copied_rows = 369;
+  EXPECT_THAT(InEnglish(PlausibilityHints(check)),
+              ElementsAre(HasSubstr("369 rows repeat earlier rows to the last digit")));
+}
+
 TEST(Plausibility, AGateThatWouldOpenWithTheOtherSignSaysSo) {
   CheckResult check;
   check.conditions = {{"ddt(z) <= -4 mm/s", 0.0, 0.4}, {"y_v >= 0.04", 0.5, 0.1}};

@@ -1,0 +1,78 @@
+#include "acquisition/repeated_rows.h"
+
+#include <bit>
+
+namespace hydroscope {
+namespace {
+
+constexpr std::size_t kRowsRemembered = 1 << 18;
+constexpr std::int64_t kRowsToProve = 32;
+constexpr int kChangingChannels = 2;
+// As in QualityMonitor: white noise turns back at two changes of three, smooth motion at none.
+constexpr std::int64_t kChangesToTellNoise = 100;
+constexpr double kTurnsOfNoise = 0.3;
+
+/// Of all values, each mixed in by the finaliser of MurmurHash3 (Appleby 2011).
+std::uint64_t HashOf(const SampleBlock& block, std::size_t row) {
+  std::uint64_t hash = 0;
+  for (const std::vector<double>& values : block.signal) {
+    hash = 31 * hash + std::bit_cast<std::uint64_t>(values[row]);
+    hash = (hash ^ (hash >> 33)) * 0xff51afd7ed558ccdULL;
+    hash = (hash ^ (hash >> 33)) * 0xc4ceb9fe1a85ec53ULL;
+    hash ^= hash >> 33;
+  }
+  return hash;
+}
+
+}  // namespace
+
+RepeatedRows::RepeatedRows(std::size_t signals)
+    : channels_(signals), hashes_(kRowsRemembered), latest_(kRowsRemembered, -1) {}
+
+void RepeatedRows::Flag(SampleBlock& block) {
+  for (std::size_t row = 0; row < block.rows(); ++row, ++row_) {
+    const std::uint64_t hash = HashOf(block, row);
+    if (Changes(block, row)) Compare(hash);
+    hashes_[Slot(row_)] = hash;
+    if (same_ < kRowsToProve) continue;
+    ++copies_;
+    for (auto& flags : block.quality) flags[row] |= quality::kDuplicate;
+  }
+}
+
+/// Whether enough channels with noise differ from the row before.
+bool RepeatedRows::Changes(const SampleBlock& block, std::size_t row) {
+  int changing = 0;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    Channel& channel = channels_[c];
+    const double value = block.signal[c][row], step = value - channel.last;
+    channel.last = value;
+    if (!(step * step > 0)) continue;
+    ++channel.changes;
+    channel.reversals += step * channel.step < 0;
+    channel.step = step;
+    changing +=
+        channel.changes >= kChangesToTellNoise &&
+        static_cast<double>(channel.reversals) >= kTurnsOfNoise * static_cast<double>(channel.changes);
+  }
+  return changing >= kChangingChannels;
+}
+
+void RepeatedRows::Compare(std::uint64_t hash) {
+  std::int64_t& latest = latest_[hash % kRowsRemembered];
+  const auto is_same = [&](std::int64_t row) {
+    return row >= 0 && row_ - row < static_cast<std::int64_t>(kRowsRemembered) && hashes_[Slot(row)] == hash;
+  };
+  if (distance_ > 0 && is_same(row_ - distance_)) {
+    ++same_;
+  } else {
+    const bool known = is_same(latest);
+    distance_ = known ? row_ - latest : 0;
+    same_ = known ? 1 : 0;
+  }
+  latest = row_;
+}
+
+std::size_t RepeatedRows::Slot(std::int64_t row) { return static_cast<std::size_t>(row) % kRowsRemembered; }
+
+}  // namespace hydroscope

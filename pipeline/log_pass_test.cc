@@ -1,0 +1,65 @@
+#include "pipeline/log_pass.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "studies/simulated_strokes.h"
+
+namespace hydroscope {
+namespace {
+
+/// A log in memory.
+class RowsReader : public LogReader {
+ public:
+  RowsReader(SampleBlock rows, double period) : rows_(std::move(rows)), period_(period) {}
+  Result<std::size_t> Read(SampleBlock& block, std::size_t max_rows) override {
+    const std::size_t rows = std::min(max_rows, rows_.rows() - at_);
+    block.Resize(rows_.signal.size(), rows);
+    for (std::size_t k = 0; k < rows; ++k, ++at_) {
+      block.time[k] = rows_.time[at_];
+      for (std::size_t c = 0; c < rows_.signal.size(); ++c) {
+        block.signal[c][k] = rows_.signal[c][at_];
+        block.quality[c][k] = quality::kGood;
+      }
+    }
+    return rows;
+  }
+  double Progress() const override { return 1; }
+  double SamplePeriod() const override { return period_; }
+  const LogCounters& counters() const override { return counters_; }
+
+ private:
+  SampleBlock rows_;
+  double period_;
+  LogCounters counters_;
+  std::size_t at_ = 0;
+};
+
+/// Rows of a press of which the first half was written twice, under stamps that go on.
+SampleBlock WrittenTwice(const PressOptions& options, const Machine& machine) {
+  SimulatedLog log = SimulatePress(options), twice;
+  for (const std::size_t rows : {log.rows() / 2, log.rows()})
+    for (std::size_t k = 0; k < rows; ++k) twice.Append(log.Row(k));
+  for (std::size_t k = 0; k < twice.rows(); ++k)
+    twice.t[k] = static_cast<double>(k) * log.truth.options.sample_period;
+  return RowsOf(twice, machine);
+}
+
+TEST(LogPass, RowsThatWereWrittenTwiceAreNoFurtherEvidence) {
+  PressOptions options;
+  options.seconds = 40;
+  const Machine machine = MachineFor(options);
+  const auto pass_of = [&](bool look_for_copies) {
+    RowsReader reader(WrittenTwice(options, machine), 0.002);
+    LogPassHooks hooks;
+    hooks.look_for_copies = look_for_copies;
+    return *PassLog(reader, machine, nullptr, "reading", hooks);
+  };
+  EXPECT_NEAR(static_cast<double>(pass_of(true).copied_rows), 10000, 40);
+  EXPECT_GT(pass_of(true).summary.flagged.at("p_A").at("duplicate"), 9900);
+  EXPECT_EQ(pass_of(false).copied_rows, 0) << "as the live service";
+}
+
+}  // namespace
+}  // namespace hydroscope
