@@ -13,6 +13,7 @@
 #include "core/shown_width.h"
 #include "core/time_text.h"
 #include "core/units.h"
+#include "host/output.h"
 #include "models/parameter_unit.h"
 #include "report/text_sink.h"
 
@@ -194,7 +195,8 @@ nlohmann::json SummaryJson(const TrendSummary& s) {
 
 /// False: the file cannot be written, which Close tells.
 Result<bool> WriteMachine(TextSink& sink, const MachineTrends& trends, const TrendPoints& points) {
-  bool written = sink.Write("{\"machine\": " + nlohmann::json(trends.machine).dump() + ", \"points\": [");
+  bool written = sink.Write(fmt::format("{{\"schema\": {}, \"machine\": {}, \"points\": [", kJsonSchema,
+                                        nlohmann::json(trends.machine).dump()));
   const char* before = "\n";
   const Status read = points(trends, [&](const TrendPoint& point) {
     written = written && sink.Write(before + PointJson(point).dump());

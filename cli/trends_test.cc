@@ -10,6 +10,7 @@
 #include "cli/trend_output.h"
 #include "cli/trend_summary.h"
 #include "core/shown_width.h"
+#include "host/output.h"
 #include "storage/storage_fixture.h"
 
 namespace hydroscope {
@@ -153,6 +154,7 @@ TEST(Trends, JsonHasTheSamePointsAndCanBeCutToOneParameterAndTheLastStrokes) {
   const Outcome run = Trends({"--db", folder.File(), "--json", folder.File("t.json"), "-p", "V0", "-n", "7"});
   EXPECT_EQ(run.code, kDone);
   const auto json = nlohmann::json::parse(FileText(folder.File("t.json")));
+  EXPECT_EQ(json["schema"], kJsonSchema);
   EXPECT_EQ(json["machine"], "press 7");
   ASSERT_EQ(json["points"].size(), 7u);
   for (int i = 0; i < 7; ++i) {
