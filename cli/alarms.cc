@@ -223,7 +223,7 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   command->add_option("--ack", a->modbus_acknowledge, "With --modbus: number of the alarm to acknowledge")
       ->needs(modbus)
       ->check(CLI::Range(1, 65535));
-  command->add_option("--machine,-m", a->machine, "Only this machine");
+  command->add_option("--machine,-m,--machine-name", a->machine, "Only this machine");
   command->add_option("--json", a->json, "Write the result as JSON; - is stdout");
   command->add_option("--user", a->user, "Who acts (default: the user logged in)");
   command->add_option("--comment", a->comment, "Why, kept in the journal");

@@ -34,7 +34,8 @@ void AddReportCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "report", "The maintenance report of a database, also while `hydroscope serve` writes it");
   command->add_option("--db,-d", a->db, "Database that `hydroscope replay` or `serve` fills")->required();
-  command->add_option("--machine,-m", a->machine, "Name of the machine, if the database holds several");
+  command->add_option("--machine,-m,--machine-name", a->machine,
+                      "Name of the machine, if the database holds several");
   command->add_option("--out,-o", a->out, "Page to write (HTML)")->required();
   command->add_option("--json", a->json, "Write what the page rests on as JSON to this file; - is stdout");
   command->footer(

@@ -177,8 +177,8 @@ void AddTrendsCommand(CLI::App& app, int& exit_code) {
       "trends",
       "What the database recorded: every identified parameter over the strokes or episodes of a machine");
   command->add_option("--db,-d", a->db, "Database that `hydroscope replay` filled")->required();
-  auto* machine =
-      command->add_option("--machine,-m", a->machine, "Name of the machine, if the database holds several");
+  auto* machine = command->add_option("--machine,-m,--machine-name", a->machine,
+                                      "Name of the machine, if the database holds several");
   command->add_flag("--all,-a", a->all, "All machines of the database")->excludes(machine);
   command->add_option("--parameter,-p", a->parameter, "Only this parameter, for example K");
   command->add_option("--last,-n", a->last, "Only the last N strokes or episodes")

@@ -57,6 +57,13 @@ TEST_F(Motor, CheckShowsTheUnitsOfTheMachineFile) {
   EXPECT_THAT(ran.out, Not(HasSubstr("N m/rad")));
 }
 
+TEST_F(Motor, TheBalanceMayBeInNewtonMetresAsPeopleWriteThem) {
+  WriteText(File("nm.toml"), std::string(kMotor) + "unit = \"Nm\"\n");
+  const Ran ran = Run({"fit", File("motor.csv"), "--machine", File("nm.toml"), "--json", File("nm.json")});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr(" Nm,"));
+}
+
 TEST_F(Motor, CompareSpeaksOfTorqueAndOfNoFreeRunInBar) {
   const Ran ran = Run({"compare", File("motor.csv"), "--machine", File("motor.toml")});
   EXPECT_THAT(ran.out, HasSubstr("M, rms in Nm")) << ran.err;

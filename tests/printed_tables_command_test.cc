@@ -83,6 +83,16 @@ TEST_F(PrintedTables, RowsOfAFrequencyResponseFitALine) {
               AllOf(HasSubstr("left out: outside the range"), testing::ContainsRegex(" 0\\.00 +19\n")));
 }
 
+TEST_F(PrintedTables, WhatReadsADatabaseTakesTheNameOfAMachineByOneOption) {
+  const std::string log = Simulate("named.csv", 40, 3), db = File("named.db");
+  ASSERT_EQ(Run({"replay", log, "-m", kMachine, "--db", db}).exit_code, 0);
+  EXPECT_EQ(Run({"trends", "--db", db, "--machine-name", "die_cushion"}).exit_code, 0);
+  EXPECT_EQ(
+      Run({"report", "--db", db, "--machine-name", "die_cushion", "--out", File("named.html")}).exit_code, 0);
+  EXPECT_THAT(Run({"alarms", "--db", db, "--machine-name", "die_cushion"}).err,
+              Not(HasSubstr("unknown option")));
+}
+
 TEST_F(PrintedTables, AnUnknownStudyOrVerbNamesTheNearestOne) {
   EXPECT_THAT(Run({"benchmark", "covrage"}).err,
               HasSubstr("unknown benchmark command 'covrage'; did you mean 'coverage'?"));

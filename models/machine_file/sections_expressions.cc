@@ -22,8 +22,15 @@ std::size_t ColumnOf(const toml::node& node, const std::string& text, std::size_
   return plain && one_line ? where.begin.column + 1 + at : 0;
 }
 
+/// "N m" of "Nm": units that are SI but for how people write them.
+std::string SpeltAsSi(const std::string& unit) {
+  const auto known = unit.empty() ? std::nullopt : FindFileUnit(unit);
+  return known && known->scale == 1.0 && known->offset == 0.0 ? std::string(known->si) : unit;
+}
+
 void ReadUnit(TableReader& section, std::string& unit) {
   section.Text("unit", unit);
+  unit = SpeltAsSi(unit);
   if (!unit.empty() && !ParseSiUnit(unit))
     section.Wrong("unit", "an SI unit, e.g. \"m2\", \"N s/m\" or \"m3/(s Pa)\": balances are computed in SI");
 }
@@ -43,6 +50,7 @@ void ReadOutput(TableReader& section, const ExpressionNames& names, BalanceSpec&
   const std::string expected = checked->unit.exact ? SiUnitName(checked->unit.dimension) : "";
   balance.unit = expected;
   section.Text("unit", balance.unit);
+  balance.unit = SpeltAsSi(balance.unit);
   const auto dimension = ParseSiUnit(balance.unit);
   if (const auto unit = FindFileUnit(balance.unit); unit && (unit->scale != 1.0 || unit->offset != 0.0))
     section.Wrong("unit", fmt::format("the SI unit \"{}\": balances are computed in SI", unit->si));
