@@ -62,7 +62,9 @@ struct Listed {
 Result<std::vector<Listed>> KnownAlarms(const AlarmJournal& journal, const AlarmsArguments& a) {
   const auto machines = journal.Machines();
   if (!machines) return tl::unexpected(machines.error());
-  if (!a.machine.empty() && std::find(machines->begin(), machines->end(), a.machine) == machines->end())
+  // A journal that nothing ever came into knows no machine, and none of them has an alarm.
+  if (!a.machine.empty() && !machines->empty() &&
+      std::find(machines->begin(), machines->end(), a.machine) == machines->end())
     return BadInput("the journal has no machine \"{}\"; it has: {}", a.machine, fmt::join(*machines, ", "));
   std::vector<Listed> alarms;
   for (const std::string& machine : *machines) {
