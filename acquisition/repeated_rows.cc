@@ -33,6 +33,7 @@ void RepeatedRows::Flag(SampleBlock& block) {
   for (std::size_t row = 0; row < block.rows(); ++row, ++row_) {
     const std::uint64_t hash = HashOf(block, row);
     if (Changes(block, row)) Compare(hash);
+    latest_[hash % kRowsRemembered] = row_;
     hashes_[Slot(row_)] = hash;
     if (same_ < kRowsToProve) continue;
     ++copies_;
@@ -59,7 +60,7 @@ bool RepeatedRows::Changes(const SampleBlock& block, std::size_t row) {
 }
 
 void RepeatedRows::Compare(std::uint64_t hash) {
-  std::int64_t& latest = latest_[hash % kRowsRemembered];
+  const std::int64_t latest = latest_[hash % kRowsRemembered];
   const auto is_same = [&](std::int64_t row) {
     return row >= 0 && row_ - row < static_cast<std::int64_t>(kRowsRemembered) && hashes_[Slot(row)] == hash;
   };
@@ -70,7 +71,6 @@ void RepeatedRows::Compare(std::uint64_t hash) {
     distance_ = known ? row_ - latest : 0;
     same_ = known ? 1 : 0;
   }
-  latest = row_;
 }
 
 std::size_t RepeatedRows::Slot(std::int64_t row) { return static_cast<std::size_t>(row) % kRowsRemembered; }

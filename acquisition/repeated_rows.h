@@ -31,10 +31,9 @@ class RepeatedRows {
 
   std::vector<Channel> channels_;
   std::vector<std::uint64_t> hashes_;  ///< of the last rows
-  std::vector<std::int64_t>
-      latest_;                 ///< row by the last bits of its hash, of those that changed; -1: none yet
-  std::int64_t row_ = 0;       ///< of the log
-  std::int64_t distance_ = 0;  ///< rows back to those that are repeated; 0: none are
+  std::vector<std::int64_t> latest_;   ///< row by the last bits of its hash; -1: none yet
+  std::int64_t row_ = 0;               ///< of the log
+  std::int64_t distance_ = 0;          ///< rows back to those that are repeated; 0: none are
   std::int64_t copies_ = 0;
   std::int64_t same_ = 0;  ///< rows in a row that were the same at that distance
 };
