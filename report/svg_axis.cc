@@ -49,6 +49,21 @@ AxisTicks NiceTicks(double low, double high, int target, bool whole) {
   return ticks;
 }
 
+AxisTicks DecadeTicks(double low, double high) {
+  constexpr double kFewDecades = 30;  // upper over lower end: labels at all digits but those that would touch
+  AxisTicks ticks;
+  for (double decade = std::pow(10.0, std::floor(std::log10(low))); decade <= high; decade *= 10)
+    for (int digit = 1; digit < 10; ++digit) {
+      const double value = decade * digit;
+      if (value < low || value > high) continue;
+      const bool labelled =
+          digit == 1 || digit == 2 || digit == 5 || (high < kFewDecades * low && digit != 7 && digit != 9);
+      ticks.values.push_back(value);
+      ticks.labels.push_back(labelled ? FormatShort(value) : "");
+    }
+  return ticks;
+}
+
 std::string PowerOfTen(int exponent) {
   static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string text = exponent < 0 ? "10⁻" : "10";

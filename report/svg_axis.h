@@ -17,6 +17,10 @@ struct AxisTicks {
 /// digits or below 1e-3 steps share a power of ten, a multiple of 3.
 AxisTicks NiceTicks(double low, double high, int target, bool whole = false);
 
+/// Ticks of a logarithmic axis from `low` to `high` (0 < low < high): 1 to 9 times each power of ten, with labels at 1, 2 and 5,
+/// over less than a decade and a half at nearly all of them.
+AxisTicks DecadeTicks(double low, double high);
+
 /// "10⁻⁶" for -6.
 std::string PowerOfTen(int exponent);
 

@@ -29,7 +29,7 @@ struct PointStyle {
 };
 
 /// One plot as an SVG element. Texts may hold anything, they are escaped; "_{...}" in labels is a subscript.
-/// All layers are in data coordinates of one pair of linear axes and are drawn in the order of the calls.
+/// All layers are in data coordinates of one pair of axes and are drawn in the order of the calls.
 /// Non-finite values interrupt lines and bands and leave out points. Long series are thinned so that the
 /// picture stays the same (first, least, greatest and last of every column), so the size of the result is
 /// bounded whatever the length. Colours, fonts and the theme come from PlotStyleSheet(), which the page
@@ -41,6 +41,7 @@ class SvgPlot {
     std::string title;                 ///< accessible name, also shown while the pointer rests on the plot
     std::string x_label, y_label;      ///< with unit: "oil temperature (°C)"
     bool whole_x = false;              ///< the x axis counts (stroke numbers)
+    bool log_x = false;                ///< the x axis is logarithmic; what is not above 0 is left out
     bool x_tick_labels = true;
     std::optional<AxisRange> x_range;  ///< instead of the range of the data
     std::optional<AxisRange>
@@ -71,6 +72,7 @@ class SvgPlot {
   /// The <svg> element: well-formed XML, no identifiers, so any number fit into one page. Without finite data
   /// it shows empty axes and "no data".
   std::string Render() const;
+  const Options& options() const { return options_; }
 
   struct BandLayer {
     std::vector<double> x, low, high;

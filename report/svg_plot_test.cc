@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "report/svg_heat.h"
+#include "report/svg_sheet.h"
 #include "report/svg_text.h"
 #include "report/xml_check.h"
 
@@ -173,6 +175,39 @@ TEST(SvgPlot, DrawsOneCellPerValueOfAHeatMapAndLeavesUnknownOnesBlank) {
   EXPECT_EQ(CountOf(svg, "p-blank"), 1);
   EXPECT_THAT(svg, HasSubstr(HeatColour(0, true)));
   EXPECT_THAT(svg, HasSubstr(HeatColour(1, true)));
+}
+
+TEST(SvgPlot, DecadesOfALogarithmicAxisAreEquallyFarApart) {
+  SvgPlot::Options options = Named("decades");
+  options.log_x = true;
+  options.x_range = AxisRange{1, 100};
+  SvgPlot plot(options);
+  plot.Line({1, 10, 100}, {0, 1, 2}, {}, "");
+  plot.Line({-1, 0}, {1, 1}, {}, "nowhere");
+  const std::string svg = plot.Render();
+  EXPECT_EQ(XmlFault(svg), "");
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  const std::size_t at = svg.find(" d=\"M", svg.find("p-line"));
+  double x[3], y[3];
+  ASSERT_EQ(std::sscanf(svg.c_str() + at, " d=\"M%lf %lfL%lf %lfL%lf %lf", x, y, x + 1, y + 1, x + 2, y + 2),
+            6);
+  EXPECT_NEAR(x[1] - x[0], x[2] - x[1], 0.2);
+  for (const char* label : {">1<", ">2<", ">5<", ">10<", ">20<", ">50<", ">100<"})
+    EXPECT_THAT(svg, HasSubstr(label));
+  EXPECT_THAT(svg, Not(HasSubstr(">30<")));
+}
+
+TEST(SvgSheet, StandsByItselfAndHoldsItsPlotsOneBelowTheOther) {
+  SvgPlot::Options options = Named("plot");
+  options.height = 100;
+  SvgPlot plot(options);
+  plot.Line({1, 2}, {1, 2}, {}, "");
+  const std::string sheet = SvgSheet("A <valve>", "with bars", {plot, plot});
+  EXPECT_EQ(XmlFault(sheet), "");
+  EXPECT_THAT(sheet,
+              testing::AllOf(testing::StartsWith("<svg xmlns"), HasSubstr("<title>A &lt;valve&gt;</title>"),
+                             HasSubstr("with bars"), HasSubstr("prefers-color-scheme:dark"),
+                             HasSubstr("y=\"54\""), HasSubstr("y=\"164\"")));
 }
 
 TEST(HeatColour, OfADivergingMapIsPaleAtZero) {

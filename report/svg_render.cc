@@ -77,9 +77,17 @@ class Renderer {
     data_centre_ = y.Empty() ? 0 : (y.low + y.high) / 2;
     AdmitLevels(y);
     const double margin = heat_ != nullptr ? 0 : 0.06;
-    x_ = options_.x_range.value_or(x.Empty() ? AxisRange{0, 1} : PaddedRange(x.low, x.high, margin / 2));
+    if (options_.log_x && !(x.low > 0)) x.low = x.Empty() || !(x.high > 0) ? 1 : x.high / 10;
+    x_ = options_.x_range.value_or(RangeOfX(x, margin / 2));
     y_ = y.Empty() ? AxisRange{0, 1} : PaddedRange(y.low, y.high, margin);
     MakeRoomForNotes();
+  }
+
+  AxisRange RangeOfX(const Extent& x, double margin) const {
+    if (x.Empty()) return options_.log_x ? AxisRange{1, 10} : AxisRange{0, 1};
+    if (!options_.log_x) return PaddedRange(x.low, x.high, margin);
+    const AxisRange exponents = PaddedRange(std::log10(x.low), std::log10(x.high), margin);
+    return {std::pow(10.0, exponents.low), std::pow(10.0, exponents.high)};
   }
 
   /// Levels widen the range, the nearest first, as long as the data keep two fifths of it.
@@ -129,8 +137,10 @@ class Renderer {
         options_.height - (options_.x_tick_labels ? 22 : 8) - (options_.x_label.empty() ? 0 : kTextHeight);
     bottom_ = std::max(bottom_, top_ + 20);
     y_ticks_ = NiceTicks(y_.low, y_.high, std::clamp(static_cast<int>((bottom_ - top_) / 32), 3, 8));
-    x_ticks_ = NiceTicks(x_.low, x_.high, std::clamp(static_cast<int>((right_ - left_) / 78), 2, 12),
-                         options_.whole_x);
+    x_ticks_ = options_.log_x
+                   ? DecadeTicks(x_.low, x_.high)
+                   : NiceTicks(x_.low, x_.high, std::clamp(static_cast<int>((right_ - left_) / 78), 2, 12),
+                               options_.whole_x);
   }
 
   struct Entry {
@@ -170,7 +180,12 @@ class Renderer {
     return exponent == 0 ? "" : " × " + PowerOfTen(exponent);
   }
 
-  double X(double value) const { return left_ + (value - x_.low) / (x_.high - x_.low) * (right_ - left_); }
+  /// NaN, which leaves a point out, where a logarithmic axis has no place for the value.
+  double X(double value) const {
+    const double share = options_.log_x ? std::log(value / x_.low) / std::log(x_.high / x_.low)
+                                        : (value - x_.low) / (x_.high - x_.low);
+    return left_ + share * (right_ - left_);
+  }
   double Y(double value) const { return bottom_ - (value - y_.low) / (y_.high - y_.low) * (bottom_ - top_); }
   /// Far outside points are clamped just beyond the frame: browsers dislike huge coordinates.
   double ClampedY(double value) const { return std::clamp(Y(value), top_ - 400, bottom_ + 400); }
@@ -199,6 +214,9 @@ class Renderer {
     std::string path;
     for (const double tick : y_ticks_.values)
       path += fmt::format("M{} {}H{}", Px(left_), Px(Y(tick)), Px(right_));
+    if (options_.log_x)
+      for (const double tick : x_ticks_.values)
+        path += fmt::format("M{} {}V{}", Px(X(tick)), Px(top_), Px(bottom_));
     if (!path.empty()) svg_ += fmt::format("<path class=\"p-grid\" d=\"{}\"/>", path);
   }
 
@@ -213,7 +231,7 @@ class Renderer {
         Text(X(x_ticks_.values[i]), bottom_ + 17, "middle", "p-tick", x_ticks_.labels[i]);
     if (!options_.x_label.empty())
       Text((left_ + right_) / 2, options_.height - 5, "middle", "p-label",
-           options_.x_label + ExponentNote(x_.low, x_.high, options_.whole_x));
+           options_.x_label + (options_.log_x ? "" : ExponentNote(x_.low, x_.high, options_.whole_x)));
   }
 
   std::size_t Columns() const { return static_cast<std::size_t>((right_ - left_) / 1.5); }
@@ -223,7 +241,7 @@ class Renderer {
     std::string path;
     bool pen_down = false;
     for (const std::size_t i : kept) {
-      const bool usable = i < x.size() && std::isfinite(x[i]) && std::isfinite(y[i]);
+      const bool usable = i < x.size() && std::isfinite(X(x[i])) && std::isfinite(y[i]);
       if (usable) path += fmt::format("{}{} {}", pen_down ? 'L' : 'M', Px(X(x[i])), Px(ClampedY(y[i])));
       pen_down = usable;
     }
@@ -258,7 +276,7 @@ class Renderer {
     std::sort(kept.begin(), kept.end());
     kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
     for (const std::size_t i : kept) {
-      if (std::isfinite(layer.x[i]) && std::isfinite(layer.low[i]) && std::isfinite(layer.high[i]))
+      if (std::isfinite(X(layer.x[i])) && std::isfinite(layer.low[i]) && std::isfinite(layer.high[i]))
         part.push_back(i);
       else
         flush();
@@ -271,7 +289,7 @@ class Renderer {
   std::vector<std::size_t> KeptPoints(const SvgPlot::PointLayer& layer) const {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < layer.y.size(); ++i)
-      if (std::isfinite(layer.x[i]) && std::isfinite(layer.y[i])) order.push_back(i);
+      if (std::isfinite(X(layer.x[i])) && std::isfinite(layer.y[i])) order.push_back(i);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return layer.x[a] < layer.x[b]; });
     std::vector<double> sorted;
     for (const std::size_t i : order) sorted.push_back(layer.y[i]);
@@ -300,7 +318,7 @@ class Renderer {
   void DrawLayer(const SvgPlot::ErrorLayer& layer) {
     std::string path;
     for (const std::size_t i : DecimateMinMax(layer.high, Columns() / 2))
-      if (std::isfinite(layer.x[i]) && std::isfinite(layer.low[i]) && std::isfinite(layer.high[i]))
+      if (std::isfinite(X(layer.x[i])) && std::isfinite(layer.low[i]) && std::isfinite(layer.high[i]))
         path += fmt::format("M{} {}V{}", Px(X(layer.x[i])), Px(ClampedY(layer.low[i])),
                             Px(ClampedY(layer.high[i])));
     if (!path.empty())

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "report/svg_plot.h"
+#include "report/svg_sheet.h"
 
 namespace hydroscope {
 namespace {
@@ -38,26 +38,13 @@ SvgPlot PlotOf(const FilterStudyResult& study, int parameter) {
   return plot;
 }
 
-/// A rendered plot placed at height `y` of the picture.
-std::string Placed(std::string svg, double y) {
-  const std::string mark = "class=\"p-plot\"";
-  const std::size_t at = svg.find(mark);
-  if (at != std::string::npos)
-    svg.insert(at + mark.size(),
-               fmt::format(" x=\"0\" y=\"{}\" width=\"{}\" height=\"{}\"", y, kWidth, kHeight));
-  return svg;
-}
-
 }  // namespace
 
 Status WriteFilterStudyPlot(const FilterStudyResult& study, const std::string& path) {
+  std::vector<SvgPlot> plots;
+  for (int i = 0; i < kStudied; ++i) plots.push_back(PlotOf(study, i));
   std::ofstream file(path);
-  file << fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">\n",
-      kWidth, kStudied * kHeight);
-  file << "<style>" << PlotStyleSheet() << "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-  for (int i = 0; i < kStudied; ++i) file << Placed(PlotOf(study, i).Render(), i * kHeight) << "\n";
-  file << "</svg>\n";
+  file << SvgSheet("", "", plots);
   file.flush();
   if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
   return {};
