@@ -96,7 +96,7 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
   if (si == "m2") return {1e6, 0, "mm2"};
   if (si == "m3") return {1e3, 0, "l"};
   if (si == "m3/s") return {6e4, 0, "l/min"};
-  if (si == "m3/(s Pa)") return {6e9, 0, "l/min/bar"};
+  if (si == "m3/(s Pa)") return {6e9, 0, "l/min per bar"};
   if (si == "N m") return {1, 0, "Nm"};
   if (si == "N m s") return {1, 0, "Nm s"};
   if (si == "K") return {1, -273.15, "°C"};

@@ -65,6 +65,12 @@ constexpr MachineParameter Identified(std::string_view name, std::string_view si
           .factor = factor};
 }
 
+/// A parameter that depends on the oil in this way.
+constexpr MachineParameter OverOil(OilLaw law, MachineParameter parameter) {
+  parameter.over_oil = law;
+  return parameter;
+}
+
 /// Beside the atmosphere, which it is taken for where the machine file does not state it.
 constexpr MachineInput TankPressure() {
   return {.name = "p_t",

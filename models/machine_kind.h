@@ -17,6 +17,7 @@
 #include "models/machine_draft.h"
 #include "models/machine_picture.h"
 #include "models/machine_words.h"
+#include "models/oil_law.h"
 #include "models/standstill_rule.h"
 
 namespace hydroscope {
@@ -54,6 +55,7 @@ struct MachineParameter {
   std::string_view shown = "";   ///< unit of plots where the usual one of `si` does not do, ...
   double factor = 1;             ///< ... shown = SI * factor
   bool relative = true;          ///< changes are told in per cent
+  OilLaw over_oil = OilLaw::kSmooth;
 };
 
 /// All that is particular to one kind of machine: one folder of machines/ and one line in machines/kinds.cc.

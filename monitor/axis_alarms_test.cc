@@ -52,9 +52,9 @@ TEST(AlarmWords, EvidenceCallsAnEffectByItsTitle) {
        .std = 5e-14,
        .title = {"Internal leakage past the piston seal", "Innere Leckage an der Kolbendichtung"}}};
   EXPECT_THAT(WordsOf(finding).evidence.english,
-              testing::HasSubstr("Internal leakage past the piston seal +2.40 ± 0.12 l/min at 200 bar"));
+              testing::HasSubstr("Internal leakage past the piston seal +0.012 ± 0.00059 l/min per bar"));
   EXPECT_THAT(WordsOf(finding).evidence.german,
-              testing::HasSubstr("Innere Leckage an der Kolbendichtung +2,40 ± 0,12 l/min bei 200 bar"));
+              testing::HasSubstr("Innere Leckage an der Kolbendichtung +0,012 ± 0,00059 l/min per bar"));
 }
 
 TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {

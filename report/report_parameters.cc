@@ -35,7 +35,6 @@ void ChooseUnit(ParameterInfo& info, std::string_view si_unit, double typical) {
   info.offset = unit.offset;
   info.unit = PrettyUnit(std::string(unit.name));
   if (si_unit == "m3" && std::abs(typical) < 1e-4) info.factor = 1e6, info.unit = "cm³";
-  if (si_unit == "m3/(s Pa)") info.factor = 6e4 * 1e7, info.unit = "l/min per 100 bar";
   if (si_unit == "K") info.relative = false;
   ChooseExponent(info, typical);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/effect_units.h"
 #include "core/relative_change.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_monitor.h"
@@ -12,17 +13,15 @@
 namespace hydroscope::drift {
 namespace {
 
-constexpr double kLeakagePressure = 2e7;  ///< Pa, at which leakage is stated: 200 bar
-
 Told PartText(const FindingPart& part) {
   const Told quantity = part.title.empty() ? Told(part.quantity, part.quantity) : part.title;
-  if (part.unit == "m3/(s Pa)") {
-    const double factor = 6e4 * kLeakagePressure;
-    return Tell("{} {:+.2f} ± {:.2f} l/min at 200 bar", "{} {:+.2f} ± {:.2f} l/min bei 200 bar", quantity,
-                part.size * factor, kNormal95 * part.std * factor);
-  }
   if (part.share)
     return Tell("{} {:+.3f} ± {:.3f} %", "{} {:+.3f} ± {:.3f} %", quantity, 100 * part.size, 196 * part.std);
+  if (part.reference == 0) {  // an effect that is absent when healthy
+    const EffectUnit unit = EffectUnitFor(part.unit);
+    return Tell("{} {:+.3g} ± {:.2g} {}", "{} {:+.3g} ± {:.2g} {}", quantity, part.size * unit.factor,
+                kNormal95 * part.std * unit.factor, unit.name);
+  }
   const DisplayUnit unit = DisplayUnitFor(part.unit);
   const std::string unit_name = part.unit == "1" ? "" : fmt::format(" {}", unit.name);
   const Told values =

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/told_error.h"
+#include "diagnosis/drift/curve_learning.h"
 #include "diagnosis/drift/drift_thresholds.h"
 #include "diagnosis/drift/serial.h"
 #include "estimation/decompositions.h"
@@ -14,62 +15,7 @@ namespace {
 
 constexpr std::uint32_t kReferenceMagic = 0x46455248;  // "HREF"
 constexpr double kStepsPerKelvin = 10.0;
-constexpr double kBinWidth = 1.5;  ///< K
-constexpr std::size_t kBinStrokes = 12;
-constexpr int kMostBins = 40;
 constexpr int kPasses = 8;  ///< of taking class means out
-constexpr int kSteps = 6;   ///< of Gauss and Newton
-
-/// Strokes of nearly the same oil temperature, summed.
-struct Bin {
-  double temperature = 0;
-  NormalEquations equations;
-  double strokes = 0;
-};
-
-std::vector<Bin> BinByTemperature(std::span<const StrokeEvidence> strokes) {
-  std::vector<const StrokeEvidence*> order;
-  for (const StrokeEvidence& s : strokes) order.push_back(&s);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto* a, const auto* b) { return a->oil_temperature < b->oil_temperature; });
-  const double range = order.back()->oil_temperature - order.front()->oil_temperature;
-  const double width = std::max(kBinWidth, range / kMostBins);
-  std::vector<Bin> bins;
-  double low = 0;
-  for (const StrokeEvidence* s : order) {
-    const bool full = !bins.empty() && bins.back().strokes >= kBinStrokes && s->oil_temperature - low > width;
-    if (bins.empty() || full) {
-      bins.emplace_back();
-      low = s->oil_temperature;
-    }
-    bins.back().equations += s->equations;
-    bins.back().temperature += s->oil_temperature;
-    ++bins.back().strokes;
-  }
-  if (bins.size() > 1 && bins.back().strokes < kBinStrokes) {
-    bins[bins.size() - 2].equations += bins.back().equations;
-    bins[bins.size() - 2].temperature += bins.back().temperature;
-    bins[bins.size() - 2].strokes += bins.back().strokes;
-    bins.pop_back();
-  }
-  for (Bin& bin : bins) bin.temperature /= bin.strokes;
-  return bins;
-}
-
-/// Terms of a quantity's curve. A volume and a spool position do not depend on the oil; at one ram speed they
-/// could not be told from flow and bulk modulus, which do.
-int TermsOf(const Quantity& quantity) {
-  if (quantity.unit == "m3" || quantity.unit == "1") return 1;
-  return quantity.family == CurveFamily::kFlow ? 3 : 2;
-}
-
-/// Mean square of the points about the curve in units of their std, at least 1.
-double Misfit(const std::vector<TemperaturePoint>& points, const TemperatureModel& curve) {
-  double sum = 0;
-  for (const TemperaturePoint& p : points)
-    sum += std::pow((p.value - curve.At(p.temperature).value) / p.std, 2);
-  return std::max(1.0, sum / std::max<double>(1.0, static_cast<double>(points.size())));
-}
 
 }  // namespace
 
@@ -98,16 +44,15 @@ Result<Reference> Reference::Learn(const WatchedModel& model, std::span<const St
   reference.theta_ = Eigen::VectorXd::Zero(model.size());
   reference.theta_.head(model.base_count()) = SolveNormalEquations(base);
   reference.typical_ = values;
-  reference.LearnCurves(model, strokes);
+  reference.curves_ = LearnCurves(model, strokes, reference.theta_, values);
   // A class seen at few temperatures must not bend the curves: its mean error is taken out and the curves fitted again.
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<StrokeEvidence> level = reference.WithoutClassMeans(model, strokes);
-    reference.curves_.clear();
     reference.expected_.clear();
-    reference.LearnCurves(model, level);
+    reference.curves_ = LearnCurves(model, level, reference.theta_, values);
   }
   for (int q = 0; q < model.size(); ++q)
-    if (!model.quantities()[q].effect && TermsOf(model.quantities()[q]) > 1 &&
+    if (!model.quantities()[q].effect && model.quantities()[q].over_oil != OilLaw::kNone &&
         !reference.curves_[q].tells_slope())
       reference.curves_[q].AssumeSlope(kDriftThresholds.unknown_slope * std::abs(values[q]));
   reference.expected_.clear();
@@ -143,70 +88,6 @@ std::vector<StrokeEvidence> Reference::WithoutClassMeans(const WatchedModel& mod
     s.equations.yy -= 2 * own.dot(At(model, s.oil_temperature).theta);  // its squared error stays
   }
   return level;
-}
-
-/// All curves together by Gauss-Newton on the bins' normal equations, so that what strokes hardly tell apart
-/// (flow and null at one ram speed) is shared out as in one fit. Misfit of the bins beyond the noise widens the covariance.
-void Reference::LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes) {
-  const std::vector<Bin> bins = BinByTemperature(strokes);
-  NormalEquations all;
-  for (const Bin& bin : bins) all += bin.equations;
-  std::vector<int> first;  // of each quantity's coefficients
-  int coefficients = 0;
-  for (int q = 0; q < model.size(); ++q) {
-    const Quantity& quantity = model.quantities()[q];
-    std::vector<TemperaturePoint> flat;
-    for (const Bin& bin : bins)
-      flat.push_back({bin.temperature, typical_[q], std::max(std::abs(typical_[q]), 1e-30)});
-    curves_.push_back(quantity.effect
-                          ? TemperatureModel::Known(0)
-                          : TemperatureModel::FitTerms(flat, quantity.family, TermsOf(quantity)).value());
-    first.push_back(coefficients);
-    coefficients += quantity.effect ? 0 : static_cast<int>(curves_[q].Basis(bins.front().temperature).size());
-  }
-  std::vector<Eigen::VectorXd> theta(bins.size(), theta_);
-  for (int step = 0; step < kSteps; ++step) {
-    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(coefficients, coefficients);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(coefficients);
-    double squares = 0, equations = 0;
-    std::vector<std::vector<TemperaturePoint>> points(model.size());
-    for (std::size_t b = 0; b < bins.size(); ++b) {
-      Eigen::VectorXd values(model.size());
-      Eigen::MatrixXd design = Eigen::MatrixXd::Zero(model.size(), coefficients);
-      for (int q = 0; q < model.size(); ++q) {
-        values[q] = curves_[q].At(bins[b].temperature).value;
-        if (model.quantities()[q].effect) continue;
-        const Eigen::VectorXd basis = curves_[q].Basis(bins[b].temperature);
-        design.row(q).segment(first[q], basis.size()) = basis.transpose();
-      }
-      if (const Eigen::VectorXd solved = model.Theta(values, theta[b]); solved.size() > 0) theta[b] = solved;
-      const Score score = model.Deviation(bins[b].equations, theta[b]);
-      h += design.transpose() * score.information * design;
-      g += design.transpose() * score.score;
-      squares += MeanSquaredError(bins[b].equations, theta[b]) * bins[b].equations.equations;
-      equations += bins[b].equations.equations;
-      for (int q = 0; q < model.size(); ++q)
-        if (score.information(q, q) > 0)
-          points[q].push_back({bins[b].temperature, values[q] + score.score[q] / score.information(q, q),
-                               std::sqrt(std::max(squares / equations, 1e-300) / score.information(q, q))});
-    }
-    const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd inverse = PseudoInverse(scale.asDiagonal() * h * scale.asDiagonal());
-    const Eigen::MatrixXd covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
-    const Eigen::VectorXd change = covariance * g;
-    for (int q = 0; q < model.size(); ++q) {
-      if (model.quantities()[q].effect) continue;
-      const auto terms = curves_[q].Basis(bins.front().temperature).size();
-      // Each quantity is judged alone, so its own information counts, not what the others leave of it.
-      const Eigen::MatrixXd own = h.block(first[q], first[q], terms, terms);
-      const Eigen::VectorXd unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd own_inverse = PseudoInverse(unit.asDiagonal() * own * unit.asDiagonal());
-      const double misfit = Misfit(points[q], curves_[q]);
-      curves_[q].Adjust(points[q], change.segment(first[q], terms),
-                        misfit * std::max(squares / equations, 1e-300) *
-                            (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
-    }
-  }
 }
 
 const Reference::Expected& Reference::At(const WatchedModel& model, double temperature) const {

@@ -77,7 +77,6 @@ class Reference {
                                                 std::span<const StrokeEvidence> strokes) const;
   void LearnClasses(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   double ChangeOutside(int index, double temperature) const;
-  void LearnCurves(const WatchedModel& model, std::span<const StrokeEvidence> strokes);
   std::vector<std::vector<ClassDeviation>> DeviationsOf(const WatchedModel& model,
                                                         std::span<const StrokeEvidence> strokes) const;
   Score ScoreOf(const WatchedModel& model, const StrokeEvidence& stroke) const;

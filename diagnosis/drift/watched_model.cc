@@ -46,9 +46,8 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
   for (const std::size_t picked : watched.picked_) {
     const DerivedParameter& p = derived[picked];
     const MachineParameter* known = FindParameter(*model->kind, p.name);
-    watched.quantities_.push_back({p.name, p.unit,
-                                   p.unit == "m3/s" ? CurveFamily::kFlow : CurveFamily::kSmooth, false,
-                                   p.unit == "1" && known != nullptr && !known->relative});
+    watched.quantities_.push_back({p.name, p.unit, known != nullptr ? known->over_oil : OilLaw::kSmooth,
+                                   false, p.unit == "1" && known != nullptr && !known->relative});
   }
   for (std::size_t e = 0; e < model->effects.size(); ++e) {
     const Effect& effect = *model->effects[e];
@@ -56,7 +55,7 @@ Result<WatchedModel> WatchedModel::Create(std::shared_ptr<const ModelStructure> 
     if (model->effect_shapes[e].empty()) continue;
     const EffectShape& shape = model->effect_shapes[e].front();
     if (shape.columns.size() != 1 || !effect.nonlinear.empty()) continue;
-    watched.quantities_.push_back({effect.id, effect.unit, CurveFamily::kSmooth, true, effect.unit == "1",
+    watched.quantities_.push_back({effect.id, effect.unit, OilLaw::kSmooth, true, effect.unit == "1",
                                    Told(effect.title, effect.german.title)});
     watched.columns_.push_back(shape.columns.front());
   }

@@ -7,9 +7,9 @@
 
 #include "core/stroke_record.h"
 #include "core/told.h"
-#include "diagnosis/drift/temperature_model.h"
 #include "estimation/gram_fit.h"
 #include "models/model_structure.h"
+#include "models/oil_law.h"
 
 namespace hydroscope::drift {
 
@@ -17,7 +17,7 @@ namespace hydroscope::drift {
 struct Quantity {
   std::string name;  ///< "K", "V0", "Q_vn", "y_0", "internal_leakage"
   std::string unit;  ///< SI
-  CurveFamily family = CurveFamily::kSmooth;
+  OilLaw over_oil = OilLaw::kSmooth;
   bool effect = false;  ///< reference is zero
   bool share = false;  ///< of a whole, as a spool position is of its stroke: changes are told in its per cent
   Told title = {};     ///< of an effect: what people call it

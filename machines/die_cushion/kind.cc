@@ -56,18 +56,22 @@ constexpr std::array<MachineParameter, 4> kCushionParameters = {{
         {"How stiff the oil column is, hoses and cylinder walls included; it falls when air enters the oil.",
          "Wie steif die Ölsäule samt Schläuchen und Zylinderwänden ist; er fällt, wenn Luft ins Öl kommt."},
         "K′"),
-    Identified(
-        "V0", "m3", {"dead volume", "Totvolumen"},
-        {"Oil volume between valve and piston with the piston at its zero position: "
-         "lines, fittings, bottom of the chamber.",
-         "Ölvolumen zwischen Ventil und Kolben, mit dem Kolben in seiner Nullstellung: Leitungen, Verschraubungen, Boden der Kammer."},
-        "V_{0}"),
-    Identified(
-        "Q_vn", "m3/s", {"nominal valve flow", "Nenndurchfluss des Ventils"},
-        {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
-         "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
-         "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."},
-        "Q_{vn}"),
+    OverOil(
+        OilLaw::kNone,
+        Identified(
+            "V0", "m3", {"dead volume", "Totvolumen"},
+            {"Oil volume between valve and piston with the piston at its zero position: "
+             "lines, fittings, bottom of the chamber.",
+             "Ölvolumen zwischen Ventil und Kolben, mit dem Kolben in seiner Nullstellung: Leitungen, Verschraubungen, Boden der Kammer."},
+            "V_{0}")),
+    OverOil(
+        OilLaw::kViscosity,
+        Identified(
+            "Q_vn", "m3/s", {"nominal valve flow", "Nenndurchfluss des Ventils"},
+            {"Flow through the fully open valve at its nominal pressure drop; it moves with the oil's viscosity "
+             "and density, with worn or dirty metering edges, and it absorbs leaks that the model does not hold.",
+             "Durchfluss des ganz offenen Ventils bei seinem Nenndruckabfall; er ändert sich mit Zähigkeit und Dichte des Öls, mit verschlissenen oder verschmutzten Steuerkanten, und er nimmt Leckagen auf, die das Modell nicht enthält."},
+            "Q_{vn}")),
     {.name = "y_0",
      .si = "1",
      .meaning = {"spool null", "Nullpunkt des Schiebers"},
@@ -78,7 +82,8 @@ constexpr std::array<MachineParameter, 4> kCushionParameters = {{
           "Schieberstellung, bei der die Steuerkante gerade schließt, in % des ganzen Schieberwegs; sie ändert sich mit dem Verschleiß der Kante und mit dem Nullpunkt des Schiebersensors."},
      .shown = "% of stroke",
      .factor = 100,
-     .relative = false},
+     .relative = false,
+     .over_oil = OilLaw::kNone},
 }};
 const std::array<Condition, 3> kCushionConditions = {{
     {.name = "speed",

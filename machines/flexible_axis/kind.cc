@@ -62,10 +62,11 @@ constexpr std::array<MachineInput, 17> kAxisGeometry = {{
 }};
 
 constexpr std::array<MachineParameter, 15> kAxisParameters = {{
-    Identified("Q_n", "m3/s", {"nominal flow of the valve", "Nenndurchfluss des Ventils"},
-               {"The flow through one edge at 10 V and 35 bar; wear raises it.",
-                "Der Durchfluss einer Kante bei 10 V und 35 bar; Verschleiß erhöht ihn."},
-               "Q_{n}", "l/min", 6e4),
+    OverOil(OilLaw::kViscosity,
+            Identified("Q_n", "m3/s", {"nominal flow of the valve", "Nenndurchfluss des Ventils"},
+                       {"The flow through one edge at 10 V and 35 bar; wear raises it.",
+                        "Der Durchfluss einer Kante bei 10 V und 35 bar; Verschleiß erhöht ihn."},
+                       "Q_{n}", "l/min", 6e4)),
     Identified("tau", "s", {"time constant of the spool", "Zeitkonstante des Schiebers"},
                {"A spool that sticks, or a weak pilot, makes it longer.",
                 "Ein klemmender Schieber oder eine schwache Vorsteuerung macht sie länger."},

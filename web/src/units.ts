@@ -53,7 +53,7 @@ const part = /(?<![A-Za-z])(GPa|bar|l\/min|mm|l)(?![A-Za-z])/g;
 function convert(name: string): Unit {
   if (name === "°C") return { factor: (unitChoices.temperature as Record<string, number>)[chosen.temperature], offset: chosen.temperature === "°F" ? 32 : 0, name: chosen.temperature };
   let factor = 1;
-  const written = name.replace("l/min/bar", "l/min per bar").replace(part, (word, _, at: number, all: string) => {
+  const written = name.replace(part, (word, _, at: number, all: string) => {
     const [quantity, size] = parts[word], before = all.slice(0, at), after = all.slice(at + word.length);
     const power = (before.endsWith("sqrt(") ? 0.5 : /^\)?(\^2|2|²)/.test(after) ? 2 : 1) * (/ per |\/$/.test(before) ? -1 : 1);
     factor *= (size * (unitChoices[quantity] as Record<string, number>)[chosen[quantity]]) ** power;
