@@ -4,23 +4,22 @@
 #include <cmath>
 
 #include "diagnosis/effect_ranking.h"
+#include "diagnosis/subset_search.h"
 
 namespace hydroscope {
 namespace {
 
-constexpr double kSeen = 4.0;      ///< size over its standard error, as ExplainOptions::min_t
-constexpr double kBetter = 2.5;    ///< standard errors, as ExplainOptions::rival_t
-constexpr double kAsWell = 0.005;  ///< relative difference of errors that is none
+const ExplainOptions kLimits;
 
 /// Over its std by strokes: an effect of the model as it is is still seen beside what was found.
-bool IsSeen(const EffectEstimate& e) { return std::abs(e.size) > kSeen * e.std; }
+bool IsSeen(const EffectEstimate& e) { return std::abs(e.size) > kLimits.min_t * e.std; }
 
 bool IsLowerStrokeByStroke(const ExtendedFit& before, const ExtendedFit& after) {
   for (const Eigen::VectorXd& gain : {WorseInFlow(before, after), Worse(before, after)}) {
     if (gain.size() < 2) continue;
     const double n = static_cast<double>(gain.size());
     const double error = std::sqrt((gain.array() - gain.mean()).square().sum() / (n - 1) / n);
-    if (gain.mean() > kBetter * error) return true;
+    if (gain.mean() > kLimits.rival_t * error) return true;
   }
   return false;
 }
@@ -47,8 +46,8 @@ std::optional<EffectSwap> SwapFor(const std::string& id, const Explanation& as_i
   if (std::find(in.begin(), in.end(), id) != in.end()) return std::nullopt;
   const double before = as_it_is.base.rms_holdout, after = without.final.rms_holdout;
   const EffectSwap swap{id, in, before, after};
-  const bool as_well = after <= (1 + kAsWell) * as_it_is.final.rms_holdout &&
-                       without.final.excess_ratio <= as_it_is.final.excess_ratio + kAsWell;
+  const bool as_well = after <= (1 + kSameError) * as_it_is.final.rms_holdout &&
+                       without.final.excess_ratio <= as_it_is.final.excess_ratio + kSameError;
   if (in.empty()) return as_well && !as_it_is.base.effects.empty() ? std::optional(swap) : std::nullopt;
   const bool lower = after < before && IsLowerStrokeByStroke(as_it_is.base, without.final);
   if (!lower) return std::nullopt;

@@ -53,7 +53,7 @@ class Explainer {
     return strokes_.model().effects[choice.effect]->id;
   }
   std::vector<EffectChoice> Shapes(const EffectChoice& best) const;
-  CandidateModel Both(const CandidateModel& first, const RankedEffect& second) const;
+  CandidateModel WithSecond(const CandidateModel& first, const RankedEffect& second) const;
   std::vector<EffectChoice> PairFirsts(std::vector<RankedEffect> ranking) const;
   std::optional<std::pair<CandidateModel, Groups>> SearchPairs(
       const std::vector<RankedEffect>& ranking) const;
@@ -97,7 +97,7 @@ std::vector<EffectChoice> Explainer::PairFirsts(std::vector<RankedEffect> rankin
 }
 
 /// The model that has both, in the shapes that suit them best together: as ranked, or with the first in another one.
-CandidateModel Explainer::Both(const CandidateModel& first, const RankedEffect& second) const {
+CandidateModel Explainer::WithSecond(const CandidateModel& first, const RankedEffect& second) const {
   CandidateModel best = ranking_.With(first, second.fit.effects.back().choice);
   for (const EffectChoice& choice : Shapes(first.choices.back())) {
     const CandidateModel model = ranking_.With(start_, choice);
@@ -192,7 +192,7 @@ std::optional<CandidateModel> Explainer::Search(Explanation& out) const {
   const RankedEffect& second = out.second.front();
   if (!ranking_.IsStrong(second.fit.effects.back())) return model;
   out.groups = {ranking_.Rivals(out.ranking, false), ranking_.Rivals(out.second, true)};
-  return Both(model, second);
+  return WithSecond(model, second);
 }
 
 void Explainer::TakeSteps(const CandidateModel& model, Explanation& out) const {

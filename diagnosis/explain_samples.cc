@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/constants.h"
 #include "diagnosis/effect_ranking.h"
 #include "diagnosis/effect_swap.h"
 #include "diagnosis/explain.h"
@@ -227,16 +228,13 @@ Explanation ExplainWithoutFloor(std::shared_ptr<const ModelStructure> model,
   return out;
 }
 
-/// Standard deviations that an interval of 95 % reaches to either side.
-constexpr double kInterval = 1.96;
-
 /// A model that needs nothing is adequate, though a law was found that gains a little, if that may as well be of size zero
 /// once the freedom of its shape counts.
 void RefuseWhatMayBeZero(const ExplainOptions& options, Explanation& out) {
   const auto first = out.final.effects.begin() + static_cast<std::ptrdiff_t>(out.started);
   if (out.set.empty() || !options.IsDownToNoise(out.base) ||
       std::none_of(first, out.final.effects.end(),
-                   [](const EffectEstimate& e) { return std::abs(e.size) < kInterval * e.std; }))
+                   [](const EffectEstimate& e) { return std::abs(e.size) < kNormal95 * e.std; }))
     return;
   out.verdict = Verdict::kAdequate;
   out.partial = false;

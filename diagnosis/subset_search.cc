@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kIndependent =
     1e-9;  ///< share of a column that the others must leave, else it is one of them
-constexpr double kSameError = 0.005;  ///< relative difference of errors that decides nothing
 
 using Members = std::vector<int>;  ///< entries of SubsetScreen, ascending
 

@@ -6,6 +6,9 @@
 
 namespace hydroscope {
 
+/// Relative difference of the errors of two models on strokes left out that decides nothing between them.
+inline constexpr double kSameError = 0.005;
+
 /// Of the search over all subsets of a small library.
 struct SubsetOptions {
   int max_effects = 4;       ///< in one subset

@@ -76,6 +76,8 @@ struct MachineKind;
 /// A measured channel that the balance can give by itself, from its first value on.
 struct FreeRunChannel {
   int channel = 0;
+  std::string_view si;           ///< its unit
+  std::string called;            ///< "pressure"
   std::vector<int> as_measured;  ///< derived channels that stay those of the measurement
   double step = 0;               ///< SI, over which the slope of the balance is taken
   double closed = 0;             ///< SI, change below which the value is found

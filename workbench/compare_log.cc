@@ -44,17 +44,17 @@ void AddFreeRun(CompareResult& out) {
   const auto runs = FreeRun(*out.model.structure, out.log.stretches, out.log.window,
                             ColumnWeights(*out.model.structure, out.model.fit));
   if (!runs) return;
-  double error = 0, pressure = 0, blocks = 0;
+  double error = 0, measured = 0, blocks = 0;
   for (std::size_t s = 0; s < out.strokes; ++s) {
     const FreeRunStroke& run = (*runs)[s];
     out.per_stroke[s].free_run = run.rms;
     error += run.rms * run.rms * static_cast<double>(run.measured.size());
-    for (const double p : run.measured) pressure += p * p;
+    for (const double value : run.measured) measured += value * value;
     blocks += static_cast<double>(run.measured.size());
   }
   if (blocks <= 0) return;
   out.overall.free_run = std::sqrt(error / blocks);
-  out.rms_pressure = std::sqrt(pressure / blocks);
+  out.rms_run = std::sqrt(measured / blocks);
 }
 
 void JudgeOnLogs(CompareResult& out) {
@@ -82,6 +82,27 @@ std::size_t CompareResult::WorstStroke() const {
   const auto worst = std::max_element(per_stroke.begin(), per_stroke.end(),
                                       [&](const auto& a, const auto& b) { return excess(a) < excess(b); });
   return static_cast<std::size_t>(worst - per_stroke.begin());
+}
+
+bool CompareResult::MissesSomething() const {
+  if (verdict) return *verdict != Verdict::kAdequate;
+  const CompareThresholds limits;
+  return !location.located.empty() || location.excess > limits.excess_errors * location.excess_std ||
+         overall.rms_residual > limits.visible_error * overall.noise_floor || HasPattern();
+}
+
+bool CompareResult::HasPattern() const {
+  return !whiteness.autocorrelation.empty() && whiteness.p_value < CompareThresholds{}.pattern_p;
+}
+
+bool CompareResult::IsSignificant(const SignalCorrelation& c) const {
+  return c.p_value < CompareThresholds{}.family_error / static_cast<double>(correlations.size());
+}
+
+bool CompareResult::IsLagged(const SignalCorrelation& c) const {
+  const CompareThresholds limits;
+  return c.lag != 0 && c.lagged_p < limits.family_error / static_cast<double>(correlations.size()) &&
+         std::abs(c.lagged) > limits.clearly_more * std::abs(c.correlation);
 }
 
 StrokeComparison OverallOf(const GramFit& figures) {

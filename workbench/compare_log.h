@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/non_negative.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/remainder/locate.h"
 #include "diagnosis/remainder/whiteness.h"
@@ -13,7 +15,19 @@
 
 namespace hydroscope {
 
-/// Measured against modelled flow of one stroke, m^3/s.
+/// What a comparison says where `explain` gives no verdict, and of which signal. Of chance alone but for `visible_error`.
+struct CompareThresholds {
+  double family_error = 0.01;  ///< chance that some signal is called correlated when none is (Bonferroni)
+  double pattern_p = 1e-4;  ///< p-value of the Ljung-Box test below which what is left has a pattern in time
+  double excess_errors =
+      4;  ///< standard errors of the excess energy above 0 (ErrorLocation), as ExplainOptions::min_t
+  double visible_error =
+      1.05;  ///< error over the noise floor from which it is seen with the eye: 10 % more energy
+  double clearly_more =
+      1.25;  ///< correlation at another time over the one at the same time, if it is to be told
+};
+
+/// Measured against modelled output of one stroke, SI.
 struct StrokeComparison {
   std::int64_t stroke = 0;  ///< index within the log, 0, 1, ...
   double begin = 0;         ///< s
@@ -21,7 +35,14 @@ struct StrokeComparison {
   int windows = 0;
   double rms_measured = 0, rms_modelled = 0, rms_residual = 0, noise_floor = 0;
   std::optional<double>
-      free_run;  ///< Pa, rms error of the pressure that the model runs by itself; see FreeRun
+      free_run;  ///< SI, rms error of the channel that the model runs by itself; see FreeRun
+
+  /// rms of what is above the noise.
+  double model_error() const {
+    return std::sqrt(NonNegative(rms_residual * rms_residual - noise_floor * noise_floor));
+  }
+  /// Error over the measured output; 0 where nothing was measured.
+  double relative_error() const { return rms_measured > 0 ? rms_residual / rms_measured : 0.0; }
 };
 
 /// Everything `hydroscope compare` knows of the logs of one machine.
@@ -32,7 +53,7 @@ struct CompareResult {
   MachineModel model;
   Residuals residuals;
   StrokeComparison overall;  ///< MachineModel::figures
-  double rms_pressure = 0;   ///< Pa, measured, beside overall.free_run
+  double rms_run = 0;        ///< SI, of the channel of overall.free_run as measured
   std::vector<StrokeComparison> per_stroke;
   Whiteness whiteness;
   std::vector<SignalCorrelation> correlations;
@@ -45,6 +66,13 @@ struct CompareResult {
 
   /// Index into per_stroke of the stroke with the largest error above its noise.
   std::size_t WorstStroke() const;
+  /// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is
+  /// located, or a pattern in time.
+  bool MissesSomething() const;
+  bool HasPattern() const;  ///< in time, block by block, of what is left
+  bool IsSignificant(const SignalCorrelation& c) const;
+  /// Whether what is left follows the signal clearly more at another time.
+  bool IsLagged(const SignalCorrelation& c) const;
 };
 
 /// Fits the machine file's model (base and added effects) to logs of one machine and compares it with the

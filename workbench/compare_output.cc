@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/non_negative.h"
 #include "models/counted_words.h"
 #include "models/output_unit.h"
 #include "workbench/explain/explain_log.h"
@@ -18,33 +18,18 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kBar = 1e-5;
-/// Chance of calling the residual correlated with any signal when it is not.
-constexpr double kFamilyError = 0.01;
-/// Flow error over the noise floor from which model error is seen with the eye.
-constexpr double kVisible = 1.05;
-/// p-value of the whiteness test below which a pattern in time is called model error.
-constexpr double kPatternP = 1e-4;
+/// In which the channel that the model runs by itself is shown.
+DisplayUnit RunUnit(const CompareResult& result) {
+  const auto& run = result.model.structure->free_run;
+  return DisplayUnitFor(run ? run->si : "");
+}
 
 double LagSeconds(const CompareResult& result, const SignalCorrelation& c) {
   return c.lag * result.log.window.block * result.log.window.period;
 }
 
-bool IsSignificant(const CompareResult& result, const SignalCorrelation& c) {
-  return c.p_value < kFamilyError / static_cast<double>(result.correlations.size());
-}
-
-double PercentOfSignal(const StrokeComparison& s) {
-  return s.rms_measured > 0 ? 100 * s.rms_residual / s.rms_measured : 0.0;
-}
-
-double PercentOfPressure(const CompareResult& result) {
-  return result.rms_pressure > 0 ? 100 * *result.overall.free_run / result.rms_pressure : 0.0;
-}
-
-/// rms of what is above the noise.
-double ModelError(const StrokeComparison& s) {
-  return std::sqrt(NonNegative(s.rms_residual * s.rms_residual - s.noise_floor * s.noise_floor));
+double PercentOfRun(const CompareResult& result) {
+  return result.rms_run > 0 ? 100 * *result.overall.free_run / result.rms_run : 0.0;
 }
 
 std::vector<std::string> AddedEffects(const CompareResult& result) {
@@ -54,9 +39,10 @@ std::vector<std::string> AddedEffects(const CompareResult& result) {
   return ids;
 }
 
-/// "flow" -> "Flow"; a name with more than a word stays as it is written.
-std::string Capital(std::string word) {
-  if (word == "flow") word[0] = 'F';
+/// Begins a line: a name that is the user's own stays as it is written.
+std::string AtBegin(std::string word, const ModelStructure& model) {
+  if (!model.kind->own_library && !word.empty())
+    word[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(word[0])));
   return word;
 }
 
@@ -84,17 +70,22 @@ std::string OverallText(const CompareResult& result) {
       "  ... {:<18} {:>8.3g}\n"
       "  sensor noise alone     {:>8.3g}\n"
       "  model error            {:>8.3g}   what is above the noise\n",
-      Capital(words.output.english), unit.name, o.rms_measured * unit.factor, o.rms_modelled * unit.factor,
-      o.rms_residual * unit.factor, PercentOfSignal(o), words.output.english,
-      fmt::format("{} left out", counted.many), result.model.figures.rms_holdout * unit.factor,
-      o.noise_floor * unit.factor, ModelError(o) * unit.factor);
+      AtBegin(words.output.english, *result.log.model), unit.name, o.rms_measured * unit.factor,
+      o.rms_modelled * unit.factor, o.rms_residual * unit.factor, 100 * o.relative_error(),
+      words.output.english, fmt::format("{} left out", counted.many),
+      result.model.figures.rms_holdout * unit.factor, o.noise_floor * unit.factor,
+      o.model_error() * unit.factor);
   if (result.held_out) text += "  " + HeldOutText(*result.held_out, unit);
-  if (o.free_run)
+  if (o.free_run) {
+    const DisplayUnit run = RunUnit(result);
+    const std::string& called = result.model.structure->free_run->called;
     text += fmt::format(
-        "\nPressure that the model runs by itself from the begin of each stroke, rms in bar\n"
+        "\n{} that the model runs by itself from the begin of each {}, rms in {}\n"
         "  measured               {:>8.4g}\n"
-        "  difference             {:>8.3g}   {:.2g} % of the measured pressure\n",
-        result.rms_pressure * kBar, *o.free_run * kBar, PercentOfPressure(result));
+        "  difference             {:>8.3g}   {:.2g} % of the measured {}\n",
+        AtBegin(called, *result.log.model), counted.one, run.name, result.rms_run * run.factor,
+        *o.free_run * run.factor, PercentOfRun(result), called);
+  }
   return text;
 }
 
@@ -103,22 +94,25 @@ std::string StrokesText(const CompareResult& result) {
   const std::size_t worst = result.WorstStroke();
   const DisplayUnit unit = OutputUnit(result.log.model.get());
   const CountedWords counted = CountedWordsOf(result.log.machine);
+  const DisplayUnit run = RunUnit(result);
   const bool runs = std::any_of(result.per_stroke.begin(), result.per_stroke.end(),
                                 [](const StrokeComparison& s) { return s.free_run.has_value(); });
-  std::string text = fmt::format(
-      "\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n", counted.one,
-      unit.name, runs ? "; free run in bar" : "", counted.one, runs ? "  free run" : "");
+  std::string text =
+      fmt::format("\nPer {}, {}{}\n {:>7}  begin s  measured  modelled  difference   %      noise{}\n",
+                  counted.one, unit.name, runs ? fmt::format("; free run in {}", run.name) : "", counted.one,
+                  runs ? "  free run" : "");
   for (std::size_t k = 0; k < result.per_stroke.size(); ++k) {
     if (k >= kShown && k != worst) continue;
     const StrokeComparison& s = result.per_stroke[k];
-    text += fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g}{}{}\n", s.stroke,
-                        std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
-                        s.rms_measured * unit.factor, s.rms_modelled * unit.factor,
-                        s.rms_residual * unit.factor, PercentOfSignal(s), s.noise_floor * unit.factor,
-                        runs ? fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * kBar)
-                                                                : std::string("-"))
-                             : std::string(),
-                        k == worst ? " worst" : "");
+    text +=
+        fmt::format("  {:>6} {:>8} {:>9.3g} {:>9.3g} {:>11.3g} {:>5.2g} {:>9.3g}{}{}\n", s.stroke,
+                    std::isfinite(s.begin) ? fmt::format("{:.2f}", s.begin) : std::string("-"),
+                    s.rms_measured * unit.factor, s.rms_modelled * unit.factor, s.rms_residual * unit.factor,
+                    100 * s.relative_error(), s.noise_floor * unit.factor,
+                    runs ? fmt::format(" {:>9}", s.free_run ? fmt::format("{:.3g}", *s.free_run * run.factor)
+                                                            : std::string("-"))
+                         : std::string(),
+                    k == worst ? " worst" : "");
   }
   if (result.per_stroke.size() > kShown)
     text += fmt::format("  ... the first {} of {} {}; --json has all\n", kShown, result.per_stroke.size(),
@@ -138,16 +132,12 @@ std::string WhitenessText(const CompareResult& result) {
       "  variance {:.3g} times that of sensor noise; correlation with the block before {:+.3f}\n"
       "  {} (Ljung-Box over {} lags, p = {:.2g})\n",
       w.variance_ratio, w.autocorrelation.front(),
-      w.p_value < kPatternP ? pattern : "white: no pattern in time is left", w.lags, w.p_value);
+      result.HasPattern() ? pattern : "white: no pattern in time is left", w.lags, w.p_value);
 }
 
 /// "; +0.31 when it follows 40 ms later", if that is clearly more than at the same time.
 std::string LaggedText(const CompareResult& result, const SignalCorrelation& c) {
-  constexpr double kClearlyMore = 1.25;
-  const bool shown = c.lag != 0 &&
-                     c.lagged_p < kFamilyError / static_cast<double>(result.correlations.size()) &&
-                     std::abs(c.lagged) > kClearlyMore * std::abs(c.correlation);
-  if (!shown) return "";
+  if (!result.IsLagged(c)) return "";
   return fmt::format("; {:+.2f} when it {} by {:.0f} ms", c.lagged, c.lag > 0 ? "follows" : "precedes",
                      1e3 * std::abs(LagSeconds(result, c)));
 }
@@ -163,7 +153,7 @@ std::string CorrelationsText(const CompareResult& result) {
     for (const SignalCorrelation& c : result.correlations)
       if (c.signal == signal)
         text += fmt::format("   correlation {:+.2f}, p = {:.2g}{}{}", c.correlation, c.p_value,
-                            IsSignificant(result, c) ? " *" : "", LaggedText(result, c));
+                            result.IsSignificant(c) ? " *" : "", LaggedText(result, c));
     text += "\n";
   }
   if (!result.location.pairs.empty() && result.location.pairs.front().explained > 0) {
@@ -174,17 +164,8 @@ std::string CorrelationsText(const CompareResult& result) {
   return text;
 }
 
-/// Whether there is more than noise. Of too few strokes for a verdict: an error far above 0, one that is
-/// located, or a pattern in time.
-bool HasModelError(const CompareResult& result) {
-  if (result.verdict) return *result.verdict != Verdict::kAdequate;
-  return !result.location.located.empty() || result.location.excess > 4 * result.location.excess_std ||
-         result.overall.rms_residual > kVisible * result.overall.noise_floor ||
-         (!result.whiteness.autocorrelation.empty() && result.whiteness.p_value < kPatternP);
-}
-
 ModelHeadline HeadlineOfComparison(const CompareResult& result) {
-  const bool misses = HasModelError(result);
+  const bool misses = result.MissesSomething();
   const Told no_verdict = result.verdict || misses ? result.no_verdict : TooFewForVerdict(result.strokes);
   return HeadlineOf(result.model.figures, misses, no_verdict, CountedWordsOf(result.log.machine));
 }
@@ -196,21 +177,21 @@ std::vector<std::string> Warnings(const CompareResult& result) {
   return warnings;
 }
 
-nlohmann::json StrokeJson(const StrokeComparison& s, double factor) {
+nlohmann::json StrokeJson(const StrokeComparison& s, double factor, double run_factor) {
   return {{"windows", s.windows},
           {"rms_measured", s.rms_measured * factor},
           {"rms_modelled", s.rms_modelled * factor},
           {"rms_residual", s.rms_residual * factor},
-          {"residual_percent", PercentOfSignal(s)},
+          {"residual_percent", 100 * s.relative_error()},
           {"noise_floor", s.noise_floor * factor},
-          {"model_error", ModelError(s) * factor},
-          {"free_run_bar", s.free_run ? nlohmann::json(*s.free_run * kBar) : nlohmann::json()}};
+          {"model_error", s.model_error() * factor},
+          {"free_run_bar", s.free_run ? nlohmann::json(*s.free_run * run_factor) : nlohmann::json()}};
 }
 
 nlohmann::json StrokesJson(const CompareResult& result) {
   nlohmann::json out = nlohmann::json::array();
   for (const StrokeComparison& s : result.per_stroke) {
-    out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor));
+    out.push_back(StrokeJson(s, OutputUnit(result.log.model.get()).factor, RunUnit(result).factor));
     out.back()["stroke"] = s.stroke;
     if (!s.log.empty()) out.back()["log"] = s.log;
     out.back()["begin"] = std::isfinite(s.begin) ? nlohmann::json(s.begin) : nlohmann::json();
@@ -224,7 +205,7 @@ nlohmann::json CorrelationsJson(const CompareResult& result) {
     out.push_back({{"signal", result.residuals.signals[c.signal].name},
                    {"correlation", c.correlation},
                    {"p_value", c.p_value},
-                   {"significant", IsSignificant(result, c)},
+                   {"significant", result.IsSignificant(c)},
                    {"lag_s", LagSeconds(result, c)},
                    {"lagged", c.lagged},
                    {"lagged_p_value", c.lagged_p}});
@@ -246,12 +227,11 @@ std::string CompareText(const CompareResult& result) {
 nlohmann::json CompareJson(const CompareResult& result) {
   const Whiteness& w = result.whiteness;
   const DisplayUnit unit = OutputUnit(result.log.model.get());
-  nlohmann::json out = StrokeJson(result.overall, unit.factor);
+  nlohmann::json out = StrokeJson(result.overall, unit.factor, RunUnit(result).factor);
   out["unit"] = unit.name;
   out["strokes"] = result.strokes;
   out["strokes_in_log"] = std::max(result.strokes, result.log.strokes.size());
-  out["free_run_percent"] =
-      result.overall.free_run ? nlohmann::json(PercentOfPressure(result)) : nlohmann::json();
+  out["free_run_percent"] = result.overall.free_run ? nlohmann::json(PercentOfRun(result)) : nlohmann::json();
   const ModelStanding standing = HeadlineOfComparison(result).standing;
   out["model_error_seen"] = standing == ModelStanding::kNotJudged
                                 ? nlohmann::json()

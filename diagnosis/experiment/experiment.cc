@@ -30,13 +30,13 @@ class StrokeEvidences {
         experimenter_.StrokesOf(series, begin, kExperiment.fewest_strokes);
     const double share = 1.0 / static_cast<double>(strokes.size());
     RivalEvidence mean;
-    for (const UnrecordedStroke& stroke : strokes) mean.Add(Played(stroke), share);
+    for (const UnrecordedStroke& stroke : strokes) mean.Add(OfUnrecorded(stroke), share);
     return mean;
   }
 
  private:
   /// Signals without sensor noise, whose energy is that of the same stroke with noise.
-  const RivalEvidence& Played(const UnrecordedStroke& stroke) {
+  const RivalEvidence& OfUnrecorded(const UnrecordedStroke& stroke) {
     const auto [at, fresh] = played_.try_emplace(stroke);
     if (fresh) {
       at->second = Of({{Play(stroke, PlayedNoise::kNone)}});

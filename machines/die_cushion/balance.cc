@@ -214,7 +214,8 @@ Result<std::shared_ptr<ModelStructure>> BuildDieCushion(const Machine& machine) 
                       const Eigen::VectorXd& theta) { return Derive(a, a_std, root, theta); };
   model->shown = {{kPressureA, "Pa"}, {kSpool, "1", "%", 100}, {kPosition, "m"},
                   {kSpeed, "m/s"},    {kOilTemperature, "K"},  {kPressureRate, "Pa/s", "bar/s", 1e-5}};
-  model->free_run = FreeRunChannel{kPressureA, {kSpeed, kAcceleration, kPressureRate, kTime}, 1e3, 1.0};
+  model->free_run =
+      FreeRunChannel{kPressureA, "Pa", "pressure", {kSpeed, kAcceleration, kPressureRate, kTime}, 1e3, 1.0};
   model->published = AsPublished(area->value, geometry.tank_pressure);
   std::vector<std::shared_ptr<const Effect>> stored;
   for (auto& effect : DieCushionEffects(geometry))

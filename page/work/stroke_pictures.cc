@@ -30,9 +30,8 @@ nlohmann::json SignalsJson(const Residuals& residuals, const StrokeResiduals& st
   return out;
 }
 
-nlohmann::json FreeRunJson(const FreeRunStroke& run, double step) {
-  const DisplayUnit unit =
-      DisplayUnitFor("Pa");  // the only channel that a balance runs by itself is a pressure
+nlohmann::json FreeRunJson(const FreeRunStroke& run, const FreeRunChannel& channel, double step) {
+  const DisplayUnit unit = DisplayUnitFor(channel.si);
   return {{"unit", unit.name},
           {"step", step},
           {"measured", ScaledJson(run.measured, unit.factor)},
@@ -59,7 +58,8 @@ nlohmann::json StrokePicturesJson(const CompareResult& result) {
                    {"modelled", ScaledJson(stroke.modelled, unit.factor)},
                    {"noise", ScaledJson(noise, unit.factor)},
                    {"signals", SignalsJson(result.residuals, stroke)},
-                   {"free_run", runs ? FreeRunJson((*runs)[s], step) : nlohmann::json()}});
+                   {"free_run", runs ? FreeRunJson((*runs)[s], *result.model.structure->free_run, step)
+                                     : nlohmann::json()}});
   }
   return out;
 }

@@ -15,9 +15,9 @@
 namespace hydroscope {
 namespace {
 
-/// Spread of the ram speed over its mean below which strokes count as of one speed: leakage and valve flow then part by
-/// less than their noise (log f of the example presses).
-constexpr double kOneSpeed = 0.15;
+/// Spread of a condition over its mean below which strokes count as alike in it: what Condition::hides then parts by less
+/// than its noise (a leak and the valve's flow at one speed, `hydroscope simulate press` at constant speed).
+constexpr double kLeastSpread = 0.15;
 
 /// Strokes that one of the two says of the other; "" if it says nothing.
 Told SeparationBy(const Effect& effect, const std::string& other) {
@@ -56,7 +56,7 @@ std::optional<Told> Monotony(const ExplainResult& result) {
   const std::vector<Condition>& conditions = result.log.model->conditions;
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const auto value = [c](const StrokeSummary& s) { return s.conditions[c]; };
-    if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kOneSpeed) continue;
+    if (conditions[c].hides.empty() || RelativeSpread(result.log.strokes, value) >= kLeastSpread) continue;
     const DisplayUnit unit = DisplayUnitFor(conditions[c].unit);
     const double shown = value(result.log.strokes.front().summary) * unit.factor;
     return Tell(
