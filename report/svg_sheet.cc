@@ -26,9 +26,11 @@ std::string Placed(const SvgPlot& plot, double y) {
 std::string SvgSheet(const std::string& title, const std::string& note, const std::vector<SvgPlot>& plots) {
   std::string body;
   double width = 0, y = kMargin;
-  for (const auto& [text, style] : {std::pair{title, "font-size:15px;font-weight:600"}, {note, "fill:var(--p-neutral)"}}) {
+  for (const auto& [text, style] :
+       {std::pair{title, "font-size:15px;font-weight:600"}, {note, "fill:var(--p-neutral)"}}) {
     if (text.empty()) continue;
-    body += fmt::format("<text x=\"{}\" y=\"{}\" style=\"{}\">{}</text>\n", kMargin, y + kLine - 6, style, EscapeText(text));
+    body += fmt::format("<text x=\"{}\" y=\"{}\" style=\"{}\">{}</text>\n", kMargin, y + kLine - 6, style,
+                        EscapeText(text));
     y += kLine;
   }
   for (const SvgPlot& plot : plots) {

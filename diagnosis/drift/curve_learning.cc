@@ -116,8 +116,9 @@ class CurveLearning {
       const Eigen::VectorXd unit = own.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
       const Eigen::MatrixXd own_inverse = PseudoInverse(unit.asDiagonal() * own * unit.asDiagonal());
       const double misfit = Misfit(equations.points[q], curves_[q]);
-      curves_[q].Adjust(equations.points[q], change.segment(first_[q], Terms(q)),
-                        misfit * equations.MeanSquare() * (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
+      curves_[q].Adjust(
+          equations.points[q], change.segment(first_[q], Terms(q)),
+          misfit * equations.MeanSquare() * (unit.asDiagonal() * own_inverse * unit.asDiagonal()));
     }
   }
 
@@ -142,7 +143,8 @@ class CurveLearning {
     Eigen::MatrixXd design = Eigen::MatrixXd::Zero(model_.size(), first_.back());
     for (int q = 0; q < model_.size(); ++q) {
       values[q] = curves_[q].At(bin.temperature).value;
-      if (!IsEffect(q)) design.row(q).segment(first_[q], Terms(q)) = curves_[q].Basis(bin.temperature).transpose();
+      if (!IsEffect(q))
+        design.row(q).segment(first_[q], Terms(q)) = curves_[q].Basis(bin.temperature).transpose();
     }
     if (const Eigen::VectorXd solved = model_.Theta(values, theta); solved.size() > 0) theta = solved;
     const Score score = model_.Deviation(bin.equations, theta);

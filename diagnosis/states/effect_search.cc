@@ -12,6 +12,7 @@
 #include "core/told_error.h"
 #include "diagnosis/states/candidate_fits.h"
 #include "diagnosis/states/law_terms.h"
+#include "diagnosis/states/search_sentences.h"
 #include "diagnosis/states/spread_pieces.h"
 #include "models/state_effects.h"
 
@@ -20,10 +21,6 @@ namespace {
 
 double Sum(const std::vector<double>& energies) {
   return std::accumulate(energies.begin(), energies.end(), 0.0);
-}
-
-Told CannotBeTried(const std::string& id, const Told& why) {
-  return Tell("{} cannot be tried: {}", "{} lässt sich nicht versuchen: {}", id, why);
 }
 
 class EffectSearch {
@@ -376,16 +373,7 @@ class EffectSearch {
         continue;
       }
       out_.nearest.push_back(id);
-      out_.warnings.push_back(Tell(
-          "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} "
-          "that is no effect of the machine file explains as much. To tell them apart, excite the machine more "
-          "strongly "
-          "or record for longer",
-          "{} würde einen Teil des Fehlers erklären, der kleiner ist als sein Rauschen; eine Funktion von {} in der "
-          "Gleichung von {}, die kein Effekt der Maschinendatei ist, erklärt ebenso viel. Um sie zu trennen, die "
-          "Maschine "
-          "stärker anregen oder länger aufzeichnen",
-          id, like->about, like->equation));
+      out_.warnings.push_back(NotToldFrom(id, *like));
     }
     out_.set = std::move(named);
   }
@@ -425,54 +413,23 @@ class EffectSearch {
 
   void Conclude() {
     for (const std::string& id : out_.final.added) out_.not_seen.erase(id);  // about a better minimum it is
-    const auto readings = [](const StateCandidate& c) { return std::max(1, c.fit.readings()); };
-    out_.steps.emplace_back("", std::sqrt(out_.base.held_out / readings(out_.base)));
-    for (std::size_t k = 1; k < levels_.size(); ++k)
-      out_.steps.emplace_back(levels_[k].front().added.back(),
-                              std::sqrt(levels_[k].front().held_out / readings(levels_[k].front())));
+    TakeSteps();
     if (out_.final.fit.ErrorOfVariation() > options_.hardly_follows && Coloured(out_.final)) {
-      out_.verdict = Verdict::kUnknown;
       out_.astray = true;
-      out_.nearest = out_.final.added;
-      out_.partial = !out_.nearest.empty();
+      LeaveUnknown(out_.final.added);
       return;
     }
     if (out_.final.added.empty()) {
       out_.verdict = out_.base_left.structured ? Verdict::kUnknown : Verdict::kAdequate;
       return;
     }
-    if (!Complete()) {
-      const std::vector<std::string> nearest = out_.final.added;
-      // Several effects imitate more than one does: what is not explained by all of them may be by the first.
-      StateCandidate all = out_.final;
-      StateRemainder left_by_all = out_.final_left;
-      while (levels_.size() > 2 && !Complete()) {
-        levels_.pop_back();
-        out_.final = levels_.back().front();
-        out_.final_left = Left(out_.final.fit);
-      }
-      if (!Complete()) {
-        out_.final = std::move(all);
-        out_.final_left = std::move(left_by_all);
-        Complete();
-        out_.verdict = Verdict::kUnknown;
-        out_.partial = true;
-        out_.nearest = nearest;
-        return;
-      }
+    const std::vector<std::string> found = out_.final.added;
+    if (!Complete() && !CompleteWithFewer()) {
+      LeaveUnknown(found);
+      return;
     }
     out_.partial = out_.final_left.structured;
-    if (out_.partial)
-      out_.warnings.push_back(Tell(
-          "functions of states and inputs still predict at least {:.0f} % of the error, most of it in the equation of "
-          "{}: "
-          "{:.2g} % of what they could predict before; a small law more is missing, or one of "
-          "these differs a little",
-          "Funktionen von Zuständen und Eingängen sagen noch mindestens {:.0f} % des Fehlers voraus, das meiste davon "
-          "in der Gleichung "
-          "von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, "
-          "oder eines von diesen ist etwas anders",
-          100 * out_.final_left.least_share, out_.final_left.about, 100 * out_.unexplained));
+    if (out_.partial) out_.warnings.push_back(MoreIsMissing(out_.final_left, out_.unexplained));
     LeaveOutUnspecific();
     if (out_.set.empty()) {
       out_.verdict = Verdict::kUnknown;
@@ -481,19 +438,38 @@ class EffectSearch {
     }
     for (const std::string& id : out_.set) out_.groups.push_back({id});
     out_.verdict = Verdict::kNamed;
-    out_.rivals = Rivals();
-    for (const StateCandidate& rival : out_.rivals) {
-      for (const std::string& id : rival.added) {
-        if (std::find(out_.set.begin(), out_.set.end(), id) != out_.set.end()) continue;
-        const auto group = std::find_if(out_.groups.begin(), out_.groups.end(), [&](const auto& g) {
-          return std::find(rival.added.begin(), rival.added.end(), g.front()) == rival.added.end();
-        });
-        if (group == out_.groups.end()) continue;
-        out_.set.push_back(id);
-        group->push_back(id);
-        out_.verdict = Verdict::kAmbiguous;
-      }
+    for (StateCandidate& rival : Rivals()) out_.AddRival(std::move(rival));
+  }
+
+  void TakeSteps() {
+    const auto take = [this](const std::string& added, const StateCandidate& set) {
+      out_.steps.emplace_back(added, std::sqrt(set.held_out / std::max(1, set.fit.readings())));
+    };
+    take("", out_.base);
+    for (std::size_t k = 1; k < levels_.size(); ++k)
+      take(levels_[k].front().added.back(), levels_[k].front());
+  }
+
+  void LeaveUnknown(const std::vector<std::string>& nearest) {
+    out_.verdict = Verdict::kUnknown;
+    out_.nearest = nearest;
+    out_.partial = !nearest.empty();
+  }
+
+  /// Several effects imitate more than one does: what is not explained by all of them may be by the first. Whether it is; if
+  /// not, all of them stay.
+  bool CompleteWithFewer() {
+    StateCandidate all = out_.final;
+    StateRemainder left_by_all = out_.final_left;
+    while (levels_.size() > 2) {
+      levels_.pop_back();
+      out_.final = levels_.back().front();
+      out_.final_left = Left(out_.final.fit);
+      if (Complete()) return true;
     }
+    out_.final = std::move(all);
+    out_.final_left = std::move(left_by_all);
+    return Complete();
   }
 
   const Machine& machine_;

@@ -142,6 +142,22 @@ StatesExplanation ExplainEpisodes(const Machine& machine, std::span<const Episod
 
 }  // namespace
 
+void StatesExplanation::AddRival(StateCandidate rival) {
+  const auto holds = [](const std::vector<std::string>& ids, const std::string& id) {
+    return std::find(ids.begin(), ids.end(), id) != ids.end();
+  };
+  for (const std::string& id : rival.added) {
+    if (holds(set, id)) continue;
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& g) { return !holds(rival.added, g.front()); });
+    if (group == groups.end()) continue;
+    set.push_back(id);
+    group->push_back(id);
+    verdict = Verdict::kAmbiguous;
+  }
+  rivals.push_back(std::move(rival));
+}
+
 StatesExplanation ExplainStates(const Machine& machine, std::span<const Episode> episodes,
                                 const ExplainStatesOptions& options) {
   const bool means = std::any_of(episodes.begin(), episodes.end(),

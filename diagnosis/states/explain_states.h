@@ -86,6 +86,9 @@ struct StatesExplanation {
   std::map<std::string, EffectSeen> not_seen;  ///< effects that these episodes cannot show, and why
   std::vector<std::pair<std::string, double>>
       steps;  ///< effect added ("" = none), rms left out over the noise of `base`
+
+  /// Its effects stand beside the one of the set that it does without, which makes the verdict ambiguous.
+  void AddRival(StateCandidate rival);
 };
 
 /// Which effects of the machine file explain what its model leaves. Sets of effects are screened by linearisation about the

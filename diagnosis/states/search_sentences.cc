@@ -1,0 +1,30 @@
+#include "diagnosis/states/search_sentences.h"
+
+namespace hydroscope {
+
+Told CannotBeTried(const std::string& effect, const Told& why) {
+  return Tell("{} cannot be tried: {}", "{} lässt sich nicht versuchen: {}", effect, why);
+}
+
+Told MoreIsMissing(const StateRemainder& left, double unexplained) {
+  return Tell(
+      "functions of states and inputs still predict at least {:.0f} % of the error, most of it in the equation of {}: "
+      "{:.2g} % of what they could predict before; a small law more is missing, or one of these differs a little",
+      "Funktionen von Zuständen und Eingängen sagen noch mindestens {:.0f} % des Fehlers voraus, das meiste davon in der "
+      "Gleichung von {}: {:.2g} % dessen, was sie vorher voraussagten; ein kleines Gesetz fehlt noch, oder eines von diesen "
+      "ist etwas anders",
+      100 * left.least_share, left.about, 100 * unexplained);
+}
+
+Told NotToldFrom(const std::string& effect, const LikeFunction& like) {
+  return Tell(
+      "{} would explain a part of the error that is smaller than its noise; a function of {} in the equation of {} that is "
+      "no effect of the machine file explains as much. To tell them apart, excite the machine more strongly or record for "
+      "longer",
+      "{} würde einen Teil des Fehlers erklären, der kleiner ist als sein Rauschen; eine Funktion von {} in der Gleichung "
+      "von {}, die kein Effekt der Maschinendatei ist, erklärt ebenso viel. Um sie zu trennen, die Maschine stärker anregen "
+      "oder länger aufzeichnen",
+      effect, like.about, like.equation);
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "core/told.h"
+#include "diagnosis/states/remainder.h"
+#include "diagnosis/states/specificity.h"
+
+namespace hydroscope {
+
+// What the search for missing effects of a model with states tells people.
+
+Told CannotBeTried(const std::string& effect, const Told& why);
+/// The explanation found is not all; `unexplained`: of what functions could predict before, the share they still can.
+Told MoreIsMissing(const StateRemainder& left, double unexplained);
+/// A weak effect that a function without a name could stand in for.
+Told NotToldFrom(const std::string& effect, const LikeFunction& like);
+
+}  // namespace hydroscope
