@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/loop_explain.h"
+#include "cli/frequency_response/loop_explain.h"
 #include "host/output.h"
 #include "models/counted_words.h"
 #include "report/explain_report.h"

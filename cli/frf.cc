@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/frf_record.h"
-#include "cli/frf_report.h"
-#include "cli/loop_report.h"
+#include "cli/frequency_response/frf_record.h"
+#include "cli/frequency_response/frf_report.h"
+#include "cli/frequency_response/loop_report.h"
 #include "host/output.h"
 #include "models/machine_kind.h"
 

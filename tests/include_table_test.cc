@@ -96,7 +96,8 @@ const std::map<std::string, std::string> kNameThings = {
     {"cli/open.cc", "simulated presses that the page offers as examples"},
     {"cli/simulate_press.cc", "the command that simulates a press"},
     {"cli/machines/test_cylinder.cc", "the command that simulates a test cylinder"},
-    {"cli/frf_report.cc", "JSON of a valve's response, whose gain has the name of a pump's spring"},
+    {"cli/frequency_response/frf_report.cc",
+     "JSON of a valve's response, whose gain has the name of a pump's spring"},
 };
 
 /// Names of signals, geometry, parameters and effects of all kinds of machines; of one letter none, which are units too.

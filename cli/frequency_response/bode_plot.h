@@ -10,6 +10,9 @@
 
 namespace hydroscope {
 
+inline constexpr double kHalfPower = 3.0103;  ///< dB
+double Decibels(double gain);
+
 /// Measured points and a model's curve over frequency.
 struct BodePicture {
   std::vector<const FrequencyPoint*> points = {};             ///< in order of frequency, at least one

@@ -1,4 +1,4 @@
-#include "cli/frf_record.h"
+#include "cli/frequency_response/frf_record.h"
 
 #include <array>
 #include <cmath>

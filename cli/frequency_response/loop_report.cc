@@ -1,4 +1,4 @@
-#include "cli/loop_report.h"
+#include "cli/frequency_response/loop_report.h"
 
 #include <fmt/ranges.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/bode_plot.h"
+#include "cli/frequency_response/bode_plot.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "models/closed_loop.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cli/loop_report.h"
+#include "cli/frequency_response/loop_report.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "models/closed_loop.h"

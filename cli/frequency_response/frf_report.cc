@@ -1,13 +1,12 @@
-#include "cli/frf_report.h"
+#include "cli/frequency_response/frf_report.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
-#include "cli/bode_plot.h"
+#include "cli/frequency_response/bode_plot.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "core/units.h"
@@ -77,7 +76,7 @@ std::string SineTable(const FrequencyResponse& response, const CommandUnit& unit
       continue;
     }
     text += fmt::format("{:>9.5g} {:>9.5f} {:>8.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>7.4g} {:>7} {:>7.0f}\n{}",
-                        p->frequency, p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()),
+                        p->frequency, p->gain(), kNormal95 * p->GainStd(), Decibels(p->gain()),
                         p->phase * kDegrees, kNormal95 * p->PhaseStd() * kDegrees, p->amplitude * unit.factor,
                         Percent(p->output_distortion), p->periods, Note(p->reason));
   }
@@ -89,7 +88,7 @@ std::string WelchTable(const FrequencyResponse& response) {
                                  "dB", "phase °", "± 95 %", "coherence");
   for (const FrequencyPoint* p : RowsToShow(response)) {
     text += fmt::format("{:>10.5g} {:>10.5f} {:>9.2g} {:>8.3f} {:>9.3f} {:>8.2g} {:>10.4f}\n", p->frequency,
-                        p->gain(), kNormal95 * p->GainStd(), 20 * std::log10(p->gain()), p->phase * kDegrees,
+                        p->gain(), kNormal95 * p->GainStd(), Decibels(p->gain()), p->phase * kDegrees,
                         kNormal95 * p->PhaseStd() * kDegrees, p->coherence);
   }
   return text;
@@ -142,21 +141,6 @@ double MedianAmplitude(const FrequencyResponse& response) {
 }
 
 }  // namespace
-
-std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points,
-                                                 std::size_t most) {
-  if (points.size() <= most) return points;
-  std::vector<const FrequencyPoint*> chosen;
-  const double first = std::log(points.front()->frequency), last = std::log(points.back()->frequency);
-  double next = first;
-  for (const FrequencyPoint* p : points) {
-    if (std::log(p->frequency) < next - 1e-9) continue;
-    chosen.push_back(p);
-    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / static_cast<double>(most);
-  }
-  if (chosen.back() != points.back()) chosen.push_back(points.back());
-  return chosen;
-}
 
 std::string FrfText(const FrequencyResponse& response, const FrfRecord& log, const Machine& machine,
                     const std::string& log_name) {
@@ -245,6 +229,22 @@ nlohmann::json FrfJson(const FrequencyResponse& response, const FrfRecord& log, 
   json["rows_left_out"] = log.left_out;
   json["warnings"] = response.warnings;
   return json;
+}
+
+std::string FrfBodePlot(const FrequencyResponse& response, const std::string& title) {
+  BodePicture picture{.title = title};
+  for (const FrequencyPoint& p : response.points)
+    if (p.reason == PointReason::kUsed) picture.points.push_back(&p);
+  if (response.model) {
+    const ValveModel& model = *response.model;
+    picture.response = [&model](double f) { return model.Response(f); };
+    picture.phase = [&model](double f) { return model.Phase(f); };
+    picture.gain_level = Decibels(std::abs(model.gain.value)) - kHalfPower;
+    picture.legend =
+        fmt::format(" — curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3f} ms", model.natural_frequency.value,
+                    model.damping.value, 1e3 * model.dead_time.value + 0.0);
+  }
+  return BodePlot(picture);
 }
 
 }  // namespace hydroscope

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "cli/frf_record.h"
+#include "cli/frequency_response/frf_record.h"
 #include "estimation/frequency_response/frequency_response.h"
 #include "models/machine.h"
 

@@ -1,11 +1,11 @@
+#include "cli/frequency_response/bode_plot.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
-#include <vector>
+#include <utility>
 
-#include "cli/bode_plot.h"
-#include "cli/frf_report.h"
 #include "core/constants.h"
 #include "report/svg_sheet.h"
 
@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kWidth = 700, kHeight = 270;
 constexpr int kCurvePoints = 200;
-constexpr double kHalfPower = 3.0103;  ///< dB
 const double kDecibels = 20 / std::numbers::ln10;
 
 /// Gain or phase over frequency: values with the halves of their intervals, and a curve.
@@ -47,11 +46,13 @@ struct BodePanel {
 
 }  // namespace
 
+double Decibels(double gain) { return 20 * std::log10(gain); }
+
 std::string BodePlot(const BodePicture& picture) {
   BodePanel gain, phase;
   for (const FrequencyPoint* p : picture.points) {
     gain.f.push_back(p->frequency);
-    gain.value.push_back(kDecibels * std::log(p->gain()));
+    gain.value.push_back(Decibels(p->gain()));
     gain.half.push_back(kNormal95 * p->GainStd() / p->gain() * kDecibels);
     phase.value.push_back(p->phase * kDegrees);
     phase.half.push_back(kNormal95 * p->PhaseStd() * kDegrees);
@@ -61,7 +62,7 @@ std::string BodePlot(const BodePicture& picture) {
   for (int i = 0; picture.response && i <= kCurvePoints; ++i) {
     const double f = lowest * std::pow(highest / lowest, static_cast<double>(i) / kCurvePoints);
     gain.curve_f.push_back(f);
-    gain.curve.push_back(kDecibels * std::log(std::abs(picture.response(f))));
+    gain.curve.push_back(Decibels(std::abs(picture.response(f))));
     phase.curve.push_back(picture.phase(f) * kDegrees);
   }
   phase.curve_f = gain.curve_f;
@@ -71,20 +72,19 @@ std::string BodePlot(const BodePicture& picture) {
                    phase.Plot("phase (°)", "°", -90, true)});
 }
 
-std::string FrfBodePlot(const FrequencyResponse& response, const std::string& title) {
-  BodePicture picture{.title = title};
-  for (const FrequencyPoint& p : response.points)
-    if (p.reason == PointReason::kUsed) picture.points.push_back(&p);
-  if (response.model) {
-    const ValveModel& model = *response.model;
-    picture.response = [&model](double f) { return model.Response(f); };
-    picture.phase = [&model](double f) { return model.Phase(f); };
-    picture.gain_level = kDecibels * std::log(std::abs(model.gain.value)) - kHalfPower;
-    picture.legend =
-        fmt::format(" — curve: f0 {:.4g} Hz, D {:.3g}, dead time {:.3f} ms", model.natural_frequency.value,
-                    model.damping.value, 1e3 * model.dead_time.value + 0.0);
+std::vector<const FrequencyPoint*> ThinnedPoints(std::vector<const FrequencyPoint*> points,
+                                                 std::size_t most) {
+  if (points.size() <= most) return points;
+  std::vector<const FrequencyPoint*> chosen;
+  const double first = std::log(points.front()->frequency), last = std::log(points.back()->frequency);
+  double next = first;
+  for (const FrequencyPoint* p : points) {
+    if (std::log(p->frequency) < next - 1e-9) continue;
+    chosen.push_back(p);
+    while (next <= std::log(p->frequency) + 1e-9) next += (last - first) / static_cast<double>(most);
   }
-  return BodePlot(picture);
+  if (chosen.back() != points.back()) chosen.push_back(points.back());
+  return chosen;
 }
 
 }  // namespace hydroscope

@@ -1,4 +1,4 @@
-#include "cli/loop_log.h"
+#include "cli/frequency_response/loop_log.h"
 
 #include <algorithm>
 #include <cmath>

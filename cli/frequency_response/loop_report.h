@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "cli/loop_log.h"
+#include "cli/frequency_response/loop_log.h"
 #include "diagnosis/closed_loop/change.h"
 
 namespace hydroscope {

@@ -1,9 +1,9 @@
-#include "cli/loop_explain.h"
+#include "cli/frequency_response/loop_explain.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "cli/loop_report.h"
+#include "cli/frequency_response/loop_report.h"
 #include "diagnosis/closed_loop/change.h"
 #include "host/output.h"
 #include "models/closed_loop.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "cli/frf_record.h"
+#include "cli/frequency_response/frf_record.h"
 #include "core/result.h"
 #include "estimation/closed_loop/closed_loop.h"
 #include "models/machine.h"
