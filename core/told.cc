@@ -2,10 +2,12 @@
 
 #include <algorithm>
 
+#include "core/unit_told.h"
+
 namespace hydroscope {
 
 Told TellNumber(std::string number) {
-  Told told{number, std::move(number)};
+  Told told = UnitTold(number);
   std::replace(told.german.begin(), told.german.end(), '.', ',');
   return told;
 }

@@ -31,6 +31,8 @@ TEST(Told, WhatIsToldInEnglishAloneStandsInGermanSentencesAsItIs) {
 
 TEST(Told, NumbersThatAreWrittenGetACommaAndPartsAreJoined) {
   EXPECT_EQ(TellNumber("1.21 ± 0.02 GPa").german, "1,21 ± 0,02 GPa");
+  EXPECT_EQ(TellNumber("0.0176 l/min per bar").german, "0,0176 l/min je bar");
+  EXPECT_EQ(TellNumber("0.803 ± 0.024 % of stroke").german, "0,803 ± 0,024 % des Wegs");
   const Told joined = Joined({Tell("one", "eins"), Tell("two", "zwei")});
   EXPECT_EQ(joined.english, "one, two");
   EXPECT_EQ(joined.german, "eins, zwei");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/unit_told.h"
 #include "core/units.h"
 #include "diagnosis/drift/valve_check_monitor.h"
 #include "models/machine_kind.h"
@@ -139,8 +140,8 @@ void JudgeSlowDrifts(const drift::DriftMonitor& monitor, const drift::RuleBook& 
           "{} drifts slowly, {:+.3g}{} per 1000 {}; reaches its limit in {:.0f} {} (95 %: {:.0f} to {:.0f})",
           "{} driftet langsam, {:+.3g}{} je 1000 {}; erreicht seine Grenze in {:.0f} {} (95 %: {:.0f} bis {:.0f})",
           quantity.name, 1000 * found->figures.slope * unit.factor,
-          unit.name == "-" ? "" : fmt::format(" {}", unit.name), counted, found->reach.strokes, counted,
-          found->reach.low, found->reach.high));
+          unit.name == "-" ? Told{} : UnitTold(fmt::format(" {}", unit.name)), counted, found->reach.strokes,
+          counted, found->reach.low, found->reach.high));
     }
     content.Append(alarm_machine::Observe(content.Alarm(id), settings, condition, now));
   }
@@ -162,9 +163,9 @@ void JudgeLimits(const MachineKind& kind, const std::vector<MonitorSpec>& monito
                                  severity, "",    stroke.sequence, stroke.sequence};
         condition.Say(Tell("{} is {:.4g} ± {:.2g} {}, {} the limit {} = {:.4g} {}",
                            "{} liegt bei {:.4g} ± {:.2g} {}, {} der Grenze {} = {:.4g} {}", spec.parameter,
-                           shown(e.value), kNormal95 * e.std * unit.factor, unit.name,
+                           shown(e.value), kNormal95 * e.std * unit.factor, UnitTold(unit.name),
                            high ? Tell("above", "über") : Tell("below", "unter"), name, shown(*limit),
-                           unit.name));
+                           UnitTold(unit.name)));
         condition.quantities = {spec.parameter};
         content.Append(
             alarm_machine::Observe(content.Alarm(spec.parameter + "." + name), settings, condition, now));

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/interval_text.h"
+#include "core/unit_told.h"
 #include "models/machine_kind.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
@@ -46,7 +47,7 @@ Told ErrorText(const ChangeResult& result) {
   if (after.steps.size() < 2) return {};
   return Tell("; error on strokes left out {:.3g} -> {:.3g} {}",
               "; Fehler auf ausgelassenen Hüben {:.3g} -> {:.3g} {}", after.base.rms_holdout * unit.factor,
-              after.final.rms_holdout * unit.factor, unit.name);
+              after.final.rms_holdout * unit.factor, UnitTold(unit.name));
 }
 
 Told MovedTold(const std::vector<Told>& moved) {
@@ -62,7 +63,8 @@ Told WhatGoesOn(const ChangeResult& result, const drift::DriftFinding& finding) 
         "keine Parameter, die über diese Episoden bleiben, nehmen das weg: einer bewegt "
         "sich noch, oder ein Effekt fehlt");
   std::vector<Told> names;
-  for (const drift::FindingPart& part : finding.parts) names.push_back({part.quantity, ""});
+  for (const drift::FindingPart& part : finding.parts)
+    names.push_back(part.title.empty() ? Told(part.quantity) : part.title);
   return Tell("parameters of its own describe each of them down to the sensor noise: {} goes on moving",
               "eigene Parameter beschreiben jede bis auf das Sensorrauschen: {} bewegt sich weiter",
               names.empty() ? Tell("one", "einer") : Joined(names));

@@ -6,6 +6,7 @@
 #include "core/constants.h"
 #include "core/effect_units.h"
 #include "core/relative_change.h"
+#include "core/unit_told.h"
 #include "core/units.h"
 #include "diagnosis/drift/drift_monitor.h"
 #include "models/machine_kind.h"
@@ -23,7 +24,7 @@ Told PartText(const FindingPart& part) {
                 kNormal95 * part.std * unit.factor, unit.name);
   }
   const DisplayUnit unit = DisplayUnitFor(part.unit);
-  const std::string unit_name = part.unit == "1" ? "" : fmt::format(" {}", unit.name);
+  const Told unit_name = part.unit == "1" ? Told{} : UnitTold(fmt::format(" {}", unit.name));
   const Told values =
       Tell("{:.4g} -> {:.4g}{}", "{:.4g} -> {:.4g}{}", part.reference * unit.factor + unit.offset,
            (part.reference + part.size) * unit.factor + unit.offset, unit_name);

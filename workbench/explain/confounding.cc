@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/effect_units.h"
+#include "core/unit_told.h"
 #include "core/units.h"
 #include "diagnosis/hidden_bias.h"
 #include "models/parameter_unit.h"
@@ -31,8 +32,8 @@ Told ReasonFor(const MachineKind& kind, const Confounding& c, const Effect& effe
   return Tell(
       "confounded with {}: {} of a usual size ({:.2g} {}) would move it by {:+.2g} {} without being seen",
       "nicht zu trennen von {}: {} üblicher Größe ({:.2g} {}) verschöbe ihn unbemerkt um {:+.2g} {}",
-      fmt::to_string(fmt::join(c.effects, ", ")), effect.id, effect.typical * size.factor, size.name,
-      c.bias * unit.factor, unit.name == "-" ? "" : unit.name);
+      fmt::to_string(fmt::join(c.effects, ", ")), effect.id, effect.typical * size.factor,
+      UnitTold(size.name), c.bias * unit.factor, unit.name == "-" ? Told{} : UnitTold(unit.name));
 }
 
 }  // namespace

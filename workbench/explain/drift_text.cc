@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/effect_units.h"
+#include "core/unit_told.h"
 
 namespace hydroscope {
 namespace {
@@ -34,7 +35,8 @@ Told DriftText(const ExplainResult& result, const EffectEstimate& estimate) {
     const EffectUnit unit = EffectUnitFor(effect.drifts_by);
     return Tell("{} {} by {:.2g}{} during this log ({:.0f} s)",
                 "{} {} in dieser Aufzeichnung um {:.2g}{} ({:.0f} s)", effect.drifting, moved,
-                std::abs(change) * unit.factor, unit.name == "-" ? std::string() : " " + unit.name, seconds);
+                std::abs(change) * unit.factor, unit.name == "-" ? Told{} : UnitTold(" " + unit.name),
+                seconds);
   }
   return Tell("{} {} by {:.2g} % during this log ({:.0f} s)",
               "{} {} in dieser Aufzeichnung um {:.2g} % ({:.0f} s)", effect.drifting, moved,
