@@ -7,6 +7,7 @@
 #include "host/output.h"
 #include "models/counted_words.h"
 #include "report/explain_report.h"
+#include "report/states_report.h"
 #include "workbench/explain/explain_output.h"
 #include "workbench/explain/explain_stored.h"
 #include "workbench/history/history_options.h"
@@ -151,11 +152,11 @@ Result<Explained> ExplainDatabase(const ExplainArguments& a) {
 }
 
 Status ExplainStatesOfLogs(const ExplainArguments& a) {
-  if (!a.report.empty())
-    return UsageError("explain --report has no page for machines with [states] yet; use the text or --json");
   const auto explained = ExplainStatesLogs(a.logs, a.machine);
   if (!explained) return tl::unexpected(explained.error());
   if (a.json != "-") Say(ExplainText(*explained));
+  if (!a.report.empty())
+    if (const Status written = WriteStatesReport(a.report, *explained); !written) return written;
   return a.json.empty() ? Status() : WriteJson(a.json, ExplainJson(*explained));
 }
 

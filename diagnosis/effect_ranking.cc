@@ -161,13 +161,10 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
   RankedEffect ranked;
   ranked.effect = index;
   ranked.id = effect.id;
-  ranked.why_not = Tell("the signals it needs have no usable samples in these strokes",
-                        "die Signale, die er braucht, haben in diesen Hüben keine brauchbaren Werte");
   if (const auto why = options_.untestable.find(effect.id); why != options_.untestable.end()) {
     ranked.why_not = why->second;
     return ranked;
   }
-  const double degrees = strokes_.strokes() - 1.0;
   bool forbidden = false, separable = false;
   for (const int shape : ShapesFor(strokes_.model(), index, on.choices)) {
     if (!strokes_.Measured({index, shape})) continue;
@@ -178,45 +175,54 @@ RankedEffect EffectRanking::Try(const CandidateModel& on, int index) const {
     // Testable: a size that matters would stand out of the noise.
     ranked.testable = ranked.testable || options_.min_t * std::max(size.model_std, size.std) <
                                              options_.matters_times * effect.typical;
-    if (!std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; })) {
+    if (std::all_of(fit.effects.begin(), fit.effects.end(), [](const auto& e) { return e.admissible; }))
+      TakeIfBetter(on, std::move(fit), shape, ranked);
+    else
       forbidden = forbidden || !size.admissible;
-      continue;
-    }
-    const double gain = Gain(on.fit, fit);
-    if (ranked.fit.solved && gain <= ranked.gain) continue;
-    const double t = size.size / (size.std / StudentFactor(degrees));
-    ranked.gain = gain;
-    ranked.p_value = TwoSidedP(t, degrees);
-    const bool refined = strokes_.model().effect_shapes[index][shape].refined;
-    ranked.lawful = (size.consistent || !refined) && !IsRefuted(size);
-    ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
-    ranked.significant = ranked.stands_out && fit.rms_holdout < on.fit.rms_holdout;
-    ranked.nonlinear = strokes_.model().effect_shapes[index][shape].nonlinear;
-    ranked.fit = std::move(fit);
   }
-  if (ranked.testable)
-    ranked.why_not = ranked.fit.solved
-                         ? Told{}
-                         : Tell("it would fit only with a sign or size that physics forbids",
-                                "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet");
-  else if (separable)
-    ranked.why_not =
-        forbidden && !ranked.fit.solved
-            ? Tell(
-                  "it would fit only with a sign or size that physics forbids, and even a "
-                  "large one would hide in the other parameters",
-                  "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet, und selbst ein großer "
-                  "verschwände in den anderen Parametern")
-            : Tell(
-                  "these strokes excite it too little: even a large one would hide in the other parameters",
-                  "diese Hübe regen ihn zu wenig an: selbst ein großer verschwände in den anderen Parametern");
-  else if (strokes_.model().effect_shapes[index].empty())
-    ranked.why_not = Tell("nothing like it was found in what the model leaves",
-                          "in dem, was das Modell übrig lässt, fand sich nichts dergleichen");
-  else if (strokes_.Measured({index, 0}))
-    ranked.why_not = Tell("these strokes cannot tell it from the parameters of the model",
-                          "diese Hübe trennen ihn nicht von den Parametern des Modells");
+  ranked.why_not = WhyNot(ranked, separable, forbidden);
   return ranked;
+}
+
+void EffectRanking::TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int shape,
+                                 RankedEffect& ranked) const {
+  const double gain = Gain(on.fit, fit);
+  if (ranked.fit.solved && gain <= ranked.gain) return;
+  const EffectEstimate& size = fit.effects.back();
+  const double degrees = strokes_.strokes() - 1.0;
+  const double t = size.size / (size.std / StudentFactor(degrees));
+  const EffectShape& tried = strokes_.model().effect_shapes[ranked.effect][shape];
+  ranked.gain = gain;
+  ranked.p_value = TwoSidedP(t, degrees);
+  ranked.lawful = (size.consistent || !tried.refined) && !IsRefuted(size);
+  ranked.stands_out = ranked.lawful && gain > options_.min_gain && std::abs(t) > options_.min_t;
+  ranked.significant = ranked.stands_out && fit.rms_holdout < on.fit.rms_holdout;
+  ranked.nonlinear = tried.nonlinear;
+  ranked.fit = std::move(fit);
+}
+
+Told EffectRanking::WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const {
+  if (ranked.testable)
+    return ranked.fit.solved ? Told{}
+                             : Tell("it would fit only with a sign or size that physics forbids",
+                                    "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet");
+  if (separable && forbidden && !ranked.fit.solved)
+    return Tell(
+        "it would fit only with a sign or size that physics forbids, and even a large one would hide in the other "
+        "parameters",
+        "er passte nur mit Vorzeichen oder Größe, die die Physik verbietet, und selbst ein großer verschwände in den "
+        "anderen Parametern");
+  if (separable)
+    return Tell("these strokes excite it too little: even a large one would hide in the other parameters",
+                "diese Hübe regen ihn zu wenig an: selbst ein großer verschwände in den anderen Parametern");
+  if (strokes_.model().effect_shapes[ranked.effect].empty())
+    return Tell("nothing like it was found in what the model leaves",
+                "in dem, was das Modell übrig lässt, fand sich nichts dergleichen");
+  if (strokes_.Measured({ranked.effect, 0}))
+    return Tell("these strokes cannot tell it from the parameters of the model",
+                "diese Hübe trennen ihn nicht von den Parametern des Modells");
+  return Tell("the signals it needs have no usable samples in these strokes",
+              "die Signale, die er braucht, haben in diesen Hüben keine brauchbaren Werte");
 }
 
 std::vector<RankedEffect> EffectRanking::Rank(const CandidateModel& on) const {

@@ -69,6 +69,11 @@ class EffectRanking {
 
  private:
   RankedEffect Try(const CandidateModel& on, int effect) const;
+  /// An admissible fit with `ranked` in a shape of its grid takes the place of one that gains less.
+  void TakeIfBetter(const CandidateModel& on, ExtendedFit fit, int shape, RankedEffect& ranked) const;
+  /// Why these strokes cannot test an effect; `separable`: in some shape it is told from the model, `forbidden`: with a size
+  /// that physics forbids.
+  Told WhyNot(const RankedEffect& ranked, bool separable, bool forbidden) const;
   void PreferStored(std::vector<RankedEffect>& ranking) const;
   void PreferMeasured(std::vector<RankedEffect>& ranking) const;
   double Cost(const ExtendedFit& fit) const;

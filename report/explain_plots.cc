@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <set>
 
 #include "core/constants.h"
 #include "core/interval_text.h"
 #include "diagnosis/remainder/residuals.h"
 #include "models/output_unit.h"
+#include "report/error_map_plot.h"
 #include "report/svg_rows.h"
 #include "report/svg_text.h"
 
@@ -31,16 +30,6 @@ PlotRow ErrorLeft(const ExtendedFit& fit, double base) {
   return row;
 }
 
-/// Edges of the cells along one signal, as shown.
-std::vector<double> Edges(const ErrorMap& map, const std::vector<ResidualSignal>& signals, int axis) {
-  std::set<double> edges;
-  for (const MapCell& cell : map.cells) edges.insert({cell.from[axis], cell.to[axis]});
-  const ResidualSignal& signal = signals[static_cast<std::size_t>(map.signals[axis])];
-  std::vector<double> shown;
-  for (const double edge : edges) shown.push_back(edge * signal.factor + signal.offset);
-  return shown;
-}
-
 /// Whether the temperature, if it is one of the map's signals, moved enough to be worth an axis.
 bool TemperatureMoves(const ErrorMap& map, const ExplainResult& result) {
   const std::vector<ResidualSignal>& signals = result.signals;
@@ -48,7 +37,7 @@ bool TemperatureMoves(const ErrorMap& map, const ExplainResult& result) {
   for (std::size_t axis = 0; axis < map.signals.size(); ++axis) {
     const int channel = signals[static_cast<std::size_t>(map.signals[axis])].channel;
     if (channel < 0 || channel != result.log.model->temperature_channel) continue;
-    const std::vector<double> edges = Edges(map, signals, static_cast<int>(axis));
+    const std::vector<double> edges = MapEdges(map, signals, axis);
     if (edges.back() - edges.front() < kWorthAnAxis) return false;
   }
   return true;
@@ -61,14 +50,6 @@ const ErrorMap& ShownPair(const ExplainResult& result) {
   for (const ErrorMap& pair : pairs)
     if (pair.explained > pairs.front().explained - kEqual && TemperatureMoves(pair, result)) return pair;
   return pairs.front();
-}
-
-std::string AxisName(const ResidualSignal& signal) {
-  const auto line = signal.name.find('_');
-  std::string name = signal.name;
-  if (line != std::string::npos && signal.name != "pressure_rate")
-    name = signal.name.substr(0, line + 1) + "{" + signal.name.substr(line + 1) + "}";
-  return signal.unit.empty() ? name : fmt::format("{} ({})", name, signal.unit);
 }
 
 double Rms(const StrokeResiduals& stroke) {
@@ -127,35 +108,7 @@ std::string RankingPlot(const ExplainResult& result) {
 
 std::string ResidualMap(const ExplainResult& result, bool diverging) {
   if (result.location.pairs.empty() || result.signals.empty()) return "";
-  const ErrorMap& map = ShownPair(result);
-  const std::vector<ResidualSignal>& signals = result.signals;
-  const std::vector<double> x = Edges(map, signals, 0), y = Edges(map, signals, 1);
-  if (x.size() < 2 || y.size() < 2) return "";
-  const DisplayUnit unit = OutputUnit(result.log.model.get());
-  std::vector<double> values((x.size() - 1) * (y.size() - 1), std::numeric_limits<double>::quiet_NaN());
-  const auto place = [&](const std::vector<double>& edges, double si, const ResidualSignal& signal) {
-    const double shown = si * signal.factor + signal.offset;
-    return static_cast<std::size_t>(
-        std::lower_bound(edges.begin(), edges.end(), shown - 1e-9 * std::abs(shown)) - edges.begin());
-  };
-  for (const MapCell& cell : map.cells) {
-    if (cell.windows == 0) continue;
-    const std::size_t column = place(x, cell.from[0], signals[map.signals[0]]);
-    const std::size_t row = place(y, cell.from[1], signals[map.signals[1]]);
-    const double value = diverging ? cell.mean : std::sqrt(std::max(0.0, cell.excess));
-    if (column + 1 < x.size() && row + 1 < y.size())
-      values[row * (x.size() - 1) + column] = value * unit.factor;
-  }
-  SvgPlot::Options options;
-  options.width = 560;
-  options.height = 330;
-  options.title = diverging ? "mean of measured minus modelled" : "model error, sensor noise taken out";
-  options.x_label = AxisName(signals[map.signals[0]]);
-  options.y_label = AxisName(signals[map.signals[1]]);
-  SvgPlot plot(options);
-  plot.HeatMap(x, y, values, diverging,
-               fmt::format("{} ({})", diverging ? "measured − model" : "error, rms", unit.name));
-  return plot.Render();
+  return ErrorMapPlot(ShownPair(result), result.signals, OutputUnit(result.log.model.get()), diverging);
 }
 
 std::vector<StrokeOverlay> ExplainOverlays(const ExplainResult& result) {

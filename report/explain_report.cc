@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
 #include "core/interval_text.h"
 #include "core/relative_change.h"
@@ -26,20 +23,6 @@ std::string DescribedInPage(const ExplainResult& result, const std::string& id) 
   const Effect* effect = result.FindEffect(id);
   if (effect == nullptr) return "<b>" + EscapeText(id) + "</b>";
   return fmt::format("<b>{}</b>: {}", EscapeText(effect->title), EscapeText(effect->plain));
-}
-
-const char* ToneOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kAdequate:
-      return "steady";
-    case Verdict::kNamed:
-      return "changed";
-    case Verdict::kAmbiguous:
-      return "hint";
-    case Verdict::kUnknown:
-      return "unknown";
-  }
-  return "unknown";
 }
 
 std::string Headline(const ExplainResult& result) {
@@ -225,10 +208,7 @@ std::string History(const ExplainResult& result) {
 std::string VerdictBox(const ExplainResult& result, const std::string& lead = "") {
   std::vector<std::string> sentences = Sentences(result);
   if (!lead.empty()) sentences.insert(sentences.begin(), EscapeText(lead));
-  std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>",
-                                ToneOf(result.explanation.verdict), Headline(result));
-  for (const std::string& sentence : sentences) out += "<li>" + sentence + "</li>";
-  return out + "</ul></section>\n";
+  return VerdictBox(result.explanation.verdict, Headline(result), sentences);
 }
 
 std::string VerdictBoxText(const ExplainResult& result) {
@@ -260,11 +240,7 @@ Status WriteExplainReport(const std::string& path, const std::vector<ExplainResu
         EscapeText(result.log.machine.name), VerdictBoxText(result));
     body += VerdictBox(result) + ExplainSections(result);
   }
-  std::ofstream file(path, std::ios::binary);
-  file << HtmlPage("Hydroscope: what the model misses", body);
-  file.flush();
-  if (!file) return BadInput("cannot write the report {}: {}", path, std::strerror(errno));
-  return {};
+  return WritePage(path, "Hydroscope: what the model misses", body);
 }
 
 }  // namespace hydroscope

@@ -1,5 +1,11 @@
 #include "report/report_page.h"
 
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
@@ -93,6 +99,20 @@ std::string Themes() {
          "}\n@media print{:root,:root[data-theme=dark],:root:not([data-theme=light]){" + light + "}}\n";
 }
 
+const char* ToneOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kAdequate:
+      return "steady";
+    case Verdict::kNamed:
+      return "changed";
+    case Verdict::kAmbiguous:
+      return "hint";
+    case Verdict::kUnknown:
+      return "unknown";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 std::string HtmlPage(const std::string& title, const std::string& body) {
@@ -106,6 +126,21 @@ std::string Figure(const std::string& svg, const std::string& caption) {
   if (svg.empty()) return "";
   return "<figure>" + svg + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") +
          "</figure>\n";
+}
+
+std::string VerdictBox(Verdict verdict, const std::string& headline,
+                       const std::vector<std::string>& sentences) {
+  std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>", ToneOf(verdict), headline);
+  for (const std::string& sentence : sentences) out += "<li>" + sentence + "</li>";
+  return out + "</ul></section>\n";
+}
+
+Status WritePage(const std::string& path, const std::string& title, const std::string& body) {
+  std::ofstream file(path, std::ios::binary);
+  file << HtmlPage(title, body);
+  file.flush();
+  if (!file) return BadInput("cannot write the report {}: {}", path, std::strerror(errno));
+  return {};
 }
 
 }  // namespace hydroscope

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "diagnosis/explain.h"
 
 namespace hydroscope {
 
@@ -13,5 +17,12 @@ inline constexpr double kPageWidth = 920;  ///< px, of plots as wide as the page
 
 /// A plot with its caption, which may be empty; "" without a plot.
 std::string Figure(const std::string& svg, const std::string& caption);
+
+/// A verdict in a box, to lead a page; `headline` and `sentences` are HTML.
+std::string VerdictBox(Verdict verdict, const std::string& headline,
+                       const std::vector<std::string>& sentences);
+
+/// Writes HtmlPage(title, body). Fails if the file cannot be written.
+Status WritePage(const std::string& path, const std::string& title, const std::string& body);
 
 }  // namespace hydroscope

@@ -21,6 +21,7 @@
 #include "workbench/model/model_record.h"
 #include "workbench/states/experiment_output.h"
 #include "workbench/states/states_warnings.h"
+#include "workbench/states/states_words.h"
 
 namespace hydroscope {
 namespace {
@@ -89,22 +90,6 @@ std::string WarningLines(const std::vector<Told>& warnings) {
   std::string text;
   for (const std::string& warning : InEnglish(warnings)) text += fmt::format("WARNING: {}\n", warning);
   return text;
-}
-
-/// What errors are told in; of several outputs as a share.
-struct ErrorWords {
-  double factor;
-  std::string unit;
-};
-
-ErrorWords ErrorWordsOf(const StatesError& error) {
-  if (error.of_variation) return {100, "% of the outputs' variation"};
-  return {1, std::string(error.unit.name == "1" ? "a number" : error.unit.name)};
-}
-
-std::string ErrorText(const StatesError& error, double value) {
-  const ErrorWords words = ErrorWordsOf(error);
-  return fmt::format("{:.3g} {}", value * words.factor, words.unit);
 }
 
 std::string RowsText(const EpisodeLog& log) {
@@ -182,19 +167,6 @@ nlohmann::json EpisodesJson(const StatesFit& fit) {
   return out;
 }
 
-std::string Named(const std::vector<Effect>& effects, const std::string& id) {
-  const Effect* effect = FindStateEffect(effects, id);
-  return effect == nullptr || effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
-}
-
-/// What an effect of a built-in machine means for the plant.
-std::string PlainLine(const Machine& machine, const std::vector<Effect>& effects, const std::string& id) {
-  for (const UserEffectSpec& own : machine.user_effects)
-    if (own.id == id) return "";
-  const Effect* effect = FindStateEffect(effects, id);
-  return effect == nullptr ? "" : fmt::format("    {}\n", effect->plain);
-}
-
 std::string VerdictText(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   const std::vector<Effect> effects = StateEffectsOf(e.log.machine);
@@ -205,14 +177,15 @@ std::string VerdictText(const StatesExplained& e) {
              "The model describes these episodes: no function of states and inputs predicts what is left.\n";
     case Verdict::kNamed:
       for (const std::string& id : x.set) {
-        text += "  " + Named(effects, id) + "\n";
-        text += PlainLine(e.log.machine, effects, id);
+        text += "  " + NamedEffect(effects, id) + "\n";
+        if (const std::string plain = PlainWords(e.log.machine, effects, id); !plain.empty())
+          text += "    " + plain + "\n";
       }
       return text;
     case Verdict::kAmbiguous:
       for (const auto& group : x.groups) {
         std::vector<std::string> names;
-        for (const std::string& id : group) names.push_back(Named(effects, id));
+        for (const std::string& id : group) names.push_back(NamedEffect(effects, id));
         text += fmt::format("  {}\n", fmt::join(names, " or "));
       }
       return text + "  These episodes do not tell them apart.\n";
@@ -242,14 +215,6 @@ std::vector<Estimate> BaseOnly(const std::vector<Estimate>& estimates) {
     if (estimate.parameter.find('.') == std::string::npos) out.push_back(estimate);
   return out;
 }
-
-/// Error left out as shown, of a candidate on the base's scale.
-double ShownLeftOut(const StatesExplained& e, double held_out) {
-  return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
-}
-
-/// What functions of states and inputs do not predict need not be noise as long as they predict something.
-const char* NoiseWords(bool alone) { return alone ? "noise alone" : "noise at most"; }
 
 /// What the linear form of the kind tells of the record: sums of parameters that it shows, what it does not.
 std::vector<std::string> BaseParameterTexts(const StatesFit& fit) {
@@ -369,19 +334,6 @@ nlohmann::json CompareJson(const StatesFit& fit) {
 }
 
 namespace {
-
-/// Why these episodes cannot show an effect; empty: they can.
-Told WhyNotSeen(const StatesExplanation& x, const std::string& id) {
-  const auto found = x.not_seen.find(id);
-  if (found == x.not_seen.end()) return {};
-  return found->second == EffectSeen::kNeverActs
-             ? Tell(
-                   "wherever it lies in its range, the outputs hardly change: the machine was not driven to where it acts",
-                   "wo immer er in seinem Bereich liegt, ändern sich die Ausgänge kaum: die Maschine kam nicht dorthin, wo er "
-                   "wirkt")
-             : Tell("what it does to the outputs the parameters take over",
-                    "was er an den Ausgängen ändert, übernehmen die Parameter");
-}
 
 std::string NotSeenText(const StatesExplanation& x) {
   std::string text;

@@ -1,0 +1,52 @@
+#include "workbench/states/states_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/state_effects.h"
+
+namespace hydroscope {
+
+ErrorWords ErrorWordsOf(const StatesError& error) {
+  if (error.of_variation) return {100, "% of the outputs' variation"};
+  return {1, std::string(error.unit.name == "1" ? "a number" : error.unit.name)};
+}
+
+std::string ErrorText(const StatesError& error, double value) {
+  const ErrorWords words = ErrorWordsOf(error);
+  return fmt::format("{:.3g} {}", value * words.factor, words.unit);
+}
+
+double ShownLeftOut(const StatesExplained& e, double held_out) {
+  return e.base.rms_holdout * std::sqrt(held_out / std::max(e.explanation.base.held_out, 1e-300));
+}
+
+const char* NoiseWords(bool alone) { return alone ? "noise alone" : "noise at most"; }
+
+std::string NamedEffect(const std::vector<Effect>& effects, const std::string& id) {
+  const Effect* effect = FindStateEffect(effects, id);
+  return effect == nullptr || effect->title == id ? id : fmt::format("{} ({})", effect->title, id);
+}
+
+std::string PlainWords(const Machine& machine, const std::vector<Effect>& effects, const std::string& id) {
+  for (const UserEffectSpec& own : machine.user_effects)
+    if (own.id == id) return "";
+  const Effect* effect = FindStateEffect(effects, id);
+  return effect == nullptr ? "" : effect->plain;
+}
+
+Told WhyNotSeen(const StatesExplanation& x, const std::string& id) {
+  const auto found = x.not_seen.find(id);
+  if (found == x.not_seen.end()) return {};
+  return found->second == EffectSeen::kNeverActs
+             ? Tell(
+                   "wherever it lies in its range, the outputs hardly change: the machine was not driven to where it acts",
+                   "wo immer er in seinem Bereich liegt, ändern sich die Ausgänge kaum: die Maschine kam nicht dorthin, wo er "
+                   "wirkt")
+             : Tell("what it does to the outputs the parameters take over",
+                    "was er an den Ausgängen ändert, übernehmen die Parameter");
+}
+
+}  // namespace hydroscope

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/told.h"
+#include "models/effect.h"
+#include "workbench/states/states_log.h"
+
+namespace hydroscope {
+
+// How text, JSON and page call the figures and effects of a machine with states.
+
+/// What errors are told in; of several outputs as a share.
+struct ErrorWords {
+  double factor;
+  std::string unit;
+};
+ErrorWords ErrorWordsOf(const StatesError& error);
+/// "0.0118 V", of an error as StatesError has it.
+std::string ErrorText(const StatesError& error, double value);
+
+/// What functions of states and inputs do not predict need not be noise as long as they predict something.
+const char* NoiseWords(bool alone);
+
+/// "Air in the oil (air)"; effects of users' own are called by what their file calls them.
+std::string NamedEffect(const std::vector<Effect>& effects, const std::string& id);
+
+/// Error left out as shown, of a candidate on the base's scale.
+double ShownLeftOut(const StatesExplained& e, double held_out);
+
+/// Why these episodes cannot show an effect; empty: they can.
+Told WhyNotSeen(const StatesExplanation& x, const std::string& id);
+
+/// What an effect of a built-in machine means for the plant; "" of those of the machine file.
+std::string PlainWords(const Machine& machine, const std::vector<Effect>& effects, const std::string& id);
+
+}  // namespace hydroscope
