@@ -54,7 +54,7 @@ TEST(AlarmWords, EvidenceCallsAnEffectByItsTitle) {
   EXPECT_THAT(WordsOf(finding).evidence.english,
               testing::HasSubstr("Internal leakage past the piston seal +0.012 ± 0.00059 l/min per bar"));
   EXPECT_THAT(WordsOf(finding).evidence.german,
-              testing::HasSubstr("Innere Leckage an der Kolbendichtung +0,012 ± 0,00059 l/min per bar"));
+              testing::HasSubstr("Innere Leckage an der Kolbendichtung +0,012 ± 0,00059 l/min je bar"));
 }
 
 TEST(AlarmWords, WhatIsNotToldApartNamesItsRivals) {

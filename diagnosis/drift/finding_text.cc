@@ -21,7 +21,7 @@ Told PartText(const FindingPart& part) {
   if (part.reference == 0) {  // an effect that is absent when healthy
     const EffectUnit unit = EffectUnitFor(part.unit);
     return Tell("{} {:+.3g} ± {:.2g} {}", "{} {:+.3g} ± {:.2g} {}", quantity, part.size * unit.factor,
-                kNormal95 * part.std * unit.factor, unit.name);
+                kNormal95 * part.std * unit.factor, UnitTold(unit.name));
   }
   const DisplayUnit unit = DisplayUnitFor(part.unit);
   const Told unit_name = part.unit == "1" ? Told{} : UnitTold(fmt::format(" {}", unit.name));
