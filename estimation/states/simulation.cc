@@ -6,6 +6,24 @@
 #include "estimation/states/steps.h"
 
 namespace hydroscope {
+namespace {
+
+/// `apart`: of the registers.
+TangentEntries EntriesOf(const StateModel& model, std::size_t apart) {
+  TangentEntries out;
+  const auto states = static_cast<std::size_t>(model.states());
+  for (std::size_t e = 0; e < model.dynamics.entries.size(); ++e) {
+    const auto [row, column] = model.dynamics.entries[e];
+    const std::size_t place = model.dynamics.slopes.output(states + e) * apart;
+    if (column < model.states())
+      out.by_states.push_back({row, column, place});
+    else
+      out.by_parameters.push_back({row, column - model.states(), place});
+  }
+  return out;
+}
+
+}  // namespace
 
 StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const SimulationOptions& options)
     : model_(std::move(model)),
@@ -24,10 +42,9 @@ StateSimulator::StateSimulator(std::shared_ptr<const StateModel> model, const Si
   for (auto* v : {&x_, &next_, &scale_}) v->assign(n, 0.0);
   for (auto* v : {&u0_, &u1_, &bend0_, &bend1_, &u_, &ended_u_}) v->assign(m, 0.0);
   k_.assign(n * kStateStages, 0.0);
-  for (std::size_t e = 0; e < model_->dynamics.entries.size(); ++e) {
-    entry_places_.push_back(model_->dynamics.slopes.output(n + e));
-    entry_point_places_.push_back(entry_places_.back() * ExpressionProgram::kPoints);
-  }
+  for (std::size_t i = 0; i < n; ++i) rate_places_.push_back(model_->dynamics.values.output(i));
+  entries_ = EntriesOf(*model_, 1);
+  point_entries_ = EntriesOf(*model_, ExpressionProgram::kPoints);
   stage_held_.assign(n * kStateStages, 0);
   stage_x_.assign(n * kStateStages, 0.0);
   jacobian_.assign(n * n, 0.0);
@@ -57,6 +74,9 @@ void StateSimulator::SetParameters(const Eigen::VectorXd& parameters) {
   limits_.resize(2 * states_);
   limit_slopes_ = RowMatrix::Zero(2 * states_, parameters_);
   for (int r = 0; r < 2 * states_; ++r) limits_[r] = registers[program.output(static_cast<std::size_t>(r))];
+  limited_ = limits_.array().isFinite().any();
+  std::fill(held_.begin(), held_.end(), 0);
+  std::fill(stage_held_.begin(), stage_held_.end(), 0);
   for (std::size_t e = 0; e < model_->limits.entries.size(); ++e)
     limit_slopes_(model_->limits.entries[e].row, model_->limits.entries[e].column) =
         registers[program.output(static_cast<std::size_t>(2 * states_) + e)];
@@ -117,17 +137,6 @@ void StateSimulator::HoldAtLimits(const double* x, double* rate) {
   }
 }
 
-void StateSimulator::Rate(const double* x, double fraction, double* rate) {
-  InputAt(fraction);
-  double* r = values_registers_.data();
-  CopyFew(x, states_, r);
-  CopyFew(u_.data(), inputs_, r + states_);
-  const ExpressionProgram& program = model_->dynamics.values;
-  program.Run(r);
-  for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
-  HoldAtLimits(x, rate);
-}
-
 void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rate) {
   InputAt(fraction);
   double* r = slopes_registers_.data();
@@ -136,7 +145,7 @@ void StateSimulator::RateAndSlopes(const double* x, double fraction, double* rat
   const ExpressionProgram& program = model_->dynamics.slopes;
   program.Run(r);
   for (int i = 0; i < states_; ++i) rate[i] = r[program.output(static_cast<std::size_t>(i))];
-  HoldAtLimits(x, rate);
+  if (limited_) HoldAtLimits(x, rate);
 }
 
 /// States beyond a limit are put onto it; a state that is the rate of one that stops is 0. False: there are none.
@@ -184,9 +193,9 @@ bool StateSimulator::Interval(double period) {
       next_share_ = 1;
       continue;
     }
-    const double order = stiff_ ? 4 : 5;
+    const float order = stiff_ ? 4 : 5;  // a step's length needs no more digits
     const auto factor = [&] {
-      return kSafety * std::pow(options_.tolerance / std::max(error, 1e-30), 1 / order);
+      return kSafety * std::pow(static_cast<float>(options_.tolerance / std::max(error, 1e-30)), 1 / order);
     };
     if (!fine || error > options_.tolerance) {
       next_share_ = share * (fine ? std::clamp(factor(), kSmallest, 1.0) : kSmallest);
@@ -200,7 +209,7 @@ bool StateSimulator::Interval(double period) {
       continue;
     }
     x_.swap(next_);
-    begun_ = !Clamp() && !stiff_;
+    begun_ = !(limited_ && Clamp()) && !stiff_;
     if (begun_) KeepLastStage();
     for (int i = 0; i < states_; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -287,7 +296,7 @@ void StateSimulator::Correct(const Episode& episode, int row, const StateRun& ru
       slopes[parameters_ + i * outputs + j] += error;
     }
   }
-  Clamp();
+  if (limited_) Clamp();
 }
 
 void StateSimulator::Run(const Episode& episode, int first, int last, const Eigen::VectorXd& x0,

@@ -49,6 +49,15 @@ struct StateRun {
   RowMatrix end_slopes;  ///< their sensitivities
 };
 
+/// Where the values of equations' slopes stand in registers: those by states, row by row, and those by parameters.
+struct TangentEntries {
+  struct Entry {
+    int row = 0, column = 0;
+    std::size_t place = 0;
+  };
+  std::vector<Entry> by_states, by_parameters;
+};
+
 /// Runs a model with states over rows: between two rows by Dormand and Prince's method of order 5(4) (1980) with steps
 /// chosen by its error estimate, or, where that takes too many steps, by the L-stable SDIRK method of order 4(3) of Hairer
 /// and Wanner (1996, IV.6). Sensitivities are those of the steps as they are taken: each stage is differentiated exactly,
@@ -93,7 +102,11 @@ class StateSimulator {
   void Breaks(const Episode& episode, int row);
   void TakeDelayed(const Episode& episode, int row, double from, double to);
   bool Interval(double period);
+  template <int kStates>
+  void RateOf(const double* x, double fraction, double* rate);
   bool ExplicitStep(double fraction, double share, double period, double& error);
+  template <int kStates>
+  bool ExplicitStepOf(double fraction, double share, double period, double& error);
   bool ExplicitSlopes(double fraction, double share, double period);
   void SlopesAtStages(double fraction, double share);
   void KeepLastStage();
@@ -118,7 +131,8 @@ class StateSimulator {
   std::vector<double> values_registers_, slopes_registers_, output_registers_, output_slopes_registers_;
   std::vector<double>
       point_registers_;  ///< of the equations' slopes, the stages of an explicit step side by side
-  std::vector<std::size_t> entry_places_, entry_point_places_;  ///< of Equations::entries in these registers
+  TangentEntries entries_, point_entries_;  ///< of the equations' slopes in their registers and in these
+  std::vector<std::size_t> rate_places_;    ///< of the equations' values
   std::vector<double> x_, next_, scale_, u0_, u1_, bend0_, bend1_, u_, ended_u_, k_, stage_x_;
   std::vector<unsigned char> held_;       ///< states at a limit in the stage looked at
   std::vector<double> s_, stage_s_, ks_;  ///< sensitivities, row by row
@@ -134,6 +148,7 @@ class StateSimulator {
   bool begun_ =
       false;  ///< the first stage of the step to come is known: it was rejected, or the last stage of the one before
   bool stiff_ = false, with_slopes_ = false;
+  bool limited_ = true;  ///< some state has a limit
   double next_share_ = 1, fastest_ = 0;
   std::int64_t steps_ = 0;
 };

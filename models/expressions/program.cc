@@ -110,29 +110,39 @@ void Execute(const std::vector<ExpressionProgram::Instruction>& code, double* re
 
 /// One point: each instruction ends with a jump to the next one's code (threaded code, Bell 1973), which the processor
 /// foretells better than one jump for all, as in a loop over a switch.
+/// What an instruction gave goes on to the next one beside its register: from memory it would come later.
 using Instruction = ExpressionProgram::Instruction;
-using Step = void (*)(const Instruction* at, const Instruction* end, double* registers);
-template <Operation kOperation>
-void TakeStep(const Instruction* at, const Instruction* end, double* registers);
+using Step = void (*)(const Instruction* at, const Instruction* end, double* registers, double last);
+template <Operation kOperation, int kLast>
+void TakeStep(const Instruction* at, const Instruction* end, double* registers, double last);
 
-constexpr Step kSteps[] = {
-#define HYDROSCOPE_STEP(name) TakeStep<Operation::name>,
+constexpr int kLasts = 4;  // of Instruction::last
+constexpr Step kSteps[][kLasts] = {
+#define HYDROSCOPE_STEP(name)                                                                \
+  {TakeStep<Operation::name, 0>, TakeStep<Operation::name, 1>, TakeStep<Operation::name, 2>, \
+   TakeStep<Operation::name, 3>},
     HYDROSCOPE_OPERATIONS(HYDROSCOPE_STEP)
 #undef HYDROSCOPE_STEP
 };
 #undef HYDROSCOPE_OPERATIONS
 static_assert(std::size(kSteps) == static_cast<std::size_t>(Operation::kMinusProduct) + 1);
 
-template <Operation kOperation>
-void TakeStep(const Instruction* at, const Instruction* end, double* registers) {
-  registers[at->to] = Compute(kOperation, registers[at->a], registers[at->b], registers[at->c]);
-  if (++at != end) return kSteps[static_cast<std::size_t>(at->operation)](at, end, registers);
+Step StepOf(const Instruction& instruction) {
+  return kSteps[static_cast<std::size_t>(instruction.operation)][instruction.last];
+}
+
+template <Operation kOperation, int kLast>
+void TakeStep(const Instruction* at, const Instruction* end, double* registers, double last) {
+  const double a = kLast == 1 ? last : registers[at->a], b = kLast == 2 ? last : registers[at->b],
+               c = kLast == 3 ? last : registers[at->c], value = Compute(kOperation, a, b, c);
+  registers[at->to] = value;
+  if (++at != end) return StepOf(*at)(at, end, registers, value);
 }
 
 void ExecutePoint(const std::vector<Instruction>& code, double* registers) {
   if (code.empty()) return;
   const Instruction* const first = code.data();
-  kSteps[static_cast<std::size_t>(first->operation)](first, first + code.size(), registers);
+  StepOf (*first)(first, first + code.size(), registers, 0);
 }
 
 HYDROSCOPE_WIDE void ExecuteBlock(const std::vector<ExpressionProgram::Instruction>& code, double* registers,
@@ -143,6 +153,13 @@ HYDROSCOPE_WIDE void ExecuteBlock(const std::vector<ExpressionProgram::Instructi
 HYDROSCOPE_WIDE void ExecutePoints(const std::vector<ExpressionProgram::Instruction>& code,
                                    double* registers) {
   Execute(code, registers, PointCount());
+}
+
+/// Instruction::last where `before` is the register of the instruction before.
+std::uint8_t LastOf(const Instruction& instruction, std::uint16_t before) {
+  const std::uint16_t operands[] = {instruction.a, instruction.b, instruction.c};
+  const auto found = std::find(std::begin(operands), std::end(operands), before);
+  return found == std::end(operands) ? 0 : static_cast<std::uint8_t>(found - std::begin(operands) + 1);
 }
 
 }  // namespace
@@ -193,7 +210,9 @@ ExpressionProgram::ExpressionProgram(const ExpressionGraph& graph, const std::ve
       instruction.b = at(product.b);
       instruction.c = at(second ? value.a : value.b);
     }
-    (varies[v] ? code_ : fixed_).push_back(instruction);
+    std::vector<Instruction>& code = varies[v] ? code_ : fixed_;
+    if (!code.empty()) instruction.last = LastOf(instruction, code.back().to);
+    code.push_back(instruction);
   }
   for (int output : outputs) outputs_.push_back(place[static_cast<std::size_t>(output)]);
 }

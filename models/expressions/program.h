@@ -45,6 +45,7 @@ class ExpressionProgram {
   struct Instruction {
     Operation operation;
     std::uint16_t to, a, b, c;
+    std::uint8_t last = 0;  ///< operand that is what the instruction before gave: 1 a, 2 b, 3 c; 0 none
   };
 
  private:

@@ -1,0 +1,124 @@
+#include "estimation/states/step_tangent.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "core/wide.h"
+#include "estimation/states/explicit_method.h"
+#include "estimation/states/steps.h"
+
+namespace hydroscope {
+namespace {
+
+using Entry = TangentEntries::Entry;
+
+/// out = df/dp + what added terms give; 0 in rows of states that are held. Written for all stages before any is read: reading
+/// whole vectors of what has just been written number by number makes the processor wait.
+inline void PutOwnSlopes(const TangentShape& shape, const TangentPoint& point, double* out) {
+  const int columns = shape.columns;
+  std::fill_n(out, shape.states * columns, 0.0);
+  for (const auto& [row, column, place] : shape.entries.by_parameters)
+    if (point.held[row] == 0) out[row * columns + column] = point.registers[place];
+  if (shape.terms == nullptr) return;
+  for (const auto& [value, row, column] : shape.terms->to_states)
+    if (point.held[row] == 0) out[row * columns + shape.terms_from + column] += point.added[value];
+}
+
+/// Numbers side by side in a register of the processor, or in two. By memcpy, as they need not be aligned.
+using Lanes [[gnu::vector_size(kSensitivityPadding * sizeof(double))]] = double;
+[[gnu::always_inline]] inline void TakeLanes(const double* from, Lanes& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
+}
+[[gnu::always_inline]] inline void PutLanes(const Lanes& lanes, double* to) {
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+/// to += sum over the entries of a row of value * s, for kCount times kSensitivityPadding columns from `s` and `to` on.
+template <int kCount>
+[[gnu::always_inline]] inline void AddProducts(const Entry* entry, const Entry* end, const double* registers,
+                                               const double* s, int columns, double* to) {
+  Lanes sum[kCount] = {};
+  for (; entry != end; ++entry) {
+    const double value = registers[entry->place];
+    const double* from = s + entry->column * columns;
+    for (int c = 0; c < kCount; ++c) {
+      Lanes moved;
+      TakeLanes(from + c * kSensitivityPadding, moved);
+      sum[c] += value * moved;
+    }
+  }
+  for (int c = 0; c < kCount; ++c, to += kSensitivityPadding) {
+    Lanes own;
+    TakeLanes(to, own);
+    PutLanes(sum[c] + own, to);
+  }
+}
+
+/// out += J s.
+inline void AddMovedSlopes(const TangentShape& shape, const TangentPoint& point, const double* s,
+                           double* out) {
+  const int columns = shape.columns;
+  const Entry *entry = shape.entries.by_states.data(), *last = entry + shape.entries.by_states.size();
+  while (entry != last) {
+    const int row = entry->row;
+    const Entry* end = entry;
+    while (end != last && end->row == row) ++end;
+    int c = 0;
+    const auto add = [&]<int kCount>(std::integral_constant<int, kCount>) {
+      for (; c + kCount * kSensitivityPadding <= columns; c += kCount * kSensitivityPadding)
+        AddProducts<kCount>(entry, end, point.registers, s + c, columns, out + row * columns + c);
+    };
+    if (point.held[row] == 0) {
+      add(std::integral_constant<int, 4>());
+      add(std::integral_constant<int, 2>());
+      add(std::integral_constant<int, 1>());
+    }
+    entry = end;
+  }
+}
+
+}  // namespace
+
+void RateOfSlopes(const TangentShape& shape, const TangentPoint& point, const double* s, double* out) {
+  PutOwnSlopes(shape, point, out);
+  AddMovedSlopes(shape, point, s, out);
+}
+
+/// As BeginOfStage, in lanes: what is written in them is read in them.
+template <int kStage>
+[[gnu::always_inline]] inline void SlopesAtStage(const double* s, const double* k, double step,
+                                                 std::size_t size, double* out) {
+  std::array<double, static_cast<std::size_t>(kStage)> w;
+  for (std::size_t j = 0; j < kStage; ++j) w[j] = step * kExplicitA[kStage][j];
+  for (std::size_t i = 0; i < size; i += kSensitivityPadding) {
+    Lanes sum, rate;
+    TakeLanes(s + i, sum);
+    for (std::size_t j = 0; j < kStage; ++j) {
+      TakeLanes(k + j * size + i, rate);
+      sum += w[j] * rate;
+    }
+    PutLanes(sum, out + i);
+  }
+}
+
+HYDROSCOPE_WIDE void DifferentiateStep(const TangentShape& shape, const TangentPoint* stages, double step,
+                                       const double* s, double* k, double* end) {
+  const auto size = static_cast<std::size_t>(shape.states * shape.columns);
+  for (std::size_t stage = 0; stage + 1 < kExplicitStages; ++stage)
+    PutOwnSlopes(shape, stages[stage], k + stage * size);
+  AddMovedSlopes(shape, stages[0], s, k);
+  const auto take = [&]<int kStage>(std::integral_constant<int, kStage>) {
+    SlopesAtStage<kStage>(s, k, step, size, end);
+    AddMovedSlopes(shape, stages[kStage], end, k + kStage * size);
+  };
+  take(std::integral_constant<int, 1>());
+  take(std::integral_constant<int, 2>());
+  take(std::integral_constant<int, 3>());
+  take(std::integral_constant<int, 4>());
+  take(std::integral_constant<int, 5>());
+  SlopesAtStage<kExplicitStages - 1>(s, k, step, size, end);
+}
+
+}  // namespace hydroscope
