@@ -12,6 +12,7 @@
 namespace hydroscope::command_line_test {
 namespace {
 
+using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -140,11 +141,20 @@ TEST_F(CommandLine, AFreeRunThatHardlyFollowsIsNoModelThatDescribes) {
   EXPECT_THAT(of("fit"), HasSubstr("the free run errs by"));
   EXPECT_THAT(of("compare"), HasSubstr("The model hardly follows what was measured"));
   EXPECT_THAT(of("explain"), HasSubstr("The free run hardly follows what was measured"));
-  for (const std::string command : {"fit", "compare", "explain"})
+  for (const std::string command : {"check", "fit", "compare", "explain"})
     EXPECT_THAT(of(command), Not(HasSubstr("noise alone"))) << command;
   const nlohmann::json compare =
       Run({"compare", File("pushed.csv"), "-m", File("zero.toml"), "--json", "-"}).Json();
   EXPECT_TRUE(compare["model_error_seen"].is_null());
+}
+
+TEST_F(CommandLine, AnErrorWithoutAUnitIsToldAsANumberAlone) {
+  std::string machine = LagMachine("zero");
+  machine.replace(machine.find("column = \"y\", unit = \"V\""), 24, "column = \"y\", unit = \"1\"");
+  WriteText(File("lag.csv"), LagLog(0));
+  WriteText(File("one.toml"), machine);
+  const std::string fit = Run({"fit", File("lag.csv"), "-m", File("one.toml")}).out;
+  EXPECT_THAT(fit, AllOf(HasSubstr("free-run error"), Not(HasSubstr("a number"))));
 }
 
 /// The level of the first tank is not measured and begins anywhere: its scale is free, whatever is recorded.

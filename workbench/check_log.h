@@ -57,10 +57,12 @@ struct CheckResult {
   Driving driving;
   std::vector<CheckedParameter> parameters;  ///< empty if the machine has no balance (valve)
   GramFit figures;                           ///< FitResult::fit; all 0 if there is no fit
-  std::string no_fit;                        ///< why there is no fit, "" if there is one
-  LogTrust trust;                            ///< of noise and sampling rate
-  FitSuspicion suspicion;                    ///< what the model may miss
-  std::vector<Told> hints;                   ///< what looks wrong in units, signs, gate
+  /// figures.noise_floor is more than noise: what no function of a model's states predicts, or a run that hardly follows.
+  bool noise_at_most = false;
+  std::string no_fit;       ///< why there is no fit, "" if there is one
+  LogTrust trust;           ///< of noise and sampling rate
+  FitSuspicion suspicion;   ///< what the model may miss
+  std::vector<Told> hints;  ///< what looks wrong in units, signs, gate
 
   /// No row or value had to be left out because of its quality.
   bool Clean() const;

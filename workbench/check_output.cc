@@ -146,6 +146,11 @@ DisplayUnit UnitOf(const CheckResult& check, const CheckedParameter& p) {
   return ParameterUnit(KindOf(check.machine), p.estimate.parameter, p.estimate.unit);
 }
 
+/// What makes the figures impossible; of a model with states its warnings say that.
+Told ImpossibleOf(const CheckResult& check) {
+  return KindOf(check.machine).has_states ? Told{} : ImpossibleFigures(check.figures);
+}
+
 std::string Identification(const CheckResult& check) {
   if (KindOf(check.machine).has_states && check.parameters.empty())
     return fmt::format("\nno fit: {}\n", check.no_fit);
@@ -183,14 +188,12 @@ std::string Identification(const CheckResult& check) {
     const bool shares = check.machine.states.outputs.size() > 1;
     const double factor = shares ? 100 : unit.factor;
     const std::string_view name = shares ? "% of the outputs' variation" : unit.name;
-    text += fmt::format(
-        "  model error on {} left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
-        CountedWordsOf(check.machine).many, check.figures.rms_holdout * factor, name,
-        // Where a model with states misses something, noise is what functions of its states do not predict.
-        KindOf(check.machine).has_states && check.suspicion.suspected ? "at most" : "alone would cause",
-        check.figures.noise_floor * factor, name);
-    if (const std::string impossible = ImpossibleFigures(check.figures).english; !impossible.empty())
-      text += fmt::format("  {}\n", impossible);
+    text += fmt::format("  model error on {} left out {:.3g} {}, sensor noise {} {:.3g} {}\n",
+                        CountedWordsOf(check.machine).many, check.figures.rms_holdout * factor, name,
+                        check.noise_at_most ? "at most" : "alone would cause",
+                        check.figures.noise_floor * factor, name);
+    if (const Told impossible = ImpossibleOf(check); !impossible.empty())
+      text += fmt::format("  {}\n", impossible.english);
   }
   return text;
 }
@@ -269,7 +272,7 @@ nlohmann::json ParametersCheckJson(const CheckResult& check) {
 
 std::vector<Told> Warnings(const CheckResult& check) {
   if (!(check.figures.noise_floor > 0)) return {};
-  const Told impossible = ImpossibleFigures(check.figures);
+  const Told impossible = ImpossibleOf(check);
   return impossible.empty() ? std::vector<Told>{} : std::vector{impossible};
 }
 

@@ -16,6 +16,7 @@ ErrorWords ErrorWordsOf(const StatesError& error) {
 
 std::string ErrorText(const StatesError& error, double value) {
   const ErrorWords words = ErrorWordsOf(error);
+  if (error.unit.name == "1" && !error.of_variation) return fmt::format("{:.3g}", value);
   return fmt::format("{:.3g} {}", value * words.factor, words.unit);
 }
 
