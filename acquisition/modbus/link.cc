@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <modbus/modbus.h>
+#include <netdb.h>
 
 #include <cerrno>
 #include <cmath>
@@ -27,6 +28,16 @@ void ModbusLink::Close() {
   context_.reset();
 }
 
+std::string ModbusLink::WhyNotConnected(int error) const {
+  if (error == EINPROGRESS) return "no answer";  // what a host that does not answer at all leaves behind
+  if (error != ECONNREFUSED) return modbus_strerror(error);
+  // libmodbus says so of a name that nobody knows, too.
+  addrinfo* found = nullptr;
+  const int unknown = getaddrinfo(host_.c_str(), nullptr, nullptr, &found);
+  if (found != nullptr) freeaddrinfo(found);
+  return unknown != 0 ? "nobody knows a computer of this name" : modbus_strerror(error);
+}
+
 LinkOutcome ModbusLink::Connect() {
   Close();
   modbus_t* modbus = modbus_new_tcp_pi(host_.c_str(), std::to_string(port_).c_str());
@@ -41,9 +52,7 @@ LinkOutcome ModbusLink::Connect() {
   modbus_set_error_recovery(modbus, MODBUS_ERROR_RECOVERY_NONE);
   modbus_set_slave(modbus, unit_);
   if (modbus_connect(modbus) != 0) {
-    // A host that does not answer at all leaves EINPROGRESS behind.
-    problem_ = fmt::format("no connection to {}:{}: {}", host_, port_,
-                           errno == EINPROGRESS ? "no answer" : modbus_strerror(errno));
+    problem_ = fmt::format("no connection to {}:{}: {}", host_, port_, WhyNotConnected(errno));
     context_.reset();
     return LinkOutcome::kBroken;
   }

@@ -38,6 +38,8 @@ class ModbusLink {
  private:
   struct Context;
   LinkOutcome Judge(int result, const std::string& request);
+  /// Of a connection that failed with this errno.
+  std::string WhyNotConnected(int error) const;
 
   std::string host_;
   int port_, unit_;
