@@ -53,6 +53,7 @@ constexpr std::array<Named, 70> kUnits = {{
 /// The SI unit of `si` per second.
 std::string RateOf(std::string_view si) {
   if (si == "1") return "1/s";
+  if (si == "J") return "W";
   for (const std::string_view rate : {"m/s", "rad/s", "m3/s"})
     if (si == rate) return std::string(rate) + "2";
   return std::string(si) + "/s";
@@ -105,8 +106,10 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
 
 std::string Nearest(std::string_view name, const std::vector<std::string>& candidates) {
   std::string best;
-  // Something of the name must be left.
-  std::size_t best_distance = std::min(std::max<std::size_t>(2, name.size() / 3) + 1, name.size());
+  // At least half of the name must be left.
+  std::size_t best_distance =
+      std::min(std::max<std::size_t>(2, name.size() / 3), std::max<std::size_t>(1, name.size() / 2)) + 1;
+  best_distance = std::min(best_distance, name.size());
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;

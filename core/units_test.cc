@@ -17,6 +17,8 @@ TEST(Units, EveryQuantityMayComePerSecondOrPerMinute) {
                         {"kN/s", "N/s", 1e3},
                         {"mm/s/s", "m/s2", 1e-3},
                         {"%/s", "1/s", 0.01},
+                        {"kJ/s", "W", 1e3},
+                        {"J/min", "W", 1.0 / 60},
                         {"mm/s2", "m/s2", 1e-3}}) {
     const auto unit = FindUnit(c.name);
     ASSERT_TRUE(unit) << c.name;
@@ -32,6 +34,7 @@ TEST(Units, EveryQuantityMayComePerSecondOrPerMinute) {
 TEST(Nearest, NamesNoWordThatHasNothingInCommon) {
   EXPECT_EQ(Nearest("KK", {"V_g", "c", "M_c"}), "");
   EXPECT_EQ(Nearest("Kk", {"V_g", "K", "M_c"}), "K");
+  EXPECT_EQ(Nearest("foo", {"frf", "pump"}), "") << "a third of it";
   EXPECT_EQ(Nearest("replya", {"replay", "report"}), "replay");
 }
 
