@@ -44,13 +44,21 @@ class ResampledReader : public LogReader {
       if (*more && !(apart > 0 && apart < kNeighbourPeriods * inner_->SamplePeriod())) begun_ = false;
     }
     block.Resize(after_.value.size(), row);
+    Count(row);
     return row;
   }
   double Progress() const override { return inner_->Progress(); }
   double SamplePeriod() const override { return period_; }
-  const LogCounters& counters() const override { return inner_->counters(); }
+  const LogCounters& counters() const override { return counters_; }
 
  private:
+  /// Rows as they are given out, everything else as it was read.
+  void Count(std::size_t rows) {
+    given_ += static_cast<std::int64_t>(rows);
+    counters_ = inner_->counters();
+    counters_.rows = given_;
+  }
+
   struct Row {
     double time = 0;
     std::vector<double> value;
@@ -100,6 +108,8 @@ class ResampledReader : public LogReader {
 
   std::unique_ptr<LogReader> inner_;
   double period_;
+  LogCounters counters_;
+  std::int64_t given_ = 0;
   SampleBlock buffer_;
   std::size_t next_ = 0;  // row of `buffer_`
   Row before_, after_;

@@ -71,6 +71,11 @@ TEST_F(SimilarRates, AreOneHistoryInADatabase) {
   const Ran replay = Run({"replay", a, b, "-m", File("spring.toml"), "--db", File("s.db")});
   EXPECT_EQ(replay.exit_code, 0) << replay.err << replay.out;
   EXPECT_THAT(replay.out, HasSubstr("interpolated to 10.2 ms"));
+  const auto logs =
+      Run({"replay", a, b, "-m", File("spring.toml"), "--db", File("counted.db"), "--json", "-"})
+          .Json()["logs"];
+  ASSERT_EQ(logs.size(), 2U);
+  EXPECT_LE(logs[1]["used_rows"], logs[1]["rows"]) << "of the rows that were interpolated";
   EXPECT_EQ(Run({"explain", "--db", File("s.db")}).exit_code, 0);
 }
 
