@@ -47,6 +47,8 @@ const char* Note(PointReason reason) {
       return "          left out: clipped\n";
     case PointReason::kNoPower:
       return "          left out: no power\n";
+    case PointReason::kDisturbed:
+      return "          left out: disturbed\n";
     case PointReason::kOutsideRange:
       return "          left out: outside the range\n";
   }

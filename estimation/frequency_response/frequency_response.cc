@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "estimation/frequency_response/correlation.h"
+#include "estimation/frequency_response/disturbed_points.h"
 #include "estimation/frequency_response/model.h"
 #include "estimation/frequency_response/segments.h"
 #include "estimation/frequency_response/welch.h"
@@ -197,6 +198,19 @@ Result<FrequencyResponse> BySteppedSines(const FrequencyRecord& record, const Se
   return response;
 }
 
+std::string DisturbedWarning(const std::vector<FrequencyPoint>& points) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = 0;
+  for (const FrequencyPoint& p : points) {
+    if (p.reason != PointReason::kDisturbed) continue;
+    lowest = std::min(lowest, p.frequency);
+    highest = std::max(highest, p.frequency);
+  }
+  return fmt::format(
+      "{} frequencies between {:.4g} and {:.4g} Hz left out: the command is weak there and the response follows "
+      "another law than elsewhere, as where both channels pick up a hum",
+      CountReason(points, PointReason::kDisturbed), lowest, highest);
+}
+
 Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const FrequencyResponseOptions& options) {
   auto spectra = EstimateByWelch(record, options);
   if (!spectra) return tl::unexpected(spectra.error());
@@ -232,7 +246,14 @@ Result<FrequencyResponse> ByWelch(const FrequencyRecord& record, const Frequency
       break;
     }
   }
-  TakeModel(FitValveModel(response.points, kHannCorrelation, record.sample_period), response);
+  auto model = FitValveModel(response.points, kHannCorrelation, record.sample_period);
+  if (const auto without =
+          model ? FitWithoutDisturbed(response.points, *model, kHannCorrelation, record.sample_period)
+                : std::nullopt) {
+    model = *without;
+    response.warnings.push_back(DisturbedWarning(response.points));
+  }
+  TakeModel(std::move(model), response);
   return response;
 }
 
@@ -302,6 +323,8 @@ const char* PointReasonName(PointReason reason) {
       return "clipped";
     case PointReason::kNoPower:
       return "no_power";
+    case PointReason::kDisturbed:
+      return "disturbed";
     case PointReason::kOutsideRange:
       return "outside_range";
   }

@@ -37,6 +37,7 @@ enum class PointReason {
   kLowCoherence,  ///< coherence below the limit: noise, nonlinearity or no excitation
   kClipped,       ///< command or response sits on a rail for a part of each period
   kNoPower,       ///< the command has hardly any power there: coherent by accident or by a disturbance
+  kDisturbed,     ///< a weak command, and another law than elsewhere: a disturbance of both channels
   kOutsideRange,  ///< outside the range of frequencies asked for
 };
 /// Short machine name ("used", "too_short", ...).

@@ -1,0 +1,69 @@
+#include "estimation/frequency_response/disturbed_points.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numbers>
+
+#include "estimation/frequency_response/test_signals.h"
+
+namespace hydroscope {
+namespace {
+
+using test_signals::Normal;
+
+/// A second-order system, by short steps.
+struct SecondOrderStep {
+  double omega, damping, position = 0, speed = 0;
+  double operator()(double input) {
+    for (int step = 0; step < 20; ++step) {
+      const double h = 1e-3 / 20;
+      speed += h * omega * (omega * (input - position) - 2 * damping * speed);
+      position += h * speed;
+    }
+    return position;
+  }
+};
+
+/// 60 s of noise below some 40 Hz at 1 kHz through a valve of 80 Hz and damping 0.7. Both channels pick up lines of a hum,
+/// the response `in_response` times as much of it as the command, which has `hum` of each.
+FrequencyRecord NoiseWithHum(double hum, double in_response) {
+  FrequencyRecord record{1e-3, {{}}};
+  std::array<SecondOrderStep, 3> band = {
+      {{2 * std::numbers::pi * 40, 0.6}, {2 * std::numbers::pi * 40, 0.6}, {2 * std::numbers::pi * 40, 0.6}}};
+  SecondOrderStep valve{2 * std::numbers::pi * 80, 0.7};
+  Normal normal(3);
+  for (int n = 0; n < 60'000; ++n) {
+    double command = normal(), lines = 0;
+    for (SecondOrderStep& filter : band) command = filter(command);
+    for (const double f : {57.0, 100.0, 150.0, 200.0, 250.0, 270.0})
+      lines += hum * std::sin(2 * std::numbers::pi * f * n * 1e-3);
+    const double position = valve(command);
+    record.runs[0].input.push_back(command + lines + 1e-5 * normal());
+    record.runs[0].output.push_back(position + in_response * lines + 1e-5 * normal());
+  }
+  return record;
+}
+
+TEST(DisturbedPoints, AHumThatBothChannelsPickUpDoesNotSpoilTheModel) {
+  for (const double in_response : {0.5, 5.0}) {
+    const auto response = MeasureFrequencyResponse(NoiseWithHum(4e-3, in_response));
+    ASSERT_TRUE(response && response->model) << in_response;
+    EXPECT_NEAR(response->model->natural_frequency.value, 80, 2) << in_response;
+    EXPECT_NEAR(response->model->damping.value, 0.7, 0.03) << in_response;
+    bool told = false;
+    for (const std::string& warning : response->warnings)
+      told = told || warning.find("hum") != std::string::npos;
+    EXPECT_TRUE(told) << in_response;
+  }
+}
+
+TEST(DisturbedPoints, WithoutADisturbanceNoneIsLeftOut) {
+  const auto response = MeasureFrequencyResponse(NoiseWithHum(0, 0));
+  ASSERT_TRUE(response && response->model);
+  for (const FrequencyPoint& p : response->points)
+    EXPECT_NE(p.reason, PointReason::kDisturbed) << p.frequency;
+}
+
+}  // namespace
+}  // namespace hydroscope
