@@ -7,24 +7,11 @@
 
 #include "cli/commands.h"
 #include "cli/help_formatter.h"
-#include "core/units.h"
+#include "cli/wrong_use.h"
+#include "host/output.h"
 
 namespace hydroscope {
 namespace {
-
-std::vector<std::string> CommandsOf(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
-  return names;
-}
-
-std::vector<std::string> OptionsOf(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  return names;
-}
 
 /// --quiet for every command that does something.
 void AddQuiet(CLI::App& app) {
@@ -40,40 +27,6 @@ void HideEmptyDefaults(CLI::App& app) {
     HideEmptyDefaults(*command);
   for (CLI::Option* option : app.get_options())
     if (option->get_default_str() == "[]") option->default_str("");
-}
-
-/// Whether the word behind it is its value.
-bool TakesAValue(const CLI::App& app, const std::string& word) {
-  if (!word.starts_with("-") || word.find('=') != std::string::npos) return false;
-  const CLI::Option* option = app.get_option_no_throw(word);
-  return option != nullptr && option->get_type_size() > 0;
-}
-
-/// What in the words nobody knows, and what comes nearest; "" if every command and option is known.
-std::string UnknownWord(const CLI::App& app, int argc, const char* const* argv) {
-  const CLI::App* at = &app;
-  const auto sentence = [](const std::string& what, const std::string& word,
-                           const std::vector<std::string>& known) {
-    const std::string near = Nearest(word, known);
-    return fmt::format("unknown {} '{}'{}", what, word,
-                       near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
-  };
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word == "--") break;
-    const std::vector<std::string> commands = CommandsOf(*at);
-    if (word.starts_with("--")) {
-      const std::string name = word.substr(0, word.find('='));
-      const std::vector<std::string> options = OptionsOf(*at);
-      if (std::find(options.begin(), options.end(), name) == options.end())
-        return sentence("option", name, options);
-    } else if (std::find(commands.begin(), commands.end(), word) != commands.end()) {
-      at = at->get_subcommand(word);
-    } else if (!commands.empty() && !word.starts_with("-") && !TakesAValue(*at, argv[k - 1])) {
-      return sentence(at == &app ? "command" : at->get_name() + " command", word, commands);
-    }
-  }
-  return "";
 }
 
 }  // namespace
@@ -104,16 +57,16 @@ int RunCommandLine(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (const std::string unknown = UnknownWord(app, argc, argv);
-        error.get_exit_code() != 0 && !unknown.empty()) {
-      std::cerr << "hydroscope: " << unknown << "\nRun with --help for more information.\n";
+    if (error.get_exit_code() != 0) {
+      SayBeside("hydroscope: " + WrongUse(app, argc, argv, error) + "\n");
       return kWrongUse;
     }
-    return app.exit(error) == 0 ? kDone : kWrongUse;
+    app.exit(error);  // help or version
   } catch (const std::exception& error) {
     std::cerr << "hydroscope: internal error: " << error.what() << "\n";
     return kOwnFault;
   }
+  if (const Status written = FinishStandardOutput(); !written) return ReportError(written.error());
   return exit_code;
 }
 

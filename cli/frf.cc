@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 #include "cli/frequency_response/frf_report.h"
 #include "cli/frequency_response/loop_report.h"
 #include "host/output.h"
+#include "host/text_file.h"
 #include "models/machine_kind.h"
 
 namespace hydroscope {
@@ -23,14 +23,6 @@ struct FrfArguments {
 FrequencyResponseMethod MethodOf(const std::string& name) {
   if (name == "sine") return FrequencyResponseMethod::kSine;
   return name == "welch" ? FrequencyResponseMethod::kWelch : FrequencyResponseMethod::kAuto;
-}
-
-Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
-  return {};
 }
 
 /// Nothing was left out and there is a model.
@@ -59,7 +51,7 @@ Result<int> RunClosedLoop(const FrfArguments& a, const Machine& machine) {
     if (const Status s = WriteJson(a.json, LoopJson(*measured, machine)); !s)
       return tl::unexpected(s.error());
   if (!a.svg.empty())
-    if (const Status s = WriteText(a.svg, LoopBodePlot(*measured, machine.name)); !s)
+    if (const Status s = WriteTextFile(a.svg, LoopBodePlot(*measured, machine.name)); !s)
       return tl::unexpected(s.error());
   return measured->response.fit && measured->log.left_out == 0 ? kDone : kPartlyDone;
 }
@@ -92,7 +84,7 @@ Result<int> RunFrf(const FrfArguments& a) {
   if (!a.svg.empty()) {
     const std::string title =
         fmt::format("{}: {} to {}", machine->name, machine->valve.input, machine->valve.output);
-    if (const Status s = WriteText(a.svg, FrfBodePlot(*response, title)); !s)
+    if (const Status s = WriteTextFile(a.svg, FrfBodePlot(*response, title)); !s)
       return tl::unexpected(s.error());
   }
   return Complete(*response, *log) ? kDone : kPartlyDone;

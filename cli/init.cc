@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "cli/commands.h"
 #include "core/shown_width.h"
 #include "host/output.h"
+#include "host/text_file.h"
 #include "models/machine_kind.h"
 #include "setup/kind_columns.h"
 #include "setup/machine_proposal.h"
@@ -64,13 +64,7 @@ std::string ReportText(const InitArguments& arguments, const MachineProposal& pr
 Status WriteFile(const InitArguments& arguments, const std::string& text) {
   if (!arguments.force && std::filesystem::exists(arguments.out))
     return UsageError("{} exists already; choose another name, or --force to replace it", arguments.out);
-  std::ofstream file(arguments.out, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file)
-    return BadInput("{}: the machine file cannot be written; does the folder exist, is there space?",
-                    arguments.out);
-  return {};
+  return WriteTextFile(arguments.out, text);
 }
 
 int RunInit(const InitArguments& arguments) {

@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/user_name.h"
+#include "core/cannot_write.h"
 #include "host/output.h"
 #include "host/signals.h"
 #include "live/service_socket.h"
@@ -37,7 +38,7 @@ Status WriteExample(const std::string& effect, double size, const std::string& p
   }
   file << text;
   file.close();
-  if (!file) return InternalError("cannot write {}: is the disk full?", path);
+  if (!file) return CannotWrite(path);
   return {};
 }
 

@@ -7,12 +7,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "core/cannot_write.h"
 #include "core/printable.h"
 #include "host/progress_listener.h"
+#include "host/text_file.h"
 #include "host/wrapped_text.h"
 
 namespace hydroscope {
@@ -53,11 +54,16 @@ Status WriteJson(const std::string& path, nlohmann::json document) {
     std::cout << document.dump(2) << "\n";
     return {};
   }
-  std::ofstream file(path);
-  file << document.dump(2) << "\n";
-  file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
-  return {};
+  return WriteTextFile(path, document.dump(2) + "\n");
+}
+
+Status FinishStandardOutput() {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::cout && std::ferror(stdout) == 0) return {};
+  // What failed may have failed long ago: one more byte tells why.
+  if (errno == 0 && write(STDOUT_FILENO, "\n", 1) == 1) errno = EIO;
+  return CannotWrite("to standard output", errno);
 }
 
 std::size_t LineWidth() {

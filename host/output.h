@@ -21,6 +21,9 @@ inline constexpr int kJsonSchema = 1;
 /// Writes `document` to `path` ("-" is stdout), indented, with a final newline. Objects without a "schema" get kJsonSchema.
 Status WriteJson(const std::string& path, nlohmann::json document);
 
+/// Writes out what stdout still holds. Error: some of what was to stand there could not be written.
+Status FinishStandardOutput();
+
 /// Characters in a line for people: of the terminal, elsewhere COLUMNS of the environment, else 80.
 std::size_t LineWidth();
 /// The text for people, on stdout; longer lines are broken at blanks. Silent after BeQuiet.

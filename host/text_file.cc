@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/cannot_write.h"
 #include "core/told_error.h"
 
 namespace hydroscope {
@@ -16,13 +17,11 @@ Result<std::string> ReadTextFile(const std::string& path) {
 }
 
 Status WriteTextFile(const std::string& path, const std::string& text) {
+  errno = 0;
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.flush();
-  if (!file)
-    return BadInput(Tell("cannot write {}: check that the folder exists and the disk is not full",
-                         "{} kann nicht geschrieben werden: gibt es den Ordner, und hat die Platte Platz?",
-                         path));
+  if (!file) return CannotWrite(path);
   return {};
 }
 

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 
+#include "core/cannot_write.h"
 #include "core/constants.h"
 #include "core/time_text.h"
 #include "models/machine_kind.h"
@@ -383,10 +382,9 @@ std::string FormatReport(const ReportInput& input) {
 
 Status WriteReport(const std::string& path, const ReportInput& input) {
   std::ofstream file(path, std::ios::binary);
-  if (!file) return BadInput("cannot write the report to {}: {}", path, std::strerror(errno));
   file << FormatReport(input);
-  file.close();
-  if (!file) return InternalError("writing the report to {} failed: is the disk full?", path);
+  file.flush();
+  if (!file) return CannotWrite(path);
   return {};
 }
 

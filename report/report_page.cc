@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 
+#include "core/cannot_write.h"
 #include "report/svg_plot.h"
 #include "report/svg_text.h"
 
@@ -139,7 +138,7 @@ Status WritePage(const std::string& path, const std::string& title, const std::s
   std::ofstream file(path, std::ios::binary);
   file << HtmlPage(title, body);
   file.flush();
-  if (!file) return BadInput("cannot write the report {}: {}", path, std::strerror(errno));
+  if (!file) return CannotWrite(path);
   return {};
 }
 

@@ -3,7 +3,8 @@
 #include <zlib.h>
 
 #include <cerrno>
-#include <cstring>
+
+#include "core/cannot_write.h"
 
 namespace hydroscope {
 
@@ -34,8 +35,7 @@ Result<TextSink> TextSink::Open(const std::string& path) {
   } else {
     state->file = std::fopen(path.c_str(), "wb");
   }
-  if (state->packed == nullptr && state->file == nullptr)
-    return BadInput("cannot write {}: {}", path, std::strerror(errno));
+  if (state->packed == nullptr && state->file == nullptr) return CannotWrite(path);
   return TextSink(std::move(state));
 }
 
@@ -60,8 +60,7 @@ Status TextSink::Close() {
   s.packed = nullptr;
   s.file = nullptr;
   if (closed && !s.failed) return {};
-  return BadInput("cannot write {}: {}", s.path,
-                  s.error != 0 ? std::strerror(s.error) : "compression failed");
+  return CannotWrite(s.path == "-" ? "to standard output" : s.path, s.error);
 }
 
 }  // namespace hydroscope

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "core/cannot_write.h"
 #include "report/svg_sheet.h"
 
 namespace hydroscope {
@@ -46,7 +47,7 @@ Status WriteFilterStudyPlot(const FilterStudyResult& study, const std::string& p
   std::ofstream file(path);
   file << SvgSheet("", "", plots);
   file.flush();
-  if (!file) return BadInput("cannot write {}: check that the folder exists and the disk is not full", path);
+  if (!file) return CannotWrite(path);
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/cannot_write.h"
 #include "simulator/die_cushion/log_format.h"
 #include "simulator/die_cushion/press.h"
 #include "studies/simulated_strokes.h"
@@ -17,7 +18,7 @@ namespace {
 Status SaveText(const std::string& text, const std::string& path) {
   std::ofstream file(path, std::ios::binary);
   file << text;
-  if (!file.flush()) return BadInput("cannot write {}", path);
+  if (!file.flush()) return CannotWrite(path);
   return {};
 }
 

@@ -47,6 +47,46 @@ TEST_F(CommandLine, WrongUseIsTwoAndHelpIsZero) {
   }
 }
 
+TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
+  struct Case {
+    std::vector<std::string> words;
+    const char* told;
+  };
+  for (const Case& c : {
+           Case{{"frf", "x.csv", "-m", "m.toml", "--settle", "-1"},
+                "--settle -1: expected 0 or a positive number"},
+           Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
+           Case{{"serve", "m.toml", "--db", "x.db", "--port", "99999"},
+                "--port 99999: expected a whole number from 0 to 65535"},
+           Case{{"completion", "fish"}, "shell fish: expected bash or zsh"},
+           Case{{"simulate", "press", "--seconds", "abc", "--out", "x.csv"},
+                "--seconds abc: expected a number"},
+           Case{{"fit", "x.csv"}, "--machine is missing"},
+           Case{{"learn", "--db"}, "--db: its value is missing"},
+       }) {
+    const Ran ran = Run(c.words);
+    EXPECT_EQ(ran.exit_code, 2) << c.told;
+    EXPECT_THAT(ran.err, testing::StartsWith(std::string("hydroscope: ") + c.told));
+    EXPECT_THAT(ran.err, HasSubstr("--help` shows how"));
+  }
+  EXPECT_THAT(Run({"alarms", "--db", "x.db", "ack"}).err, HasSubstr("`hydroscope alarms ack --help`"));
+}
+
+TEST_F(CommandLine, OutputThatCannotBeWrittenIsAnErrorWithItsCause) {
+  const auto into_full_disk = [&](const std::string& command) {
+    return WEXITSTATUS(
+        std::system((HYDROSCOPE_BINARY " " + command + " >/dev/full 2>" + File("told")).c_str()));
+  };
+  for (const char* command :
+       {"manual", "completion bash", "--version", "model effects", "model effects --json -"}) {
+    EXPECT_EQ(into_full_disk(command), 1) << command;
+    EXPECT_THAT(ReadText(File("told")), HasSubstr("the disk is full")) << command;
+  }
+  const Ran folder = Run({"model", "effects", "--json", File("none") + "/x.json"});
+  EXPECT_EQ(folder.exit_code, 3);
+  EXPECT_THAT(folder.err, HasSubstr("there is no such folder"));
+}
+
 TEST_F(CommandLine, AnUnknownWordNamesTheNearestOne) {
   const Ran command = Run({"replya", "x.csv"});
   EXPECT_EQ(command.exit_code, 2);

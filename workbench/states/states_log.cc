@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/cannot_write.h"
 #include "core/told_error.h"
 #include "diagnosis/states/initial_values.h"
 #include "estimation/decompositions.h"
@@ -271,10 +272,7 @@ Status WriteStatesCsv(const StatesFit& fit, const std::string& path) {
     }
   }
   file.flush();
-  if (!file)
-    return BadInput(Tell("cannot write {}: check that the folder exists and the disk is not full",
-                         "{} kann nicht geschrieben werden: gibt es den Ordner, und hat die Platte Platz?",
-                         path));
+  if (!file) return CannotWrite(path);
   return {};
 }
 
