@@ -5,6 +5,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 
 namespace hydroscope {
@@ -21,7 +22,13 @@ Result<std::string> AskService(const std::string& path, const std::string& metho
   const timeval patience{5, 0};
   setsockopt(link, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
   if (connect(link, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    const int error = errno;
     close(link);
+    if (error == EACCES || error == EPERM)
+      return BadInput(
+          "the service at {} may not be asked by this user; its user and its group may: ask for that group, "
+          "or run the command as its user",
+          path);
     return BadInput("no service answers at {}; is `hydroscope serve` running with this database?", path);
   }
   const std::string request = fmt::format("{} {} HTTP/1.0\r\n\r\n", method, what);

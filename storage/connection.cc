@@ -148,6 +148,13 @@ Error DatabaseError(const std::string& path, const SQLite::Database* db, const S
               fmt::format("{} cannot be written ({}); check the permissions of the file and its folder", path,
                           exception.what())};
     case SQLITE_CANTOPEN:
+      if (access(path.c_str(), F_OK) == 0 && access(path.c_str(), R_OK) != 0)
+        return {
+            ErrorKind::kBadInput,
+            fmt::format(
+                "{} may not be read by this user; its owner and its group may: ask for that group, or run "
+                "the command as its owner",
+                path)};
       return {ErrorKind::kBadInput,
               fmt::format("cannot open {}; check that the folder exists and may be written", path)};
     case SQLITE_IOERR:

@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -105,6 +108,24 @@ TEST(ReadOnlyDisk, CanBeReadAndSaysWhyItCannotBeWritten) {
   ASSERT_FALSE(opened.has_value());
   EXPECT_EQ(opened.error().kind, ErrorKind::kBadInput);
   EXPECT_THAT(opened.error().text, HasSubstr("check that the folder exists and may be written"));
+}
+
+TEST(UnreadableDatabase, SaysWhoMayReadIt) {
+  const Folder folder;
+  const std::string file = folder.File("press.db");
+  { const Press press(file); }
+  chmod(file.c_str(), 0600);
+  chmod(std::filesystem::path(file).parent_path().c_str(), 0755);
+  const pid_t child = fork();
+  if (child == 0) {  // as a user who owns nothing here
+    if (setgid(65534) != 0 || setuid(65534) != 0) _exit(2);
+    const auto opened = Database::OpenReadOnly(file);
+    _exit(!opened && opened.error().text.find("may not be read by this user") != std::string::npos ? 0 : 1);
+  }
+  int state = 0;
+  waitpid(child, &state, 0);
+  if (WEXITSTATUS(state) == 2) GTEST_SKIP() << "only root may become another user";
+  EXPECT_EQ(WEXITSTATUS(state), 0);
 }
 
 }  // namespace
