@@ -73,6 +73,21 @@ std::optional<DisplayUnit> UnitByName(const std::string& parameter) {
   return unit;
 }
 
+/// The same of an alarm's value, which is the size of the parameter or of the effect that the alarm is called by.
+std::optional<std::pair<double, std::string>> FactorByEffect(const std::string& alarm) {
+  std::optional<std::pair<double, std::string>> unit;
+  for (const MachineKind* kind : KindsToChoose()) {
+    if (kind->effects == nullptr) continue;
+    for (const auto& effect : kind->effects(Machine{})) {
+      if (effect->id != alarm) continue;
+      const DisplayUnit shown = ParameterUnit(*kind, effect->parameter, effect->unit);
+      if (unit && unit->second != shown.name) return std::nullopt;
+      unit = {shown.factor, std::string(shown.name)};
+    }
+  }
+  return unit;
+}
+
 std::string ParameterText(const ScadaParameter& p) {
   const DisplayUnit unit = UnitByName(p.name).value_or(DisplayUnit{1, 0, "SI"});
   return fmt::format("\n{:<16} {:<10} {:>12.5g} ± {:.2g} {}{}", "", p.name,
@@ -115,9 +130,9 @@ void Print(const Seen& seen, const std::string& endpoint) {
   for (const ScadaAxis& axis : seen.axes) Say(AxisText(axis));
   Say(seen.alarms.empty() ? "\nno alarm stands\n" : "\n");
   for (const ScadaAlarm& a : seen.alarms)
-    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {:.4g} ± {:.2g} SI\n", a.number, a.state,
-                    a.severity, AxisName(seen, a.axis), a.name, LocalTimeText(static_cast<double>(a.raised)),
-                    a.value, kNormal95 * a.std));
+    Say(fmt::format("{:>3}  {:<5} {:<11} {} / {}, since {}, {}\n", a.number, a.state, a.severity,
+                    AxisName(seen, a.axis), a.name, LocalTimeText(static_cast<double>(a.raised)),
+                    ScadaAlarmValue(a)));
   if (!seen.alarms.empty())
     Say("acknowledge with `hydroscope alarms --modbus " + endpoint + " --ack NUMBER`\n");
   Say(fmt::format("\nnewest of {} journal rows in the ring\n", seen.rows.size()));
@@ -131,6 +146,16 @@ void Print(const Seen& seen, const std::string& endpoint) {
 }
 
 }  // namespace
+
+std::string ScadaAlarmValue(const ScadaAlarm& alarm) {
+  const auto text = [&](double factor, double offset, std::string_view unit) {
+    return fmt::format("{:.4g} ± {:.2g} {}", alarm.value * factor + offset, kNormal95 * alarm.std * factor,
+                       unit);
+  };
+  if (const auto unit = UnitByName(alarm.name)) return text(unit->factor, unit->offset, unit->name);
+  if (const auto unit = FactorByEffect(alarm.name)) return text(unit->first, 0, unit->second);
+  return text(1, 0, "SI");
+}
 
 Status ShowScada(const std::string& endpoint, int acknowledge, const std::string& json) {
   const std::size_t colon = endpoint.rfind(':');

@@ -3,8 +3,12 @@
 #include <string>
 
 #include "core/result.h"
+#include "live/scada_client.h"
 
 namespace hydroscope {
+
+/// Value and 95 % interval of an alarm in the unit that its name tells (the map carries SI numbers alone), else in SI.
+std::string ScadaAlarmValue(const ScadaAlarm& alarm);
 
 /// What a SCADA system sees in the registers of the Modbus feed at "HOST:PORT": axes, alarms, the newest
 /// rows of the journal; with `acknowledge` > 0 acknowledges that alarm first. `json`: file for the same as

@@ -13,6 +13,11 @@ TEST(Printable, WritesControlCharactersOut) {
       << "the one-character form of ESC [";
 }
 
+TEST(Printable, WritesOutWhatTurnsTheDirectionOfWriting) {
+  EXPECT_EQ(Printable("p_\u202eA\u2069"), "p_\\xe2\\x80\\xaeA\\xe2\\x81\\xa9");
+  EXPECT_EQ(Printable("−8 … 3 ≤ „ü“"), "−8 … 3 ≤ „ü“") << "other characters that begin with the same byte";
+}
+
 TEST(Printable, LeavesTextInAnyLanguageAsItIs) { EXPECT_EQ(Printable("Größe 40 °C ±"), "Größe 40 °C ±"); }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "acquisition/quality_monitor.h"
 #include "core/constants.h"
 #include "core/printable.h"
+#include "core/shown_width.h"
 #include "core/units.h"
 #include "live/inbox.h"
 #include "models/source_kind.h"
@@ -33,7 +34,7 @@ struct Range {
 std::string Shown(double value, const std::string& si) {
   if (!std::isfinite(value)) return "-";
   const DisplayUnit unit = DisplayUnitFor(si);
-  return fmt::format("{:.5g}", value * unit.factor + unit.offset);
+  return fmt::format("{:.4g}", value * unit.factor + unit.offset);
 }
 
 void AddHints(const SignalSpec& spec, const Machine& machine, std::int64_t rows, CheckedChannel& channel) {
@@ -149,15 +150,17 @@ std::string LiveCheckText(const LiveCheck& check) {
     if (stream.has_clock)
       text += fmt::format("sender of {} channels: its clock is {:+.1f} ms from ours\n", stream.channels,
                           -stream.clock_offset * 1e3);
-  text += fmt::format("\n{:<24} {:>8} {:>8} {:>11} {:>11} {:>11} {:>9} {:<6} {:>8}\n", "channel", "values/s",
-                      "age ms", "min", "mean", "max", "noise", "unit", "flagged");
+  std::size_t width = 7;
+  for (const CheckedChannel& c : check.channels) width = std::max(width, ShownWidth(c.name));
+  text += fmt::format("\n{:<{}} {:>5} {:>6} {:>10} {:>10} {:>8} {:<5} {:>7}\n", "channel", width, "1/s",
+                      "age ms", "lowest", "highest", "noise", "unit", "flagged");
   for (const CheckedChannel& c : check.channels) {
     const DisplayUnit unit = DisplayUnitFor(c.unit);
-    text += fmt::format("{:<24} {:>8.0f} {:>8} {:>11} {:>11} {:>11} {:>9} {:<6} {:>8}\n", c.name, c.rate,
+    text += fmt::format("{:<{}} {:>5.0f} {:>6} {:>10} {:>10} {:>8} {:<5} {:>7}\n", c.name, width, c.rate,
                         std::isfinite(c.age) ? fmt::format("{:.0f}", c.age * 1e3) : "never",
-                        Shown(c.min, c.unit), Shown(c.mean, c.unit), Shown(c.max, c.unit),
+                        Shown(c.min, c.unit), Shown(c.max, c.unit),
                         std::isfinite(c.noise_std) ? fmt::format("{:.3g}", c.noise_std * unit.factor) : "-",
-                        unit.name, c.flagged);
+                        unit.name == "1" ? "-" : unit.name, c.flagged);
   }
   for (const CheckedChannel& c : check.channels)
     for (const std::string& hint : c.hints) text += fmt::format("{}: {}\n", c.name, hint);

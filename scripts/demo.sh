@@ -22,6 +22,7 @@ commissioning=100           # strokes; 1500 in life
 press_port=1592 scada_port=1593  # not the usual ones: a service may run on this machine already
 
 step() { printf '\n\033[1m%s\033[0m\n' "$*"; }
+whole() { COLUMNS=400 "$hydroscope" "$@"; }  # lines that grep takes as a whole
 show() { printf '$ hydroscope %s\n' "${*//$out\//}"; "$hydroscope" "$@"; }
 
 # --- A machine file of its own, press and service -----------------------------------------------------------------
@@ -53,7 +54,7 @@ wait_for() {
     alive "$service" "The service" press.service.txt
     alive "$press" "The press" press.machine.txt
     if "$@"; then return; fi
-    line=$("$hydroscope" status --db "$out/press.db" 2>/dev/null | grep -m1 '^health') || true
+    line=$(whole status --db "$out/press.db" 2>/dev/null | grep -m1 '^health') || true
     if [[ $line != "$told" ]] && ((i % 10 == 0)); then echo "  $line"; told=$line; fi
     sleep 0.5
   done
@@ -75,7 +76,7 @@ echo "  press: process $press, service: process $service, database: $out/press.d
 
 step "2. It learns the healthy press from $commissioning strokes of each cushion."
 wait_for 120 learned
-"$hydroscope" status --db "$out/press.db" | grep -E '^(writer|health)'
+whole status --db "$out/press.db" | grep -E '^(writer|health)'
 
 step "3. The piston seal of cushion 2 wears: within 20 s of the press's time it leaks 2.4 l/min at 200 bar."
 echo "effect internal_leakage=2e-12 axis=2 ramp=20" >&3
