@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/relative_change.h"
+#include "models/counted_words.h"
 #include "models/output_unit.h"
 #include "models/parameter_unit.h"
 #include "models/state_effects.h"
@@ -49,7 +50,7 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
                   ErrorText(e.base, e.base.noise_floor))};
   if (!x.final.added.empty())
     out.push_back(fmt::format("With {} it errs by {}.", fmt::join(x.final.added, " and "),
-                              ErrorText(e.final, e.final.rms_holdout)));
+                              ErrorText(e.base, ShownLeftOut(e, x.final.held_out))));
   if (x.verdict == Verdict::kNamed)
     for (const std::string& id : x.set)
       if (const std::string plain = PlainWords(e.log.machine, effects, id); !plain.empty())
@@ -69,13 +70,19 @@ std::vector<std::string> Sentences(const StatesExplained& e, const std::vector<E
   return out;
 }
 
+/// What bars of ShownLeftOut are: of several outputs each counts by the noise that the model as it is leaves in it.
+std::string LeftOutLabel(const StatesExplained& e) {
+  return fmt::format("error on pieces left out, rms ({}{})", ErrorWordsOf(e.base).unit,
+                     e.base.of_variation ? ", weighted by their noise" : "");
+}
+
 std::string Staircase(const StatesExplained& e) {
   const StatesExplanation& x = e.explanation;
   if (x.steps.size() < 2) return "";
   const ErrorWords words = ErrorWordsOf(e.base);
   RowPlot plot;
   plot.title = "error on pieces left out, step by step";
-  plot.x_label = fmt::format("error on pieces left out, rms ({})", words.unit);
+  plot.x_label = LeftOutLabel(e);
   plot.bars = true;
   for (const auto& [added, relative] : x.steps) {
     const double rms =
@@ -83,7 +90,7 @@ std::string Staircase(const StatesExplained& e) {
     plot.rows.push_back({added.empty() ? "model as it is" : "+ " + added, rms, rms, rms, FormatShort(rms),
                          added.empty() ? Ink::kBlue : Ink::kGreen, added.empty()});
   }
-  plot.level = words.factor * e.final.noise_floor;
+  plot.level = words.factor * ShownLeftOut(e, x.final.held_out) * e.final.noise_floor / e.final.rms_holdout;
   plot.level_label = NoiseWords(!x.final_left.structured && !x.astray);
   plot.note_width = 90;
   return "<h2>The error falls</h2>\n" +
@@ -211,7 +218,7 @@ std::string Ranking(const StatesExplained& e) {
   const ErrorWords words = ErrorWordsOf(e.base);
   RowPlot plot;
   plot.title = "every effect tried alone";
-  plot.x_label = fmt::format("error on pieces left out, rms ({})", words.unit);
+  plot.x_label = LeftOutLabel(e);
   plot.bars = true;
   plot.level = words.factor * e.base.rms_holdout;
   plot.level_label = "model as it is";
@@ -273,8 +280,8 @@ std::string Parameters(const StatesExplained& e) {
 Status WriteStatesReport(const std::string& path, const StatesExplained& e) {
   const std::vector<Effect> effects = StateEffectsOf(e.log.machine);
   const std::string head = fmt::format(
-      "<header><div><h1>What the model misses: {}</h1><p class=\"soft\">{} episodes, {} of {} rows used</p></div></header>\n",
-      EscapeText(e.log.machine.name), FormatCount(static_cast<std::int64_t>(e.log.episodes.size())),
+      "<header><div><h1>What the model misses: {}</h1><p class=\"soft\">{}, {} of {} rows used</p></div></header>\n",
+      EscapeText(e.log.machine.name), CountedWordsOf(e.log.machine).Counted(e.log.episodes.size()),
       FormatCount(e.log.used), FormatCount(e.log.rows));
   return WritePage(path, "Hydroscope: what the model misses",
                    head + VerdictBox(e.explanation.verdict, Headline(e, effects), Sentences(e, effects)) +

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "models/machine_file/format.h"
+#include "report/xml_check.h"
 #include "studies/state_machines.h"
 #include "tests/command_line_fixture.h"
 
@@ -50,6 +51,22 @@ TEST_F(StateModels, WhatIsMissingIsNoNoiseAndWhatIsLeftWithItIs) {
   EXPECT_LT(after["rms_holdout"].get<double>(), 0.3 * before["rms_holdout"].get<double>());
   // An upper bound of the noise before, the noise itself after.
   EXPECT_GT(before["noise_floor"].get<double>(), 0.98 * after["noise_floor"].get<double>());
+}
+
+TEST_F(StateModels, ThePageOfExplainHoldsVerdictCourseMapAndParameters) {
+  const Ran ran =
+      Run({"explain", File("log.csv"), "-m", File("machine.toml"), "--report", File("page.html")});
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const std::string page = ReadText(File("page.html"));
+  EXPECT_EQ(XmlFault(page), "");
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("The machine shows what the model lacks: cubic"), HasSubstr("The error falls"),
+                    HasSubstr("model as it is, running by itself"), HasSubstr("Where the model errs"),
+                    HasSubstr("Every effect, tried alone"), HasSubstr("moved by")));
+  const Ran refused =
+      Run({"explain", File("log.csv"), "-m", File("machine.toml"), "--report", File("no/such/folder.html")});
+  EXPECT_NE(refused.exit_code, 0);
+  EXPECT_THAT(refused.err, HasSubstr("there is no such folder"));
 }
 
 /// A spring that hardens is missed at large deflections; with it nothing stands out anywhere.

@@ -7,8 +7,8 @@ namespace hydroscope {
 
 /// Dormand and Prince (1980): nodes, stages, and the difference to the embedded method of order 4.
 inline constexpr int kExplicitStages = 7;
-inline constexpr std::array<double, kExplicitStages> kExplicitNodes = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9,
-                                                                       1, 1};
+inline constexpr std::array<double, kExplicitStages> kExplicitNodes = {0,       1.0 / 5, 3.0 / 10, 4.0 / 5,
+                                                                       8.0 / 9, 1,       1};
 inline constexpr double kExplicitA[kExplicitStages][kExplicitStages - 1] = {
     {},
     {1.0 / 5},

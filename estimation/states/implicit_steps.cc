@@ -1,7 +1,5 @@
 // Steps of StateSimulator by the implicit method, with its exact derivative.
 
-#include "estimation/states/steps.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "core/wide.h"
 #include "estimation/states/simulation.h"
 #include "estimation/states/step_tangent.h"
+#include "estimation/states/steps.h"
 
 namespace hydroscope {
 namespace {
