@@ -106,6 +106,7 @@ std::string UnknownText(const ExplainResult& result) {
                        CountedWordsOf(result.log.machine).many);
   std::string text = "UNKNOWN: the model misses something, and no effect of the library explains it.\n";
   text += WhereItLies(result);
+  if (!x.partial && !x.doubt.empty()) text += fmt::format("  Why: {}.\n", x.doubt.english);
   if (!x.partial || x.steps.size() < 2) return text;
   text += RelativesText(result);
   std::vector<std::string> tried;

@@ -211,5 +211,47 @@ TEST(NothingFalse, EquationsThatAreAlikeTellLess) {
   EXPECT_THAT(x.set, ElementsAre("internal_leakage"));
 }
 
+/// A spool sensor whose reading bends from a straight line, as that of a coil does towards its ends.
+void BendSpoolReading(double size, SimulatedLog& log) {
+  for (double& y : log.y_v) y += size * (y * y * y - 0.4 * y);
+}
+
+/// Less flow at large openings is what a choked return line does, too.
+TEST(NothingFalse, ASpoolSensorThatIsNotLinearIsNoChokedReturnLineForSure) {
+  for (const std::uint64_t seed : {4u}) {
+    const PressOptions options = ASeenPress(seed);
+    SimulatedLog log = SimulatePress(options);
+    BendSpoolReading(0.09, log);
+    const Explanation x = ExplanationOf(log, MachineFor(options));
+    EXPECT_NE(x.verdict, Verdict::kAdequate) << seed;
+    EXPECT_TRUE(x.partial || x.set.empty()) << seed;
+  }
+}
+
+TEST(NothingFalse, AChokedReturnLineThatNoEdgeLooksLikeIsNamed) {
+  PressOptions options = ASeenPress(5);
+  options.effects = {{"tank_back_pressure", 1.5e12, {}}};
+  const Explanation x = ExplanationOf(SimulatePress(options), MachineFor(options));
+  EXPECT_THAT(x.set, ElementsAre("tank_back_pressure"));
+  EXPECT_FALSE(x.partial) << x.doubt.english;
+}
+
+/// The error of an oil column in the line, which the library is to know nothing of: a tenth of the noise energy, and no effect gains
+/// enough of it for a name.
+TEST(NothingFalse, AnErrorNearTheFloorThatIsNoChanceIsNoAllClear) {
+  PressOptions options = RandomMachine(1917422222);
+  options.seconds = 106.77;
+  options.effects = {{"line_inertance", 2.308e7, {}}};
+  ExplainOptions explain;
+  explain.exclude = {"line_inertance"};
+  const SimulatedLog log = SimulatePress(options);
+  const Explanation x = ExplanationOf(log, MachineFor(options), explain);
+  EXPECT_LT(x.base.excess_ratio, explain.floor_excess);
+  EXPECT_EQ(x.verdict, Verdict::kUnknown);
+  EXPECT_THAT(x.doubt.english, HasSubstr("a small error is sure"));
+  options.effects.clear();
+  EXPECT_EQ(ExplanationOf(SimulatePress(options), MachineFor(options)).verdict, Verdict::kAdequate);
+}
+
 }  // namespace
 }  // namespace hydroscope
