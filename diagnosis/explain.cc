@@ -14,8 +14,7 @@ namespace {
 
 using Groups = std::vector<std::vector<std::string>>;
 
-/// p-value below which a law that stands beside nothing else is no chance: some hundred shapes of effects and generic laws are
-/// tried, which together find one in ten thousand healthy logs (Bonferroni).
+/// p-value below which a law beside nothing else is no chance: of a hundred that are tried one in ten thousand logs (Bonferroni).
 constexpr double kSureOfMore = 1e-6;
 
 bool Contains(const std::vector<std::string>& group, const std::string& id) {
@@ -339,13 +338,12 @@ std::string Explainer::MeasuredAndLeftOut(const ExtendedFit& fit) const {
 /// is missing, which may be another law that is not in the library.
 void Explainer::LookForMore(Explanation& out) const {
   for (const auto& laws : {out.ranking, ranking_.RankGeneric(start_)})
-    for (const RankedEffect& law : laws) {
-      const bool sure = law.fit.solved && law.p_value < kSureOfMore &&
-                        law.gain > std::max(options_.doubt_remainder, out.remainder);
-      if (!sure) continue;
-      out.remainder = law.gain;
-      out.remainder_law = law.id;
-    }
+    for (const RankedEffect& law : laws)
+      if (law.fit.solved && law.p_value < kSureOfMore &&
+          law.gain > std::max(options_.doubt_remainder, out.remainder)) {
+        out.remainder = law.gain;
+        out.remainder_law = law.id;
+      }
   if (out.remainder_law.empty()) return;
   out.verdict = Verdict::kUnknown;
   out.doubt =
@@ -453,11 +451,9 @@ Explanation ExplainByStrokes(const StrokeSet& strokes, const ExplainOptions& opt
 void RefuseWhatDoesNotLowerTheError(Explanation& out) {
   if (out.set.empty() || out.steps.size() < 2) return;
   const double reached = out.steps.back().rms_holdout;
-  const double best_before =
-      std::min_element(out.steps.begin(), out.steps.end() - 1, [](const auto& a, const auto& b) {
-        return a.rms_holdout < b.rms_holdout;
-      })->rms_holdout;
-  if (reached < best_before) return;
+  if (std::all_of(out.steps.begin(), out.steps.end() - 1,
+                  [&](const auto& before) { return reached < before.rms_holdout; }))
+    return;
   out.verdict = Verdict::kUnknown;
   out.partial = true;
   out.set.clear();

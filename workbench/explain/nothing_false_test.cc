@@ -216,16 +216,15 @@ void BendSpoolReading(double size, SimulatedLog& log) {
   for (double& y : log.y_v) y += size * (y * y * y - 0.4 * y);
 }
 
-/// Less flow at large openings is what a choked return line does, too.
+/// Less flow at large openings is what a choked return line does, too. Not every such press is seen through: with the next seed but
+/// one the line is still named (docs/workbench.md).
 TEST(NothingFalse, ASpoolSensorThatIsNotLinearIsNoChokedReturnLineForSure) {
-  for (const std::uint64_t seed : {4u}) {
-    const PressOptions options = ASeenPress(seed);
-    SimulatedLog log = SimulatePress(options);
-    BendSpoolReading(0.09, log);
-    const Explanation x = ExplanationOf(log, MachineFor(options));
-    EXPECT_NE(x.verdict, Verdict::kAdequate) << seed;
-    EXPECT_TRUE(x.partial || x.set.empty()) << seed;
-  }
+  const PressOptions options = ASeenPress(4);
+  SimulatedLog log = SimulatePress(options);
+  BendSpoolReading(0.09, log);
+  const Explanation x = ExplanationOf(log, MachineFor(options));
+  EXPECT_NE(x.verdict, Verdict::kAdequate);
+  EXPECT_TRUE(x.partial || x.set.empty());
 }
 
 TEST(NothingFalse, AChokedReturnLineThatNoEdgeLooksLikeIsNamed) {
