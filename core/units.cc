@@ -106,10 +106,10 @@ DisplayUnit DisplayUnitFor(std::string_view si) {
 
 std::string Nearest(std::string_view name, const std::vector<std::string>& candidates) {
   std::string best;
-  // At least half of the name must be left.
-  std::size_t best_distance =
-      std::min(std::max<std::size_t>(2, name.size() / 3), std::max<std::size_t>(1, name.size() / 2)) + 1;
-  best_distance = std::min(best_distance, name.size());
+  const std::size_t most = std::max<std::size_t>(2, name.size() / 3);
+  // At least half of the name must be left, unless one is the beginning of the other.
+  const std::size_t most_of_others = std::min(most, std::max<std::size_t>(1, name.size() / 2));
+  std::size_t best_distance = std::min(most + 1, name.size());
   for (const std::string& candidate : candidates) {
     std::vector<std::size_t> row(candidate.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
@@ -121,7 +121,9 @@ std::string Nearest(std::string_view name, const std::vector<std::string>& candi
         row[j + 1] = std::min({row[j + 1] + 1, row[j] + 1, substitute});
       }
     }
-    if (row.back() < best_distance) {
+    const bool begins =
+        !candidate.empty() && (name.starts_with(candidate) || std::string_view(candidate).starts_with(name));
+    if (row.back() < best_distance && (begins || row.back() <= most_of_others)) {
       best_distance = row.back();
       best = candidate;
     }

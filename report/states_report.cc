@@ -127,7 +127,7 @@ std::string CoursePlot(const StatesExplained& e, std::span<const Episode> episod
   SvgPlot::Options options;
   options.width = kPageWidth;
   options.height = 260;
-  options.title = fmt::format("{} of episode {}, measured and simulated", name, index);
+  options.title = name + ", measured and simulated";
   options.x_label = "time in the episode (s)";
   options.y_label = unit.name == "1" ? name : fmt::format("{} ({})", name, unit.name);
   SvgPlot plot(options);
@@ -145,14 +145,14 @@ std::string Courses(const StatesExplained& e) {
   if (!x.base.fit.solved() || x.base.fit.runs.size() != episodes.size()) return "";
   const std::size_t worst = WorstEpisode(x.base.fit);
   std::string out;
+  const std::string caption =
+      episodes.size() == 1
+          ? "The model runs by itself from the first row on."
+          : fmt::format(
+                "Episode {}, the one of the largest error: the model runs by itself from its first row on.",
+                worst);
   for (int j = 0; j < x.base.fit.model->output.rows; ++j)
-    out += Figure(
-        CoursePlot(e, episodes, worst, j),
-        j == 0
-            ? fmt::format("Episode {} of {}, the one of the largest error: the model runs by itself from its "
-                          "beginning.",
-                          worst, episodes.size())
-            : "");
+    out += Figure(CoursePlot(e, episodes, worst, j), j == 0 ? caption : "");
   return "<h2>Measured and simulated</h2>\n" + out;
 }
 

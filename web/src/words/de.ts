@@ -171,7 +171,7 @@ export const de: Words = {
   noStrokes: "Für diese Art Maschine gibt es hier noch keine <Hübe|Episoden> zu zeichnen; die Zahlen rechts gelten trotzdem.",
 
   locateTitle: "Wo der Fehler sitzt",
-  locateText: "Jede Zelle enthält gleich viele Zeilen. Farbige Zellen irren mehr, als Sensorrauschen erklärt, graue nicht. Die Zahl sagt, wie viele Fenster dort liegen.",
+  locateText: "Jede Spalte enthält gleich viele Messzeilen, jede Reihe ebenso, die einzelne Zelle nicht. Farbige Zellen irren mehr, als Sensorrauschen erklärt, graue nicht. Die Zahl sagt, wie viele Fenster dort liegen.",
   locateOver: "Fehler über",
   locateOutput: "Von {output};",
   locateExplains: "diese Signale sagen {share} % des Fehlers auf ausgelassenen <Hüben|Episoden> voraus",

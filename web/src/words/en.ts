@@ -170,7 +170,7 @@ export const en = {
   noStrokes: "This kind of machine has no <strokes|episodes> to draw here yet; the figures on the right hold all the same.",
 
   locateTitle: "Where the error lives",
-  locateText: "Each cell holds equally many rows. Coloured cells err more than sensor noise explains; grey ones do not. The number is how many windows lie there.",
+  locateText: "Columns hold equally many rows each, and so do lines of cells; single cells do not. Coloured cells err more than sensor noise explains; grey ones do not. The number is how many windows lie there.",
   locateOver: "Error over",
   locateOutput: "Of {output};",
   locateExplains: "these signals predict {share} % of the error on <strokes|episodes> left out",
