@@ -208,7 +208,7 @@ std::string History(const ExplainResult& result) {
 std::string VerdictBox(const ExplainResult& result, const std::string& lead = "") {
   std::vector<std::string> sentences = Sentences(result);
   if (!lead.empty()) sentences.insert(sentences.begin(), EscapeText(lead));
-  return VerdictBox(result.explanation.verdict, Headline(result), sentences);
+  return VerdictSection(result.explanation.verdict, Headline(result), sentences);
 }
 
 std::string VerdictBoxText(const ExplainResult& result) {

@@ -127,8 +127,8 @@ std::string Figure(const std::string& svg, const std::string& caption) {
          "</figure>\n";
 }
 
-std::string VerdictBox(Verdict verdict, const std::string& headline,
-                       const std::vector<std::string>& sentences) {
+std::string VerdictSection(Verdict verdict, const std::string& headline,
+                           const std::vector<std::string>& sentences) {
   std::string out = fmt::format("<section class=\"verdict {}\"><h2>{}</h2><ul>", ToneOf(verdict), headline);
   for (const std::string& sentence : sentences) out += "<li>" + sentence + "</li>";
   return out + "</ul></section>\n";

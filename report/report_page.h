@@ -19,8 +19,8 @@ inline constexpr double kPageWidth = 920;  ///< px, of plots as wide as the page
 std::string Figure(const std::string& svg, const std::string& caption);
 
 /// A verdict in a box, to lead a page; `headline` and `sentences` are HTML.
-std::string VerdictBox(Verdict verdict, const std::string& headline,
-                       const std::vector<std::string>& sentences);
+std::string VerdictSection(Verdict verdict, const std::string& headline,
+                           const std::vector<std::string>& sentences);
 
 /// Writes HtmlPage(title, body). Fails if the file cannot be written.
 Status WritePage(const std::string& path, const std::string& title, const std::string& body);

@@ -284,7 +284,7 @@ Status WriteStatesReport(const std::string& path, const StatesExplained& e) {
       EscapeText(e.log.machine.name), CountedWordsOf(e.log.machine).Counted(e.log.episodes.size()),
       FormatCount(e.log.used), FormatCount(e.log.rows));
   return WritePage(path, "Hydroscope: what the model misses",
-                   head + VerdictBox(e.explanation.verdict, Headline(e, effects), Sentences(e, effects)) +
+                   head + VerdictSection(e.explanation.verdict, Headline(e, effects), Sentences(e, effects)) +
                        Staircase(e) + Courses(e) + Locations(e) + WhatIsMissing(e) + Ranking(e) +
                        Parameters(e));
 }
