@@ -36,7 +36,7 @@ struct SkippedItem {
 struct ReportInput : RecordedHistory {
   std::vector<StrokeOverlay> overlays;  ///< one or a few chosen strokes
   std::vector<SkippedItem> skipped;
-  std::string explanation_verdict;          ///< HTML of ExplainVerdictBox, "" = nothing was explained
+  std::string explanation_verdict;          ///< HTML of VerdictSection, "" = nothing was explained
   bool explanation_leads = false;           ///< it stands before the verdict on the parameters
   std::vector<AlarmState> alarms;           ///< of the axis, as far as they stand: no verdict denies them
   std::string drift_verdict;                ///< HTML of AlarmsBox, "" = no alarm stands

@@ -216,8 +216,8 @@ void BendSpoolReading(double size, SimulatedLog& log) {
   for (double& y : log.y_v) y += size * (y * y * y - 0.4 * y);
 }
 
-/// Less flow at large openings is what a choked return line does, too. Not every such press is seen through: with the next seed but
-/// one the line is still named (docs/workbench.md).
+/// Less flow at large openings is what a choked return line does, too. Not every such press is seen through: with seed 6 the line is
+/// still named without a flag (docs/workbench.md).
 TEST(NothingFalse, ASpoolSensorThatIsNotLinearIsNoChokedReturnLineForSure) {
   const PressOptions options = ASeenPress(4);
   SimulatedLog log = SimulatePress(options);
