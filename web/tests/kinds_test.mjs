@@ -95,12 +95,16 @@ test("the kind is chosen where columns say nothing; picture, sensors and words f
   await page.waitForSelector(".machine [data-mark=z_set]");
   assert.match(await page.locator(".kind").innerText(), /von Ihnen gewählt/);
   assert.equal(await page.locator(".pin.missing").count(), 3, "names that say nothing are not guessed at");
-  for (const [signal, column] of [["z_set", "AI_0"], ["I_v", "AI_1"], ["z", "AI_2"]]) {
-    await page.selectOption(`#pin-${signal}`, column);
-    await until(page, `document.querySelector("#pin-${signal}").value === "${column}"`);
-    assert.equal(await chosenKind(page), "test_cylinder");
-  }
-  assert.equal(await page.locator("select[aria-label='Einheit z']").inputValue(), "mm", "a rod of a test cylinder does not move by metres");
+  await page.route("**/api/v1/proposal", async (route) => {  // answers come later than a quick hand chooses
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    await route.continue();
+  });
+  for (const [signal, column] of [["z_set", "AI_0"], ["I_v", "AI_1"], ["z", "AI_2"]]) await page.selectOption(`#pin-${signal}`, column);
+  assert.ok(await page.locator("button.primary").isDisabled(), "nothing is accepted before its answer");
+  await until(page, `document.querySelector("select[aria-label='Einheit z']")?.value === "mm"`);  // a rod of a test cylinder does not move by metres
+  await page.unroute("**/api/v1/proposal");
+  for (const [signal, column] of [["z_set", "AI_0"], ["I_v", "AI_1"], ["z", "AI_2"]]) assert.equal(await page.inputValue(`#pin-${signal}`), column);
+  assert.equal(await chosenKind(page), "test_cylinder");
   await page.selectOption("#pin-z", "");
   await page.waitForSelector(".pin.missing");
   assert.equal(await chosenKind(page), "test_cylinder", "a pin that is emptied leaves the machine what it is");

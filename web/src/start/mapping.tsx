@@ -31,13 +31,12 @@ export function duration(seconds: number | null): string {
   return seconds < 120 ? `${short(seconds)} s` : seconds < 7200 ? `${short(seconds / 60)} min` : `${short(seconds / 3600)} h`;
 }
 
-/** The columns of the pins with one of them changed; a column is on one pin only. */
-function moved(pins: Pin[], signal: string, column: string, unit: string): Request["columns"] {
-  return pins
-    .map((pin) => pin.signal === signal ? { ...pin, column, unit } : pin.column === column ? { ...pin, column: null } : pin)
-    .filter((pin) => pin.column)
-    .map((pin) => ({ column: pin.column!, signal: pin.signal, unit: pin.unit ?? "" }));
-}
+/** The pins with one of them changed; a column is on one pin only. */
+const moved = (pins: Pin[], signal: string, column: string, unit: string): Pin[] =>
+  pins.map((pin) => pin.signal === signal ? { ...pin, column, unit } : pin.column === column ? { ...pin, column: null } : pin);
+
+const columnsOf = (pins: Pin[]): Request["columns"] =>
+  pins.filter((pin) => pin.column).map((pin) => ({ column: pin.column!, signal: pin.signal, unit: pin.unit ?? "" }));
 
 const stateOf = (pin: Pin): Reading["state"] => (!pin.column ? (pin.required ? "missing" : "free") : pin.sure ? "sure" : "check");
 
@@ -50,14 +49,18 @@ export function Mapping() {
   const [problem, setProblem] = useState<Failure | null>(null);
   const asked = useRef<Request>({});
   const latest = useRef(0);
+  const [answered, setAnswered] = useState(0);
 
-  const propose = useCallback(async (change: Request) => {
+  /** Asks with the change; until the answer is here it is shown, so that a second change builds on the first. */
+  const propose = useCallback(async (change: Request, shown: Partial<Proposal> = {}) => {
     asked.current = { ...asked.current, ...change };
+    setProposal((before) => before && { ...before, ...shown });
     const turn = ++latest.current;
     try {
       const answer = await post<Proposal>("proposal", asked.current);
       if (turn !== latest.current) return;
       setProposal(answer);
+      setAnswered(turn);
       setProblem(null);
       if (answer.problem) return setPicture(null);
       await work("picture");
@@ -70,10 +73,14 @@ export function Mapping() {
   useEffect(() => void propose({}), [session?.logs.length]);
 
   if (!proposal) return problem ? <Problem of={problem} /> : <p class="empty">{say("loading")}</p>;
-  const put = (signal: string, column: string, unit = "") => void propose({ model: proposal.model, columns: moved(proposal.pins, signal, column, unit) });
+  const put = (signal: string, column: string, unit = "") => {
+    const pins = moved(proposal.pins, signal, column, unit);
+    void propose({ model: proposal.model, columns: columnsOf(pins) }, { pins });
+  };
+  const setGate = (gate: GateBound[]) => void propose({ gate }, { gate });
   const takeKind = (model: string) => {
     asked.current = {};  // what was said of another machine
-    void propose({ model });
+    void propose({ model }, { model });
   };
   const setGeometry = (name: string, value: number | null) => {
     const geometry = { ...asked.current.geometry };
@@ -131,8 +138,8 @@ export function Mapping() {
       {picture && <>
         <LogView picture={picture} />
         <p class="quiet">{say("gateDrag")}</p>
-        <GatePlots picture={picture} bounds={proposal.gate} set={(gate) => void propose({ gate })} />
-        <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={(gate) => void propose({ gate })} />
+        <GatePlots picture={picture} bounds={proposal.gate} set={setGate} />
+        <GateThresholds bounds={proposal.gate} pins={proposal.pins} set={setGate} />
       </>}
       <details><summary>{say("mapDecided")}</summary>
         <ul class="decided"><ToldList of={proposal.decided} german={proposal.german?.decided} /><ToldList of={proposal.open} german={proposal.german?.open} /></ul></details>
@@ -145,7 +152,7 @@ export function Mapping() {
           : proposal.balance?.output === "" ? say("balanceNeeded")
           : <>{say("mapNotReady")}<Told of={proposal.problem} what="error" /></>}
       </p>
-      <button class="primary" disabled={proposal.problem !== null || odd !== undefined} onClick={() => void accept()}>{say("mapGo")}</button>
+      <button class="primary" disabled={proposal.problem !== null || odd !== undefined || answered !== latest.current} onClick={() => void accept()}>{say("mapGo")}</button>
     </section>
   );
 }
