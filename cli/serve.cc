@@ -1,4 +1,3 @@
-#include <malloc.h>
 #include <systemd/sd-daemon.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +12,7 @@
 #include "core/secret_file.h"
 #include "host/output.h"
 #include "host/real_clock.h"
+#include "host/resident_memory.h"
 #include "host/signals.h"
 #include "live/live_service.h"
 #include "live/log.h"
@@ -37,13 +37,6 @@ struct ServeArguments {
   double raw_days = 7, raw_gigabytes = 4, min_free_megabytes = 64, queue_megabytes = 128,
          valve_check_hours = 0;
 };
-
-/// What the writer's thread frees behind a stroke the pipeline's thread needs at the next one: it is kept,
-/// not given back to the system and fetched anew page by page while estimates wait.
-void KeepFreedMemory() {
-  mallopt(M_TRIM_THRESHOLD, 64 << 20);
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
-}
 
 /// Feeds systemd's watchdog from the pipeline's thread, four times as often as it asks for.
 LiveService::Heartbeat Watchdog(const Clock& clock) {

@@ -9,7 +9,9 @@
 #include "core/clock.h"
 #include "core/constants.h"
 #include "core/units.h"
+#include "host/resident_memory.h"
 #include "host/text_file.h"
+#include "live/burst_memory.h"
 #include "live/log.h"
 #include "models/model_structure.h"
 #include "models/source_kind.h"
@@ -19,11 +21,12 @@
 namespace hydroscope {
 namespace {
 
-constexpr double kRound = 0.005;         ///< s the pipeline's thread waits for batches
-constexpr double kStatusPeriod = 1.0;    ///< s
-constexpr double kStreamPeriod = 0.1;    ///< s within which rows of a stream come
-constexpr double kRatePeriod = 2.0;      ///< s
-constexpr double kDrainPatience = 10.0;  ///< s
+constexpr double kRound = 0.005;            ///< s the pipeline's thread waits for batches
+constexpr double kStatusPeriod = 1.0;       ///< s
+constexpr double kStreamPeriod = 0.1;       ///< s within which rows of a stream come
+constexpr double kRatePeriod = 2.0;         ///< s
+constexpr double kDrainPatience = 10.0;     ///< s
+constexpr std::size_t kItemsTogether = 16;  ///< handed to the writer, which works beside the next ones
 constexpr int kStepsPerRound = 8;  ///< without a stroke: 2 ms of packing that strokes may have to wait for
 
 constexpr std::chrono::milliseconds kFreshStatus(100);  ///< the pipeline's thread has to tell its state
@@ -226,6 +229,7 @@ bool LiveService::Stop() {
 }
 
 void LiveService::Run() {
+  FetchMemory(BurstMemory(axes_.size()));
   std::int64_t status_at = 0;
   for (bool last = false; !last;) {
     last = stop_;
@@ -243,7 +247,10 @@ void LiveService::Run() {
       }
     }
     int steps = kStepsPerRound;
-    for (std::size_t a = 0; a < axes_.size(); ++a) ProcessAxis(static_cast<int>(a), now.monotonic_ns, steps);
+    std::vector<WriteItem> items;
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+      ProcessAxis(static_cast<int>(a), now.monotonic_ns, steps, items);
+    writer_->Push(std::move(items));
     ++heartbeats_;
     if (heartbeat_) heartbeat_();
     if (status_wanted_.exchange(false) || Seconds(now.monotonic_ns - status_at) >= kStatusPeriod) {
@@ -252,12 +259,11 @@ void LiveService::Run() {
     }
   }
   for (std::size_t a = 0; a < axes_.size(); ++a)
-    for (WriteItem& item : axes_[a]->pipeline->Finish(aligner_->marks(static_cast<int>(a))))
-      writer_->Push(std::move(item));
+    writer_->Push(axes_[a]->pipeline->Finish(aligner_->marks(static_cast<int>(a))));
 }
 
-/// `steps`: how many steps without a stroke may still be stored in this round.
-void LiveService::ProcessAxis(int a, std::int64_t now, int& steps) {
+/// `steps`: how many steps without a stroke may still be stored in this round; `items`: of the round, for the writer.
+void LiveService::ProcessAxis(int a, std::int64_t now, int& steps, std::vector<WriteItem>& items) {
   AxisState& axis = *axes_[static_cast<std::size_t>(a)];
   SampleBlock block;
   bool stroke = false;
@@ -279,24 +285,25 @@ void LiveService::ProcessAxis(int a, std::int64_t now, int& steps) {
       item.taken = clock_().monotonic_ns;
       item.sent = start_.monotonic_ns + std::llround(newest * 1e9 - static_cast<double>(start_.wall_ns));
     }
-    writer_->Push(std::move(item));
+    items.push_back(std::move(item));
+    if (items.size() >= kItemsTogether) writer_->Push(std::move(items));
     axis.stored = now;
   }
   const double length = Seconds(now - axis.run_begun);
   const bool pause = stroke || length > 1.5 * options_.run_length || axis.pipeline->run_rows() == 0;
-  if (pause && (axis.new_run_wanted || length > options_.run_length)) BeginNewRun(a);
+  if (pause && (axis.new_run_wanted || length > options_.run_length)) BeginNewRun(a, items);
 }
 
-void LiveService::BeginNewRun(int a) {
+void LiveService::BeginNewRun(int a, std::vector<WriteItem>& items) {
   AxisState& axis = *axes_[static_cast<std::size_t>(a)];
   axis.new_run_wanted = false;
   axis.run_begun = clock_().monotonic_ns;
-  auto items = axis.pipeline->BeginNewRun(axis.model, aligner_->marks(a));
-  if (!items) {
-    LogError("run_goes_on", {{"axis", AxisMachineName(model_->machine, a)}, {"why", items.error().text}});
+  auto begun = axis.pipeline->BeginNewRun(axis.model, aligner_->marks(a));
+  if (!begun) {
+    LogError("run_goes_on", {{"axis", AxisMachineName(model_->machine, a)}, {"why", begun.error().text}});
     return;
   }
-  for (WriteItem& item : *items) writer_->Push(std::move(item));
+  for (WriteItem& item : *begun) items.push_back(std::move(item));
 }
 
 Status LiveService::Reload() {

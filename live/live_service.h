@@ -72,8 +72,8 @@ class LiveService {
               Clock clock, Heartbeat heartbeat);
   Result<LiveWriter::Axis> OpenAxis(Database& database, int axis, std::vector<std::uint8_t>& marks);
   void Run();
-  void ProcessAxis(int axis, std::int64_t now, int& steps);
-  void BeginNewRun(int axis);
+  void ProcessAxis(int axis, std::int64_t now, int& steps, std::vector<WriteItem>& items);
+  void BeginNewRun(int axis, std::vector<WriteItem>& items);
   void UpdateStatus(HostTime now);
   std::vector<ChannelStatus> Channels(std::int64_t now);
   std::vector<SenderStatus> Senders(std::int64_t now) const;

@@ -8,6 +8,8 @@
 #include <map>
 
 #include "core/quantile.h"
+#include "host/resident_memory.h"
+#include "live/burst_memory.h"
 #include "live/log.h"
 #include "monitor/promoted_model.h"
 #include "pipeline/run_summary.h"
@@ -81,14 +83,18 @@ LiveWriter::LiveWriter(Database database, std::string path, std::vector<std::str
 
 LiveWriter::~LiveWriter() { Stop(0); }
 
-void LiveWriter::Push(WriteItem&& item) {
+void LiveWriter::Push(std::vector<WriteItem>&& items) {
+  if (items.empty()) return;
   {
     std::lock_guard lock(mutex_);
-    status_.waiting_bytes += Bytes(item);
-    status_.waiting_strokes += static_cast<std::int64_t>(item.step.strokes.size());
-    items_.push_back(std::move(item));
+    for (WriteItem& item : items) {
+      status_.waiting_bytes += Bytes(item);
+      status_.waiting_strokes += static_cast<std::int64_t>(item.step.strokes.size());
+      items_.push_back(std::move(item));
+    }
     Trim();
   }
+  items.clear();
   changed_.notify_one();
 }
 
@@ -117,13 +123,13 @@ void LiveWriter::Trim() {
 }
 
 void LiveWriter::Run() {
+  FetchMemory(BurstMemory(axes_.size()));
   std::unique_lock lock(mutex_);
   while (WaitForWork(lock)) {
     lock.unlock();
     const Status file = LookAtFile();
     Status done = !file || !HasCurrent() ? file : DiskHasRoom() ? Work() : NoRoom();
     if (done && !HasCurrent() && CheckpointIsDue()) done = Checkpoint();
-    written_ = LastWritten(path_);
     lock.lock();
     if (!done && IsDamage(done.error(), path_)) damage_ = done.error().text;
     if (done || (file && damage_.empty() && !MayPass(done.error()))) {
@@ -138,6 +144,7 @@ void LiveWriter::Run() {
 /// Waits for the database as a step does, so that who is in its way is told from here on.
 Status LiveWriter::Checkpoint() {
   const Status done = database_->Checkpoint();
+  written_ = LastWritten(path_);
   if (!done && MayPass(done.error())) return done;
   not_checkpointed_ = 0;
   return {};
@@ -264,7 +271,8 @@ Status LiveWriter::LookAtFile() {
   const std::int64_t now = clock_().monotonic_ns;
   if (database_ && FileIdentity::Of(path_) == file_) {
     gone_since_ = 0;
-    if (LastWritten(path_) != written_) LookForDamage();
+    const std::int64_t written = LastWritten(path_);
+    if (written != written_ && LookForDamage()) written_ = written;
     return {};
   }
   if (gone_since_ == 0) gone_since_ = now;
@@ -272,10 +280,11 @@ Status LiveWriter::LookAtFile() {
   return BeginAnew("the database file was deleted, moved or replaced", false);
 }
 
-/// Somebody else wrote into the file: another program of ours, or one that damages it.
-void LiveWriter::LookForDamage() {
+/// Somebody else wrote into the file: another program of ours, or one that damages it. False: a look is under way that may have
+/// passed the place already.
+bool LiveWriter::LookForDamage() {
   std::lock_guard lock(mutex_);
-  if (std::exchange(checking_, true)) return;
+  if (std::exchange(checking_, true)) return false;
   checker_ = std::jthread([this](const std::stop_token& stop) {
     const Status sound = Database::Check(path_, stop);
     {
@@ -286,6 +295,7 @@ void LiveWriter::LookForDamage() {
     }
     changed_.notify_all();
   });
+  return true;
 }
 
 /// Another file that lies in place of ours is used if it is a database of ours, else it is set aside.
@@ -307,6 +317,7 @@ Status LiveWriter::BeginAnew(const std::string& why, bool damaged) {
     return begun;
   }
   file_ = FileIdentity::Of(path_);
+  written_ = LastWritten(path_);
   gone_since_ = 0;
   std::lock_guard lock(mutex_);
   damage_.clear();

@@ -69,7 +69,8 @@ class LiveWriter {
              WriterOptions options, Clock clock, Acknowledged acknowledged);
   ~LiveWriter();
 
-  void Push(WriteItem&& item);
+  /// What belongs together is handed over at once: it then shares a transaction. Leaves `items` empty.
+  void Push(std::vector<WriteItem>&& items);
   /// Writes what waits, for at most `seconds`, and ends the thread. False: something could not be written.
   bool Stop(double seconds);
   WriterStatus status() const;
@@ -91,7 +92,7 @@ class LiveWriter {
   Status BeginAnew(const std::string& why, bool damaged);
   Status BeginRuns();
   Status BeginRun(Axis& axis, const char* ending);
-  void LookForDamage();
+  bool LookForDamage();
   bool CheckpointIsDue() const;
   Status Checkpoint();
   void Settle(const Status& done);
@@ -107,8 +108,9 @@ class LiveWriter {
   std::vector<Axis> axes_;
   WriterOptions options_;
   Clock clock_;
-  FileIdentity file_;            ///< the database as it was opened
-  std::int64_t written_ = 0;     ///< ns since 1970, when it was last written by us
+  FileIdentity file_;  ///< the database as it was opened
+  std::int64_t written_ =
+      0;  ///< ns since 1970, when it was last written as far as we know: steps go into the log beside it
   std::int64_t gone_since_ = 0;  ///< ns, monotonic; 0: it is there
   Acknowledged acknowledged_;
   mutable std::mutex mutex_;

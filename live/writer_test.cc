@@ -1,10 +1,14 @@
 #include "live/writer.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 #include <thread>
 
 #include "host/real_clock.h"
@@ -27,39 +31,71 @@ bool Wait(double seconds, const Condition& condition) {
   return false;
 }
 
-TEST(LiveWriter, ALockThatACheckpointMeetsIsToldAsSoonAsOneThatAStepMeets) {
+/// A writer of one axis with a database of its own.
+class LiveWriterTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    ASSERT_TRUE(Database::Open(path_));  // and closed: its tables lie in the file itself, not in the log
+    auto database = Database::Open(path_);
+    ASSERT_TRUE(database) << database.error().text;
+    ASSERT_TRUE(database->LeaveCheckpointsToPauses());
+    LiveWriter::Axis axis;
+    axis.name = "press";
+    axis.model = std::make_shared<LiveModel>();
+    const auto machine = database->MachineId(axis.name);
+    ASSERT_TRUE(machine);
+    const auto version = VersionFor(*database, *machine, {1, "", {}, 0, {}});
+    ASSERT_TRUE(version) << version.error().text;
+    const auto run = database->BeginRun(*machine, *version, kLiveSource, "live/press/1");
+    ASSERT_TRUE(run) << run.error().text;
+    axis.machine = *machine;
+    axis.run = run->id;
+    WriterOptions options;
+    options.min_free = 0;
+    writer_ = std::make_unique<LiveWriter>(std::move(*database), path_, std::vector<std::string>{},
+                                           std::vector<LiveWriter::Axis>{axis}, options, RealTime,
+                                           LiveWriter::Acknowledged{});
+  }
+  void TearDown() override {
+    EXPECT_TRUE(writer_->Stop(5));
+    std::filesystem::remove_all(folder_);
+  }
+
+  const std::string folder_ = fmt::format("{}writer_{}", testing::TempDir(), getpid());
+  const std::string path_ = folder_ + "/press.db";
+  std::unique_ptr<LiveWriter> writer_;
+};
+
+TEST_F(LiveWriterTest, ALockThatACheckpointMeetsIsToldAsSoonAsOneThatAStepMeets) {
   constexpr double kLockSeen = 13;  // s; SQLite waits 10 s
   constexpr int kStepsToACheckpoint = 128;
-  const std::string path = testing::TempDir() + "writer.db";
-  std::filesystem::remove(path);
-  auto database = Database::Open(path);
-  ASSERT_TRUE(database) << database.error().text;
-  ASSERT_TRUE(database->LeaveCheckpointsToPauses());
-  const auto machine = database->MachineId("press");
-  ASSERT_TRUE(machine);
-  const auto version = VersionFor(*database, *machine, {1, "", {}, 0, {}});
-  ASSERT_TRUE(version) << version.error().text;
-  const auto run = database->BeginRun(*machine, *version, kLiveSource, "live/press/1");
-  ASSERT_TRUE(run) << run.error().text;
-  LiveWriter::Axis axis;
-  axis.machine = *machine;
-  axis.run = run->id;
-  WriterOptions options;
-  options.min_free = 0;
-  LiveWriter writer(std::move(*database), path, {}, {axis}, options, RealTime, {});
   for (int step = 1; step <= kStepsToACheckpoint; ++step) {
-    writer.Push({});
-    ASSERT_TRUE(Wait(10, [&] { return writer.status().steps == step; }));
+    writer_->Push(std::vector<WriteItem>(1));
+    ASSERT_TRUE(Wait(10, [&] { return writer_->status().steps == step; }));
   }
   {
-    SQLite::Database other(path, SQLite::OPEN_READWRITE);
+    SQLite::Database other(path_, SQLite::OPEN_READWRITE);
     other.exec("BEGIN IMMEDIATE");
-    EXPECT_TRUE(Wait(kLockSeen, [&] { return writer.status().state == WriterState::kLocked; }));
-    EXPECT_EQ(writer.status().waiting_items, 0);
+    EXPECT_TRUE(Wait(kLockSeen, [&] { return writer_->status().state == WriterState::kLocked; }));
+    EXPECT_EQ(writer_->status().waiting_items, 0);
   }
-  EXPECT_TRUE(Wait(5, [&] { return writer.status().state == WriterState::kWriting; }));
-  EXPECT_TRUE(writer.Stop(5));
-  std::filesystem::remove(path);
+  EXPECT_TRUE(Wait(5, [&] { return writer_->status().state == WriterState::kWriting; }));
+}
+
+TEST_F(LiveWriterTest, ADamageIsSeenHoweverBusyItWrites) {
+  std::jthread busy([this](const std::stop_token& stop) {
+    while (!stop.stop_requested())
+      if (writer_->status().waiting_items < 4) writer_->Push(std::vector<WriteItem>(1));
+  });
+  ASSERT_TRUE(Wait(10, [&] { return writer_->status().steps > 500; }));
+  {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(16 << 10);
+    file << std::string(64 << 10, 'x');
+  }
+  EXPECT_TRUE(Wait(10, [&] { return writer_->status().databases == 2; })) << writer_->status().problem;
 }
 
 }  // namespace
