@@ -253,7 +253,7 @@ void AddAlarmsCommand(CLI::App& app, int& exit_code) {
   add("list", "Alarms that stand", List);
   const auto on_alarm = [&](const char* name, const char* text, auto run) {
     CLI::App* sub = add(name, text, run);
-    sub->add_option("alarm", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
+    sub->add_option("ALARM", a->alarm, "Number of the list, ALARM or MACHINE/ALARM")->required();
     return sub;
   };
   on_alarm("ack", "Acknowledge an alarm", [](const AlarmsArguments& o) {

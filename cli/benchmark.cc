@@ -255,7 +255,7 @@ void AddExampleLog(CLI::App& benchmark, int& exit_code) {
   const auto [command, o] = AddStudy(
       benchmark, "example-log", "Fit of an example log against its known truth", RunExampleLog, exit_code);
   o->machine_file = "machines/die_cushion.toml";
-  command->add_option("log", o->log, "Log without hidden effect (CSV, CSV.gz or MAT)")->required();
+  command->add_option("LOG", o->log, "Log without hidden effect (CSV, CSV.gz or MAT)")->required();
   command->add_option("--machine,-m", o->machine_file, "Machine file (TOML)");
   command->add_option("--K", o->K, "True bulk modulus, Pa");
   command->add_option("--V0", o->V0, "True dead volume, m3");

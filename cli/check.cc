@@ -59,7 +59,7 @@ void AddCheckCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = app.add_subcommand(
       "check", "Signal quality, gate and excitation of a log: what can be identified from it");
-  command->add_option("log", arguments->log, "Log (CSV, CSV.gz or MAT), or raw window (press.db#axis)");
+  command->add_option("LOG", arguments->log, "Log (CSV, CSV.gz or MAT), or raw window (press.db#axis)");
   command->add_option("--machine,-m", arguments->machine, "Machine file (TOML)");
   command->add_option("--live", arguments->live,
                       "Listen to the machine of this machine file in place of a log");

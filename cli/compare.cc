@@ -86,7 +86,7 @@ void AddCompareCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
       "compare", "Measured against modelled flow: error beside sensor noise, and where the model fails");
-  command->add_option("logs", a->logs, "Logs of one machine (CSV, CSV.gz or MAT)");
+  command->add_option("LOG", a->logs, "Logs of one machine (CSV, CSV.gz or MAT)");
   command->add_option("--hold-out", a->hold_out,
                       "Log the model is not fitted to: its error on it is given as well");
   command->add_option("--machine,-m", a->machine,

@@ -192,7 +192,7 @@ void AddExplainCommand(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<ExplainArguments>();
   CLI::App* command = app.add_subcommand(
       "explain", "Which physical effect the model misses: verdict, evidence and what to do next");
-  command->add_option("logs", a->logs,
+  command->add_option("LOG", a->logs,
                       "Logs of one machine, their strokes or episodes summed (CSV, CSV.gz or MAT)");
   command->add_option("--machine,-m", a->machine,
                       "Machine file (TOML); with --db the model stored there if it is not given");

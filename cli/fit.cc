@@ -35,7 +35,7 @@ void AddFitCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<FitArguments>();
   CLI::App* command = app.add_subcommand(
       "fit", "Physical parameters of the model from logs of one machine, with 95 % intervals");
-  command->add_option("logs", options->logs, "Logs of one machine (CSV, CSV.gz or MAT)")->required();
+  command->add_option("LOG", options->logs, "Logs of one machine (CSV, CSV.gz or MAT)")->required();
   command->add_option("--hold-out", options->hold_out,
                       "Log the model is not fitted to: its error on it is given as well");
   command->add_option("--machine,-m", options->machine, "Machine file (TOML)")->required();

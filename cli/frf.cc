@@ -98,7 +98,7 @@ void AddFrfCommand(CLI::App& app, int& exit_code) {
       app.add_subcommand("frf",
                          "Frequency response of the valve from a sweep, chirp or noise and its "
                          "second-order model, or of a test cylinder in closed loop");
-  command->add_option("log", a->log, "Log with command and response (CSV, CSV.gz or MAT)")->required();
+  command->add_option("LOG", a->log, "Log with command and response (CSV, CSV.gz or MAT)")->required();
   command
       ->add_option("--machine,-m", a->machine,
                    "Machine file (TOML); of a valve its [valve] table names command and response")

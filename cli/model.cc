@@ -93,10 +93,10 @@ void AddChangeCommand(CLI::App& model, const std::shared_ptr<ModelOptions>& opti
                       const std::string& name, const std::string& what, MakeNext make_next) {
   CLI::App* command = model.add_subcommand(name, what);
   ModelChange& change = options->change;
-  command->add_option("effect", change.effect, "Id of the effect, see 'hydroscope model effects'")
+  command->add_option("EFFECT", change.effect, "Id of the effect, see 'hydroscope model effects'")
       ->required();
   command->add_option(
-      "logs", change.logs,
+      "LOG", change.logs,
       "Logs of one machine: on their strokes or episodes the model before and after is judged");
   command->add_option("--hold-out", change.hold_out,
                       "Log the models are not fitted to: their errors on it are given as well");

@@ -94,7 +94,7 @@ void AddOpenCommand(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<PageOptions>();
   CLI::App* command = app.add_subcommand(
       "open", "In a browser: the workbench over logs, or overview, trends and alarms of a database");
-  command->add_option("logs", options->logs,
+  command->add_option("LOG", options->logs,
                       "Logs of one machine (CSV, CSV.gz or MAT); without any, the page takes one");
   command->add_option(
       "--machine,-m", options->machine,

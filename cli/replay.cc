@@ -43,7 +43,7 @@ void AddReplayCommand(CLI::App& app, int& exit_code) {
   ReplayOptions& o = arguments->options;
   CLI::App* command = app.add_subcommand(
       "replay", "The live pipeline over historical logs: trends into a database, and a report");
-  command->add_option("log", o.logs, "Logs in the order of their recording (CSV, CSV.gz or MAT)")->required();
+  command->add_option("LOG", o.logs, "Logs in the order of their recording (CSV, CSV.gz or MAT)")->required();
   command->add_option("--machine,-m", o.machine_file, "Machine file (TOML)")->required();
   command->add_option("--db,-d", o.database, "Trend database; created if it does not exist")->required();
   command->add_option("--axis,-a", o.axis,

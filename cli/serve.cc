@@ -191,7 +191,7 @@ void AddServeCommand(CLI::App& app, int& exit_code) {
   ServeArguments& a = *arguments;
   CLI::App* command =
       app.add_subcommand("serve", "Watches a machine live: signals in, trends and Grams into the database");
-  command->add_option("machine", a.live.machine_file, "Machine file with a [live] section (TOML)")
+  command->add_option("MACHINE", a.live.machine_file, "Machine file with a [live] section (TOML)")
       ->required();
   command->add_option("--db,-d", a.live.database, "Trend database; created if it does not exist")->required();
   command

@@ -150,7 +150,7 @@ void AddShellCommands(CLI::App& app, int& exit_code) {
   auto shell = std::make_shared<std::string>();
   CLI::App* completion =
       app.add_subcommand("completion", "Completion of commands and options for the shell, on stdout");
-  completion->add_option("shell", *shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
+  completion->add_option("SHELL", *shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
   completion->footer(
       "Examples:\n"
       "  eval \"$(hydroscope completion bash)\"\n"

@@ -175,7 +175,7 @@ void AddSimulateLog(CLI::App& simulate, int& exit_code) {
   CLI::App* app =
       simulate.add_subcommand("log", "A recorded log, sent live as if its machine were at work now");
   auto a = std::make_shared<SentLog>();
-  app->add_option("log", a->log, "Log to send, CSV or MAT")->required()->type_name("LOG");
+  app->add_option("LOG", a->log, "Log to send, CSV or MAT")->required()->type_name("LOG");
   app->add_option("--serve", a->machine,
                   "Machine file: its columns say what the log holds, its [live.dds] where it is sent")
       ->required()

@@ -10,6 +10,7 @@
 #include "cli/trend_summary.h"
 #include "core/constants.h"
 #include "core/interval_text.h"
+#include "core/printable.h"
 #include "core/shown_width.h"
 #include "core/time_text.h"
 #include "core/units.h"
@@ -133,7 +134,9 @@ std::string AlarmsText(const MachineTrends& trends) {
   return text.empty() ? text : "\nAlarms of the drift watch\n" + text;
 }
 
-std::string Quoted(const std::string& field) {
+/// A field of CSV, which may be shown on a terminal.
+std::string Field(const std::string& text) {
+  const std::string field = Printable(text);
   if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
   std::string quoted = "\"";
   for (const char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
@@ -148,7 +151,7 @@ double Celsius(double kelvin) { return std::round((kelvin - kZeroCelsius) * 1e6)
 std::string CsvRow(const std::string& machine, const TrendPoint& p) {
   const Estimate& e = p.estimate;
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", machine, p.run, p.stroke, p.sequence,
-                     Number(p.time), Quoted(e.parameter), Number(e.value), Number(e.std), Quoted(e.unit),
+                     Number(p.time), Field(e.parameter), Number(e.value), Number(e.std), Field(e.unit),
                      Number(Celsius(p.oil_temperature)), ReasonName(e.reason), Number(e.excitation),
                      Number(e.last_excited));
 }
@@ -233,7 +236,7 @@ Status WriteTrendCsv(const std::string& path, const std::vector<MachineTrends>& 
       "machine,run,stroke,sequence,time_s,parameter,value,std,unit,oil_temperature_degC,reason,excitation,"
       "last_excited_s\n");
   for (const MachineTrends& trends : machines) {
-    const std::string machine = Quoted(trends.machine);
+    const std::string machine = Field(trends.machine);
     bool written = true;
     const Status read = points(
         trends, [&](const TrendPoint& point) { return written = sink->Write(CsvRow(machine, point)); });

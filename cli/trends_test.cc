@@ -148,6 +148,24 @@ TEST(Trends, CsvHasEveryPointWithEveryDigit) {
   }
 }
 
+TEST(Trends, ANameFromOutsideCannotSteerATerminal) {
+  const Folder folder;
+  {
+    Database database = Value(Database::Open(folder.File()));
+    const auto machine = Value(database.MachineId("press\x1b[2J 7"));
+    const int version = Value(database.PutModelVersion(machine, {0, "", ColumnNames(6)}));
+    const auto run = Value(database.BeginRun(machine, version, "b\x1b.csv", "b"));
+    EXPECT_OK(database.StoreStrokes(run.id, MakeStrokes(0, 3)));
+  }
+  for (const char* format : {"--csv", "--json"}) {
+    const Outcome run = Trends({"--db", folder.File(), format, "-"});
+    EXPECT_EQ(run.code, kDone);
+    EXPECT_THAT(run.out, HasSubstr("[2J 7"));
+    EXPECT_THAT(run.out, Not(HasSubstr("\x1b"))) << format;
+  }
+  EXPECT_THAT(Trends({"--db", folder.File()}).out, Not(HasSubstr("\x1b")));
+}
+
 TEST(Trends, JsonHasTheSamePointsAndCanBeCutToOneParameterAndTheLastStrokes) {
   const Folder folder;
   FillPress(folder.File());

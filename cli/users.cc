@@ -149,7 +149,7 @@ void AddUsersCommand(CLI::App& app, int& exit_code) {
     return command;
   };
   const auto takes_name = [&](CLI::App* command) {
-    command->add_option("name", arguments->name, "Up to 64 letters, digits and . _ - @")->required();
+    command->add_option("NAME", arguments->name, "Up to 64 letters, digits and . _ - @")->required();
     return command;
   };
   const auto takes_role = [&](CLI::App* command) {

@@ -58,10 +58,11 @@ TEST_F(CommandLine, AWrongValueIsToldWithWhatIsExpected) {
            Case{{"trends", "--db", "x.db", "--last", "abc"}, "--last abc: expected a whole number above 0"},
            Case{{"serve", "m.toml", "--db", "x.db", "--port", "99999"},
                 "--port 99999: expected a whole number from 0 to 65535"},
-           Case{{"completion", "fish"}, "shell fish: expected bash or zsh"},
+           Case{{"completion", "fish"}, "SHELL fish: expected bash or zsh"},
            Case{{"simulate", "press", "--seconds", "abc", "--out", "x.csv"},
                 "--seconds abc: expected a number"},
-           Case{{"fit", "x.csv"}, "--machine is missing"},
+           Case{{"fit"}, "LOG is missing: Logs of one machine"},
+           Case{{"fit", "x.csv"}, "--machine is missing: Machine file"},
            Case{{"learn", "--db"}, "--db: its value is missing"},
        }) {
     const Ran ran = Run(c.words);

@@ -1,5 +1,6 @@
 #include <signal.h>
 
+#include <filesystem>
 #include <fstream>
 #include <random>
 #include <set>
@@ -110,6 +111,16 @@ void CheckHeard(const std::vector<JournalRow>& rows, const std::vector<HeardRow>
   counts.heard = static_cast<std::int64_t>(different.size());
 }
 
+/// Waits until the process has said something, so that there is something to lose on a slow computer too.
+void AwaitFirstWord(const std::string& log, std::uintmax_t before) {
+  constexpr double kLongest = 60, kLook = 0.005;  // s
+  std::error_code none;
+  for (double waited = 0; waited < kLongest && std::filesystem::file_size(log, none) <= before;
+       waited += kLook)
+    Sleep(kLook);
+}
+
+/// Lives are killed at a random time: every second one counted from its start, the others from its first word.
 Status Kill(const AlarmRig& rig, const AlarmKillOptions& o) {
   std::mt19937_64 random(o.seed);
   std::uniform_real_distribution<double> life(0.05, 0.8);
@@ -118,10 +129,15 @@ Status Kill(const AlarmRig& rig, const AlarmKillOptions& o) {
     auto arguments = rig.Load("load");
     arguments.insert(arguments.end(),
                      {"--seed", std::to_string(o.seed * 100'000 + static_cast<std::uint64_t>(k))});
-    Child writer(arguments, rig.File("load.log"));
+    const std::string log = rig.File("load.log");
+    std::error_code none;
+    const std::uintmax_t before =
+        std::filesystem::exists(log, none) ? std::filesystem::file_size(log, none) : 0;
+    Child writer(arguments, log);
+    if (k % 2 == 1) AwaitFirstWord(log, before);
     Sleep(life(random));
     if (writer.End(SIGKILL) != 128 + SIGKILL)
-      return InternalError("the writing process ended by itself: see {}", rig.File("load.log"));
+      return InternalError("the writing process ended by itself: see {}", log);
     progress.Update(static_cast<double>(k + 1) / o.times, k + 1);
   }
   Child drain(rig.Load("drain"), rig.File("drain.log"));
